@@ -1,0 +1,3 @@
+//! Time stepping. Knows nothing of mechanics.
+
+pub mod problem;

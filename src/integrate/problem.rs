@@ -1,0 +1,57 @@
+//! What an integrator needs to know of a system: nothing of mechanics.
+
+use std::fmt;
+
+/// A second-order system in hinge coordinates: `q̇ = N(q) v`, `v̇ = a(t, q, v)`.
+///
+/// `q` may hold unit quaternions (then it is longer than `v`); they are stepped as plain numbers in R⁴ and normalised
+/// after the step.
+pub trait Problem {
+    /// Number of coordinates `q`.
+    fn position_count(&self) -> usize;
+    /// Number of velocities `v`.
+    fn velocity_count(&self) -> usize;
+    /// `a ← a(t, q, v)`.
+    ///
+    /// # Errors
+    /// Where the system is singular or a number is not finite; the failure names the element.
+    fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure>;
+    /// `rate ← N(q) v`: for plain coordinates `v`, for a quaternion `½ p ∘ (0, ω)`.
+    fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]);
+    /// Normalises the quaternions of `q`.
+    fn normalize(&self, q: &mut [f64]);
+    /// The sizes at which an absolute error counts as much as a relative one, per coordinate of `q` and of `v`:
+    /// 1 rad and the scene's length for positions, the same per the scene's time for velocities.
+    fn scales(&self) -> (&[f64], &[f64]);
+}
+
+/// What implicit methods need beyond [`Problem`].
+pub trait ImplicitProblem: Problem {
+    /// Solves `q = start + step N(q) v` for `q`: in closed form for plain coordinates and for quaternions.
+    fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]);
+    /// `r ← M(q) a + b(t, q, v) − τ(t, q, v)`, the inverse dynamics residual.
+    ///
+    /// # Errors
+    /// Where a number is not finite.
+    fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure>;
+    /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates).
+    ///
+    /// # Errors
+    /// Where it is singular.
+    fn factorize(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], c1: f64, c2: f64) -> Result<(), Failure>;
+    /// Solves with the last factorization, in place.
+    fn solve(&mut self, rhs: &mut [f64]);
+}
+
+/// Why a system could not be evaluated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// The element and what happened there, for people.
+    pub message: String,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}

@@ -1,0 +1,8 @@
+//! A multibody simulator that starts at rest.
+
+pub mod integrate;
+pub mod model;
+pub mod record;
+pub mod simulate;
+pub mod spatial;
+pub mod statics;

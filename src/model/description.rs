@@ -1,0 +1,254 @@
+//! What a user describes: plain data, not yet checked. [`Model::build`](super::Model::build) checks it and compiles it.
+//!
+//! SI units and radians throughout. Nothing here is resolved: parents and markers are still names, so that code and
+//! scenario files go through the same checks.
+
+use super::shape::Shape;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+/// The name of the inertial frame where a parent or a body is asked for.
+pub const GROUND: &str = "ground";
+
+/// A scene: bodies, each with the hinge that carries it, and what pushes them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// One line for people.
+    pub title: String,
+    /// Gravitational acceleration, inertial axes [m/s²].
+    pub gravity: Vector3<f64>,
+    /// The bodies in any order: a child may stand before its parent.
+    pub bodies: Vec<BodyDescription>,
+    /// Springs, bushings and loads.
+    pub forces: Vec<ForceDescription>,
+}
+
+impl Default for Description {
+    fn default() -> Self {
+        Self { title: String::new(), gravity: Vector3::new(0.0, 0.0, -9.80665), bodies: Vec::new(), forces: Vec::new() }
+    }
+}
+
+/// A rigid body and the hinge that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyDescription {
+    /// Unique name.
+    pub name: String,
+    /// Mass, centre of mass and inertia.
+    pub mass: MassProperties,
+    /// Named points, body axes, from the root marker [m].
+    pub markers: Vec<(String, Vector3<f64>)>,
+    /// For pictures only.
+    pub shapes: Vec<Shape>,
+    /// The inboard hinge.
+    pub hinge: HingeDescription,
+}
+
+/// Mass properties of a rigid body, body axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassProperties {
+    /// Mass [kg], ≥ 0.
+    pub mass: f64,
+    /// Centre of mass from the root marker [m].
+    pub center: Vector3<f64>,
+    /// Inertia about the **centre of mass** [kg m²], symmetric.
+    pub inertia: Matrix3<f64>,
+}
+
+/// The inboard hinge of a body: where it sits on the parent, which motion it leaves free, and what acts in it.
+///
+/// The lists hold one value per coordinate (`position`) or per velocity (all others); a list of one value where more
+/// are needed is not widened here. Empty lists mean the defaults: zero, and the identity for a quaternion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HingeDescription {
+    /// Which motion is free.
+    pub kind: HingeKind,
+    /// Name of the parent body, or [`GROUND`].
+    pub parent: String,
+    /// Where on the parent.
+    pub at: Point,
+    /// Fixed turn of the hinge frame in the parent: `parent_from_hinge`.
+    pub frame: UnitQuaternion<f64>,
+    /// Start or guess, see [`HingeKind`] for order and units.
+    pub position: Vec<f64>,
+    /// Start velocities.
+    pub velocity: Vec<f64>,
+    /// Spring stiffness per velocity [N/m or N m/rad].
+    pub stiffness: Vec<f64>,
+    /// Damping per velocity [N s/m or N m s/rad].
+    pub damping: Vec<f64>,
+    /// Coordinates at which the spring is relaxed (as `position`: a quaternion for spherical hinges).
+    pub rest: Vec<f64>,
+    /// Added hinge inertia per velocity [kg or kg m²].
+    pub armature: Vec<f64>,
+    /// Constant motor force per velocity [N or N m].
+    pub force: Vec<f64>,
+    /// Held during statics.
+    pub lock: bool,
+}
+
+impl HingeDescription {
+    /// A hinge of this kind on the ground's origin with nothing acting in it.
+    pub fn new(kind: HingeKind) -> Self {
+        Self {
+            kind,
+            parent: GROUND.to_owned(),
+            at: Point::At(Vector3::zeros()),
+            frame: UnitQuaternion::identity(),
+            position: Vec::new(),
+            velocity: Vec::new(),
+            stiffness: Vec::new(),
+            damping: Vec::new(),
+            rest: Vec::new(),
+            armature: Vec::new(),
+            force: Vec::new(),
+            lock: false,
+        }
+    }
+}
+
+/// The motions a hinge can leave free. Axes are in the hinge frame and need not be unit length.
+///
+/// | kind | coordinates | velocities |
+/// |---|---|---|
+/// | fixed | – | – |
+/// | revolute | angle | rate |
+/// | prismatic | distance | rate |
+/// | cylindrical | distance, angle | rates |
+/// | universal | angle about the first axis, angle about the second (carried by the first) | rates |
+/// | planar | x, y in the hinge frame, angle about its z | rates |
+/// | spherical | quaternion w, x, y, z (`hinge_from_body`) | relative angular velocity, body axes |
+/// | free | x, y, z in the hinge frame, quaternion | rates in the hinge frame, relative angular velocity in body axes |
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum HingeKind {
+    /// Welded.
+    Fixed,
+    /// Turns about one axis.
+    Revolute {
+        /// Axis, hinge frame.
+        axis: Vector3<f64>,
+    },
+    /// Slides along one axis.
+    Prismatic {
+        /// Axis, hinge frame.
+        axis: Vector3<f64>,
+    },
+    /// Slides along and turns about one axis.
+    Cylindrical {
+        /// Axis, hinge frame.
+        axis: Vector3<f64>,
+    },
+    /// Turns about a first axis, then about a second one carried by the first.
+    Universal {
+        /// Axes, hinge frame (both angles zero).
+        axes: [Vector3<f64>; 2],
+    },
+    /// Slides in the xy plane of the hinge frame and turns about its z.
+    Planar,
+    /// Turns freely.
+    Spherical,
+    /// Moves freely.
+    Free,
+}
+
+impl HingeKind {
+    /// Name in scenario files.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Revolute { .. } => "revolute",
+            Self::Prismatic { .. } => "prismatic",
+            Self::Cylindrical { .. } => "cylindrical",
+            Self::Universal { .. } => "universal",
+            Self::Planar => "planar",
+            Self::Spherical => "spherical",
+            Self::Free => "free",
+        }
+    }
+
+    /// Number of coordinates and of velocities.
+    pub fn counts(&self) -> (usize, usize) {
+        match self {
+            Self::Fixed => (0, 0),
+            Self::Revolute { .. } | Self::Prismatic { .. } => (1, 1),
+            Self::Cylindrical { .. } | Self::Universal { .. } => (2, 2),
+            Self::Planar => (3, 3),
+            Self::Spherical => (4, 3),
+            Self::Free => (7, 6),
+        }
+    }
+}
+
+/// A point of a body or of the ground.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Point {
+    /// Coordinates from the root marker, body axes [m].
+    At(Vector3<f64>),
+    /// A marker's name.
+    Marker(String),
+}
+
+/// A point on a named body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attachment {
+    /// Body name or [`GROUND`].
+    pub body: String,
+    /// Where on it.
+    pub point: Point,
+}
+
+/// Something that pushes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceDescription {
+    /// Unique name; scenario files without one get `force[i]`.
+    pub name: String,
+    /// The law.
+    pub kind: ForceKind,
+}
+
+/// The laws of force.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ForceKind {
+    /// Along the line between two points: tension `k (distance − length) + c d(distance)/dt`.
+    Spring {
+        /// The two ends.
+        between: [Attachment; 2],
+        /// Stiffness [N/m], ≥ 0.
+        stiffness: f64,
+        /// Unstretched length [m], ≥ 0.
+        length: f64,
+        /// Damping [N s/m], ≥ 0.
+        damping: f64,
+    },
+    /// Six-degree spring and damper, relaxed where both points coincide and both bodies' axes are parallel.
+    Bushing {
+        /// The two ends; the bushing's axes are carried by the first.
+        between: [Attachment; 2],
+        /// Turn of the bushing's axes in the first body: `body_from_bushing`.
+        frame: UnitQuaternion<f64>,
+        /// Along x, y, z [N/m], then about x, y, z [N m/rad], bushing axes.
+        stiffness: [f64; 6],
+        /// Along [N s/m], then about [N m s/rad].
+        damping: [f64; 6],
+    },
+    /// A constant force and torque.
+    Load {
+        /// Where it acts.
+        on: Attachment,
+        /// Force [N].
+        force: Vector3<f64>,
+        /// Torque [N m].
+        torque: Vector3<f64>,
+        /// Constant in which axes.
+        axes: LoadAxes,
+    },
+}
+
+/// The axes in which a load is constant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LoadAxes {
+    /// Keeps its direction in space.
+    #[default]
+    Inertial,
+    /// Turns with the body (a follower load: not conservative).
+    Body,
+}

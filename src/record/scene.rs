@@ -1,0 +1,81 @@
+//! What a picture of a recording needs to know beside the samples. Written into the recording, so that a viewer needs
+//! nothing else.
+
+use serde::{Deserialize, Serialize};
+
+/// The still part of a recording: names, shapes, lines, channels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
+pub struct Scene {
+    /// Title of the scenario.
+    pub title: String,
+    /// Every named body, in the order of the samples' poses.
+    pub bodies: Vec<BodyPicture>,
+    /// Springs and bushings: drawn as lines between two points.
+    pub lines: Vec<LinePicture>,
+    /// Names of the hinge coordinates, in the order of `Sample::positions`.
+    pub positions: Vec<Channel>,
+    /// Names of the hinge velocities, in the order of `Sample::velocities` and `Sample::accelerations`.
+    pub velocities: Vec<Channel>,
+}
+
+/// A body as it is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodyPicture {
+    /// Name.
+    pub name: String,
+    /// Index of the parent in `Scene::bodies`, `None` for the ground.
+    pub parent: Option<usize>,
+    /// Mass [kg] and centre of mass, body axes [m].
+    pub mass: f64,
+    /// Centre of mass, body axes [m].
+    pub center: [f64; 3],
+    /// Inertia about the centre of mass, body axes: xx, yy, zz, xy, xz, yz [kg m²].
+    pub inertia: [f64; 6],
+    /// Named points, body axes [m].
+    pub markers: Vec<(String, [f64; 3])>,
+    /// Solids; empty where the scenario gives none and a stand-in is drawn.
+    pub shapes: Vec<ShapePicture>,
+    /// Hinge kind and its axes in the **parent's** axes (ground: inertial axes), at `hinge_at` of the parent.
+    pub hinge: String,
+    /// Hinge axes, parent's axes.
+    pub hinge_axes: Vec<[f64; 3]>,
+    /// Hinge point, parent's axes [m].
+    pub hinge_at: [f64; 3],
+}
+
+/// A solid as it is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapePicture {
+    /// `box`, `sphere`, `cylinder`, `capsule` or `mesh`.
+    pub kind: String,
+    /// Edge lengths; radius; radius and length; scale.
+    pub size: Vec<f64>,
+    /// Mesh file.
+    pub file: Option<String>,
+    /// Position in body axes [m].
+    pub position: [f64; 3],
+    /// Orientation `body_from_shape`, w, x, y, z.
+    pub quaternion: [f64; 4],
+    /// Red, green, blue, opacity.
+    pub color: Option<[f64; 4]>,
+}
+
+/// A spring or bushing as it is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LinePicture {
+    /// Name.
+    pub name: String,
+    /// Ends: body index (`None`: ground) and point in its axes.
+    pub ends: [(Option<usize>, [f64; 3]); 2],
+}
+
+/// A plotted number.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Channel {
+    /// Body whose hinge it belongs to.
+    pub body: String,
+    /// Name of the coordinate within the hinge: `angle`, `x`, `quaternion w`.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+}

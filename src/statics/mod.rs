@@ -1,0 +1,3 @@
+//! Statics.
+
+pub mod settings;
