@@ -1,0 +1,4 @@
+//! All integration tests in one binary: one link, many modules.
+
+mod common;
+mod derivatives;
