@@ -3,6 +3,8 @@
 pub mod integrate;
 pub mod model;
 pub mod record;
+pub mod scenario;
 pub mod simulate;
 pub mod spatial;
 pub mod statics;
+pub mod suggest;
