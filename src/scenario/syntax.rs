@@ -1,0 +1,31 @@
+//! What the TOML parser says, in words for people who do not know its grammar.
+
+use super::findings::{Finding, Findings};
+use super::sources::Sources;
+use toml::de::DeTable;
+
+/// Parses a text. Where it is not TOML all errors that were found are in `findings`.
+pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Findings) -> DeTable<'t> {
+    let (document, errors) = DeTable::parse_recoverable(text);
+    for error in &errors {
+        let Some(span) = error.span() else {
+            findings.push(Finding::without_place(readable(error.message())));
+            continue;
+        };
+        let finding = if error.message() == "duplicate key" {
+            let key = sources.text(&span);
+            Finding::error(span, format!("`{key}` is given twice")).help("keep one of the two")
+        } else {
+            Finding::error(span, readable(error.message()))
+        };
+        findings.push(finding);
+    }
+    document.into_inner()
+}
+
+fn readable(message: &str) -> String {
+    match message {
+        "recursion limit" => "values are nested too deeply".to_owned(),
+        other => format!("not valid TOML: {other}"),
+    }
+}
