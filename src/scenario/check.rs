@@ -146,8 +146,13 @@ impl Check<'_> {
         let word = name.get_ref().as_ref();
         let what = element.table.name;
         let message = format!("{}a {of_type} {what} has no `{word}`", element.prefix());
-        let owners = listed(element.table.declarations(word).flat_map(|key| key.only.iter().copied()));
-        self.findings.push(Finding::error(name.span(), message).help(format!("only {owners} have it")));
+        let owners: Vec<&str> = element.table.declarations(word).flat_map(|key| key.only.iter().copied()).collect();
+        let help = if owners.len() + 1 == element.table.types.len() {
+            "every other type has it".to_owned()
+        } else {
+            format!("for the types {}", listed(owners.into_iter()))
+        };
+        self.findings.push(Finding::error(name.span(), message).help(help));
     }
 
     fn value(
@@ -218,9 +223,9 @@ impl Check<'_> {
             return;
         };
         if !range.contains(number) {
-            let message = format!("{} is {}", item.subject(), written(value.get_ref()));
-            let label = format!("allowed: {}", range.allowed(item.key.unit));
-            self.findings.push_value(Finding::error(value.span(), message).label(label));
+            let allowed = range.allowed(item.key.unit);
+            let message = format!("{} is {}, allowed: {allowed}", item.subject(), written(value.get_ref()));
+            self.findings.push_value(Finding::error(value.span(), message));
         }
     }
 

@@ -143,11 +143,14 @@ impl Diagnostic {
             Some(place) => {
                 let mark = AnnotationKind::Primary.span(place.marked.clone());
                 let label = (!self.label.is_empty()).then_some(self.label.as_str());
-                let snippet = Snippet::source(&place.excerpt).line_start(place.line);
-                // The origin stands apart from the snippet: the column of a cut line is not that of its excerpt.
-                group
-                    .element(Origin::path(&place.file).line(place.line).char_column(place.column))
-                    .element(snippet.annotation(mark.label(label)))
+                let snippet = Snippet::source(&place.excerpt).line_start(place.line).annotation(mark.label(label));
+                if place.excerpt[..place.marked.start].chars().count() + 1 == place.column {
+                    group.element(snippet.path(&place.file))
+                } else {
+                    // Cut from a long line: its columns are not those of the file.
+                    let origin = Origin::path(&place.file).line(place.line).char_column(place.column);
+                    group.element(origin).element(snippet)
+                }
             }
         };
         renderer.render(&[group.elements(self.help.iter().map(|help| Level::HELP.message(help)))])

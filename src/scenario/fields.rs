@@ -117,7 +117,8 @@ impl Kind {
                 let all: Vec<String> = kinds.iter().map(Kind::expected).collect();
                 all.join(" or ")
             }
-            Self::Table(table) => format!("a {} table `{{ … }}`", table.name),
+            Self::Table(table) if table.keys.len() <= 4 => format!("a table with {}", listed(table.names(None))),
+            Self::Table(_) => "a table".to_owned(),
             Self::Map(item) => format!("a table of names, each with {}", item.expected()),
             Self::Refused(_) => "nothing".to_owned(),
         }
@@ -127,7 +128,7 @@ impl Kind {
         let count = lengths.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
         let items = match self {
             Self::Number(_) => "numbers".to_owned(),
-            Self::Table(table) => format!("{} tables", table.name),
+            Self::Table(_) => "tables".to_owned(),
             Self::List(item, lengths) => format!("lists of {}", item.several(lengths)),
             Self::Either(kinds) => format!("items, each {}", Kind::Either(kinds).expected()),
             other => format!("items, each {}", other.expected()),

@@ -2,12 +2,18 @@
 
 use super::findings::{Finding, Findings};
 use super::sources::Sources;
+use std::collections::HashSet;
 use toml::de::DeTable;
 
 /// Parses a text. Where it is not TOML all errors that were found are in `findings`.
 pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Findings) -> DeTable<'t> {
     let (document, errors) = DeTable::parse_recoverable(text);
+    let mut said = HashSet::new();
     for error in &errors {
+        // Every open bracket complains about the same missing end.
+        if !said.insert((error.message(), error.span())) {
+            continue;
+        }
         let Some(span) = error.span() else {
             findings.push(Finding::without_place(readable(error.message())));
             continue;
@@ -24,8 +30,14 @@ pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Finding
 }
 
 fn readable(message: &str) -> String {
-    match message {
-        "recursion limit" => "values are nested too deeply".to_owned(),
-        other => format!("not valid TOML: {other}"),
+    if is_depth(message) {
+        "values are nested too deeply: the most is 80 levels".to_owned()
+    } else {
+        format!("not valid TOML: {message}")
     }
+}
+
+/// Whether the parser stopped to keep its stack.
+fn is_depth(message: &str) -> bool {
+    message.contains("recursion") || message.contains("recurse")
 }
