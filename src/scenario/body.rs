@@ -1,5 +1,6 @@
 //! `[[body]]`: one body or the template of a chain of copies.
 
+use super::findings::Finding;
 use super::hinge::{Hinge, hinge, point};
 use super::mass::{Mass, mass};
 use super::reader::Reader;
@@ -26,11 +27,12 @@ pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
     let shapes = shapes(table, name, folder);
     let mass = mass(table, name, repeat, &shapes);
     let mut hinge = hinge(table, name, repeat);
-    let markers = table.names("markers");
+    // A marker that could not be read is there all the same: others may hang on it.
+    let markers = table.names("markers").into_iter();
     let body = BodyDescription {
         name: name.to_owned(),
         mass: mass.properties,
-        markers: markers.iter().filter_map(|(name, all)| Some(((*name).to_owned(), all.vector(name)?))).collect(),
+        markers: markers.map(|(name, all)| (name.to_owned(), all.vector(name).unwrap_or_default())).collect(),
         shapes,
         hinge: hinge.description.clone(),
     };
@@ -100,7 +102,6 @@ impl<'b> Names<'b> {
     pub(super) fn attachment_table(&self, table: &Reader<'_>) -> Option<Attachment> {
         let body = table.text("body")?.to_owned();
         if table.has("at") && table.has("marker") {
-            use super::findings::Finding;
             let message = format!("attachment to body `{body}`: both `at` and `marker`");
             table.findings.push(Finding::error(table.key_span("marker"), message).help("keep one of the two"));
         }

@@ -35,10 +35,6 @@ pub(super) fn lower<'a>(
 }
 
 fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, spans: &mut SpanTable<'_>) {
-    if !scenario.has("body") {
-        let help = "write at least one `[[body]]` with a `name` and a `hinge`";
-        scenario.findings.push(Finding::without_place("the scenario has no bodies".to_owned()).help(help));
-    }
     let tables = scenario.tables("body");
     let templates: Vec<Option<Template>> = tables.iter().map(|table| template(table, folder)).collect();
     let mut total = 0;

@@ -47,8 +47,7 @@ pub use overrides::{Override, OverrideError};
 pub use read::{LARGEST_FILE, LoadError};
 pub use schema::schema;
 
-use crate::model::description::Description;
-use crate::model::problem::Problem;
+use crate::model::{Description, Model, Problem};
 use crate::{record, simulate, statics};
 use findings::Findings;
 use reader::Reader;
@@ -102,8 +101,8 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
 }
 
 /// What the model finds wrong with a description.
-fn problems(_description: &Description) -> Vec<Problem> {
-    Vec::new()
+fn problems(description: &Description) -> Vec<Problem> {
+    Model::build(description).err().unwrap_or_default()
 }
 
 fn parse_owned(
@@ -136,7 +135,9 @@ fn parse_text(
     check::table(&format::SCENARIO, &document, &findings);
     let folder = Path::new(name).parent().unwrap_or(Path::new(""));
     let (description, spans) = lower::lower(&document, folder, &findings);
-    spans::report(&spans, problems(&description), &findings);
+    if !description.bodies.is_empty() || !document.contains_key("body") {
+        spans::report(&spans, problems(&description), &findings);
+    }
     let whole = Reader::new(&document, 0..0, &findings);
     let scenario = Scenario {
         name: name.to_owned(),

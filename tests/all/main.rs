@@ -1,3 +1,5 @@
-//! All integration tests: one binary.
+//! All integration tests in one binary: one link, many modules.
 
+mod common;
+mod derivatives;
 mod diagnostics;

@@ -73,7 +73,7 @@ pub const HINGE: Table = Table {
             .default("0.0")
             .only(MOVING)
             .example("0.1"),
-        Key::new("stiffness", PER_VELOCITY, "Stiffness of the hinge spring; one number stands for every velocity.")
+        Key::new("stiffness", PER_COORDINATE, "Stiffness of the hinge spring; one number stands for every velocity.")
             .unit("N/m or N m/rad")
             .default("0.0")
             .only(MOVING)

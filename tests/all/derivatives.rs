@@ -1,0 +1,104 @@
+//! Derivatives against central differences, and the two ways of reading the transfer equations against each other.
+
+use crate::common::{Options, Random, build, random_scene, relative_difference};
+use stillpoint::dynamics::System;
+
+fn scenes() -> impl Iterator<Item = (u64, Options)> {
+    (0..60).map(|seed| (seed, Options { bodies: 1 + (seed as usize * 7) % 13, springs: seed % 3 != 0, welds: true }))
+}
+
+/// The accelerations of the reduction satisfy the inverse dynamics.
+#[test]
+fn accelerations_balance_the_forces() {
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        let (q, v) = (&model.start_position, &model.start_velocity);
+        let (mut a, mut residual) = (v.clone(), v.clone());
+        let mut system = System::new(&model);
+        system.accelerations(q, v, &mut a).unwrap();
+        let zero = vec![0.0; a.len()];
+        let mut loads = zero.clone();
+        system.residual(q, v, &zero, &mut loads).unwrap();
+        system.residual(q, v, &a, &mut residual).unwrap();
+        // Round-off of two sweeps over at most thirteen bodies, conditioned like their mass matrix.
+        let scale = loads.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+        let worst = residual.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        assert!(worst < 1e-10 * scale, "seed {seed}: {worst} of {scale}");
+    }
+}
+
+/// Central differences of `f(q, v)` along every velocity coordinate; `of_position` picks what is varied.
+fn difference(
+    model: &stillpoint::model::Model,
+    of_position: bool,
+    j: usize,
+    mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>,
+) -> Vec<f64> {
+    let step = 1e-5;
+    let mut at = |sign: f64| {
+        let (mut q, mut v) = (model.start_position.clone(), model.start_velocity.clone());
+        let mut by = vec![0.0; v.len()];
+        by[j] = sign * step;
+        if of_position {
+            System::displace(model, &mut q, &by);
+        } else {
+            v[j] += by[j];
+        }
+        f(&q, &v)
+    };
+    let (plus, minus) = (at(1.0), at(-1.0));
+    plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * step)).collect()
+}
+
+/// Stiffness and damping matrices are the derivatives of the residual. Differences err by step² and round-off/step:
+/// both near 1e-9 of the largest entry; 1e-6 leaves room for the worst scene.
+#[test]
+fn linearization_matches_central_differences() {
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        let n = model.velocity_count();
+        let mut random = Random::new(seed + 1000);
+        let a = random.list(n, -3.0, 3.0);
+        let mut system = System::new(&model);
+        let found = system.linearize(&model.start_position, &model.start_velocity, &a).unwrap();
+        let scale = found.stiffness.norm_max().max(found.damping.norm_max());
+        for j in 0..n {
+            for (of_position, matrix) in [(true, &found.stiffness), (false, &found.damping)] {
+                let expected = difference(&model, of_position, j, |q, v| {
+                    let mut residual = vec![0.0; n];
+                    system.residual(q, v, &a, &mut residual).unwrap();
+                    residual
+                });
+                for i in 0..n {
+                    let error = (matrix[(i, j)] - expected[i]).abs() / scale;
+                    assert!(error < 1e-6, "seed {seed} ({i}, {j}) position {of_position}: {error}");
+                }
+            }
+        }
+    }
+}
+
+/// The Jacobians of the accelerations, by differentiated transfer equations, against central differences.
+#[test]
+fn acceleration_jacobians_match_central_differences() {
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        let n = model.velocity_count();
+        let mut system = System::new(&model);
+        let (by_position, by_velocity) =
+            system.acceleration_jacobians(&model.start_position, &model.start_velocity).unwrap();
+        for (of_position, matrix) in [(true, by_position), (false, by_velocity)] {
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            for j in 0..n {
+                found.extend((0..n).map(|i| matrix[(i, j)]));
+                expected.extend(difference(&model, of_position, j, |q, v| {
+                    let mut a = vec![0.0; n];
+                    system.accelerations(q, v, &mut a).unwrap();
+                    a
+                }));
+            }
+            let error = relative_difference(&found, &expected);
+            assert!(error < 1e-6, "seed {seed} position {of_position}: {error}");
+        }
+    }
+}
