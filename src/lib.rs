@@ -6,6 +6,7 @@ pub mod integrate;
 pub mod model;
 pub mod motion;
 pub mod record;
+pub mod scenario;
 pub mod simulate;
 pub mod spatial;
 pub mod statics;
