@@ -36,13 +36,12 @@
 //!
 //! let mut oscillator = Oscillator;
 //! let start = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 10.0 };
-//! let mut stepper = Dopri5::new(&mut oscillator, &Options::default(), start)?;
-//! while !Stepper::<Oscillator>::finished(&stepper) {
+//! let mut stepper: Box<dyn Stepper<_>> = Box::new(Dopri5::new(&mut oscillator, &Options::default(), start)?);
+//! while !stepper.finished() {
 //!     stepper.step(&mut oscillator)?;
 //! }
-//! let reached = stepper.progress();
-//! assert_eq!(reached.time(), 10.0);
-//! assert!((reached.position()[0] - 10.0_f64.cos()).abs() < 1e-4);
+//! assert_eq!(stepper.time(), 10.0);
+//! assert!((stepper.position()[0] - 10.0_f64.cos()).abs() < 1e-4);
 //! # Ok::<(), stillpoint::integrate::StepError>(())
 //! ```
 

@@ -17,10 +17,12 @@
 //! **Reuse**: `K` is kept over stages and steps while the step is the same and each correction is at most 0.3 of the one
 //! before; otherwise it is renewed before the next step.
 //!
-//! **Stopping**: with the contraction `θ = ‖Δ‖ / ‖Δ_before‖` the error left is about `θ/(1−θ) ‖Δ‖`. It must be below a
-//! fraction κ = 1/200 of the step's tolerance, in the norm of the error estimate: the table's coefficients carry a stage's
-//! error into the result up to 50-fold (`a₅₃/γ`, `a₅₄/γ`), which leaves a quarter of the tolerance at worst. On the first
-//! correction of a stage the contraction of the stage before serves. A correction as small as rounding ends it too.
+//! **Stopping**: with the contraction `θ = ‖Δ‖ / ‖Δ_before‖` the error left is about `θ/(1−θ) ‖Δ‖`. It must be below the
+//! fraction `κ = min(1/200, √tolerance)` of the step's tolerance, in the norm of the error estimate. Two reasons: the
+//! table's coefficients carry a stage's error into the result up to 50-fold (`a₅₃/γ`, `a₅₄/γ`); and these errors all have
+//! the same sign, so they add up over the steps, of which a tight tolerance makes many. The first correction of a stage
+//! is judged by the contraction of the stages before it in the same step. A correction as small as rounding ends the
+//! iteration too.
 //! Hairer, Wanner, *Solving ODEs II*, IV.8.
 
 use crate::integrate::{
@@ -30,8 +32,8 @@ use crate::integrate::{
     statistics::Statistics,
 };
 
-/// κ: error left by the iteration, as a fraction of the step's tolerance.
-const FRACTION_OF_TOLERANCE: f64 = 0.005;
+/// Largest κ.
+const LARGEST_FRACTION: f64 = 0.005;
 const MAX_ITERATIONS: u32 = 10;
 /// A factorization that contracts worse is renewed.
 const SLOW: f64 = 0.3;
@@ -43,6 +45,8 @@ const ROUNDINGS: f64 = 8.0;
 /// The iteration matrix, what is known of its quality, and buffers.
 #[derive(Debug)]
 pub(crate) struct Newton {
+    /// κ: error left by the iteration, as a fraction of the step's tolerance.
+    fraction: f64,
     factorization: Option<Factorization>,
     /// Residual, then correction; in velocity coordinates.
     correction: Vec<f64>,
@@ -56,7 +60,7 @@ struct Factorization {
     step: f64,
     /// Made at the start of the step now tried.
     fresh: bool,
-    /// Contraction last seen.
+    /// Contraction last seen in this step.
     contraction: Option<f64>,
     slow: bool,
 }
@@ -83,8 +87,13 @@ pub(crate) struct Point<'a> {
 }
 
 impl Newton {
-    pub(crate) fn new(velocity_count: usize, state_count: usize) -> Self {
-        Self { factorization: None, correction: vec![0.0; velocity_count], displacement: vec![0.0; state_count] }
+    pub(crate) fn new(norm: &ErrorNorm, velocity_count: usize, state_count: usize) -> Self {
+        Self {
+            fraction: norm.tolerance().sqrt().min(LARGEST_FRACTION),
+            factorization: None,
+            correction: vec![0.0; velocity_count],
+            displacement: vec![0.0; state_count],
+        }
     }
 
     /// Makes sure of a factorization that serves `step` = `h γ`: a new one at `point` where the last one does not.
@@ -112,6 +121,7 @@ impl Newton {
     pub(crate) fn advance(&mut self) {
         if let Some(last) = &mut self.factorization {
             last.fresh = false;
+            last.contraction = None;
         }
     }
 
@@ -152,10 +162,9 @@ impl Newton {
             acceleration.iter_mut().zip(&self.correction).for_each(|(a, correction)| *a -= c2 * correction);
             place(problem, stage, acceleration, state);
 
-            if size <= ROUNDINGS * norm.rounding(state) {
-                return Ok(());
-            }
-            if factorization.converged(size, before, MAX_ITERATIONS - iteration)? {
+            let rounding = ROUNDINGS * norm.rounding(state);
+            let correction = Correction { size, before, rounding, target: self.fraction };
+            if factorization.converged(correction, MAX_ITERATIONS - iteration)? {
                 return Ok(());
             }
             before = Some(size);
@@ -164,32 +173,43 @@ impl Newton {
     }
 }
 
+/// The size of a correction, of the one before in the same stage, of corrections that are rounding, and of the error
+/// that may be left.
+#[derive(Debug, Clone, Copy)]
+struct Correction {
+    size: f64,
+    before: Option<f64>,
+    rounding: f64,
+    target: f64,
+}
+
 impl Factorization {
-    /// Whether the iteration may stop after a correction of `size`, `before` being the size of the last one and
-    /// `left` the iterations that remain.
-    fn converged(&mut self, size: f64, before: Option<f64>, left: u32) -> Result<bool, Limit> {
-        let contraction = match before {
-            // Of another stage: trusted a little less.
-            None => self.contraction.map(|contraction| contraction.max(f64::EPSILON).powf(0.8)),
-            Some(before) => {
-                let contraction = size / before;
-                self.contraction = Some(contraction);
-                self.slow |= contraction > SLOW;
-                Some(contraction)
-            }
-        };
+    /// Whether the iteration may stop after this correction, `left` being the iterations that remain.
+    fn converged(&mut self, correction: Correction, left: u32) -> Result<bool, Limit> {
+        let Correction { size, before, rounding, target } = correction;
         if !size.is_finite() {
             return Err(Limit::Newton);
         }
-        let Some(contraction) = contraction.filter(|_| size > 0.0) else { return Ok(size == 0.0) };
+        if let Some(before) = before {
+            self.contraction = Some(size / before);
+        }
+        if size <= rounding {
+            return Ok(true);
+        }
+        self.slow |= before.is_some_and(|before| size > SLOW * before);
+        // That of another stage is trusted a little less.
+        let trust = if before.is_some() { 1.0 } else { 0.8 };
+        let Some(contraction) = self.contraction.map(|seen| seen.max(f64::EPSILON).powf(trust)) else {
+            return Ok(false);
+        };
         if contraction < 1.0 {
             let remaining = contraction / (1.0 - contraction) * size;
-            let reachable = remaining * contraction.powi(left as i32) <= FRACTION_OF_TOLERANCE;
-            return if reachable { Ok(remaining <= FRACTION_OF_TOLERANCE) } else { Err(Limit::Newton) };
+            let reachable = remaining * contraction.powi(left as i32) <= target;
+            return if reachable { Ok(remaining <= target) } else { Err(Limit::Newton) };
         }
         // No progress: rounding of the residual, harmless where the correction is already below the target.
         match before {
-            Some(_) if size > FRACTION_OF_TOLERANCE => Err(Limit::Newton),
+            Some(_) if size > target => Err(Limit::Newton),
             Some(_) => Ok(true),
             None => Ok(false),
         }

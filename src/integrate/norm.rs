@@ -37,6 +37,11 @@ impl ErrorNorm {
         Self { relative, absolute, scales: [positions, velocities].concat() }
     }
 
+    /// The coarser of the two tolerances.
+    pub(crate) fn tolerance(&self) -> f64 {
+        self.relative.max(self.absolute)
+    }
+
     /// The norm of `error` on a step between the states `from` and `to`.
     pub(crate) fn measure(&self, error: &[f64], from: &[f64], to: &[f64]) -> Measured {
         let mut largest = Measured { value: 0.0, worst: 0 };

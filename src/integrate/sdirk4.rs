@@ -10,8 +10,10 @@
 //! the step die out as they do in the system, and the step follows what is left. A fast motion that is *not* damped in
 //! the system is damped by the method where the step does not resolve it.
 //!
-//! **Error**: `O(h⁵)` per step. The stages alone are of order 1: on stiff systems with time-dependent loads the error of
-//! the stiff part is `O(h²/z)`, `z` the number of fast time constants in a step, which is small for the stiffest parts.
+//! **Error**: `O(h⁵)` per step where the step resolves the system. The stages alone are only of order 1, which shows on
+//! stiff parts driven by time-dependent loads: a strong damper of rate `λ` leaves an error of the size `h/λ` in its
+//! velocity (small for the stiffest), a stiff spring whose rest position moves an error `O(h)` in the velocity along it.
+//! The estimate sees this and shortens the step, so tight tolerances are expensive there.
 //!
 //! **Error estimate**: the plain difference `e = h Σ_i e_i k_i` to the embedded rule does not vanish for stiff parts and
 //! would force them to be resolved. It is filtered by `(I − h γ J)⁻¹`, `J` the Jacobian of the rate of `x`: the slow
@@ -94,7 +96,7 @@ impl Sdirk4 {
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
             control: Controller::new(options, ESTIMATE_ORDER, step, &progress, ADVICE).holding_below(HOLD_BELOW),
-            newton: Newton::new(acceleration.len(), rate.len()),
+            newton: Newton::new(&norm, acceleration.len(), rate.len()),
             predictor: Predictor::new(&acceleration),
             known: rate.clone(),
             next: rate.clone(),
