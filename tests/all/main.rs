@@ -4,3 +4,4 @@ mod common;
 mod derivatives;
 mod diagnostics;
 mod integrators;
+mod record;
