@@ -71,10 +71,11 @@ impl Controller {
     pub(crate) fn new(options: &Options, order: u8, step: f64, progress: &Progress, advice: &'static str) -> Self {
         let max_step = options.max_step.unwrap_or(f64::INFINITY);
         let origin = progress.time;
+        let shortest = if options.fixed { step } else { shortest_step(progress) };
         Self {
             order: f64::from(order),
             hold_below: 1.0,
-            step: step.min(max_step).max(shortest_step(progress)),
+            step: step.min(max_step).max(shortest),
             max_step,
             previous_error: SMALLEST_REMEMBERED_ERROR,
             rejected: false,
@@ -99,18 +100,21 @@ impl Controller {
     pub(crate) fn propose(&self, progress: &Progress) -> Result<Trial, StepError> {
         let (time, end) = (progress.time, progress.end);
         let rest = end - time;
-        if let Some(limit) = self.limit.clone()
-            && self.step < shortest_step(progress).min(rest)
+        if self.step < shortest_step(progress).min(rest)
+            && let Some(limit) = &self.limit
         {
-            return Err(StepError::Underflow { time, step: self.step, limit });
+            return Err(StepError::Underflow { time, step: self.step, limit: limit.clone() });
         }
         let after = match &self.fixed {
             Some(grid) => grid.origin + (grid.count + 1) as f64 * self.step,
             None if rest < 2.0 * self.step => time + 0.5 * rest,
             None => time + self.step,
         };
-        if rest <= self.step * STRETCH || after >= end || after <= time {
+        if rest <= self.step * STRETCH || after >= end {
             return Ok(Trial { step: rest, time: end });
+        }
+        if after <= time {
+            return Err(StepError::option("step", self.step, "long enough to be told from the rounding of time"));
         }
         // The step that time really makes, rounding included: times and states stay together.
         Ok(Trial { step: after - time, time: after })
@@ -162,4 +166,54 @@ impl Controller {
 /// The shortest step that is still well above the rounding of time, in s.
 fn shortest_step(progress: &Progress) -> f64 {
     4.0 * f64::EPSILON * progress.time.abs().max(progress.end.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRIAL: Trial = Trial { step: 1.0, time: 1.0 };
+
+    fn controller() -> Controller {
+        Controller {
+            order: 5.0,
+            hold_below: 1.0,
+            step: 1.0,
+            max_step: 100.0,
+            previous_error: SMALLEST_REMEMBERED_ERROR,
+            rejected: false,
+            limit: None,
+            fixed: None,
+        }
+    }
+
+    #[test]
+    fn the_first_step_at_most_doubles_and_later_ones_grow_five_times() {
+        let mut control = controller();
+        control.accept(TRIAL, 0.0, true);
+        assert_eq!(control.step, 2.0);
+        control.accept(TRIAL, 0.0, false);
+        assert_eq!(control.step, 5.0);
+    }
+
+    #[test]
+    fn a_rejected_step_shrinks_and_does_not_grow_at_once() {
+        let mut control = controller();
+        control.reject(TRIAL, 32.0, Limit::Newton);
+        // 0.9 · 32^(−1/5)
+        assert!((control.step - 0.45).abs() < 1e-15);
+        control.accept(TRIAL, 1e-9, false);
+        assert_eq!(control.step, 1.0);
+        control.accept(TRIAL, 1e-9, false);
+        assert!(control.step > 1.0);
+    }
+
+    #[test]
+    fn a_step_that_would_grow_little_is_held() {
+        let mut control = controller().holding_below(1.2);
+        control.previous_error = 1.0;
+        // 0.9 · e^(−0.17) = 1.1
+        control.accept(TRIAL, (0.9_f64 / 1.1).powf(1.0 / 0.17), false);
+        assert_eq!(control.step, 1.0);
+    }
 }

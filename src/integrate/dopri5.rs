@@ -48,7 +48,8 @@ const EDGE: f64 = 3.25;
 /// Steps at the edge that make a system stiff, and quiet ones that clear it.
 const STIFF_STEPS: u32 = 15;
 const QUIET_STEPS: u32 = 6;
-const ADVICE: &str = "an explicit method diverges where its step exceeds the stability limit: shorten it, or try sdirk4";
+const ADVICE: &str =
+    "beyond the stability limit of an explicit method numbers grow without bound: shorten the step, or try sdirk4";
 
 /// The method of Dormand and Prince, order 5, adaptive.
 #[derive(Debug)]

@@ -30,7 +30,8 @@ use crate::integrate::{
     tableau::rk4::{A, B, C},
 };
 
-const ADVICE: &str = "an explicit method diverges where its step exceeds the stability limit: shorten it, or try sdirk4";
+const ADVICE: &str =
+    "beyond the stability limit of an explicit method numbers grow without bound: shorten the step, or try sdirk4";
 
 /// The classical Runge–Kutta method, order 4, fixed step. Four evaluations per step and one for the start.
 #[derive(Debug)]

@@ -79,13 +79,12 @@ fn torque_free_symmetric_body_keeps_the_order_with_a_quaternion() {
 #[test]
 fn heavy_asymmetric_body_keeps_the_order_with_a_quaternion() {
     let body = || Body::new([1.0, 1.6, 2.2], [0.5, 0.3, -0.8]);
-    let start = Start { time: 0.0, position: &[0.8, 0.6, 0.0, 0.0], velocity: &[0.5, 1.0, -0.7], end: 2.0 };
+    let start = Start { time: 0.0, position: &[0.8, 0.6, 0.0, 0.0], velocity: &[0.5, 1.0, -0.7], end: 5.0 };
     let reference = run(Method::Dopri5, &mut body(), &adaptive(1e-13), start);
     let reference = [reference.position(), reference.velocity()].concat();
     for method in METHODS {
         let error = |step: f64| distance(&end_state(method, &mut body(), step, start), &reference);
-        for h in [0.4,0.2,0.1,0.05,0.025,0.0125] {println!("{method:?} {h} {:e} {}", error(h), (error(h)/error(h/2.0)).log2());}
-        assert_order(method, order(method), error(0.05), error(0.025));
+        assert_order(method, order(method), error(0.1), error(0.05));
     }
 }
 
