@@ -72,7 +72,8 @@ fn center_of_mass(model: &Model, system: &System<'_>) -> Vector3<f64> {
 /// One line per hinge.
 fn table(model: &Model, accelerations: &[f64]) -> String {
     let wide = model.bodies.iter().map(|body| body.name.chars().count()).max().unwrap_or(0).max(4);
-    let mut lines = vec![format!("  {:<wide$}  {:<11}  {:<wide$}  position | velocity | acceleration", "body", "hinge", "parent")];
+    let mut lines =
+        vec![format!("  {:<wide$}  {:<11}  {:<wide$}  position | velocity | acceleration", "body", "hinge", "parent")];
     for body in &model.bodies {
         let hinge = &body.hinge;
         let (positions, velocities) = hinge.kind.counts();

@@ -4,7 +4,7 @@ use super::output::{Interrupt, Progress};
 use super::{Common, Exit, json, output, scene, statics, text};
 use crate::model::Model;
 use crate::record::view::{Sink, Viewer};
-use crate::record::{Fanout, Opening, Outcome, RecordingFile, Recorder};
+use crate::record::{Fanout, Opening, Outcome, Recorder, RecordingFile};
 use crate::scenario::Scenario;
 use crate::simulate::{self, RunError, Start, State};
 use clap::Args;

@@ -14,7 +14,7 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
         .collect::<anyhow::Result<_>>()?;
     let scenario = match load_with(&common.scenario, &overrides) {
         Ok(scenario) => scenario,
-        Err(LoadError::Problems(problems)) => {
+        Err(LoadError::Invalid(problems)) => {
             output::note(problems.render(output::errors_in_color()).trim_end());
             return Ok(Err(Exit::Wrong));
         }
@@ -23,8 +23,7 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
     if !scenario.warnings.is_empty() && !common.quiet {
         output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
     }
-    let model = Model::build(&scenario.description).map_err(|problems| {
-        anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
-    })?;
+    let model = Model::build(&scenario.description)
+        .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
     Ok(Ok((scenario, model)))
 }

@@ -90,7 +90,8 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     );
     if let Some(stability) = &found.stability {
         if stability.unstable_directions > 0 {
-            let _ = writeln!(out, "  unstable     in {}", count(stability.unstable_directions, "direction", "directions"));
+            let _ =
+                writeln!(out, "  unstable     in {}", count(stability.unstable_directions, "direction", "directions"));
         }
         if stability.neutral_directions > 0 {
             let motions = count(stability.neutral_directions, "motion costs", "motions cost");

@@ -20,7 +20,7 @@ pub(super) fn simulate(scenario: &Reader<'_>) -> Simulate {
     };
     settings.duration = table.number("duration").unwrap_or(settings.duration);
     settings.tolerance = table.number("tolerance").unwrap_or(settings.tolerance);
-    settings.absolute_tolerance = table.number("absolute_tolerance").unwrap_or(settings.absolute_tolerance);
+    settings.absolute_tolerance = table.number("absolute_tolerance").unwrap_or(settings.tolerance);
     settings.step = table.number("step");
     settings
 }

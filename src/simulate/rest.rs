@@ -83,7 +83,10 @@ pub fn rest(
     let growth = pushed.map(|push| Growth {
         hinge: push.hinge,
         predicted: push.rate,
-        observed: watch.window.map(|(first, last)| (last.1 / first.1).ln() / (last.0 - first.0)).filter(|r| r.is_finite()),
+        observed: watch
+            .window
+            .map(|(first, last)| (last.1 / first.1).ln() / (last.0 - first.0))
+            .filter(|r| r.is_finite()),
     });
     let rested = growth.is_none() && watch.displacement.value <= TOLERANCE && !summary.interrupted;
     Ok(Rest {

@@ -178,18 +178,10 @@ impl<'m> Run<'m> {
             (Method::Rk4, None) => Some((FIXED_STEP * self.model.time_scale()).min(1e-3)),
             (_, step) => step,
         };
-        let options = Options {
-            relative: settings.tolerance,
-            absolute: settings.absolute_tolerance,
-            step,
-            ..Options::default()
-        };
-        let start = Start {
-            time,
-            position: &self.state.position,
-            velocity: &self.state.velocity,
-            end: settings.duration,
-        };
+        let options =
+            Options { relative: settings.tolerance, absolute: settings.absolute_tolerance, step, ..Options::default() };
+        let start =
+            Start { time, position: &self.state.position, velocity: &self.state.velocity, end: settings.duration };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
     }
 

@@ -62,9 +62,7 @@ fn shape(shape: &Shape) -> ShapePicture {
         Geometry::Sphere(radius) => ("sphere", vec![*radius], None),
         Geometry::Cylinder { radius, length } => ("cylinder", vec![*radius, *length], None),
         Geometry::Capsule { radius, length } => ("capsule", vec![*radius, *length], None),
-        Geometry::Mesh { file, scale } => {
-            ("mesh", vec![scale.x, scale.y, scale.z], Some(file.display().to_string()))
-        }
+        Geometry::Mesh { file, scale } => ("mesh", vec![scale.x, scale.y, scale.z], Some(file.display().to_string())),
     };
     let turn = shape.pose.rotation;
     ShapePicture {

@@ -81,7 +81,7 @@ fn search(
         let place = newton::run(landscape, first, history)?;
         return Ok((polish(landscape, place, history)?, "newton"));
     }
-    let exact = first.is_exact();
+    let (exact, start) = (first.is_exact(), first.q.clone());
     let outcome = trust_region::run(landscape, first, history)?;
     for coordinates in &outcome.left {
         let names: Vec<String> =
@@ -96,11 +96,27 @@ fn search(
         return Ok((outcome.place, "start"));
     }
     let stage = if outcome.shifted { "trust region" } else { "newton" };
-    let place = match outcome.place.is_balanced() {
-        true => polish(landscape, outcome.place, history)?,
-        false => outcome.place,
-    };
-    Ok((place, stage))
+    if !outcome.place.is_balanced() {
+        return Ok((outcome.place, stage));
+    }
+    let unwound = unwind(landscape.model(), &start, outcome.place.q);
+    let place = Place::at(landscape, unwound)?;
+    Ok((polish(landscape, place, history)?, stage))
+}
+
+/// Takes off the full turns that the search made in hinges without springs: the same pose, nearest to the guess.
+fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
+    use std::f64::consts::TAU;
+    for link in &model.links {
+        let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;
+        if matches!(link.joint, crate::model::Joint::Turn { .. }) && !spring(link.velocity) {
+            let turns = ((q[link.position] - start[link.position]) / TAU).round();
+            if turns != 0.0 {
+                q[link.position] -= turns * TAU;
+            }
+        }
+    }
+    q
 }
 
 /// Names what is not balanced: hinge, body, force and direction.

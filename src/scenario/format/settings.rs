@@ -24,7 +24,7 @@ pub const SIMULATE: Table = Table {
             POSITIVE,
             "Absolute tolerance beside it, in units of the scene's own length, 1 rad and the scene's time.",
         )
-        .default("1e-8")
+        .default("the same as tolerance")
         .example("1e-8"),
         Key::new("step", POSITIVE, "Step of fixed-step methods, first step of adaptive ones.")
             .unit("s")
