@@ -138,7 +138,7 @@ impl Check<'_> {
         let word = name.get_ref().as_ref();
         let message = format!("{}unknown key `{word}`", element.prefix());
         let help = did_you_mean(word, element.table.names(of_type))
-            .unwrap_or_else(|| format!("allowed are {}", listed(element.table.names(of_type))));
+            .unwrap_or_else(|| format!("allowed: {}", listed(element.table.names(of_type))));
         self.findings.push(Finding::error(name.span(), message).help(help));
     }
 
@@ -305,5 +305,45 @@ fn written(value: &DeValue<'_>) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((cut, _)) => format!("{}…", &text[..cut]),
         None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::format::{ATTACHMENT, BODY, BUSHING_VALUES, FORCE, HINGE, RECORD, ROUND, SCENARIO, SHAPE};
+    use super::super::format::{SIMULATE, STATICS};
+    use super::super::sources::Sources;
+    use super::*;
+
+    #[test]
+    fn every_example_and_default_passes_its_own_check() {
+        let tables = [
+            &SCENARIO,
+            &SIMULATE,
+            &STATICS,
+            &RECORD,
+            &BODY,
+            &SHAPE,
+            &ROUND,
+            &HINGE,
+            &FORCE,
+            &ATTACHMENT,
+            &BUSHING_VALUES,
+        ];
+        for (declared, key) in tables.iter().flat_map(|table| table.keys.iter().map(move |key| (table, key))) {
+            // A number without a list is what most values per coordinate default to.
+            for value in [key.example, key.default].into_iter().filter(|value| !value.is_empty()) {
+                let text = format!("{} = {value}", key.name);
+                let document = DeTable::parse(&text).expect("examples are TOML").into_inner();
+                let findings = Findings::default();
+                let element = Element { table: declared, name: None, index: None, within: None };
+                for value in document.values() {
+                    let item = Item { element: &element, key, path: key.name.to_owned() };
+                    Check { findings: &findings }.value(&key.kind, &item, 0..0, value);
+                }
+                let found = findings.into_diagnostics(&Sources::new("example", &text));
+                assert_eq!(found, [], "{} of {}", text, declared.name);
+            }
+        }
     }
 }
