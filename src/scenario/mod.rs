@@ -34,6 +34,7 @@ mod force;
 mod hinge;
 mod lower;
 mod mass;
+mod naming;
 mod read;
 mod reader;
 mod settings;

@@ -6,7 +6,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The largest file that is read [bytes]: some 100 000 bodies one by one. Reading takes up to 50 times as much memory.
+/// The largest file that is read, in bytes: some 100 000 bodies one by one. Reading takes up to 50 times as much memory.
 pub const LARGEST_FILE: usize = 32 * 1024 * 1024;
 
 /// Why a scenario cannot be loaded.

@@ -624,6 +624,32 @@ hinge = { type = "free" }
 }
 
 #[test]
+fn a_body_without_a_name_but_not_that_others_miss_it() {
+    let text = r#"
+[[body]]
+mass = 1.0
+hinge = { type = "free" }
+
+[[body]]
+name = "tip"
+mass = 1.0
+hinge = { type = "fixed", parent = "arm" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body[0]: `name` is missing
+     --> scene.toml:1:1
+      |
+    1 | [[body]]
+      | ^^^^^^^^
+      |
+      = help: for example `name = "upper"`
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
 fn an_empty_file() {
     let text = "";
     insta::assert_snapshot!(said(text, &[]), @r#"

@@ -292,3 +292,14 @@ fn large_files_load_and_huge_ones_are_refused_at_once() {
     assert!(matches!(scenario::load(&path), Err(LoadError::TooLarge(_))));
     assert!(failure(&path).contains("larger than 32 MiB"));
 }
+#[test]
+fn damaged_files_are_answered_without_panic() {
+    for at in 0..TWO_LINKS.len() {
+        for bit in ["", "[", "\"", "\n", "-", "nan", "µ"] {
+            let text = format!("{}{bit}{}", &TWO_LINKS[..at], &TWO_LINKS[at + 1..]);
+            if let Err(diagnostics) = scenario::parse("scene.toml", &text, &[]) {
+                assert!(diagnostics.errors() > 0 && !diagnostics.render(true).is_empty());
+            }
+        }
+    }
+}
