@@ -1,5 +1,6 @@
 //! A multibody simulator that starts at rest.
 
+pub mod cli;
 pub mod dynamics;
 pub mod forces;
 pub mod integrate;

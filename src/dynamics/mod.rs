@@ -2,8 +2,10 @@
 //! `forces` and `transfer` meet.
 
 mod linearize;
+mod magnitudes;
 
 pub use linearize::Linearization;
+pub use magnitudes::Magnitudes;
 
 use crate::forces;
 use crate::model::{Joint, Model};

@@ -119,3 +119,32 @@ pub fn input(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
     };
     model.forces.iter().map(|force| of_law(&force.law)).sum::<f64>() + hinge::input(model, v)
 }
+
+/// How large what one end of an element feels is.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Magnitude {
+    /// [N]
+    pub force: f64,
+    /// [N m]
+    pub moment: f64,
+    /// Stiffness times lengths: the sizes whose difference the force is [N].
+    pub noise: f64,
+    /// [N/m]
+    pub stiffness: f64,
+    /// [N m/rad]
+    pub turn_stiffness: f64,
+}
+
+/// Sizes of an element's forces and stiffnesses at rest, the same at both ends.
+pub fn magnitude(law: &Law, motion: &Motion) -> [Magnitude; 2] {
+    let size = match law {
+        Law::Spring { ends, stiffness, length, damping } => {
+            spring::Spring::at(ends, motion, *stiffness, *length, *damping).magnitude()
+        }
+        Law::Bushing { .. } => bushing::Bushing::at(law, motion).magnitude(),
+        Law::DeadLoad { force, torque, .. } | Law::FollowerLoad { force, torque, .. } => {
+            Magnitude { force: force.norm(), noise: force.norm(), moment: torque.norm(), ..Magnitude::default() }
+        }
+    };
+    [size, size]
+}

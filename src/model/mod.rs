@@ -205,6 +205,16 @@ impl Model {
         &self.bodies[self.coordinates[velocity].body].name
     }
 
+    /// A velocity coordinate for people: the body's name, and which coordinate where its hinge has several.
+    pub fn label(&self, velocity: usize) -> String {
+        let body = &self.bodies[self.coordinates[velocity].body];
+        let names = Self::velocity_names(&body.hinge.kind);
+        match names.len() {
+            1 => format!("`{}`", body.name),
+            _ => format!("`{}` ({})", body.name, names[velocity - body.hinge.velocity].0),
+        }
+    }
+
     /// Total mass of what moves and what is welded to the ground [kg].
     pub fn total_mass(&self) -> f64 {
         self.bodies.iter().map(|body| body.mass.mass).sum()

@@ -50,7 +50,7 @@ pub enum LoadError {
     },
     /// Something is wrong in it.
     #[error(transparent)]
-    Invalid(#[from] Diagnostics),
+    Problems(#[from] Diagnostics),
 }
 
 /// What the path `-` is called in messages.

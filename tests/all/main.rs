@@ -3,4 +3,6 @@
 mod common;
 mod derivatives;
 mod diagnostics;
+mod integrators;
+mod record;
 mod scenario;
