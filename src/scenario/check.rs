@@ -1,11 +1,11 @@
 //! Checks a parsed file against the declared format: unknown keys, missing keys, wrong types, lengths, ranges and
 //! words. Knows no key by name but `name` and `type`.
 
-use super::fields::{Key, Kind, Range, Table, listed};
+use super::fields::{Kind, Range, Table, listed};
 use super::findings::{Finding, Findings};
+use super::naming::{Element, Item, found, written};
 use super::reader::number;
 use crate::suggest::closest;
-use std::fmt;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -17,57 +17,6 @@ pub(super) fn table(declared: &'static Table, table: &DeTable<'_>, findings: &Fi
 
 struct Check<'f> {
     findings: &'f Findings,
-}
-
-/// The element a finding is about, named only when there is one: `hinge of body `upper``.
-#[derive(Clone, Copy)]
-struct Element<'e> {
-    table: &'static Table,
-    name: Option<&'e str>,
-    index: Option<usize>,
-    within: Option<&'e Element<'e>>,
-}
-
-impl fmt::Display for Element<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self.name, self.index, self.within) {
-            (_, _, None) => return Ok(()),
-            (Some(name), ..) => write!(f, "{} `{name}`", self.table.name)?,
-            (None, Some(index), Some(Element { within: None, .. })) => write!(f, "{}[{index}]", self.table.name)?,
-            (None, None, Some(Element { within: None, .. })) => write!(f, "[{}]", self.table.name)?,
-            _ => f.write_str(self.table.name)?,
-        }
-        match self.within {
-            Some(outer) if outer.within.is_some() => write!(f, " of {outer}"),
-            _ => Ok(()),
-        }
-    }
-}
-
-impl Element<'_> {
-    /// What a message starts with.
-    fn prefix(&self) -> String {
-        let name = self.to_string();
-        if name.is_empty() { name } else { format!("{name}: ") }
-    }
-}
-
-/// A value on its way down: the key it belongs to and the element around it.
-struct Item<'i> {
-    element: &'i Element<'i>,
-    key: &'static Key,
-    /// As written in a message: `at`, `markers.tip`.
-    path: String,
-}
-
-impl Item<'_> {
-    fn subject(&self) -> String {
-        format!("{}`{}`", self.element.prefix(), self.path)
-    }
-
-    fn example(&self) -> Option<String> {
-        (!self.key.example.is_empty()).then(|| format!("for example `{} = {}`", self.key.name, self.key.example))
-    }
 }
 
 impl Check<'_> {
@@ -138,7 +87,7 @@ impl Check<'_> {
         let word = name.get_ref().as_ref();
         let message = format!("{}unknown key `{word}`", element.prefix());
         let help = did_you_mean(word, element.table.names(of_type))
-            .unwrap_or_else(|| format!("allowed are {}", listed(element.table.names(of_type))));
+            .unwrap_or_else(|| format!("allowed: {}", listed(element.table.names(of_type))));
         self.findings.push(Finding::error(name.span(), message).help(help));
     }
 
@@ -280,30 +229,42 @@ fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<
     closest(word, known).map(|near| format!("did you mean `{near}`?"))
 }
 
-/// What a value is, for people.
-fn found(value: &DeValue<'_>) -> String {
-    match value {
-        DeValue::String(_) => format!("the text {}", written(value)),
-        DeValue::Integer(_) | DeValue::Float(_) => format!("the number {}", written(value)),
-        DeValue::Boolean(flag) => format!("`{flag}`"),
-        DeValue::Datetime(_) => "a date or time".to_owned(),
-        DeValue::Array(items) if items.is_empty() => "an empty list".to_owned(),
-        DeValue::Array(items) => format!("a list of {}", items.len()),
-        DeValue::Table(_) => "a table".to_owned(),
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::super::format::{ATTACHMENT, BODY, BUSHING_VALUES, FORCE, HINGE, RECORD, ROUND, SCENARIO, SHAPE};
+    use super::super::format::{SIMULATE, STATICS};
+    use super::super::sources::Sources;
+    use super::*;
 
-/// A value as it is written, cut where it is long.
-fn written(value: &DeValue<'_>) -> String {
-    const LONGEST: usize = 40;
-    let text = match value {
-        DeValue::String(text) => format!("\"{text}\""),
-        DeValue::Integer(integer) => integer.to_string(),
-        DeValue::Float(float) => float.as_str().to_owned(),
-        other => other.type_str().to_owned(),
-    };
-    match text.char_indices().nth(LONGEST) {
-        Some((cut, _)) => format!("{}…", &text[..cut]),
-        None => text,
+    #[test]
+    fn every_example_and_default_passes_its_own_check() {
+        let tables = [
+            &SCENARIO,
+            &SIMULATE,
+            &STATICS,
+            &RECORD,
+            &BODY,
+            &SHAPE,
+            &ROUND,
+            &HINGE,
+            &FORCE,
+            &ATTACHMENT,
+            &BUSHING_VALUES,
+        ];
+        for (declared, key) in tables.iter().flat_map(|table| table.keys.iter().map(move |key| (table, key))) {
+            // A number without a list is what most values per coordinate default to.
+            for value in [key.example, key.default].into_iter().filter(|value| !value.is_empty()) {
+                let text = format!("{} = {value}", key.name);
+                let document = DeTable::parse(&text).expect("examples are TOML").into_inner();
+                let findings = Findings::default();
+                let element = Element { table: declared, name: None, index: None, within: None };
+                for value in document.values() {
+                    let item = Item { element: &element, key, path: key.name.to_owned() };
+                    Check { findings: &findings }.value(&key.kind, &item, 0..0, value);
+                }
+                let found = findings.into_diagnostics(&Sources::new("example", &text));
+                assert_eq!(found, [], "{} of {}", text, declared.name);
+            }
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! How the format is declared: tables of keys, each with its kind, unit, default and one sentence.
 //!
-//! The declarations themselves are in [`format`](super::format). Everything that knows the format reads them: the
-//! [check](super::check), the JSON Schema and whoever prints a reference.
+//! The declarations themselves are in [`format`](mod@super::format). Everything that knows the format reads them: the
+//! check, the JSON Schema and whoever prints a reference.
 
 /// One table of the format.
 #[derive(Debug)]

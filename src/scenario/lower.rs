@@ -39,7 +39,10 @@ fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, s
     let templates: Vec<Option<Template>> = tables.iter().map(|table| template(table, folder)).collect();
     let mut total = 0;
     for (index, (table, template)) in tables.iter().zip(&templates).enumerate() {
-        let Some(template) = template else { continue };
+        let Some(template) = template else {
+            spans.add_nameless();
+            continue;
+        };
         total += template.count();
         if total > MOST_BODIES {
             let message = format!("{total} bodies are more than the {MOST_BODIES} that a scenario may have");

@@ -1,6 +1,7 @@
 //! Mass properties of a body, given or from its shapes.
 
 use super::findings::Finding;
+use super::format::BODY;
 use super::reader::{Reader, number, numbers};
 use crate::model::description::MassProperties;
 use crate::model::shape::{Geometry, Shape};
@@ -25,6 +26,9 @@ pub(super) fn mass(body: &Reader<'_>, owner: &str, repeat: Option<usize>, shapes
     let unreadable = ["mass", "center", "inertia", "density", "shape"]
         .into_iter()
         .any(|key| body.has(key) && body.value(key).is_none() && (key != "shape" || body.has("density")));
+    // A misspelt key may be the one that is missing.
+    let misspelt = body.table.keys().any(|key| BODY.declarations(key.get_ref()).next().is_none());
+    let unreadable = unreadable || misspelt && !body.has("mass");
     let mass = if body.has("density") { filled(body, owner, shapes) } else { given(body, owner, repeat) };
     match mass {
         Some(mass) if !unreadable && body.findings.errors() == errors => mass,

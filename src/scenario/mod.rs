@@ -6,7 +6,7 @@
 //!                                            fields, format┘         └ spans ◄─ problems of the model
 //! ```
 //!
-//! The format is declared once in [`format`]; the check, the [JSON Schema](schema) and any reference follow from it.
+//! The format is declared once in [`mod@format`]; the check, the [JSON Schema](schema) and any reference follow from it.
 //! All problems of a file are found in one go, each with its line and column.
 //!
 //! ```
@@ -34,6 +34,7 @@ mod force;
 mod hinge;
 mod lower;
 mod mass;
+mod naming;
 mod read;
 mod reader;
 mod settings;

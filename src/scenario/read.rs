@@ -6,8 +6,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// The largest file that is read [bytes].
-pub const LARGEST_FILE: usize = 64 * 1024 * 1024;
+/// The largest file that is read, in bytes: some 100 000 bodies one by one. Reading takes up to 50 times as much memory.
+pub const LARGEST_FILE: usize = 32 * 1024 * 1024;
 
 /// Why a scenario cannot be loaded.
 #[derive(Debug, thiserror::Error)]
@@ -50,7 +50,7 @@ pub enum LoadError {
     },
     /// Something is wrong in it.
     #[error(transparent)]
-    Invalid(#[from] Diagnostics),
+    Problems(#[from] Diagnostics),
 }
 
 /// What the path `-` is called in messages.

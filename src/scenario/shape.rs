@@ -93,3 +93,17 @@ fn hex(text: &str) -> Option<[f64; 4]> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hex_colors_have_six_or_eight_digits() {
+        assert_eq!(hex("#ff0033"), Some([1.0, 0.0, 0.2, 1.0]));
+        assert_eq!(hex("#ff003300"), Some([1.0, 0.0, 0.2, 0.0]));
+        for wrong in ["", "ff0033", "#ff003", "#ff003g", "#+f0033", "#äöü"] {
+            assert_eq!(hex(wrong), None, "{wrong}");
+        }
+    }
+}

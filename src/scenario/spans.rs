@@ -13,6 +13,8 @@ pub(super) struct SpanTable<'a> {
     document: &'a DeTable<'a>,
     bodies: Vec<Origin>,
     forces: Vec<usize>,
+    /// There are bodies whose names could not be read.
+    nameless: bool,
 }
 
 /// Which `[[body]]` a body comes from.
@@ -24,7 +26,7 @@ struct Origin {
 
 impl<'a> SpanTable<'a> {
     pub(super) fn new(document: &'a DeTable<'a>) -> Self {
-        Self { document, bodies: Vec::new(), forces: Vec::new() }
+        Self { document, bodies: Vec::new(), forces: Vec::new(), nameless: false }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -38,6 +40,11 @@ impl<'a> SpanTable<'a> {
     /// The next force of the description comes from `[[force]]` number `index`.
     pub(super) fn add_force(&mut self, index: usize) {
         self.forces.push(index);
+    }
+
+    /// A body's name could not be read: that others do not find it is not worth saying.
+    pub(super) fn add_nameless(&mut self) {
+        self.nameless = true;
     }
 
     fn element(&self, element: Element) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -138,6 +145,9 @@ pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &F
     let mut said: HashMap<(Option<Range<usize>>, String), usize> = HashMap::new();
     let mut kept: Vec<(Option<Range<usize>>, Problem, usize)> = Vec::new();
     for problem in problems {
+        if spans.nameless && is_reference(&problem.field) {
+            continue;
+        }
         let span = locate(spans, &problem);
         if span.as_ref().is_some_and(|span| findings.cover(span)) {
             continue;
@@ -163,6 +173,11 @@ pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &F
         };
         findings.push(finding.maybe_help(problem.help));
     }
+}
+
+/// Whether a field names another body.
+fn is_reference(field: &str) -> bool {
+    field == "hinge.parent" || field == "on" || field.starts_with("between")
 }
 
 /// A message without the numbers of copies: `link[12]` reads `link[]`.

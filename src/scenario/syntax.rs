@@ -9,7 +9,9 @@ use toml::de::DeTable;
 pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Findings) -> DeTable<'t> {
     let (document, errors) = DeTable::parse_recoverable(text);
     let mut said = HashSet::new();
-    for error in &errors {
+    // Where the nesting is too deep, what follows is not worth saying.
+    let deep = errors.iter().position(|error| is_depth(error.message()));
+    for error in errors.iter().take(deep.map_or(errors.len(), |deep| deep + 1)) {
         // Every open bracket complains about the same missing end.
         if !said.insert((error.message(), error.span())) {
             continue;
@@ -33,7 +35,7 @@ fn readable(message: &str) -> String {
     if is_depth(message) {
         "values are nested too deeply: the most is 80 levels".to_owned()
     } else {
-        format!("not valid TOML: {message}")
+        format!("not valid TOML: {}", message.trim_end_matches(", expected nothing"))
     }
 }
 

@@ -5,3 +5,4 @@ mod derivatives;
 mod diagnostics;
 mod integrators;
 mod record;
+mod scenario;

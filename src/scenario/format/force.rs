@@ -28,12 +28,12 @@ pub const FORCE: Table = Table {
         Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring"]).example("0.5"),
         Key::new("stiffness", SIX, "Stiffness along x, y, z [N/m], then about x, y, z [N m/rad], bushing axes.")
             .unit("N/m and N m/rad")
-            .default("0.0")
+            .default("{ translation = 0.0, rotation = 0.0 }")
             .only(&["bushing"])
             .example("{ translation = 1000.0, rotation = [1.0, 1.0, 0.0] }"),
         Key::new("damping", SIX, "Damping along x, y, z [N s/m], then about x, y, z [N m s/rad], bushing axes.")
             .unit("N s/m and N m s/rad")
-            .default("0.0")
+            .default("{ translation = 0.0, rotation = 0.0 }")
             .only(&["bushing"])
             .example("[1.0, 1.0, 1.0, 0.1, 0.1, 0.1]"),
         Key::new("length", NOT_NEGATIVE, "Unstretched length; must be said where `stiffness` is not zero.")
