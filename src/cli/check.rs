@@ -31,7 +31,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
                 }
                 0
             }
-            Err(LoadError::Invalid(problems)) => {
+            Err(LoadError::Problems(problems)) => {
                 output::note(problems.render(output::errors_in_color()).trim_end());
                 problems.errors()
             }

@@ -14,7 +14,7 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
         .collect::<anyhow::Result<_>>()?;
     let scenario = match load_with(&common.scenario, &overrides) {
         Ok(scenario) => scenario,
-        Err(LoadError::Invalid(problems)) => {
+        Err(LoadError::Problems(problems)) => {
             output::note(problems.render(output::errors_in_color()).trim_end());
             return Ok(Err(Exit::Wrong));
         }

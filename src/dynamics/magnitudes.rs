@@ -8,12 +8,12 @@ use crate::model::Joint;
 /// Magnitudes per velocity coordinate.
 #[derive(Debug, Clone)]
 pub struct Magnitudes {
-    /// Sum of the sizes of the forces that must cancel [N, N m].
+    /// Sum of the sizes of the forces that must cancel (N, N m).
     pub force: Vec<f64>,
     /// The same with every spring counted as its stiffness times its lengths: times the machine precision, the
-    /// round-off level of the balance [N, N m].
+    /// round-off level of the balance (N, N m).
     pub noise: Vec<f64>,
-    /// Size of the springs' contributions to the stiffness [N/m, N m/rad].
+    /// Size of the springs' contributions to the stiffness (N/m, N m/rad).
     pub stiffness: Vec<f64>,
 }
 

@@ -41,7 +41,7 @@ impl Dense {
         weighted_sum(&mut self.coefficients[4], step, weights, rates);
     }
 
-    /// The cubic `x₀ + … + θ² h Σ squares_j k_j + θ³ h Σ cubes_j k_j`, its linear term such that it ends at `ends[1]`.
+    /// The cubic `x₀ + … + θ² h Σ squares_j k_j + θ³ h Σ cubes_j k_j`, its linear term such that it ends at `ends(1)`.
     pub(crate) fn cubic(&mut self, step: f64, ends: [&[f64]; 2], squares: &[f64], cubes: &[f64], rates: &[Vec<f64>]) {
         let [r0, r1, r2, r3, _] = &mut self.coefficients;
         weighted_sum(r2, -step, squares, rates);

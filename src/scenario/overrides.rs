@@ -3,7 +3,7 @@
 //! | path | sets |
 //! |---|---|
 //! | `title`, `gravity` | a key of the file |
-//! | `simulate.duration` | a key of `[simulate]`, `[statics]` or `[record]` |
+//! | `simulate.duration` | a key of `(simulate)`, `(statics)` or `[record]` |
 //! | `upper.mass`, `upper.markers.tip` | a key of the body `upper`; of a repeated body for all its copies |
 //! | `upper.hinge.position`, `upper.position` | a key of its hinge |
 //! | `stay.stiffness`, `force[0].stiffness` | a key of a force |

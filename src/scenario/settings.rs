@@ -1,4 +1,4 @@
-//! `[simulate]`, `[statics]` and `[record]`.
+//! `(simulate)`, `(statics)` and `[record]`.
 
 use super::reader::Reader;
 use crate::simulate::settings::{Integrator, Settings as Simulate, Start};

@@ -180,7 +180,7 @@ fn is_reference(field: &str) -> bool {
     field == "hinge.parent" || field == "on" || field.starts_with("between")
 }
 
-/// A message without the numbers of copies: `link[12]` reads `link[]`.
+/// A message without the numbers of copies: `link(12)` reads `link[]`.
 fn without_copies(message: &str) -> String {
     let mut text = String::with_capacity(message.len());
     let mut in_brackets = false;

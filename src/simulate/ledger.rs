@@ -15,7 +15,7 @@ pub(super) struct Ledger {
     start: Energies,
     work: f64,
     dissipated: f64,
-    /// Largest imbalance so far [J].
+    /// Largest imbalance so far (J).
     pub drift: f64,
     /// Whether any power flows that no potential stands for.
     flows: bool,

@@ -1,7 +1,7 @@
 //! The rest proof: a run from the equilibrium that must stay where it is.
 //!
 //! At a stable or neutral equilibrium nothing may move: the largest displacement of any hinge is compared with
-//! [`TOLERANCE`]. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by [`PUSH`] along
+//! [`TOLERANCE`]. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
 //! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
 
 use super::run::{RunError, State, run};
@@ -12,9 +12,9 @@ use crate::record::Recorder;
 use crate::spatial::rotation::rotation_vector;
 use crate::statics::{Equilibrium, Verdict};
 
-/// A hinge that moved further than this did not rest [m or rad].
+/// A hinge that moved further than this did not rest (m or rad).
 pub const TOLERANCE: f64 = 1e-9;
-/// Size of the push at an unstable equilibrium, of the coordinate that moves most [m or rad].
+/// Size of the push at an unstable equilibrium, of the coordinate that moves most (m or rad).
 const PUSH: f64 = 1e-6;
 /// Growth is measured between these displacements: late enough for other modes to be gone, early enough to be linear.
 const GROWTH_WINDOW: (f64, f64) = (1e-5, 1e-3);
@@ -24,7 +24,7 @@ const GROWTH_WINDOW: (f64, f64) = (1e-5, 1e-3);
 pub struct Largest {
     /// Body whose hinge it is.
     pub hinge: String,
-    /// [m, rad or per second]
+    /// (m, rad or per second)
     pub value: f64,
 }
 
@@ -33,9 +33,9 @@ pub struct Largest {
 pub struct Growth {
     /// Body whose hinge leaves first.
     pub hinge: String,
-    /// From the eigenvalue [1/s].
+    /// From the eigenvalue (1/s).
     pub predicted: f64,
-    /// From the run [1/s]; `None` where it did not leave in time.
+    /// From the run (1/s); `None` where it did not leave in time.
     pub observed: Option<f64>,
 }
 
@@ -44,7 +44,7 @@ pub struct Growth {
 pub struct Rest {
     /// Whether it stayed.
     pub rested: bool,
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub duration: f64,
     /// Largest displacement of any hinge.
     pub displacement: Largest,

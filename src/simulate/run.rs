@@ -25,7 +25,7 @@ pub struct State {
 /// What a run did.
 #[derive(Debug, Clone)]
 pub struct Summary {
-    /// Reached time [s].
+    /// Reached time (s).
     pub end_time: f64,
     /// Whether it was stopped from outside before its end.
     pub interrupted: bool,
@@ -35,11 +35,11 @@ pub struct Summary {
     pub choice: Option<String>,
     /// Work of all methods.
     pub statistics: Statistics,
-    /// Kinetic plus potential energy at the start [J].
+    /// Kinetic plus potential energy at the start (J).
     pub energy_start: f64,
-    /// Kinetic plus potential energy at the end [J].
+    /// Kinetic plus potential energy at the end (J).
     pub energy_end: f64,
-    /// Largest |E − E₀ − work done + dissipated| at the ends of steps [J].
+    /// Largest |E − E₀ − work done + dissipated| at the ends of steps (J).
     pub energy_drift: f64,
     /// The last state.
     pub state: State,
@@ -47,7 +47,7 @@ pub struct Summary {
     pub poses: Vec<Pose>,
     /// Number of samples handed to the recorder.
     pub samples: usize,
-    /// Time spent in steps [s].
+    /// Time spent in steps (s).
     pub wall: Duration,
 }
 
@@ -60,7 +60,7 @@ pub enum RunError {
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
     Sample {
-        /// [s]
+        /// (s)
         time: f64,
         /// Why.
         fault: Fault,

@@ -26,9 +26,9 @@ pub struct Equilibrium {
     pub force_evaluations: usize,
     /// Stiffness matrices assembled.
     pub stiffness_evaluations: usize,
-    /// Largest hinge acceleration at rest [m/s², rad/s²], locked hinges held.
+    /// Largest hinge acceleration at rest (m/s², rad/s²), locked hinges held.
     pub residual_acceleration: f64,
-    /// Largest unbalanced hinge force [N, N m], locked hinges left out.
+    /// Largest unbalanced hinge force (N, N m), locked hinges left out.
     pub residual_force: f64,
     /// The same relative to the forces that cancel there.
     pub relative_residual: f64,
@@ -40,7 +40,7 @@ pub struct Equilibrium {
     pub reactions: Vec<Wrench>,
     /// Verdict and modes; `None` where there is no equilibrium.
     pub stability: Option<Stability>,
-    /// What locked hinges have to hold: coordinate name and force [N, N m].
+    /// What locked hinges have to hold: coordinate name and force (N, N m).
     pub holding: Vec<(String, f64)>,
     /// What a person should know: saddles that were left, what is unbalanced.
     pub notes: Vec<String>,

@@ -9,7 +9,7 @@ pub struct Landscape<'s, 'm> {
     system: &'s mut System<'m>,
     /// Indices of the velocity coordinates that may move.
     pub free: Vec<usize>,
-    /// `B`: the inertia each free coordinate sees [kg, kg m²]; makes radians and metres comparable.
+    /// `B`: the inertia each free coordinate sees (kg, kg m²); makes radians and metres comparable.
     pub metric: Vec<f64>,
     /// Whether loads have a potential: then the stiffness is a Hessian and equilibria are its stationary points.
     pub conservative: bool,
@@ -24,11 +24,11 @@ pub struct Landscape<'s, 'm> {
 /// How large the terms are that must cancel in each free coordinate.
 #[derive(Debug, Clone)]
 pub struct Scales {
-    /// Sum of the magnitudes of the forces in the balance [N, N m].
+    /// Sum of the magnitudes of the forces in the balance (N, N m).
     pub force: Vec<f64>,
-    /// Round-off level of the balance [N, N m].
+    /// Round-off level of the balance (N, N m).
     pub noise: Vec<f64>,
-    /// Magnitude of the stiffness terms [N/m, N m/rad].
+    /// Magnitude of the stiffness terms (N/m, N m/rad).
     pub stiffness: Vec<f64>,
 }
 
@@ -86,7 +86,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
         })
     }
 
-    /// Potential energy [J].
+    /// Potential energy (J).
     pub fn potential(&mut self, q: &[f64]) -> f64 {
         self.system.energies(q, &self.rest).potential
     }

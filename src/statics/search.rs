@@ -17,7 +17,7 @@ pub struct Iteration {
     pub stage: &'static str,
     /// Largest unbalanced force, relative to the forces that cancel there.
     pub residual: f64,
-    /// Size of the step in the inertia metric [m √kg].
+    /// Size of the step in the inertia metric (m √kg).
     pub step: f64,
     /// Shift `σ` of the trust region, 0 for a Newton step.
     pub shift: f64,

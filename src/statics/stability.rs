@@ -36,9 +36,9 @@ impl Verdict {
 /// A direction in coordinate space, told by the hinges that carry it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
-    /// Undamped frequency [Hz]; 0 for a neutral one.
+    /// Undamped frequency (Hz); 0 for a neutral one.
     pub frequency_hz: f64,
-    /// Growth rate [1/s] of one that runs away, else 0.
+    /// Growth rate (1/s) of one that runs away, else 0.
     pub growth_rate: f64,
     /// Shape, one number per free coordinate, largest 1.
     pub shape: Vec<f64>,

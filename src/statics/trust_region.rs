@@ -36,7 +36,7 @@ pub(super) struct Outcome {
 
 struct Search<'l, 's, 'm> {
     landscape: &'l mut Landscape<'s, 'm>,
-    /// Δ [m √kg].
+    /// Δ (m √kg).
     radius: f64,
     potential: f64,
     outcome: Outcome,

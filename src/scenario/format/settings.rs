@@ -5,7 +5,7 @@ use super::POSITIVE;
 
 const TOLERANCE: Kind = Kind::Number(Range::Between(1e-14, 1.0));
 
-/// `[simulate]`
+/// `(simulate)`
 pub const SIMULATE: Table = Table {
     name: "simulate",
     doc: "What is asked of a run.",
@@ -46,7 +46,7 @@ const INTEGRATORS: &[(&str, &str)] = &[
 
 const LATER_INTEGRATORS: &[&str] = &["dop853", "radau5", "generalized-alpha", "gauss"];
 
-/// `[statics]`
+/// `(statics)`
 pub const STATICS: Table = Table {
     name: "statics",
     doc: "What is asked of statics.",
