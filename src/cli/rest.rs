@@ -93,11 +93,11 @@ fn to_text(proof: &Rest) -> String {
     let Some(growth) = &proof.growth else {
         let answer = if proof.rested { "at rest" } else { "not at rest" };
         return format!(
-            "{}: in {seconds} s no hinge moved further than {:.1e} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {:.1e} per second",
+            "{}: in {seconds} s no hinge moved further than {} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {} per second",
             output::bold(answer),
-            proof.displacement.value,
+            text::small(proof.displacement.value),
             proof.displacement.hinge,
-            proof.speed.value,
+            text::small(proof.speed.value),
         );
     };
     let observed = growth.observed.map_or("not seen in time".to_owned(), text::number);

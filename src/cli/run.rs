@@ -73,6 +73,9 @@ fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyhow::Result<
         output::warning("nothing was simulated: there is no equilibrium to start from (see above)");
         return Ok(None);
     }
+    if found.stability.as_ref().is_some_and(|s| s.unstable_directions > 0) && !common.quiet {
+        output::warning("the run starts on an unstable equilibrium: it stays there until something disturbs it");
+    }
     if model.start_velocity.iter().any(|v| *v != 0.0) && !common.quiet {
         output::warning("the scenario gives velocities, but the run starts at rest; use `start = \"given\"` for them");
     }
