@@ -41,10 +41,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "velocities": json::by_hinge(&model, v, false),
             "accelerations": json::by_hinge(&model, &accelerations, false),
         });
-        output::print(&result.to_string());
+        output::print(&result.to_string())?;
         return Ok(Exit::Done);
     }
-    output::print(&text::heading(&model, &scenario.name));
+    output::print(&text::heading(&model, &scenario.name))?;
     output::print(&format!(
         "  centre       {}, {}, {} m\n  energy       kinetic {} J, potential {} J\n",
         text::number(center.x),
@@ -52,8 +52,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         text::number(center.z),
         text::number(energies.kinetic),
         text::number(energies.potential)
-    ));
-    output::print(&table(&model, &accelerations));
+    ))?;
+    output::print(&table(&model, &accelerations))?;
     Ok(Exit::Done)
 }
 
@@ -93,8 +93,7 @@ fn table(model: &Model, accelerations: &[f64]) -> String {
             show(&sums),
         ]);
     }
-    let widths: [usize; 6] =
-        std::array::from_fn(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0));
+    let widths: [usize; 6] = std::array::from_fn(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0));
     let line = |row: &[String; 6]| {
         let cells: Vec<String> = row.iter().zip(widths).map(|(cell, wide)| format!("{cell:<wide$}")).collect();
         format!("  {}", cells.join("  ")).trim_end().to_owned()

@@ -29,12 +29,13 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let (found, wall) = statics::find(&scenario, &model)?;
     let statics = json::statics(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
-        output::print(&text::heading(&model, &scenario.name));
-        output::print(&text::statics(&model, &found, wall));
+        output::print(&text::heading(&model, &scenario.name))?;
+        output::print(&text::statics(&model, &found, wall))?;
     }
     if !found.balanced {
         if common.json {
-            output::print(&json!({ "rested": false, "tolerance": TOLERANCE, "statics": statics }).to_string());
+            let none = Value::Null;
+            output::print(&json!({ "rested": false, "duration": 0.0, "max_displacement": none, "max_speed": none, "tolerance": TOLERANCE, "statics": statics }).to_string())?;
         }
         return Ok(Exit::No);
     }
@@ -64,9 +65,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let result = to_json(&proof, statics);
     recorder.finish(&Outcome { summary: result.to_string() })?;
     if common.json {
-        output::print(&result.to_string());
+        output::print(&result.to_string())?;
     } else if !common.quiet {
-        output::print(&to_text(&proof));
+        output::print(&to_text(&proof))?;
     }
     Ok(match (proof.interrupted, proof.rested) {
         (true, _) => Exit::Interrupted,

@@ -121,7 +121,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         }
         more(&mut out, stability.modes.len());
     }
-    pose(&mut out, model, &found.position, "pose");
+    pose(&mut out, model, &found.position, if found.balanced { "pose" } else { "last pose" });
     let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
     for (name, force) in &found.holding {
         let held = match without_noise(*force, weight) {
@@ -159,7 +159,8 @@ fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
     for (line, body) in hinges.take(MOST_LINES).enumerate() {
         let names: Vec<&str> = Model::position_names(&body.hinge.kind).iter().map(|(name, _)| *name).collect();
         let head = if line == 0 { title } else { "" };
-        let scales = Model::position_names(&body.hinge.kind).iter().map(|(_, unit)| if *unit == "m" { length } else { 1.0 });
+        let scales =
+            Model::position_names(&body.hinge.kind).iter().map(|(_, unit)| if *unit == "m" { length } else { 1.0 });
         let values = numbers(scales.zip(&position[body.hinge.position..]).map(|(scale, x)| without_noise(*x, scale)));
         let _ = writeln!(out, "  {head:<12} {:<20} {} = {values}", body.name, names.join(", "));
     }
