@@ -3,9 +3,11 @@
 
 mod linearize;
 mod magnitudes;
+mod tangent;
 
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
+pub use tangent::{Coefficients, TangentSolver};
 
 use crate::forces;
 use crate::model::{Joint, Model};
