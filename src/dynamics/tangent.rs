@@ -13,6 +13,7 @@ use nalgebra::{Matrix3, Vector3};
 pub struct TangentSolver {
     tangent: Tangent,
     diagonal: Vec<f64>,
+    shifted: Vec<f64>,
     applied: Vec<(usize, Blocks)>,
     ball_springs: Vec<(usize, Matrix3<f64>)>,
     unit: Vec<LinkVariation>,
@@ -29,6 +30,8 @@ pub struct Coefficients<'a> {
     pub shift: &'a [f64],
     /// Stop at the first pivot that is not positive.
     pub definite: bool,
+    /// Take the symmetric part: off equilibrium the coordinates of a ball have a connection term, `½ [residual]×`.
+    pub symmetric: bool,
 }
 
 impl TangentSolver {
@@ -38,6 +41,7 @@ impl TangentSolver {
         Self {
             tangent: Tangent::new(model),
             diagonal: vec![0.0; model.velocity_count()],
+            shifted: vec![0.0; model.velocity_count()],
             applied: Vec::with_capacity(grounded),
             ball_springs: Vec::with_capacity(model.links.len()),
             unit: vec![LinkVariation::default(); model.links.len()],
@@ -52,6 +56,11 @@ impl TangentSolver {
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
     pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
         self.tangent.solve(model, x);
+    }
+
+    /// A direction of negative curvature after a factorization that broke down at `link` for not being definite.
+    pub fn negative_direction(&mut self, model: &Model, breakdown: Breakdown, x: &mut [f64]) {
+        self.tangent.negative_direction(model, breakdown, x);
     }
 
     /// Number of negative pivots of the last factorization.
@@ -79,22 +88,58 @@ impl System<'_> {
         evaluated?;
         let model = self.model;
         for (i, coordinate) in model.coordinates.iter().enumerate() {
-            let shift = with.shift.get(i).copied().unwrap_or(0.0);
-            solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature + shift;
+            solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature;
         }
         self.gather_springs(solver, q);
+        if with.symmetric {
+            self.take_connection_off(solver);
+        }
         self.gather_forces(solver);
+        Ok(self.factorize_shifted(solver, a, with).is_ok())
+    }
+
+    /// Factorizes again with another shift; positions, velocities, forces and `c₁`, `c₂` as in the last call of
+    /// [`System::factorize_tangent`] or [`System::residual`].
+    ///
+    /// # Errors
+    /// The link whose pivot does not do.
+    pub fn factorize_shifted(
+        &self,
+        solver: &mut TangentSolver,
+        a: &[f64],
+        with: &Coefficients<'_>,
+    ) -> Result<(), Breakdown> {
+        solver.shifted.copy_from_slice(&solver.diagonal);
+        for (diagonal, shift) in solver.shifted.iter_mut().zip(with.shift) {
+            *diagonal += shift;
+        }
         let at = At {
             motion: &self.motion,
             balance: &self.balance,
             hinge: a,
             c1: with.c1,
             c2: with.c2,
-            diagonal: &solver.diagonal,
+            diagonal: &solver.shifted,
             applied: &solver.applied,
             ball_springs: &solver.ball_springs,
         };
-        Ok(!matches!(solver.tangent.factorize(model, &at, with.definite), Err(Breakdown { .. })))
+        solver.tangent.factorize(self.model, &at, with.definite)
+    }
+
+    /// The residual of the last evaluation (in `scratch`) turns the stiffness of a ball by `½ [r]×`.
+    fn take_connection_off(&self, solver: &mut TangentSolver) {
+        for (index, link) in self.model.links.iter().enumerate() {
+            if matches!(link.joint, Joint::Ball { .. }) {
+                let first = link.velocity;
+                let r = Vector3::new(self.scratch[first], self.scratch[first + 1], self.scratch[first + 2]);
+                let connection = -0.5 * r.cross_matrix();
+                match solver.ball_springs.iter_mut().find(|(ball, _)| *ball == index) {
+                    Some((_, spring)) => *spring += connection,
+                    None => solver.ball_springs.push((index, connection)),
+                }
+            }
+        }
+        solver.ball_springs.sort_by_key(|(ball, _)| *ball);
     }
 
     fn gather_springs(&self, solver: &mut TangentSolver, q: &[f64]) {

@@ -1,6 +1,6 @@
 //! Dense linear algebra of the static search.
 
-use faer::linalg::solvers::{Llt, Solve};
+use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Mat, Side};
 
 /// A positive definite matrix, factorized.
@@ -21,14 +21,24 @@ impl Definite {
     }
 }
 
-/// Solves with LU and one step of refinement; `None` where the answer is not finite.
-pub(super) fn solve(matrix: &Mat<f64>, rhs: &[f64]) -> Option<Vec<f64>> {
-    let lu = matrix.partial_piv_lu();
-    let b = as_mat(rhs);
-    let x = lu.solve(&b);
-    let correction = lu.solve(&(&b - matrix * &x));
-    let x = column(&(x + correction));
-    x.iter().all(|x| x.is_finite()).then_some(x)
+/// A general matrix, factorized by LU with pivoting.
+pub(super) struct General {
+    matrix: Mat<f64>,
+    factor: PartialPivLu<f64>,
+}
+
+impl General {
+    pub(super) fn of(matrix: &Mat<f64>) -> Self {
+        Self { matrix: matrix.clone(), factor: matrix.partial_piv_lu() }
+    }
+
+    /// With one step of refinement.
+    pub(super) fn solve(&self, rhs: &[f64]) -> Vec<f64> {
+        let b = as_mat(rhs);
+        let x = self.factor.solve(&b);
+        let correction = self.factor.solve(&(&b - &self.matrix * &x));
+        column(&(x + correction))
+    }
 }
 
 fn as_mat(list: &[f64]) -> Mat<f64> {

@@ -15,6 +15,7 @@ mod newton;
 pub mod search;
 pub mod settings;
 pub mod stability;
+mod stiffness;
 mod trust_region;
 
 pub use equilibrium::{Equilibrium, equilibrium};

@@ -87,8 +87,8 @@ pub(super) fn polish(
         if place.is_exact() {
             break;
         }
-        let stiffness = landscape.stiffness(&place.q)?;
-        let Some(step) = super::linear::solve(&stiffness, &place.force) else { break };
+        landscape.look(&place.q)?;
+        let Some(step) = landscape.newton(&place.force) else { break };
         let q = landscape.moved(&place.q, &step);
         let Ok(next) = Place::at(landscape, q) else { break };
         if next.residual().0 > 0.5 * place.residual().0 {

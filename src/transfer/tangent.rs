@@ -88,10 +88,12 @@ enum Eliminated {
 }
 
 /// A pivot that is zero or not finite: the link it belongs to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Breakdown {
     /// The link.
     pub link: usize,
+    /// For a ball, the axis about which it gives way, inertial axes.
+    pub axis: Option<Vector3<f64>>,
 }
 
 impl Tangent {
@@ -142,12 +144,12 @@ impl Tangent {
         let mut balls = at.ball_springs.iter().rev().peekable();
         for index in (1..model.links.len()).rev() {
             let spring = balls.next_if(|(link, _)| *link == index).map(|(_, spring)| *spring);
-            self.eliminate(model, at, index, spring, definite).ok_or(Breakdown { link: index })?;
+            self.eliminate(model, at, index, spring, definite)?;
         }
         Ok(())
     }
 
-    /// One hinge; `None` where its pivot does not do.
+    /// One hinge; the breakdown where its pivot does not do.
     fn eliminate(
         &mut self,
         model: &Model,
@@ -155,7 +157,7 @@ impl Tangent {
         index: usize,
         spring: Option<Matrix3<f64>>,
         definite: bool,
-    ) -> Option<()> {
+    ) -> Result<(), Breakdown> {
         let link = &model.links[index];
         let hinge = Hinge::new(link, at, index);
         self.at[index] = hinge;
@@ -165,22 +167,22 @@ impl Tangent {
         let f = &at.balance.reactions[index];
         let (first, d) = (link.velocity, hinge.arm);
         let (eliminated, negative) = match link.joint {
-            Joint::None => (Eliminated::None, 0),
-            Joint::Turn { .. } | Joint::Slide { .. } => {
-                eliminate_one(&hinge, &own, &mut across, f, at.diagonal[first])?
-            }
+            Joint::None => (Eliminated::None, NegativeAxes::default()),
+            Joint::Turn { .. } | Joint::Slide { .. } => eliminate_one(&hinge, &own, &mut across, f, at.diagonal[first])
+                .ok_or(Breakdown { link: index, axis: None })?,
             Joint::Ball { .. } => {
                 let turn = &hinge.turn;
                 let mut kappa = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| at.diagonal[first + i]));
                 kappa += spring.unwrap_or_else(Matrix3::zeros);
                 let held = at.diagonal[first].is_infinite();
-                eliminate_ball(&hinge, &own, &mut across, f, &(turn * kappa * turn.transpose()), held)?
+                eliminate_ball(&hinge, &own, &mut across, f, &(turn * kappa * turn.transpose()), held)
+                    .map_err(|axis| Breakdown { link: index, axis: Some(axis) })?
             }
         };
-        if definite && negative > 0 {
-            return None;
+        if definite && let Some(axis) = negative.first() {
+            return Err(Breakdown { link: index, axis: matches!(link.joint, Joint::Ball { .. }).then_some(*axis) });
         }
-        self.negative += negative;
+        self.negative += negative.len();
         self.hinges[index] = eliminated;
         // (7): (δθ × d) × f = [f]× [d]× δθ
         across[TURN].moment += f.force.cross_matrix() * d.cross_matrix();
@@ -190,7 +192,31 @@ impl Tangent {
                 sum.moment += block.moment;
             }
         }
-        Some(())
+        Ok(())
+    }
+
+    /// A direction `x` with `xᵀ K x < 0`, after a factorization for a definite matrix broke down at a hinge: that hinge
+    /// moves, everything outboard of it follows as it likes best, the rest stays. Then `xᵀ K x` is the pivot `D`.
+    pub fn negative_direction(&mut self, model: &Model, breakdown: Breakdown, x: &mut [f64]) {
+        x.fill(0.0);
+        let root = breakdown.link;
+        let mut z = LinkVariation::default();
+        match breakdown.axis {
+            None => {
+                x[model.links[root].velocity] = 1.0;
+                self.at[root].add_one(&mut z, 1.0);
+            }
+            Some(axis) => {
+                let local = self.at[root].turn.tr_mul(&axis);
+                x[model.links[root].velocity..model.links[root].velocity + 3].copy_from_slice(local.as_slice());
+                self.at[root].add_ball(&mut z, &axis);
+            }
+        }
+        self.z[root] = z;
+        for index in root + 1..model.links[root].subtree_end {
+            self.u[index] = Vector3::zeros();
+            self.step_outward(model, index, x);
+        }
     }
 
     /// Eqs. (5) and (6) for one right side, in place.
@@ -218,26 +244,32 @@ impl Tangent {
             self.e[link.parent] += passed;
         }
         for index in 1..model.links.len() {
-            let link = &model.links[index];
-            let parent = self.z[link.parent];
-            let hinge = &self.at[index];
-            let mut z = hinge.carry(&parent, self.dynamic);
-            match &self.hinges[index] {
-                Eliminated::None => {}
-                Eliminated::One { row, inverse, .. } => {
-                    let step = inverse * (self.u[index].x - dot(row, &parent, self.dynamic));
-                    x[link.velocity] = step;
-                    hinge.add_one(&mut z, step);
-                }
-                Eliminated::Three { row, inverse, .. } => {
-                    let step = inverse * (self.u[index] - times(row, &parent, self.dynamic));
-                    let local = hinge.turn.tr_mul(&step);
-                    x[link.velocity..link.velocity + 3].copy_from_slice(local.as_slice());
-                    hinge.add_ball(&mut z, &step);
-                }
-            }
-            self.z[index] = z;
+            self.step_outward(model, index, x);
         }
+    }
+
+    /// Eqs. (5) and (2) for one hinge.
+    #[inline]
+    fn step_outward(&mut self, model: &Model, index: usize, x: &mut [f64]) {
+        let link = &model.links[index];
+        let parent = self.z[link.parent];
+        let hinge = &self.at[index];
+        let mut z = hinge.carry(&parent, self.dynamic);
+        match &self.hinges[index] {
+            Eliminated::None => {}
+            Eliminated::One { row, inverse, .. } => {
+                let step = inverse * (self.u[index].x - dot(row, &parent, self.dynamic));
+                x[link.velocity] = step;
+                hinge.add_one(&mut z, step);
+            }
+            Eliminated::Three { row, inverse, .. } => {
+                let step = inverse * (self.u[index] - times(row, &parent, self.dynamic));
+                let local = hinge.turn.tr_mul(&step);
+                x[link.velocity..link.velocity + 3].copy_from_slice(local.as_slice());
+                hinge.add_ball(&mut z, &step);
+            }
+        }
+        self.z[index] = z;
     }
 }
 
@@ -401,7 +433,7 @@ fn eliminate_one(
     across: &mut Blocks,
     f: &Wrench,
     kappa: f64,
-) -> Option<(Eliminated, usize)> {
+) -> Option<(Eliminated, NegativeAxes)> {
     let (n, d, slides) = (hinge.axis, &hinge.arm, hinge.slides);
     let reach = hinge.reach_one(own);
     let D = kappa + if slides { n.dot(&reach.force) } else { n.dot(&reach.moment) };
@@ -424,7 +456,8 @@ fn eliminate_one(
         column.force -= (inverse * w.force) * row.transpose();
         column.moment -= (inverse * w.moment) * row.transpose();
     }
-    Some((Eliminated::One { w, row, inverse }, usize::from(D < 0.0)))
+    let negative = if D < 0.0 { NegativeAxes::one(n) } else { NegativeAxes::default() };
+    Some((Eliminated::One { w, row, inverse }, negative))
 }
 
 /// Eqs. (4) and (6) for a ball, in inertial axes; `kappa` likewise.
@@ -435,7 +468,7 @@ fn eliminate_ball(
     f: &Wrench,
     kappa: &Matrix3<f64>,
     held: bool,
-) -> Option<(Eliminated, usize)> {
+) -> Result<(Eliminated, NegativeAxes), Vector3<f64>> {
     let d = &hinge.arm;
     let mut reach = Column::default();
     for axis in 0..3 {
@@ -449,7 +482,10 @@ fn eliminate_ball(
     let D = reach.moment + turned + kappa;
     let inverse = match held {
         true => Matrix3::zeros(),
-        false => D.try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()))?,
+        false => D
+            .try_inverse()
+            .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
+            .ok_or(hinge.turn.column(0).into_owned())?,
     };
     let mut row = across.map(|column| column.moment - d.cross_matrix() * column.force);
     row[TURN] += turned;
@@ -459,14 +495,45 @@ fn eliminate_ball(
         column.force -= weighted.force * row;
         column.moment -= weighted.moment * row;
     }
-    Some((Eliminated::Three { w: reach, row, inverse }, if held { 0 } else { negative(&D) }))
+    let negative = if held { NegativeAxes::default() } else { NegativeAxes::of(&D) };
+    Ok((Eliminated::Three { w: reach, row, inverse }, negative))
 }
 
-/// Negative eigenvalues of the symmetric part, by its LDLᵀ pivots.
-fn negative(D: &Matrix3<f64>) -> usize {
-    match crate::spatial::Sym3::symmetric_part(D).inverse() {
-        Some((_, pivots)) => pivots.iter().filter(|pivot| **pivot < 0.0).count(),
-        None => 0,
+/// The directions in which one hinge's pivot is negative: at most three, no memory asked for.
+#[derive(Debug, Clone, Copy, Default)]
+struct NegativeAxes {
+    axes: [Vector3<f64>; 3],
+    count: usize,
+}
+
+impl NegativeAxes {
+    fn one(axis: Vector3<f64>) -> Self {
+        Self { axes: [axis, Vector3::zeros(), Vector3::zeros()], count: 1 }
+    }
+
+    /// Eigenvectors of negative eigenvalues of the symmetric part; none for a positive definite one.
+    fn of(D: &Matrix3<f64>) -> Self {
+        let part = crate::spatial::Sym3::symmetric_part(D);
+        if part.inverse().is_some_and(|(_, pivots)| pivots.min() > 0.0) {
+            return Self::default();
+        }
+        let eigen = part.matrix().symmetric_eigen();
+        let mut found = Self::default();
+        for i in 0..3 {
+            if eigen.eigenvalues[i] < 0.0 {
+                found.axes[found.count] = eigen.eigenvectors.column(i).into_owned();
+                found.count += 1;
+            }
+        }
+        found
+    }
+
+    fn len(&self) -> usize {
+        self.count
+    }
+
+    fn first(&self) -> Option<&Vector3<f64>> {
+        self.axes[..self.count].first()
     }
 }
 
