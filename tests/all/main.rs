@@ -5,4 +5,5 @@ mod building;
 mod closed_forms;
 mod common;
 mod derivatives;
+mod no_allocation;
 mod oracle;
