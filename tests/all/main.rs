@@ -5,5 +5,6 @@ mod building;
 mod closed_forms;
 mod common;
 mod derivatives;
+mod identities;
 mod no_allocation;
 mod oracle;

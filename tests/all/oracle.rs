@@ -14,7 +14,7 @@
 
 pub(crate) mod force;
 mod hinge;
-mod hinge_force;
+pub(crate) mod hinge_force;
 pub(crate) mod place;
 
 use faer::Mat;

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use stillpoint::model::description::{HingeDescription, HingeKind};
 
 /// One force per velocity.
-pub(super) fn of(hinge: &HingeDescription) -> Vec<f64> {
+pub(crate) fn of(hinge: &HingeDescription) -> Vec<f64> {
     let (q, rest, v) = (position_of(hinge), rest_of(hinge), velocity_of(hinge));
     let value = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);
     let mut forces: Vec<f64> =
