@@ -2,8 +2,10 @@
 //! `forces` and `transfer` meet.
 
 mod linearize;
+mod magnitudes;
 
 pub use linearize::Linearization;
+pub use magnitudes::Magnitudes;
 
 use crate::forces;
 use crate::model::{Joint, Model};
@@ -43,7 +45,7 @@ pub enum Fault {
     Singular {
         /// Body.
         body: String,
-        /// [kg or kg m²]
+        /// (kg or kg m²)
         pivot: f64,
     },
     /// A number that is not finite.
@@ -56,7 +58,7 @@ pub enum Fault {
     },
 }
 
-/// Kinetic and potential energy [J].
+/// Kinetic and potential energy (J).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energies {
     /// Kinetic, armatures included.
@@ -65,7 +67,7 @@ pub struct Energies {
     pub potential: f64,
 }
 
-/// Powers without a potential [W].
+/// Powers without a potential (W).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Powers {
     /// Put in by loads and motors.
@@ -145,7 +147,7 @@ impl<'m> System<'m> {
         self.reduction.solve(self.model, &self.motion, &load, x);
     }
 
-    /// The inertia that each velocity coordinate sees while everything outboard moves freely [kg, kg m²], of the last
+    /// The inertia that each velocity coordinate sees while everything outboard moves freely (kg, kg m²), of the last
     /// factorization.
     pub fn articulated_inertia(&self, out: &mut [f64]) {
         self.reduction.articulated_inertia(self.model, &self.motion, out);

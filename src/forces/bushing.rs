@@ -8,6 +8,7 @@
 //! potential ½ uᵀ K u + ½ φᵀ K_φ φ   (G: crate::spatial::rotation)
 //! ```
 
+use super::Magnitude;
 use crate::model::{End, Law};
 use crate::motion::Motion;
 use crate::motion::point::Point;
@@ -113,6 +114,17 @@ impl Bushing {
             + turn_a.cross(&damper)
             - self.in_axes(&self.turn_damping, &seen(&self.spin, &spin));
         self.pair(force, torque, -(a.arm + between).cross(&total), b.arm.cross(&total))
+    }
+
+    pub(super) fn magnitude(&self) -> Magnitude {
+        let reach = self.points[0].position.norm() + self.points[1].position.norm();
+        Magnitude {
+            force: self.force().norm(),
+            noise: self.stiffness.max() * reach,
+            moment: self.turn_stiffness.max() * rotation_vector(&self.relative).norm(),
+            stiffness: self.stiffness.max(),
+            turn_stiffness: self.turn_stiffness.max(),
+        }
     }
 
     pub(super) fn potential(&self) -> f64 {

@@ -75,7 +75,7 @@ fn vary_law(law: &Law, motion: &Motion, by: &[LinkVariation]) -> [Wrench; 2] {
     }
 }
 
-/// Potential energy of gravity, force elements and hinge springs and of the loads and motors that have one [J].
+/// Potential energy of gravity, force elements and hinge springs and of the loads and motors that have one (J).
 pub fn potential(model: &Model, motion: &Motion, q: &[f64]) -> f64 {
     let weight: f64 = model
         .links
@@ -98,7 +98,7 @@ pub fn potential(model: &Model, motion: &Motion, q: &[f64]) -> f64 {
     weight + elements + hinge::potential(model, q)
 }
 
-/// Power taken out by dampers [W], ≥ 0.
+/// Power taken out by dampers (W), ≥ 0.
 pub fn dissipated(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
     let of_law = |law: &Law| match law {
         Law::Spring { ends, stiffness, length, damping } => {
@@ -110,7 +110,7 @@ pub fn dissipated(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
     model.forces.iter().map(|force| of_law(&force.law)).sum::<f64>() + hinge::dissipated(model, v)
 }
 
-/// Power put in by loads and motors without a potential [W].
+/// Power put in by loads and motors without a potential (W).
 pub fn input(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
     let of_law = |law: &Law| match law {
         Law::DeadLoad { on, torque, .. } => torque.dot(&motion.links[on.link].angular_velocity),
@@ -118,4 +118,33 @@ pub fn input(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
         Law::Spring { .. } | Law::Bushing { .. } => 0.0,
     };
     model.forces.iter().map(|force| of_law(&force.law)).sum::<f64>() + hinge::input(model, v)
+}
+
+/// How large what one end of an element feels is.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Magnitude {
+    /// (N)
+    pub force: f64,
+    /// (N m)
+    pub moment: f64,
+    /// Stiffness times lengths: the sizes whose difference the force is (N).
+    pub noise: f64,
+    /// (N/m)
+    pub stiffness: f64,
+    /// (N m/rad)
+    pub turn_stiffness: f64,
+}
+
+/// Sizes of an element's forces and stiffnesses at rest, the same at both ends.
+pub fn magnitude(law: &Law, motion: &Motion) -> [Magnitude; 2] {
+    let size = match law {
+        Law::Spring { ends, stiffness, length, damping } => {
+            spring::Spring::at(ends, motion, *stiffness, *length, *damping).magnitude()
+        }
+        Law::Bushing { .. } => bushing::Bushing::at(law, motion).magnitude(),
+        Law::DeadLoad { force, torque, .. } | Law::FollowerLoad { force, torque, .. } => {
+            Magnitude { force: force.norm(), noise: force.norm(), moment: torque.norm(), ..Magnitude::default() }
+        }
+    };
+    [size, size]
 }

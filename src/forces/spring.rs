@@ -9,6 +9,7 @@
 //! A spring with L₀ = 0 is regular at L = 0 (force k x). With L₀ > 0 the direction is undefined there and the force is
 //! not a number, which stops whoever asked.
 
+use super::Magnitude;
 use crate::model::End;
 use crate::motion::Motion;
 use crate::motion::point::Point;
@@ -70,6 +71,15 @@ impl Spring {
             moment: sign * (arm.cross(&force) + varied.cross(&total)),
         };
         [on(self.points[0].arm, a.arm, 1.0), on(self.points[1].arm, b.arm, -1.0)]
+    }
+
+    pub(super) fn magnitude(&self) -> Magnitude {
+        Magnitude {
+            force: self.force().norm(),
+            noise: self.stiffness * (self.points[0].position.norm() + self.points[1].position.norm() + self.length),
+            stiffness: self.stiffness,
+            ..Magnitude::default()
+        }
     }
 
     pub(super) fn potential(&self) -> f64 {

@@ -12,7 +12,7 @@ pub struct Link {
     pub subtree_end: usize,
     /// Which motion is free.
     pub joint: Joint,
-    /// From the parent's root marker to the hinge point, parent link's axes [m].
+    /// From the parent's root marker to the hinge point, parent link's axes (m).
     pub offset: Vector3<f64>,
     /// Orientation of the hinge frame on the parent link: `parent_from_hinge`.
     pub turn: Matrix3<f64>,
@@ -22,11 +22,11 @@ pub struct Link {
     pub velocity: usize,
     /// The named body whose hinge this is part of.
     pub body: usize,
-    /// Mass of everything welded to this link [kg].
+    /// Mass of everything welded to this link (kg).
     pub mass: f64,
-    /// Centre of mass from the root marker, link axes [m].
+    /// Centre of mass from the root marker, link axes (m).
     pub center: Vector3<f64>,
-    /// Inertia about the **root marker**, link axes [kg m²].
+    /// Inertia about the **root marker**, link axes (kg m²).
     pub inertia: Sym3,
 }
 
@@ -60,12 +60,12 @@ impl Link {
 pub enum Joint {
     /// The ground's.
     None,
-    /// A turn about a unit axis of the hinge frame. One angle [rad].
+    /// A turn about a unit axis of the hinge frame. One angle (rad).
     Turn {
         /// Unit axis.
         axis: Vector3<f64>,
     },
-    /// A slide along a unit axis of the hinge frame. One distance [m].
+    /// A slide along a unit axis of the hinge frame. One distance (m).
     Slide {
         /// Unit axis.
         axis: Vector3<f64>,

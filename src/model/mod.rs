@@ -26,7 +26,7 @@ use shape::Shape;
 pub struct Model {
     /// One line for people.
     pub title: String,
-    /// Gravitational acceleration, inertial axes [m/s²].
+    /// Gravitational acceleration, inertial axes (m/s²).
     pub gravity: Vector3<f64>,
     /// The named bodies, in the order of the description.
     pub bodies: Vec<Body>,
@@ -83,15 +83,15 @@ pub struct Hinge {
 pub struct Coordinate {
     /// Index of the body whose hinge it belongs to.
     pub body: usize,
-    /// Spring stiffness [N/m, N m/rad].
+    /// Spring stiffness (N/m, N m/rad).
     pub stiffness: f64,
-    /// Damping [N s/m, N m s/rad].
+    /// Damping (N s/m, N m s/rad).
     pub damping: f64,
     /// Where the spring is relaxed (turns and slides; a ball keeps its rest orientation in its joint).
     pub rest: f64,
-    /// Added inertia [kg, kg m²].
+    /// Added inertia (kg, kg m²).
     pub armature: f64,
-    /// Constant motor force [N, N m].
+    /// Constant motor force (N, N m).
     pub force: f64,
     /// Held during statics.
     pub lock: bool,
@@ -104,7 +104,7 @@ pub struct End {
     pub link: usize,
     /// The named body, `None` for the ground.
     pub body: Option<usize>,
-    /// From the link's root marker, link axes [m].
+    /// From the link's root marker, link axes (m).
     pub point: Vector3<f64>,
 }
 
@@ -124,11 +124,11 @@ pub enum Law {
     Spring {
         /// Both ends.
         ends: [End; 2],
-        /// [N/m]
+        /// (N/m)
         stiffness: f64,
-        /// [m]
+        /// (m)
         length: f64,
-        /// [N s/m]
+        /// (N s/m)
         damping: f64,
     },
     /// Six-degree spring and damper.
@@ -137,31 +137,31 @@ pub enum Law {
         ends: [End; 2],
         /// The bushing's axes in both links: `link_from_bushing`.
         frames: [nalgebra::UnitQuaternion<f64>; 2],
-        /// Along [N/m].
+        /// Along (N/m).
         stiffness: Vector3<f64>,
-        /// About [N m/rad].
+        /// About (N m/rad).
         turn_stiffness: Vector3<f64>,
-        /// Along [N s/m].
+        /// Along (N s/m).
         damping: Vector3<f64>,
-        /// About [N m s/rad].
+        /// About (N m s/rad).
         turn_damping: Vector3<f64>,
     },
     /// Constant in inertial axes.
     DeadLoad {
         /// Where.
         on: End,
-        /// [N], inertial axes.
+        /// (N), inertial axes.
         force: Vector3<f64>,
-        /// [N m], inertial axes.
+        /// (N m), inertial axes.
         torque: Vector3<f64>,
     },
     /// Constant in the link's axes.
     FollowerLoad {
         /// Where.
         on: End,
-        /// [N], link axes.
+        /// (N), link axes.
         force: Vector3<f64>,
-        /// [N m], link axes.
+        /// (N m), link axes.
         torque: Vector3<f64>,
     },
 }
@@ -205,7 +205,17 @@ impl Model {
         &self.bodies[self.coordinates[velocity].body].name
     }
 
-    /// Total mass of what moves and what is welded to the ground [kg].
+    /// A velocity coordinate for people: the body's name, and which coordinate where its hinge has several.
+    pub fn label(&self, velocity: usize) -> String {
+        let body = &self.bodies[self.coordinates[velocity].body];
+        let names = Self::velocity_names(&body.hinge.kind);
+        match names.len() {
+            1 => format!("`{}`", body.name),
+            _ => format!("`{}` ({})", body.name, names[velocity - body.hinge.velocity].0),
+        }
+    }
+
+    /// Total mass of what moves and what is welded to the ground (kg).
     pub fn total_mass(&self) -> f64 {
         self.bodies.iter().map(|body| body.mass.mass).sum()
     }
@@ -236,7 +246,7 @@ impl Model {
             })
     }
 
-    /// A length that is typical of the scene [m]: the largest distance within one body or one hinge, 1 where all are
+    /// A length that is typical of the scene (m): the largest distance within one body or one hinge, 1 where all are
     /// zero.
     pub fn length_scale(&self) -> f64 {
         let within = self.bodies.iter().flat_map(|body| {
@@ -248,7 +258,7 @@ impl Model {
         if largest > 0.0 { largest } else { 1.0 }
     }
 
-    /// A time that is typical of the scene [s]: that of a fall over its length, 1 without gravity.
+    /// A time that is typical of the scene (s): that of a fall over its length, 1 without gravity.
     pub fn time_scale(&self) -> f64 {
         let g = self.gravity.norm();
         if g > 0.0 { (self.length_scale() / g).sqrt() } else { 1.0 }

@@ -19,25 +19,25 @@ pub struct Motion {
 pub struct LinkMotion {
     /// `world_from_link`.
     pub turn: Matrix3<f64>,
-    /// Root marker [m].
+    /// Root marker (m).
     pub position: Vector3<f64>,
-    /// Of the root marker [m/s].
+    /// Of the root marker (m/s).
     pub velocity: Vector3<f64>,
-    /// [rad/s]
+    /// (rad/s)
     pub angular_velocity: Vector3<f64>,
-    /// From the parent's root marker to this one [m].
+    /// From the parent's root marker to this one (m).
     pub arm: Vector3<f64>,
     /// Axis of a turn or slide.
     pub axis: Vector3<f64>,
     /// Velocity relative to the parent: along the axis for a slide, else angular.
     pub relative: Vector3<f64>,
-    /// What the velocities add to the linear acceleration of the root marker [m/s²].
+    /// What the velocities add to the linear acceleration of the root marker (m/s²).
     pub bias: Vector3<f64>,
-    /// What the velocities add to the angular acceleration [rad/s²].
+    /// What the velocities add to the angular acceleration (rad/s²).
     pub angular_bias: Vector3<f64>,
-    /// From the root marker to the centre of mass [m].
+    /// From the root marker to the centre of mass (m).
     pub center: Vector3<f64>,
-    /// About the root marker [kg m²].
+    /// About the root marker (kg m²).
     pub inertia: Sym3,
 }
 
@@ -82,7 +82,7 @@ impl Motion {
         self.links[body.link].pose() * body.link_from_body
     }
 
-    /// Kinetic energy of the links, armatures left out [J].
+    /// Kinetic energy of the links, armatures left out (J).
     pub fn kinetic_energy(&self, model: &Model) -> f64 {
         let of_link = |(link, motion): (&Link, &LinkMotion)| {
             let (v, w) = (motion.velocity, motion.angular_velocity);

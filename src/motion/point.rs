@@ -8,11 +8,11 @@ use nalgebra::Vector3;
 /// A carried point at one instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Point {
-    /// From the link's root marker, inertial axes [m].
+    /// From the link's root marker, inertial axes (m).
     pub arm: Vector3<f64>,
-    /// [m]
+    /// (m)
     pub position: Vector3<f64>,
-    /// [m/s]
+    /// (m/s)
     pub velocity: Vector3<f64>,
 }
 

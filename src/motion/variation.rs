@@ -1,6 +1,6 @@
 //! The variation of the motion in one direction: the outward sweep, differentiated.
 //!
-//! Every line is the variation of one of [`super::outboard`]: an axis turns with the parent (`δn = δθ_P × n`), a link's
+//! Every line is the variation of one of the outward sweep of the parent module: an axis turns with the parent (`δn = δθ_P × n`), a link's
 //! vectors with the link (`δc = δθ × c`).
 
 use super::{LinkMotion, Motion};
@@ -39,9 +39,9 @@ pub struct Direction<'a> {
 /// Acceleration of one link's root marker.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct LinkAcceleration {
-    /// r̈ [m/s²].
+    /// r̈ (m/s²).
     pub linear: Vector3<f64>,
-    /// ω̇ [rad/s²].
+    /// ω̇ (rad/s²).
     pub angular: Vector3<f64>,
 }
 

@@ -1,7 +1,31 @@
-//! Recordings.
+//! Recordings: what a run leaves behind, and how it is looked at.
+//!
+//! A run hands every [`Sample`] to one [`Recorder`]:
+//!
+//! - [`Memory`] keeps the samples, for tests and reports;
+//! - [`FileWriter`] writes an MCAP file (see [`mod@file`] for what is in it), [`Recording`] reads it back;
+//! - [`view::Viewer`] draws into the Rerun viewer or into an `.rrd` file;
+//! - [`Fanout`] feeds several of them, and lets none but the first stop the run.
+//!
+//! [`view::view`] plays a recording file into the same picture that a running simulation draws.
+//!
+//! Nothing here knows how a simulation works, and nothing outside `file` and `view` knows MCAP or Rerun.
 
+mod error;
+mod fanout;
+pub mod file;
+mod memory;
 pub mod sample;
 pub mod scene;
+mod solids;
+pub mod view;
+
+pub use error::RecordError;
+pub use fanout::Fanout;
+pub use file::{FileWriter, Recording, RecordingFile, Samples};
+pub use memory::Memory;
+pub use sample::{Energy, OwnedSample, Sample};
+pub use scene::Scene;
 
 /// The `[record]` table.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,4 +38,37 @@ impl Default for Settings {
     fn default() -> Self {
         Self { rate: 100.0 }
     }
+}
+
+/// What is known before the first sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Opening<'a> {
+    /// The still part of the picture; says how long the arrays of every sample are.
+    pub scene: &'a Scene,
+    /// The scenario file, word for word.
+    pub scenario: &'a str,
+    /// The statics result as JSON text, where the run started from an equilibrium.
+    pub statics: Option<&'a str>,
+}
+
+/// What is known after the last sample.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outcome {
+    /// The run's summary as JSON text.
+    pub summary: String,
+}
+
+/// Takes the samples of a run. Constructing one opens what has to be opened and writes what is known before.
+pub trait Recorder {
+    /// Takes one sample. Times must not decrease.
+    ///
+    /// # Errors
+    /// When the arrays do not fit the scene, or when the sample cannot be kept (disk full, viewer gone).
+    fn sample(&mut self, sample: &Sample) -> Result<(), RecordError>;
+
+    /// Ends the recording: of a run that reached its end and of one that was stopped alike. Later calls do nothing.
+    ///
+    /// # Errors
+    /// When the end cannot be written; what was kept before stays readable.
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError>;
 }

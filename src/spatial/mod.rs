@@ -14,12 +14,12 @@ use std::ops::{Add, AddAssign, Sub};
 /// Position and orientation of a frame: `world_from_body`.
 pub type Pose = Isometry3<f64>;
 
-/// A force and a moment at a point that the context names, inertial axes [N, N m].
+/// A force and a moment at a point that the context names, inertial axes (N, N m).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
-    /// [N]
+    /// (N)
     pub force: Vector3<f64>,
-    /// [N m]
+    /// (N m)
     pub moment: Vector3<f64>,
 }
 

@@ -8,11 +8,11 @@ use nalgebra::{Matrix3, Vector3};
 /// A symmetric 6×6 matrix from accelerations to wrenches: `force = ff r̈ + fm ω̇`, `moment = fmᵀ r̈ + mm ω̇`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Reduced {
-    /// Force from linear acceleration [kg].
+    /// Force from linear acceleration (kg).
     pub ff: Sym3,
-    /// Force from angular acceleration [kg m].
+    /// Force from angular acceleration (kg m).
     pub fm: Matrix3<f64>,
-    /// Moment from angular acceleration [kg m²].
+    /// Moment from angular acceleration (kg m²).
     pub mm: Sym3,
 }
 

@@ -48,7 +48,7 @@ enum Pivot {
 pub struct Singular {
     /// The link.
     pub link: usize,
-    /// The pivot `D` [kg or kg m²].
+    /// The pivot `D` (kg or kg m²).
     pub pivot: f64,
 }
 
@@ -169,7 +169,7 @@ impl Reduction {
     }
 
     /// The inertia that each hinge coordinate sees while everything outboard moves freely: the diagonal of `D`,
-    /// armature included [kg, kg m²].
+    /// armature included (kg, kg m²).
     pub fn articulated_inertia(&self, model: &Model, motion: &Motion, out: &mut [f64]) {
         for (index, link) in model.links.iter().enumerate().skip(1) {
             let at = &motion.links[index];

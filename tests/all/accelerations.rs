@@ -1,6 +1,7 @@
 //! Accelerations and reactions of random scenes against the independent equations of motion of `oracle`.
 
-use crate::common::{Options, Random, build, position_of, quaternion, random_scene, relative_difference};
+use crate::common::{Options, Random, build, position_of, random_scene, relative_difference};
+use crate::oracle::place::quaternion;
 use crate::oracle::{self, Answer};
 use nalgebra::{UnitQuaternion, Vector3};
 use stillpoint::dynamics::System;

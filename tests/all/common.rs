@@ -1,6 +1,6 @@
 //! Random scenes with fixed seeds.
 
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
 
@@ -187,8 +187,4 @@ pub(crate) fn build(description: &Description) -> Model {
 pub(crate) fn relative_difference(found: &[f64], expected: &[f64]) -> f64 {
     let scale = expected.iter().fold(1e-300_f64, |m, x| m.max(x.abs()));
     found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
-}
-
-pub(crate) fn quaternion(list: &[f64]) -> UnitQuaternion<f64> {
-    UnitQuaternion::from_quaternion(Quaternion::new(list[0], list[1], list[2], list[3]))
 }

@@ -1,8 +1,7 @@
 //! Hinge forces: motor, damper and spring in every velocity of a hinge.
 
 use super::force::torsion;
-use super::place::{position_of, rest_of, velocity_of};
-use crate::common::quaternion;
+use super::place::{position_of, quaternion, rest_of, velocity_of};
 use nalgebra::Vector3;
 use stillpoint::model::description::{HingeDescription, HingeKind};
 

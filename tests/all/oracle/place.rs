@@ -1,7 +1,6 @@
 //! Where every named body is and how it moves, by walking from the ground to it each time it is asked for.
 
-use crate::common::quaternion;
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 use stillpoint::model::description::{Attachment, Description, GROUND, HingeDescription, HingeKind, Point};
 
 /// A body at one instant, inertial axes.
@@ -168,6 +167,11 @@ fn filled(list: &[f64], kind: &HingeKind) -> Vec<f64> {
 /// Velocities with the defaults filled in.
 pub(crate) fn velocity_of(hinge: &HingeDescription) -> Vec<f64> {
     if hinge.velocity.is_empty() { vec![0.0; hinge.kind.counts().1] } else { hinge.velocity.clone() }
+}
+
+/// The unit quaternion of w, x, y, z.
+pub(crate) fn quaternion(list: &[f64]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_quaternion(Quaternion::new(list[0], list[1], list[2], list[3]))
 }
 
 fn about(axis: &Vector3<f64>, angle: f64) -> Rotation3<f64> {

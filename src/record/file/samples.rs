@@ -1,0 +1,152 @@
+//! Reading a recording: its samples.
+
+use super::chunks::{Records, Stop};
+use super::frames;
+use super::numbers::{each_field, get_row};
+use super::*;
+use crate::record::{Energy, OwnedSample, RecordError, Scene};
+use crate::spatial::Wrench;
+use foxglove::messages::FrameTransforms;
+use mcap::records::{MessageHeader, Record};
+use nalgebra::Vector3;
+use prost::Message;
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::PathBuf;
+
+/// The samples of a recording in the order they were written.
+///
+/// Where the file was cut the iteration ends with the last whole chunk, without an error:
+/// [`Recording::complete`](super::Recording::complete) tells. Where the content is wrong it ends with one.
+pub struct Samples {
+    path: PathBuf,
+    records: Records<BufReader<File>>,
+    topics: HashMap<u16, Topic>,
+    blank: OwnedSample,
+    over: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Topic {
+    Hinges,
+    Energy,
+    Reactions,
+    Frames,
+}
+
+impl Samples {
+    pub(super) fn new(path: PathBuf, source: BufReader<File>, scene: &Scene) -> Self {
+        let blank = OwnedSample {
+            positions: vec![0.0; scene.positions.len()],
+            velocities: vec![0.0; scene.velocities.len()],
+            accelerations: vec![0.0; scene.velocities.len()],
+            bodies: Vec::with_capacity(scene.bodies.len()),
+            reactions: vec![Wrench::default(); scene.bodies.len()],
+            ..OwnedSample::default()
+        };
+        Self { path, records: Records::contents(source), topics: HashMap::new(), blank, over: false }
+    }
+
+    /// Reads the messages of one sample, which follow one another.
+    fn read(&mut self) -> Result<Option<OwnedSample>, String> {
+        let mut sample = self.blank.clone();
+        let mut sequence = None;
+        let bodies = self.blank.reactions.len();
+        loop {
+            let (header, data) = match self.records.next() {
+                Some(Ok(Record::Message { header, data })) => (header, data),
+                Some(Ok(Record::Channel(channel))) => {
+                    self.topics.extend(topic(&channel.topic).map(|topic| (channel.id, topic)));
+                    continue;
+                }
+                Some(Ok(_)) => continue,
+                None | Some(Err(Stop::Truncated)) => return Ok(None),
+                Some(Err(Stop::Damaged(error))) => return Err(error.to_string()),
+                Some(Err(Stop::Io(error))) => return Err(error.to_string()),
+            };
+            let Some(&topic) = self.topics.get(&header.channel_id) else { continue };
+            if *sequence.get_or_insert(header.sequence) != header.sequence {
+                return Err(wrong("a sample without all its messages", &header));
+            }
+            let decoded = match topic {
+                Topic::Hinges => get_hinges(&data, &mut sample),
+                Topic::Energy => get_energy(&data, &mut sample.energy),
+                Topic::Reactions => get_reactions(&data, &mut sample.reactions),
+                Topic::Frames => get_frames(&data, bodies, &mut sample),
+            };
+            decoded.ok_or_else(|| wrong("a message that does not fit the scene", &header))?;
+            // The last one written of each sample.
+            if topic == Topic::Frames {
+                return Ok(Some(sample));
+            }
+        }
+    }
+}
+
+impl Iterator for Samples {
+    type Item = Result<OwnedSample, RecordError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.over {
+            return None;
+        }
+        let read = self.read().map_err(|what| RecordError::Damaged { path: self.path.clone(), what });
+        self.over = !matches!(read, Ok(Some(_)));
+        read.transpose()
+    }
+}
+
+fn wrong(what: &str, header: &MessageHeader) -> String {
+    format!("{what}, at {} s", header.log_time as f64 * 1e-9)
+}
+
+fn topic(name: &str) -> Option<Topic> {
+    match name {
+        HINGES_TOPIC => Some(Topic::Hinges),
+        ENERGY_TOPIC => Some(Topic::Energy),
+        REACTIONS_TOPIC => Some(Topic::Reactions),
+        FRAMES_TOPIC => Some(Topic::Frames),
+        _ => None,
+    }
+}
+
+fn get_hinges(message: &[u8], sample: &mut OwnedSample) -> Option<()> {
+    each_field(message, |index, field| match index {
+        0 => field.number().map(|time| sample.time = time),
+        1 => get_row(field.message()?, &mut sample.positions),
+        2 => get_row(field.message()?, &mut sample.velocities),
+        3 => get_row(field.message()?, &mut sample.accelerations),
+        _ => None,
+    })
+}
+
+fn get_energy(message: &[u8], energy: &mut Energy) -> Option<()> {
+    let mut row = [0.0; 6];
+    get_row(message, &mut row)?;
+    let [_, kinetic, potential, work, dissipated, error] = row;
+    *energy = Energy { kinetic, potential, work, dissipated, error };
+    Some(())
+}
+
+fn get_reactions(message: &[u8], reactions: &mut [Wrench]) -> Option<()> {
+    each_field(message, |body, wrench| {
+        let reaction = reactions.get_mut(body)?;
+        each_field(wrench.message()?, |index, vector| {
+            let mut row = [0.0; 3];
+            get_row(vector.message()?, &mut row)?;
+            match index {
+                0 => reaction.force = Vector3::from(row),
+                1 => reaction.moment = Vector3::from(row),
+                _ => return None,
+            }
+            Some(())
+        })
+    })
+}
+
+fn get_frames(message: &[u8], bodies: usize, sample: &mut OwnedSample) -> Option<()> {
+    let message = FrameTransforms::decode(message).ok()?;
+    sample.bodies.extend(frames::poses(&message));
+    (sample.bodies.len() == bodies).then_some(())
+}

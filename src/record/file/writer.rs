@@ -1,0 +1,213 @@
+//! Writing while a run goes on.
+
+use super::frames;
+use super::numbers::{put_nested, put_nested_row, put_row, row_length};
+use super::pictures::scene_update;
+use super::schema::{self, Schema};
+use super::*;
+use crate::record::{Opening, Outcome, RecordError, Recorder, Sample, Scene};
+use crate::spatial::Wrench;
+use foxglove::Encode;
+use foxglove::messages::{FrameTransforms, SceneUpdate};
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions};
+use prost::Message;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A chunk is closed and flushed when it is this old, so that a killed run loses little …
+const FLUSH_PERIOD: Duration = Duration::from_millis(500);
+/// … and when it is this long before compression, so that readers need not hold much.
+const CHUNK_BYTES: usize = 1 << 20;
+
+/// Writes the samples of a run to an MCAP file; see [`file`](super) for the layout.
+///
+/// Dropped without [`finish`](Recorder::finish), it leaves a readable `.partial` file.
+pub struct FileWriter {
+    target: PathBuf,
+    partial: PathBuf,
+    /// `None` once finished or failed.
+    output: Option<Output>,
+    scene: Scene,
+    transforms: FrameTransforms,
+}
+
+impl FileWriter {
+    pub(super) fn begin(file: File, target: PathBuf, partial: PathBuf, opening: &Opening) -> Result<Self, RecordError> {
+        let output = Output::begin(file, opening).map_err(|error| write_error(&partial, error))?;
+        let transforms = frames::transforms(opening.scene);
+        Ok(Self { target, partial, output: Some(output), scene: opening.scene.clone(), transforms })
+    }
+
+    /// Where the finished recording will be.
+    pub fn path(&self) -> &std::path::Path {
+        &self.target
+    }
+}
+
+impl Recorder for FileWriter {
+    fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
+        sample.check(&self.scene)?;
+        let Some(output) = &mut self.output else {
+            return Err(write_error(&self.partial, McapError::AttemptedWriteAfterFailure));
+        };
+        let written = output.sample(sample, &mut self.transforms);
+        written.map_err(|error| {
+            self.output = None;
+            write_error(&self.partial, error)
+        })
+    }
+
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
+        let Some(output) = self.output.take() else { return Ok(()) };
+        output.finish(outcome).map_err(|error| write_error(&self.partial, error))?;
+        std::fs::rename(&self.partial, &self.target).map_err(|error| write_error(&self.partial, error.into()))
+    }
+}
+
+fn write_error(path: &std::path::Path, error: McapError) -> RecordError {
+    let source = match error {
+        McapError::Io(source) => source,
+        other => io::Error::other(other),
+    };
+    RecordError::Write { path: path.into(), source }
+}
+
+/// The open file and everything that is reused from sample to sample.
+struct Output {
+    mcap: mcap::Writer<BufWriter<File>>,
+    channels: Channels,
+    sequence: u32,
+    buffer: Vec<u8>,
+    chunk_bytes: usize,
+    flushed: Instant,
+}
+
+#[derive(Clone, Copy)]
+struct Channels {
+    hinges: u16,
+    energy: u16,
+    reactions: u16,
+    frames: u16,
+}
+
+impl Output {
+    fn begin(file: File, opening: &Opening) -> McapResult<Self> {
+        let options = WriteOptions::new()
+            .compression(Some(Compression::Zstd))
+            .compression_threads(0)
+            .library(concat!("stillpoint ", env!("CARGO_PKG_VERSION")))
+            // Chunks are closed here, between samples, and written whole, not patched in place.
+            .chunk_size(None)
+            .disable_seeking(true);
+        let mut mcap = options.create(BufWriter::new(file))?;
+        describe(&mut mcap, opening)?;
+        let scene = opening.scene;
+        let pictures = foxglove_channel::<SceneUpdate>(&mut mcap, SCENE_TOPIC)?;
+        let channels = Channels {
+            hinges: number_channel(&mut mcap, HINGES_TOPIC, schema::hinges(scene))?,
+            energy: number_channel(&mut mcap, ENERGY_TOPIC, schema::energy())?,
+            reactions: number_channel(&mut mcap, REACTIONS_TOPIC, schema::reactions(scene))?,
+            frames: foxglove_channel::<FrameTransforms>(&mut mcap, FRAMES_TOPIC)?,
+        };
+        let header = MessageHeader { channel_id: pictures, sequence: 0, log_time: 0, publish_time: 0 };
+        mcap.write_to_known_channel(&header, &scene_update(scene).encode_to_vec())?;
+        mcap.flush()?;
+        Ok(Self { mcap, channels, sequence: 0, buffer: Vec::new(), chunk_bytes: 0, flushed: Instant::now() })
+    }
+
+    fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
+        // Negative and not-a-number times become zero; the exact time is in the messages.
+        let time = (sample.time * 1e9).round() as u64;
+        let channels = self.channels;
+
+        put_hinges(sample, &mut self.buffer);
+        self.message(channels.hinges, time)?;
+        let energy = &sample.energy;
+        let row = [sample.time, energy.kinetic, energy.potential, energy.work, energy.dissipated, energy.error];
+        put_row(&row, &mut self.buffer);
+        self.message(channels.energy, time)?;
+        put_reactions(sample.reactions, &mut self.buffer);
+        self.message(channels.reactions, time)?;
+        frames::fill(transforms, time, sample.bodies);
+        Message::encode(&*transforms, &mut self.buffer).map_err(io::Error::other)?;
+        self.message(channels.frames, time)?;
+
+        self.sequence = self.sequence.wrapping_add(1);
+        if self.chunk_bytes >= CHUNK_BYTES || self.flushed.elapsed() >= FLUSH_PERIOD {
+            self.mcap.flush()?;
+            self.chunk_bytes = 0;
+            self.flushed = Instant::now();
+        }
+        Ok(())
+    }
+
+    /// Writes the buffer as a message and empties it.
+    fn message(&mut self, channel_id: u16, time: u64) -> McapResult<()> {
+        let header = MessageHeader { channel_id, sequence: self.sequence, log_time: time, publish_time: time };
+        self.mcap.write_to_known_channel(&header, &self.buffer)?;
+        self.chunk_bytes += self.buffer.len();
+        self.buffer.clear();
+        Ok(())
+    }
+
+    fn finish(mut self, outcome: &Outcome) -> McapResult<()> {
+        metadata(&mut self.mcap, RUN, &[(JSON, &outcome.summary)])?;
+        self.mcap.finish()?;
+        let file = self.mcap.into_inner().into_inner().map_err(io::IntoInnerError::into_error)?;
+        Ok(file.sync_all()?)
+    }
+}
+
+fn describe(mcap: &mut mcap::Writer<BufWriter<File>>, opening: &Opening) -> McapResult<()> {
+    mcap.attach(&Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: SCENARIO.into(),
+        media_type: "application/toml".into(),
+        data: Cow::Borrowed(opening.scenario.as_bytes()),
+    })?;
+    metadata(mcap, PROGRAM, &[("version", env!("CARGO_PKG_VERSION")), ("format", &FORMAT.to_string())])?;
+    let scene = serde_json::to_string(opening.scene).map_err(io::Error::from)?;
+    metadata(mcap, SCENE, &[(JSON, &scene)])?;
+    opening.statics.map_or(Ok(()), |statics| metadata(mcap, STATICS, &[(JSON, statics)]))
+}
+
+fn metadata(mcap: &mut mcap::Writer<BufWriter<File>>, name: &str, entries: &[(&str, &str)]) -> McapResult<()> {
+    let metadata = entries.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
+    mcap.write_metadata(&Metadata { name: name.into(), metadata })
+}
+
+fn foxglove_channel<M: Encode>(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str) -> McapResult<u16> {
+    let schema = match M::get_schema() {
+        Some(schema) => mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
+        None => 0,
+    };
+    mcap.add_channel(schema, topic, &M::get_message_encoding(), &BTreeMap::new())
+}
+
+fn number_channel(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str, schema: Schema) -> McapResult<u16> {
+    let id = mcap.add_schema(schema.name, "protobuf", &schema.data)?;
+    mcap.add_channel(id, topic, "protobuf", &schema.fields)
+}
+
+fn put_hinges(sample: &Sample, buffer: &mut Vec<u8>) {
+    put_row(&[sample.time], buffer);
+    put_nested_row(2, sample.positions, buffer);
+    put_nested_row(3, sample.velocities, buffer);
+    put_nested_row(4, sample.accelerations, buffer);
+}
+
+fn put_reactions(reactions: &[Wrench], buffer: &mut Vec<u8>) {
+    // Two vectors of three numbers, each with a key and a length of one byte.
+    let length = 2 * (2 + row_length(3));
+    for (index, wrench) in reactions.iter().enumerate() {
+        put_nested(super::numbers::field_number(index), length, buffer);
+        put_nested_row(1, wrench.force.as_slice(), buffer);
+        put_nested_row(2, wrench.moment.as_slice(), buffer);
+    }
+}

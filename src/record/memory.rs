@@ -1,0 +1,34 @@
+//! Samples kept in memory, for tests and reports.
+
+use super::{Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
+
+/// Keeps everything it is given.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Memory {
+    /// The still part.
+    pub scene: Scene,
+    /// In the order they came.
+    pub samples: Vec<OwnedSample>,
+    /// Once finished.
+    pub outcome: Option<Outcome>,
+}
+
+impl Memory {
+    /// An empty recording of the scene.
+    pub fn new(opening: &Opening) -> Self {
+        Self { scene: opening.scene.clone(), samples: Vec::new(), outcome: None }
+    }
+}
+
+impl Recorder for Memory {
+    fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
+        sample.check(&self.scene)?;
+        self.samples.push(sample.to_owned());
+        Ok(())
+    }
+
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
+        self.outcome.get_or_insert_with(|| outcome.clone());
+        Ok(())
+    }
+}

@@ -1,0 +1,208 @@
+//! What is drawn for each body: its own shapes, or a stand-in.
+
+use super::Scene;
+use super::scene::{BodyPicture, ShapePicture};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, SymmetricEigen, Translation3, UnitQuaternion, Vector3};
+use std::path::Path;
+
+/// A solid in body axes, centred on its own origin; cylinders and capsules along its z.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Solid {
+    pub(super) form: Form,
+    /// `body_from_solid`.
+    pub(super) pose: Isometry3<f64>,
+    /// Red, green, blue, opacity, 0…1.
+    pub(super) color: [f64; 4],
+    /// Whether the scenario chose the colour.
+    pub(super) own_color: bool,
+}
+
+/// The forms of solids (m).
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Form {
+    /// Edge lengths.
+    Box([f64; 3]),
+    /// Radius.
+    Ball(f64),
+    /// Along z.
+    Cylinder { radius: f64, length: f64 },
+    /// Along z; the length of the cylindrical part.
+    Capsule { radius: f64, length: f64 },
+    /// The mesh file's content.
+    Mesh { contents: Vec<u8>, media_type: &'static str, scale: [f64; 3] },
+}
+
+/// Quiet colours that can be told apart on dark and on light ground.
+const PALETTE: [[f64; 3]; 8] = [
+    [0.42, 0.60, 0.78],
+    [0.87, 0.62, 0.36],
+    [0.50, 0.70, 0.52],
+    [0.80, 0.48, 0.46],
+    [0.62, 0.55, 0.76],
+    [0.76, 0.68, 0.45],
+    [0.46, 0.71, 0.73],
+    [0.80, 0.58, 0.70],
+];
+
+/// Colour number `index`, repeating.
+pub(super) fn palette(index: usize) -> [f64; 4] {
+    let [r, g, b] = PALETTE[index % PALETTE.len()];
+    [r, g, b, 1.0]
+}
+
+/// The solids of every body: the scenario's shapes; failing those (or where a mesh file cannot be read) rods from the
+/// root marker to the other markers and to where the next bodies hang; failing those a box of the body's inertia.
+pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
+    let mut points: Vec<Vec<[f64; 3]>> =
+        scene.bodies.iter().map(|body| body.markers.iter().map(|(_, at)| *at).collect()).collect();
+    for body in &scene.bodies {
+        if let Some(points) = body.parent.and_then(|parent| points.get_mut(parent)) {
+            points.push(body.hinge_at);
+        }
+    }
+    let of_body = |(index, (body, points)): (usize, (&BodyPicture, &Vec<[f64; 3]>))| {
+        let color = palette(index);
+        let shapes: Vec<Solid> = body.shapes.iter().filter_map(|shape| from_shape(shape, color)).collect();
+        if shapes.is_empty() { stand_in(body, points, color) } else { shapes }
+    };
+    scene.bodies.iter().zip(&points).enumerate().map(of_body).collect()
+}
+
+fn from_shape(shape: &ShapePicture, color: [f64; 4]) -> Option<Solid> {
+    let form = match (shape.kind.as_str(), shape.size.as_slice()) {
+        ("box", &[x, y, z]) => Form::Box([x, y, z]),
+        ("sphere", &[radius]) => Form::Ball(radius),
+        ("cylinder", &[radius, length]) => Form::Cylinder { radius, length },
+        ("capsule", &[radius, length]) => Form::Capsule { radius, length },
+        ("mesh", &[x, y, z]) => mesh(shape.file.as_deref()?, [x, y, z])?,
+        ("mesh", &[scale]) => mesh(shape.file.as_deref()?, [scale; 3])?,
+        _ => return None,
+    };
+    let [w, x, y, z] = shape.quaternion;
+    let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.0).unwrap_or_default();
+    let pose = Isometry3::from_parts(Translation3::from(shape.position), turn);
+    Some(Solid { form, pose, color: shape.color.unwrap_or(color), own_color: shape.color.is_some() })
+}
+
+fn mesh(file: &str, scale: [f64; 3]) -> Option<Form> {
+    let path = Path::new(file);
+    let media_type = match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "glb" => "model/gltf-binary",
+        "gltf" => "model/gltf+json",
+        "obj" => "model/obj",
+        "stl" => "model/stl",
+        "dae" => "model/vnd.collada+xml",
+        _ => return None,
+    };
+    Some(Form::Mesh { contents: std::fs::read(path).ok()?, media_type, scale })
+}
+
+fn stand_in(body: &BodyPicture, points: &[[f64; 3]], color: [f64; 4]) -> Vec<Solid> {
+    let solid = |form, pose| Solid { form, pose, color, own_color: false };
+    let rods: Vec<Solid> =
+        points.iter().filter_map(|&end| rod(end.into())).map(|(form, pose)| solid(form, pose)).collect();
+    if !rods.is_empty() {
+        return rods;
+    }
+    let center = Translation3::from(body.center);
+    let (edges, turn) = inertia_box(body);
+    let form = if edges.iter().all(|edge| *edge > 0.0) { Form::Box(edges.into()) } else { Form::Ball(POINT) };
+    vec![solid(form, Isometry3::from_parts(center, turn))]
+}
+
+/// Radius of a body that has a mass but no size (m).
+const POINT: f64 = 0.03;
+/// Thickness of stand-ins against their length.
+const SLENDER: f64 = 0.03;
+
+/// A capsule from the root marker to `end`; `None` where they are the same point.
+fn rod(end: Vector3<f64>) -> Option<(Form, Isometry3<f64>)> {
+    let length = end.norm();
+    let along = end.try_normalize(0.0)?;
+    let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+    let form = Form::Capsule { radius: SLENDER * length, length };
+    Some((form, Isometry3::from_parts(Translation3::from(0.5 * end), turn)))
+}
+
+/// Edges and orientation of the homogeneous box that has the body's mass and inertia. With principal moments A, B, C
+/// and mass m its edges are `a² = 6 (B + C − A) / m` and so on, none thinner than a fraction of the longest; zero for
+/// a body without mass or without inertia.
+fn inertia_box(body: &BodyPicture) -> (Vector3<f64>, UnitQuaternion<f64>) {
+    let [xx, yy, zz, xy, xz, yz] = body.inertia;
+    let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    if !(body.mass > 0.0 && inertia.iter().all(|entry| entry.is_finite())) {
+        return (Vector3::zeros(), UnitQuaternion::identity());
+    }
+    let principal = SymmetricEigen::new(inertia);
+    let moments = principal.eigenvalues;
+    let edges = moments.map(|moment| (6.0 * (moments.sum() - 2.0 * moment) / body.mass).max(0.0).sqrt());
+    let mut axes = principal.eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.neg_mut();
+    }
+    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
+    let thinnest = SLENDER * edges.max();
+    (edges.map(|edge| edge.max(thinnest)), turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn body() -> BodyPicture {
+        BodyPicture {
+            name: "body".into(),
+            parent: None,
+            mass: 2.0,
+            center: [0.0, 0.0, 1.0],
+            inertia: [0.0; 6],
+            markers: Vec::new(),
+            shapes: Vec::new(),
+            hinge: "free".into(),
+            hinge_axes: Vec::new(),
+            hinge_at: [0.0; 3],
+        }
+    }
+
+    fn drawn(body: BodyPicture) -> Vec<Solid> {
+        solids(&Scene { bodies: vec![body], ..Scene::default() }).remove(0)
+    }
+
+    #[test]
+    fn a_body_without_shapes_is_drawn_as_the_box_of_its_inertia() {
+        // A homogeneous box of 0.2 × 0.3 × 0.6 m and 2 kg.
+        let square = |a: f64, b: f64| 2.0 * (a * a + b * b) / 12.0;
+        let inertia = [square(0.3, 0.6), square(0.2, 0.6), square(0.2, 0.3), 0.0, 0.0, 0.0];
+        let solids = drawn(BodyPicture { inertia, ..body() });
+        let Form::Box(edges) = solids[0].form else { panic!("{:?}", solids[0].form) };
+        let turned = solids[0].pose.rotation * Vector3::from(edges);
+        // Eigenvalues of a 3 × 3 matrix: a few roundings.
+        assert!((turned.abs() - Vector3::new(0.2, 0.3, 0.6)).norm() < 1e-12, "{turned}");
+        assert_eq!(solids[0].pose.translation.vector, Vector3::new(0.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn a_rod_leads_to_every_marker_in_every_direction() {
+        for end in [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0], [1.0, 2.0, 2.0]] {
+            let solids = drawn(BodyPicture { markers: vec![("tip".into(), end)], ..body() });
+            let Form::Capsule { length, .. } = solids[0].form else { panic!("{:?}", solids[0].form) };
+            let tip = solids[0].pose * nalgebra::Point3::new(0.0, 0.0, 0.5 * length);
+            assert!((tip.coords - Vector3::from(end)).norm() < 1e-12, "{tip} is not {end:?}");
+        }
+    }
+
+    #[test]
+    fn a_point_mass_is_a_ball_and_a_missing_mesh_a_stand_in() {
+        let missing = ShapePicture {
+            kind: "mesh".into(),
+            size: vec![1.0],
+            file: Some("no such file.stl".into()),
+            position: [0.0; 3],
+            quaternion: [1.0, 0.0, 0.0, 0.0],
+            color: None,
+        };
+        assert_eq!(drawn(body())[0].form, Form::Ball(POINT));
+        assert_eq!(drawn(BodyPicture { shapes: vec![missing], ..body() })[0].form, Form::Ball(POINT));
+    }
+}

@@ -1,0 +1,132 @@
+//! Finding a viewer that listens before anything is sent to it: the viewer's library would wait for ever.
+
+use super::Sink;
+use crate::record::RecordError;
+use rerun::{RecordingStream, RecordingStreamBuilder};
+use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The viewer's usual port.
+const PORT: u16 = rerun::DEFAULT_SERVER_PORT;
+/// How long a listener may take to answer.
+const PROBE: Duration = Duration::from_millis(1000);
+/// How long a new viewer may take to listen.
+const START: Duration = Duration::from_secs(20);
+
+/// Opens a stream to the sink.
+pub(super) fn open(sink: &Sink, builder: RecordingStreamBuilder) -> Result<RecordingStream, RecordError> {
+    match sink {
+        Sink::Save(path) => save(path, builder),
+        Sink::Connect(url) => connect(url, builder),
+        Sink::Spawn => {
+            spawn("rerun", PORT)?;
+            stream(builder, &format!("rerun+http://127.0.0.1:{PORT}/proxy"))
+        }
+    }
+}
+
+fn save(path: &Path, builder: RecordingStreamBuilder) -> Result<RecordingStream, RecordError> {
+    builder.save(path).map_err(|error| failed(format!("`{}`: {error}", path.display()), ""))
+}
+
+fn connect(url: &str, builder: RecordingStreamBuilder) -> Result<RecordingStream, RecordError> {
+    let (url, place) = address(url)?;
+    let hint = "start the viewer with `rerun`, or let `--view` start one";
+    let addresses = place.to_socket_addrs().map_err(|error| failed(format!("`{place}`: {error}"), hint))?;
+    if !addresses.into_iter().take(2).any(|address| listens(&address)) {
+        return Err(failed(format!("no viewer listens at `{place}`"), hint));
+    }
+    stream(builder, &url)
+}
+
+fn stream(builder: RecordingStreamBuilder, url: &str) -> Result<RecordingStream, RecordError> {
+    builder.connect_grpc_opts(url).map_err(|error| failed(format!("`{url}`: {error}"), ADDRESS_HINT))
+}
+
+const ADDRESS_HINT: &str = "addresses look like `rerun+http://127.0.0.1:9876/proxy` or `127.0.0.1:9876`";
+
+/// The full address and its `host:port`.
+fn address(given: &str) -> Result<(String, String), RecordError> {
+    let wrong = || failed(format!("`{given}` is not a viewer's address"), ADDRESS_HINT);
+    let full = if given.contains("://") { given.to_owned() } else { format!("rerun+http://{given}/proxy") };
+    match full.parse::<rerun::external::re_uri::RedapUri>() {
+        Ok(rerun::external::re_uri::RedapUri::Proxy(proxy)) => {
+            let origin = proxy.origin;
+            Ok((full, format!("{}:{}", origin.format_host(), origin.port)))
+        }
+        _ => Err(wrong()),
+    }
+}
+
+fn listens(address: &SocketAddr) -> bool {
+    TcpStream::connect_timeout(address, PROBE).is_ok()
+}
+
+/// Starts a viewer unless one listens already, and waits until it does.
+fn spawn(program: &str, port: u16) -> Result<(), RecordError> {
+    let address = SocketAddr::from(([127, 0, 0, 1], port));
+    if listens(&address) {
+        return Ok(());
+    }
+    let mut viewer = start(program, port).map_err(|error| {
+        let version = rerun::build_info().version;
+        let hint = format!("install it with `pip install rerun-sdk=={version}`, or save an `.rrd` file instead");
+        match error.kind() {
+            std::io::ErrorKind::NotFound => failed(format!("the viewer program `{program}` is not installed"), &hint),
+            _ => failed(format!("the viewer program `{program}` does not start: {error}"), &hint),
+        }
+    })?;
+    let begin = Instant::now();
+    while begin.elapsed() < START {
+        if listens(&address) {
+            return Ok(());
+        }
+        if let Ok(Some(status)) = viewer.try_wait()
+            && !status.success()
+        {
+            let hint = "it needs a display and a graphics driver; without them save an `.rrd` file instead";
+            return Err(failed(format!("the viewer ended at once ({status})"), hint));
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    Err(failed(format!("the viewer does not listen after {} s", START.as_secs()), "start it by hand with `rerun`"))
+}
+
+/// A viewer that outlives this program and that other machines cannot reach.
+fn start(program: &str, port: u16) -> std::io::Result<Child> {
+    let mut command = Command::new(program);
+    command.args(["--bind", "127.0.0.1", "--port", &port.to_string(), "--expect-data-soon"]);
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    // Its own group: stopping the run from the terminal must not close the viewer.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
+    command.spawn()
+}
+
+pub(super) fn failed(what: String, hint: &str) -> RecordError {
+    RecordError::View { what, hint: hint.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_may_be_short() {
+        let (full, place) = address("127.0.0.1:1234").expect("an address");
+        assert_eq!((full.as_str(), place.as_str()), ("rerun+http://127.0.0.1:1234/proxy", "127.0.0.1:1234"));
+        assert!(address("http://[").is_err());
+        assert!(address("rerun://127.0.0.1:9876/catalog").is_err());
+    }
+
+    #[test]
+    fn a_missing_viewer_program_is_named() {
+        let begin = Instant::now();
+        // A port of the range that systems keep for nobody to listen on.
+        let error = spawn("no-such-viewer-program", 1).expect_err("cannot start").to_string();
+        assert!(error.contains("no-such-viewer-program") && error.contains("pip install"), "{error}");
+        assert!(begin.elapsed() < Duration::from_secs(2));
+    }
+}

@@ -1,0 +1,89 @@
+//! The picture: saved, streamed, and refused where there is nobody to look.
+
+use super::fixture::{Motion, record};
+use std::time::{Duration, Instant};
+use stillpoint::record::view::{Sink, view};
+
+#[cfg(not(feature = "rerun"))]
+#[test]
+fn without_the_feature_the_error_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("swing.mcap");
+    record(&path, &Motion::double_link(), 0.1);
+    let error = view(&path, &Sink::Save(folder.path().join("swing.rrd"))).expect_err("no viewer").to_string();
+    assert!(error.contains("built without the `rerun` feature"), "{error}");
+    assert!(Instant::now().elapsed() < Duration::from_secs(1));
+}
+
+#[cfg(feature = "rerun")]
+mod with_rerun {
+    use super::*;
+    use std::process::Command;
+    use stillpoint::record::view::Viewer;
+    use stillpoint::record::{Outcome, RecordError, Recorder};
+
+    /// The `rerun` program reads the file and finds nothing wrong. It comes with the viewer, which need not be there.
+    fn verify(rrd: &std::path::Path) {
+        match Command::new("rerun").args(["rrd", "verify"]).arg(rrd).output() {
+            Ok(output) => assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr)),
+            Err(_) => assert!(std::env::var_os("CI").is_none(), "the `rerun` program must be there"),
+        }
+    }
+
+    #[test]
+    fn a_recording_is_saved_as_a_picture() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mcap, rrd) = (folder.path().join("swing.mcap"), folder.path().join("swing.rrd"));
+        record(&mcap, &Motion::double_link(), 4.0);
+        let shown = view(&mcap, &Sink::Save(rrd.clone())).expect("saved");
+        assert_eq!((shown.samples, shown.complete, shown.notes.len()), (401, true, 0));
+        verify(&rrd);
+    }
+
+    #[test]
+    fn a_running_motion_is_saved_as_a_picture() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let rrd = folder.path().join("chain.rrd");
+        let motion = Motion::chain(40);
+        let mut viewer = Viewer::open(&Sink::Save(rrd.clone()), &motion.opening()).expect("open");
+        assert_eq!(viewer.notes(), ["Hinge coordinates [rad]: the first 8 of 40 are plotted"]);
+        for time in Motion::times(1.0) {
+            viewer.sample(&motion.at(time).borrow()).expect("drawn");
+        }
+        viewer.finish(&Outcome { summary: String::new() }).expect("finished");
+        verify(&rrd);
+    }
+
+    #[test]
+    fn where_nobody_listens_it_is_said_at_once() {
+        let begin = Instant::now();
+        let motion = Motion::double_link();
+        // Port 1 is reserved and nobody's.
+        let error = Viewer::open(&Sink::Connect("127.0.0.1:1".into()), &motion.opening()).err().expect("nobody");
+        assert!(error.to_string().contains("no viewer listens at `127.0.0.1:1`"), "{error}");
+        assert!(begin.elapsed() < Duration::from_secs(2));
+    }
+
+    #[test]
+    fn a_listener_that_is_no_viewer_is_given_up() {
+        let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+        let address = listener.local_addr().expect("an address");
+        // Answers the probe, and closes every connection.
+        std::thread::spawn(move || listener.incoming().for_each(drop));
+        let motion = Motion::double_link();
+        let begin = Instant::now();
+        let mut viewer = Viewer::open(&Sink::Connect(address.to_string()), &motion.opening()).expect("it listens");
+        let lost: Result<(), RecordError> =
+            Motion::times(2.0).try_for_each(|time| viewer.sample(&motion.at(time).borrow()));
+        let lost = lost.and_then(|()| viewer.finish(&Outcome { summary: String::new() }));
+        assert!(lost.expect_err("no viewer").to_string().contains("the viewer is lost"));
+        assert!(begin.elapsed() < Duration::from_secs(30), "{:?}", begin.elapsed());
+    }
+
+    #[test]
+    fn a_picture_in_a_missing_folder_is_refused() {
+        let motion = Motion::double_link();
+        let error = Viewer::open(&Sink::Save("/no/such/folder/a.rrd".into()), &motion.opening()).err();
+        assert!(error.expect("no folder").to_string().contains("/no/such/folder/a.rrd"));
+    }
+}
