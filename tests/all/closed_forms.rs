@@ -4,7 +4,7 @@
 
 use crate::common::build;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use stillpoint::dynamics::{Fault, System};
+use stillpoint::dynamics::System;
 use stillpoint::model::Description;
 use stillpoint::model::description::*;
 use stillpoint::spatial::Wrench;
@@ -189,15 +189,4 @@ fn top_in_steady_precession_keeps_its_inclination() {
     let scale = expected.norm();
     let error = (Vector3::from_column_slice(&a) - expected).norm();
     assert!(error < 1e-13 * scale, "{error:e} of {scale}");
-}
-
-/// A point mass on the axis of its own hinge: nothing resists the turn, and that is said by name.
-#[test]
-fn point_mass_on_its_own_axis_is_an_undetermined_hinge() {
-    let arm = body("arm", GROUND, HingeKind::Revolute { axis: Vector3::y() }, 1.0, Vector3::x(), [0.1; 3]);
-    let bead = body("bead", "arm", HingeKind::Revolute { axis: Vector3::x() }, 1.0, Vector3::x(), [0.0; 3]);
-    let model = build(&scene(vec![arm, bead]));
-    let mut a = [0.0; 2];
-    let fault = System::new(&model).accelerations(&[0.3, 0.2], &[0.0; 2], &mut a).unwrap_err();
-    assert!(matches!(&fault, Fault::Singular { body, .. } if body == "bead"), "{fault}");
 }

@@ -6,6 +6,7 @@ mod closed_forms;
 mod common;
 mod derivatives;
 mod diagnostics;
+mod faults;
 mod identities;
 mod integrators;
 mod no_allocation;
