@@ -369,12 +369,13 @@ impl<'a> Tree<'a> {
         let mut problems = Vec::new();
         for index in (1..self.links.len()).rev() {
             let link = &self.links[index];
-            let (_, velocities) = link.joint.counts();
-            let range = link.velocity..link.velocity + velocities;
-            let armature = self.coordinates[range].iter().all(|c| c.armature > 0.0);
+            let undetermined = |body: &Body| {
+                let range = body.hinge.velocity..body.hinge.velocity + body.hinge.kind.counts().1;
+                body.link == index && self.coordinates[range].iter().any(|c| c.armature == 0.0)
+            };
             if carried[index] {
                 carried[link.parent] = true;
-            } else if !armature && self.bodies[link.body].as_ref().is_some_and(|body| body.link == index) {
+            } else if self.bodies[link.body].as_ref().is_some_and(undetermined) {
                 let name = &self.description.bodies[link.body].name;
                 problems.push(Problem {
                     element: Element::Body(link.body),
