@@ -16,6 +16,7 @@ pub mod search;
 pub mod settings;
 pub mod stability;
 mod stiffness;
+mod subspace;
 mod trust_region;
 
 pub use equilibrium::{Equilibrium, equilibrium};
