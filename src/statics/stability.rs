@@ -212,8 +212,7 @@ fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstabl
     (0..n)
         .map(|i| {
             let shape: Vec<f64> = (0..n).map(|row| vectors[(row, i)]).collect();
-            let momentum: Vec<f64> =
-                (0..n).map(|row| (0..n).map(|j| linear.mass[(row, j)] * shape[j]).sum()).collect();
+            let momentum: Vec<f64> = (0..n).map(|row| (0..n).map(|j| linear.mass[(row, j)] * shape[j]).sum()).collect();
             let shares = shares(model, free, &momentum, &shape);
             let (frequency_hz, growth_rate) = rates_of(values[i], i, unstable, neutral);
             Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }

@@ -39,28 +39,14 @@ struct Sweeps<'s, 'm> {
 }
 
 /// Counts and lowest modes at `q`; the model's forces must be covered by the sweep.
-pub(super) fn lowest(
-    system: &mut System<'_>,
-    q: &[f64],
-    free: &[usize],
-    magnitude: &[f64],
-) -> Result<Lowest, Fault> {
+pub(super) fn lowest(system: &mut System<'_>, q: &[f64], free: &[usize], magnitude: &[f64]) -> Result<Lowest, Fault> {
     let model = system.model();
     let n = model.velocity_count();
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
     let solver = TangentSolver::new(model);
     let zero = vec![0.0; n];
-    let mut sweeps = Sweeps {
-        system,
-        solver,
-        q,
-        rest: zero.clone(),
-        shift,
-        free,
-        full: zero.clone(),
-        product: zero,
-    };
+    let mut sweeps = Sweeps { system, solver, q, rest: zero.clone(), shift, free, full: zero.clone(), product: zero };
     let unstable = sweeps.negative(magnitude, NEUTRAL)?;
     let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
     let (modes, momenta) = sweeps.iterate(neutral)?;
@@ -83,7 +69,8 @@ impl Sweeps<'_, '_> {
 
     /// Factorizes `K + sM`; false where it is not definite.
     fn factorize(&mut self, s: f64) -> Result<bool, Fault> {
-        let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite: true, ..Coefficients::default() };
+        let with =
+            Coefficients { c2: s, shift: &self.shift, symmetric: true, definite: true, ..Coefficients::default() };
         self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)
     }
 

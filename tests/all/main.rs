@@ -1,6 +1,7 @@
 //! All integration tests in one binary: one link, many modules.
 
 mod accelerations;
+mod architecture;
 mod building;
 mod closed_forms;
 mod common;
