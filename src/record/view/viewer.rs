@@ -84,7 +84,8 @@ impl Viewer {
         self.placed = true;
         let picture = self.picture.clone();
         self.tell(move |stream| {
-            layout::send(stream, APPLICATION, &picture.plots, &bounds).map_err(|error| error.to_string())
+            layout::send(stream, APPLICATION, &picture.scene.title, &picture.plots, &bounds)
+                .map_err(|error| error.to_string())
         })
     }
 
