@@ -3,7 +3,7 @@
 //! A run hands every [`Sample`] to one [`Recorder`]:
 //!
 //! - [`Memory`] keeps the samples, for tests and reports;
-//! - [`FileWriter`] writes an MCAP file (see [`file`] for what is in it), [`Recording`] reads it back;
+//! - [`FileWriter`] writes an MCAP file (see [`mod@file`] for what is in it), [`Recording`] reads it back;
 //! - [`view::Viewer`] draws into the Rerun viewer or into an `.rrd` file;
 //! - [`Fanout`] feeds several of them, and lets none but the first stop the run.
 //!
