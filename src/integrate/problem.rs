@@ -5,7 +5,10 @@ use std::fmt;
 /// A second-order system in hinge coordinates: `q̇ = N(q) v`, `v̇ = a(t, q, v)`.
 ///
 /// `q` may hold unit quaternions (then it is longer than `v`); they are stepped as plain numbers in R⁴ and normalised
-/// after the step.
+/// after the step. Within a step they are off unit length by `O(h²)`: the functions here should take the rotation of
+/// `p / |p|` (any smooth extension keeps the order, this one is the most accurate).
+///
+/// No method here may allocate, if the steps are not to.
 pub trait Problem {
     /// Number of coordinates `q`.
     fn position_count(&self) -> usize;
@@ -21,15 +24,22 @@ pub trait Problem {
     /// Normalises the quaternions of `q`.
     fn normalize(&self, q: &mut [f64]);
     /// The sizes at which an absolute error counts as much as a relative one, per coordinate of `q` and of `v`:
-    /// 1 rad and the scene's length for positions, the same per the scene's time for velocities.
+    /// 1 rad (also for the numbers of a quaternion) and the scene's length for positions, the same per the scene's time
+    /// for velocities. All above 0; the integrators take their ratio as the time in which things happen.
     fn scales(&self) -> (&[f64], &[f64]);
 }
 
 /// What implicit methods need beyond [`Problem`].
 pub trait ImplicitProblem: Problem {
-    /// Solves `q = start + step N(q) v` for `q`: in closed form for plain coordinates and for quaternions.
+    /// Solves `q = start + step N(q) v` for `q`, without normalising it: `start + step v` for plain coordinates, and for
+    /// a quaternion, with `Ω(ω) p = p ∘ (0, ω)` and `Ω² = −|ω|²`,
+    ///
+    /// ```text
+    /// p = (p* + ½ step Ω p*) / (1 + ¼ step² |ω|²).
+    /// ```
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]);
-    /// `r ← M(q) a + b(t, q, v) − τ(t, q, v)`, the inverse dynamics residual.
+    /// `r ← M(q) a + b(t, q, v) − τ(t, q, v)`, the inverse dynamics residual; it must be affine in `a` and vanish where
+    /// [`acceleration`](Problem::acceleration) says so.
     ///
     /// # Errors
     /// Where a number is not finite.

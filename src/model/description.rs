@@ -14,7 +14,7 @@ pub const GROUND: &str = "ground";
 pub struct Description {
     /// One line for people.
     pub title: String,
-    /// Gravitational acceleration, inertial axes [m/s²].
+    /// Gravitational acceleration, inertial axes (m/s²).
     pub gravity: Vector3<f64>,
     /// The bodies in any order: a child may stand before its parent.
     pub bodies: Vec<BodyDescription>,
@@ -35,7 +35,7 @@ pub struct BodyDescription {
     pub name: String,
     /// Mass, centre of mass and inertia.
     pub mass: MassProperties,
-    /// Named points, body axes, from the root marker [m].
+    /// Named points, body axes, from the root marker (m).
     pub markers: Vec<(String, Vector3<f64>)>,
     /// For pictures only.
     pub shapes: Vec<Shape>,
@@ -46,11 +46,11 @@ pub struct BodyDescription {
 /// Mass properties of a rigid body, body axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassProperties {
-    /// Mass [kg], ≥ 0.
+    /// Mass (kg), ≥ 0.
     pub mass: f64,
-    /// Centre of mass from the root marker [m].
+    /// Centre of mass from the root marker (m).
     pub center: Vector3<f64>,
-    /// Inertia about the **centre of mass** [kg m²], symmetric.
+    /// Inertia about the **centre of mass** (kg m²), symmetric.
     pub inertia: Matrix3<f64>,
 }
 
@@ -72,15 +72,15 @@ pub struct HingeDescription {
     pub position: Vec<f64>,
     /// Start velocities.
     pub velocity: Vec<f64>,
-    /// Spring stiffness per velocity [N/m or N m/rad].
+    /// Spring stiffness per velocity (N/m or N m/rad).
     pub stiffness: Vec<f64>,
-    /// Damping per velocity [N s/m or N m s/rad].
+    /// Damping per velocity (N s/m or N m s/rad).
     pub damping: Vec<f64>,
     /// Coordinates at which the spring is relaxed (as `position`: a quaternion for spherical hinges).
     pub rest: Vec<f64>,
-    /// Added hinge inertia per velocity [kg or kg m²].
+    /// Added hinge inertia per velocity (kg or kg m²).
     pub armature: Vec<f64>,
-    /// Constant motor force per velocity [N or N m].
+    /// Constant motor force per velocity (N or N m).
     pub force: Vec<f64>,
     /// Held during statics.
     pub lock: bool,
@@ -181,7 +181,7 @@ impl HingeKind {
 /// A point of a body or of the ground.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Point {
-    /// Coordinates from the root marker, body axes [m].
+    /// Coordinates from the root marker, body axes (m).
     At(Vector3<f64>),
     /// A marker's name.
     Marker(String),
@@ -212,11 +212,11 @@ pub enum ForceKind {
     Spring {
         /// The two ends.
         between: [Attachment; 2],
-        /// Stiffness [N/m], ≥ 0.
+        /// Stiffness (N/m), ≥ 0.
         stiffness: f64,
-        /// Unstretched length [m], ≥ 0.
+        /// Unstretched length (m), ≥ 0.
         length: f64,
-        /// Damping [N s/m], ≥ 0.
+        /// Damping (N s/m), ≥ 0.
         damping: f64,
     },
     /// Six-degree spring and damper, relaxed where both points coincide and both bodies' axes are parallel.
@@ -225,18 +225,18 @@ pub enum ForceKind {
         between: [Attachment; 2],
         /// Turn of the bushing's axes in the first body: `body_from_bushing`.
         frame: UnitQuaternion<f64>,
-        /// Along x, y, z [N/m], then about x, y, z [N m/rad], bushing axes.
+        /// Along x, y, z (N/m), then about x, y, z (N m/rad), bushing axes.
         stiffness: [f64; 6],
-        /// Along [N s/m], then about [N m s/rad].
+        /// Along (N s/m), then about (N m s/rad).
         damping: [f64; 6],
     },
     /// A constant force and torque.
     Load {
         /// Where it acts.
         on: Attachment,
-        /// Force [N].
+        /// Force (N).
         force: Vector3<f64>,
-        /// Torque [N m].
+        /// Torque (N m).
         torque: Vector3<f64>,
         /// Constant in which axes.
         axes: LoadAxes,

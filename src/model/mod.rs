@@ -1,8 +1,298 @@
 //! What is simulated: immutable, validated, no numbers that change in time.
+//!
+//! A [`Description`] is what a person writes; [`Model::build`] checks it and compiles it into a tree of *links*. A link
+//! is one elementary hinge (turn, slide or ball) and the rigid body outboard of it; a hinge with several coordinates
+//! becomes several links, all but the last without mass. Welded bodies have no link of their own: they are part of the
+//! link that carries them. Link 0 is the ground.
 
+mod build;
+mod check;
 pub mod description;
+mod link;
 pub mod problem;
 pub mod shape;
 
 pub use description::Description;
+pub use link::{Joint, Link};
 pub use problem::{Element, Problem};
+
+use crate::spatial::Pose;
+use description::{HingeKind, MassProperties};
+use nalgebra::Vector3;
+use shape::Shape;
+
+/// A checked and compiled scene.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// One line for people.
+    pub title: String,
+    /// Gravitational acceleration, inertial axes (m/s²).
+    pub gravity: Vector3<f64>,
+    /// The named bodies, in the order of the description.
+    pub bodies: Vec<Body>,
+    /// The tree: link 0 is the ground, parents stand before children, and every subtree is contiguous.
+    pub links: Vec<Link>,
+    /// What acts in each velocity coordinate.
+    pub coordinates: Vec<Coordinate>,
+    /// Springs, bushings and loads.
+    pub forces: Vec<Force>,
+    /// Start or guess: hinge coordinates, `position_count` numbers.
+    pub start_position: Vec<f64>,
+    /// Start velocities, `velocity_count` numbers.
+    pub start_velocity: Vec<f64>,
+}
+
+/// A named body.
+#[derive(Debug, Clone)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// Index of the parent body, `None` for the ground.
+    pub parent: Option<usize>,
+    /// The link that it is (part of); 0 where it is welded to the ground.
+    pub link: usize,
+    /// Where its root marker stands on that link.
+    pub link_from_body: Pose,
+    /// Mass, centre and inertia, body axes.
+    pub mass: MassProperties,
+    /// Named points, body axes.
+    pub markers: Vec<(String, Vector3<f64>)>,
+    /// For pictures.
+    pub shapes: Vec<Shape>,
+    /// Its hinge.
+    pub hinge: Hinge,
+}
+
+/// Where a hinge's coordinates stand, and where it sits.
+#[derive(Debug, Clone)]
+pub struct Hinge {
+    /// Kind; axes as given.
+    pub kind: HingeKind,
+    /// Hinge frame on the parent body: `parent_from_hinge`.
+    pub parent_from_hinge: Pose,
+    /// First index into the position vector; `kind.counts().0` numbers.
+    pub position: usize,
+    /// First index into the velocity vector; `kind.counts().1` numbers.
+    pub velocity: usize,
+    /// Held during statics.
+    pub lock: bool,
+}
+
+/// What acts in one velocity coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Coordinate {
+    /// Index of the body whose hinge it belongs to.
+    pub body: usize,
+    /// Spring stiffness (N/m, N m/rad).
+    pub stiffness: f64,
+    /// Damping (N s/m, N m s/rad).
+    pub damping: f64,
+    /// Where the spring is relaxed (turns and slides; a ball keeps its rest orientation in its joint).
+    pub rest: f64,
+    /// Added inertia (kg, kg m²).
+    pub armature: f64,
+    /// Constant motor force (N, N m).
+    pub force: f64,
+    /// Held during statics.
+    pub lock: bool,
+}
+
+/// A point on a link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct End {
+    /// Index into [`Model::links`]; 0 is the ground.
+    pub link: usize,
+    /// The named body, `None` for the ground.
+    pub body: Option<usize>,
+    /// From the link's root marker, link axes (m).
+    pub point: Vector3<f64>,
+}
+
+/// A force element, compiled. The laws are in [`crate::forces`].
+#[derive(Debug, Clone)]
+pub struct Force {
+    /// Name.
+    pub name: String,
+    /// Law and where it acts.
+    pub law: Law,
+}
+
+/// The laws of force on links.
+#[derive(Debug, Clone)]
+pub enum Law {
+    /// Along the line between two points.
+    Spring {
+        /// Both ends.
+        ends: [End; 2],
+        /// (N/m)
+        stiffness: f64,
+        /// (m)
+        length: f64,
+        /// (N s/m)
+        damping: f64,
+    },
+    /// Six-degree spring and damper.
+    Bushing {
+        /// Both ends.
+        ends: [End; 2],
+        /// The bushing's axes in both links: `link_from_bushing`.
+        frames: [nalgebra::UnitQuaternion<f64>; 2],
+        /// Along (N/m).
+        stiffness: Vector3<f64>,
+        /// About (N m/rad).
+        turn_stiffness: Vector3<f64>,
+        /// Along (N s/m).
+        damping: Vector3<f64>,
+        /// About (N m s/rad).
+        turn_damping: Vector3<f64>,
+    },
+    /// Constant in inertial axes.
+    DeadLoad {
+        /// Where.
+        on: End,
+        /// (N), inertial axes.
+        force: Vector3<f64>,
+        /// (N m), inertial axes.
+        torque: Vector3<f64>,
+    },
+    /// Constant in the link's axes.
+    FollowerLoad {
+        /// Where.
+        on: End,
+        /// (N), link axes.
+        force: Vector3<f64>,
+        /// (N m), link axes.
+        torque: Vector3<f64>,
+    },
+}
+
+impl Law {
+    /// The points it acts on.
+    pub fn ends(&self) -> &[End] {
+        match self {
+            Self::Spring { ends, .. } | Self::Bushing { ends, .. } => ends,
+            Self::DeadLoad { on, .. } | Self::FollowerLoad { on, .. } => std::slice::from_ref(on),
+        }
+    }
+}
+
+impl Model {
+    /// Checks a description and compiles it.
+    ///
+    /// # Errors
+    /// Every problem that was found, each with the element and the field it belongs to.
+    pub fn build(description: &Description) -> Result<Self, Vec<Problem>> {
+        build::build(description)
+    }
+
+    /// Number of hinge coordinates.
+    pub fn position_count(&self) -> usize {
+        self.start_position.len()
+    }
+
+    /// Number of hinge velocities: the degrees of freedom of the tree.
+    pub fn velocity_count(&self) -> usize {
+        self.start_velocity.len()
+    }
+
+    /// Index of a body by name.
+    pub fn body(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.name == name)
+    }
+
+    /// The name of the body whose hinge a velocity coordinate belongs to.
+    pub fn owner(&self, velocity: usize) -> &str {
+        &self.bodies[self.coordinates[velocity].body].name
+    }
+
+    /// A velocity coordinate for people: the body's name, and which coordinate where its hinge has several.
+    pub fn label(&self, velocity: usize) -> String {
+        let body = &self.bodies[self.coordinates[velocity].body];
+        let names = Self::velocity_names(&body.hinge.kind);
+        match names.len() {
+            1 => format!("`{}`", body.name),
+            _ => format!("`{}` ({})", body.name, names[velocity - body.hinge.velocity].0),
+        }
+    }
+
+    /// Total mass of what moves and what is welded to the ground (kg).
+    pub fn total_mass(&self) -> f64 {
+        self.bodies.iter().map(|body| body.mass.mass).sum()
+    }
+
+    /// Whether every load has a potential: no follower loads, no torques fixed in space, no motors about balls.
+    pub fn is_conservative(&self) -> bool {
+        let loads = self.forces.iter().all(|force| match &force.law {
+            Law::FollowerLoad { .. } => false,
+            Law::DeadLoad { torque, .. } => *torque == Vector3::zeros(),
+            Law::Spring { .. } | Law::Bushing { .. } => true,
+        });
+        loads
+            && self.links.iter().all(|link| {
+                !matches!(link.joint, Joint::Ball { .. })
+                    || self.coordinates[link.velocity..link.velocity + 3].iter().all(|c| c.force == 0.0)
+            })
+    }
+
+    /// Whether anything dissipates energy.
+    pub fn has_damping(&self) -> bool {
+        self.coordinates.iter().any(|c| c.damping != 0.0)
+            || self.forces.iter().any(|force| match &force.law {
+                Law::Spring { damping, .. } => *damping != 0.0,
+                Law::Bushing { damping, turn_damping, .. } => {
+                    *damping != Vector3::zeros() || *turn_damping != Vector3::zeros()
+                }
+                Law::DeadLoad { .. } | Law::FollowerLoad { .. } => false,
+            })
+    }
+
+    /// A length that is typical of the scene (m): the largest distance within one body or one hinge, 1 where all are
+    /// zero.
+    pub fn length_scale(&self) -> f64 {
+        let within = self.bodies.iter().flat_map(|body| {
+            let gyration = if body.mass.mass > 0.0 { (body.mass.inertia.trace() / body.mass.mass).sqrt() } else { 0.0 };
+            let markers = body.markers.iter().map(|(_, at)| at.norm());
+            markers.chain([body.mass.center.norm(), gyration, body.hinge.parent_from_hinge.translation.vector.norm()])
+        });
+        let largest = within.fold(0.0_f64, f64::max);
+        if largest > 0.0 { largest } else { 1.0 }
+    }
+
+    /// A time that is typical of the scene (s): that of a fall over its length, 1 without gravity.
+    pub fn time_scale(&self) -> f64 {
+        let g = self.gravity.norm();
+        if g > 0.0 { (self.length_scale() / g).sqrt() } else { 1.0 }
+    }
+
+    /// Names and units of the position coordinates of a body's hinge.
+    pub fn position_names(kind: &HingeKind) -> &'static [(&'static str, &'static str)] {
+        match kind {
+            HingeKind::Fixed => &[],
+            HingeKind::Revolute { .. } => &[("angle", "rad")],
+            HingeKind::Prismatic { .. } => &[("distance", "m")],
+            HingeKind::Cylindrical { .. } => &[("distance", "m"), ("angle", "rad")],
+            HingeKind::Universal { .. } => &[("first angle", "rad"), ("second angle", "rad")],
+            HingeKind::Planar => &[("x", "m"), ("y", "m"), ("angle", "rad")],
+            HingeKind::Spherical => &[("qw", "1"), ("qx", "1"), ("qy", "1"), ("qz", "1")],
+            HingeKind::Free => {
+                &[("x", "m"), ("y", "m"), ("z", "m"), ("qw", "1"), ("qx", "1"), ("qy", "1"), ("qz", "1")]
+            }
+        }
+    }
+
+    /// Names and units of the velocities of a body's hinge.
+    pub fn velocity_names(kind: &HingeKind) -> &'static [(&'static str, &'static str)] {
+        match kind {
+            HingeKind::Fixed => &[],
+            HingeKind::Revolute { .. } => &[("rate", "rad/s")],
+            HingeKind::Prismatic { .. } => &[("speed", "m/s")],
+            HingeKind::Cylindrical { .. } => &[("speed", "m/s"), ("rate", "rad/s")],
+            HingeKind::Universal { .. } => &[("first rate", "rad/s"), ("second rate", "rad/s")],
+            HingeKind::Planar => &[("vx", "m/s"), ("vy", "m/s"), ("rate", "rad/s")],
+            HingeKind::Spherical => &[("wx", "rad/s"), ("wy", "rad/s"), ("wz", "rad/s")],
+            HingeKind::Free => {
+                &[("vx", "m/s"), ("vy", "m/s"), ("vz", "m/s"), ("wx", "rad/s"), ("wy", "rad/s"), ("wz", "rad/s")]
+            }
+        }
+    }
+}

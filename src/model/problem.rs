@@ -7,7 +7,7 @@ use std::fmt;
 pub struct Problem {
     /// Which element.
     pub element: Element,
-    /// Which field of it, as in scenario files: `inertia`, `hinge.parent`, `between[1]`.
+    /// Which field of it, as in scenario files: `inertia`, `hinge.parent`, `between(1)`.
     pub field: String,
     /// What is wrong, with the element's name, the value and what is allowed.
     pub message: String,

@@ -18,22 +18,22 @@ pub struct Shape {
 /// The solids.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Geometry {
-    /// Edge lengths [m].
+    /// Edge lengths (m).
     Box(Vector3<f64>),
-    /// Radius [m].
+    /// Radius (m).
     Sphere(f64),
     /// Along z.
     Cylinder {
-        /// [m]
+        /// (m)
         radius: f64,
-        /// [m]
+        /// (m)
         length: f64,
     },
     /// A cylinder along z with half spheres on its ends.
     Capsule {
-        /// [m]
+        /// (m)
         radius: f64,
-        /// Of the cylindrical part [m].
+        /// Of the cylindrical part (m).
         length: f64,
     },
     /// A triangle mesh in a file; for pictures only.
@@ -46,7 +46,7 @@ pub enum Geometry {
 }
 
 impl Shape {
-    /// Mass properties of the solid filled with `density` [kg/m³]; `None` for a mesh, whose volume is not known here.
+    /// Mass properties of the solid filled with `density` (kg/m³); `None` for a mesh, whose volume is not known here.
     pub fn mass_properties(&self, density: f64) -> Option<MassProperties> {
         let (mass, principal) = match &self.geometry {
             Geometry::Box(edges) => {

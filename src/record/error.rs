@@ -31,7 +31,7 @@ pub enum RecordError {
     /// A sample does not fit the scene it belongs to.
     #[error("the sample at {time} s has {found} {what}, the scene has {expected}")]
     Mismatch {
-        /// Simulated time [s].
+        /// Simulated time (s).
         time: f64,
         /// Which array.
         what: &'static str,

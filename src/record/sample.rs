@@ -6,7 +6,7 @@ use crate::spatial::{Pose, Wrench};
 /// What is recorded at one instant: borrowed from the run, no copies.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample<'a> {
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub time: f64,
     /// Hinge coordinates, in the order of `Scene::positions`.
     pub positions: &'a [f64],
@@ -22,7 +22,7 @@ pub struct Sample<'a> {
     pub energy: Energy,
 }
 
-/// The energy ledger [J].
+/// The energy ledger (J).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Energy {
     /// Kinetic.
@@ -70,7 +70,7 @@ impl Sample<'_> {
 /// One instant, standing on its own: what a reader gives back.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct OwnedSample {
-    /// Simulated time [s].
+    /// Simulated time (s).
     pub time: f64,
     /// Hinge coordinates, in the order of `Scene::positions`.
     pub positions: Vec<f64>,

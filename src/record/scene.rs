@@ -25,13 +25,13 @@ pub struct BodyPicture {
     pub name: String,
     /// Index of the parent in `Scene::bodies`, `None` for the ground.
     pub parent: Option<usize>,
-    /// Mass [kg] and centre of mass, body axes [m].
+    /// Mass (kg) and centre of mass, body axes (m).
     pub mass: f64,
-    /// Centre of mass, body axes [m].
+    /// Centre of mass, body axes (m).
     pub center: [f64; 3],
-    /// Inertia about the centre of mass, body axes: xx, yy, zz, xy, xz, yz [kg m²].
+    /// Inertia about the centre of mass, body axes: xx, yy, zz, xy, xz, yz (kg m²).
     pub inertia: [f64; 6],
-    /// Named points, body axes [m].
+    /// Named points, body axes (m).
     pub markers: Vec<(String, [f64; 3])>,
     /// Solids; empty where the scenario gives none and a stand-in is drawn.
     pub shapes: Vec<ShapePicture>,
@@ -39,7 +39,7 @@ pub struct BodyPicture {
     pub hinge: String,
     /// Hinge axes, parent's axes.
     pub hinge_axes: Vec<[f64; 3]>,
-    /// Hinge point, parent's axes [m].
+    /// Hinge point, parent's axes (m).
     pub hinge_at: [f64; 3],
 }
 
@@ -52,7 +52,7 @@ pub struct ShapePicture {
     pub size: Vec<f64>,
     /// Mesh file.
     pub file: Option<String>,
-    /// Position in body axes [m].
+    /// Position in body axes (m).
     pub position: [f64; 3],
     /// Orientation `body_from_shape`, w, x, y, z.
     pub quaternion: [f64; 4],

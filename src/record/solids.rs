@@ -17,7 +17,7 @@ pub(super) struct Solid {
     pub(super) own_color: bool,
 }
 
-/// The forms of solids [m].
+/// The forms of solids (m).
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Form {
     /// Edge lengths.
@@ -110,7 +110,7 @@ fn stand_in(body: &BodyPicture, points: &[[f64; 3]], color: [f64; 4]) -> Vec<Sol
     vec![solid(form, Isometry3::from_parts(center, turn))]
 }
 
-/// Radius of a body that has a mass but no size [m].
+/// Radius of a body that has a mass but no size (m).
 const POINT: f64 = 0.03;
 /// Thickness of stand-ins against their length.
 const SLENDER: f64 = 0.03;

@@ -1,3 +1,12 @@
-//! Runs.
+//! Runs: a model stepped through time, recorded, and checked to stay where it rests.
 
+mod ledger;
+pub mod problem;
+pub mod rest;
+mod run;
+mod scene;
 pub mod settings;
+
+pub use run::{RunError, State, Summary, run};
+pub use scene::scene;
+pub use settings::{Integrator, Settings, Start};

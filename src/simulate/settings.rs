@@ -1,11 +1,11 @@
 //! What a user asks of a run.
 
-/// The `[simulate]` table.
+/// The `(simulate)` table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Where the run starts.
     pub start: Start,
-    /// Simulated time [s], > 0.
+    /// Simulated time (s), > 0.
     pub duration: f64,
     /// The time stepping method.
     pub integrator: Integrator,
@@ -13,7 +13,7 @@ pub struct Settings {
     pub tolerance: f64,
     /// Absolute tolerance beside it, in units of the scene's own length, angle 1 rad and time.
     pub absolute_tolerance: f64,
-    /// Step of fixed-step methods, first step of adaptive ones [s].
+    /// Step of fixed-step methods, first step of adaptive ones (s).
     pub step: Option<f64>,
 }
 

@@ -1,3 +1,23 @@
-//! Statics.
+//! Statics: where the system stays. Finds `q` with q̈(q, 0) = 0, proves it, and says what kind of equilibrium it is.
+//!
+//! | want | loads have a potential | stages |
+//! |---|---|---|
+//! | stable | yes | Newton within a trust region, down the potential; saddles are left |
+//! | stable | no | Newton with line search; the verdict says what was found |
+//! | any | either | Newton with line search: the nearest equilibrium, whatever it is |
+//!
+//! Each ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
+pub mod equilibrium;
+pub mod landscape;
+mod linear;
+mod newton;
+pub mod search;
 pub mod settings;
+pub mod stability;
+mod stiffness;
+mod trust_region;
+
+pub use equilibrium::{Equilibrium, equilibrium};
+pub use settings::{Method, Settings, Want};
+pub use stability::{Mode, Stability, Verdict};

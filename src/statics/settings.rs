@@ -1,6 +1,6 @@
 //! What a user asks of statics.
 
-/// The `[statics]` table.
+/// The `(statics)` table.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Settings {
     /// Which equilibrium.

@@ -92,7 +92,7 @@ impl Outline {
         Self { points }
     }
 
-    /// Farthest point from the root marker [m].
+    /// Farthest point from the root marker (m).
     pub(super) fn reach(&self) -> f64 {
         self.points.iter().map(|(point, radius)| point.coords.norm() + radius).fold(0.0, f64::max)
     }

@@ -3,7 +3,7 @@
 use super::bounds::Bounds;
 use nalgebra::Vector3;
 
-/// Vertical field of view of the viewer's eye [rad].
+/// Vertical field of view of the viewer's eye (rad).
 const FIELD: f64 = 55.0 / 180.0 * std::f64::consts::PI;
 /// Room left around the motion.
 const MARGIN: f64 = 1.12;
@@ -13,9 +13,9 @@ const MARGIN: f64 = 1.12;
 pub(super) struct Camera {
     pub(super) eye: Vector3<f64>,
     pub(super) target: Vector3<f64>,
-    /// Height of the ground grid [m].
+    /// Height of the ground grid (m).
     pub(super) floor: f64,
-    /// Distance of its lines [m].
+    /// Distance of its lines (m).
     pub(super) spacing: f64,
 }
 

@@ -75,7 +75,7 @@ impl Picture {
         Ok(())
     }
 
-    /// A typical length of a body [m].
+    /// A typical length of a body (m).
     fn body_size(&self) -> f64 {
         let reaches: Vec<f64> = self.outlines.iter().map(Outline::reach).filter(|reach| *reach > 0.0).collect();
         if reaches.is_empty() { 1.0 } else { reaches.iter().sum::<f64>() / reaches.len() as f64 }

@@ -1,0 +1,53 @@
+//! `check`: validate only.
+
+use super::{Exit, output};
+use crate::scenario::{LoadError, load};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Scenario files
+    #[arg(required = true)]
+    scenarios: Vec<PathBuf>,
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let mut results = Vec::new();
+    let mut wrong = 0;
+    for path in &arguments.scenarios {
+        let name = path.display().to_string();
+        let errors = match load(path) {
+            Ok(scenario) => {
+                if !arguments.quiet && !scenario.warnings.is_empty() {
+                    output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
+                }
+                0
+            }
+            Err(LoadError::Problems(problems)) => {
+                output::note(problems.render(output::errors_in_color()).trim_end());
+                problems.errors()
+            }
+            Err(other) => {
+                output::error(&other.into());
+                1
+            }
+        };
+        wrong += usize::from(errors > 0);
+        if !arguments.json && !arguments.quiet && errors == 0 {
+            output::print(&format!("{name}: fine"));
+        }
+        results.push(json!({ "scenario": name, "valid": errors == 0, "errors": errors }));
+    }
+    if arguments.json {
+        output::print(&json!({ "valid": wrong == 0, "scenarios": results }).to_string());
+    }
+    Ok(if wrong == 0 { Exit::Done } else { Exit::Wrong })
+}

@@ -1,0 +1,109 @@
+//! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
+
+use crate::model::Model;
+use crate::simulate::{State, Summary};
+use crate::spatial::{Pose, Wrench};
+use crate::statics::Equilibrium;
+use serde_json::{Map, Value, json};
+
+/// One list per hinge, by the name of the body it carries; welded bodies have none.
+pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Value {
+    let mut map = Map::new();
+    for body in &model.bodies {
+        let (positions, velocities) = body.hinge.kind.counts();
+        let (at, count) = match of_position {
+            true => (body.hinge.position, positions),
+            false => (body.hinge.velocity, velocities),
+        };
+        if count > 0 {
+            map.insert(body.name.clone(), json!(numbers[at..at + count]));
+        }
+    }
+    Value::Object(map)
+}
+
+pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
+    let of_body = |(body, pose): (&crate::model::Body, &Pose)| {
+        let (p, q) = (pose.translation.vector, pose.rotation);
+        (body.name.clone(), json!({ "position": [p.x, p.y, p.z], "quaternion": [q.w, q.i, q.j, q.k] }))
+    };
+    Value::Object(model.bodies.iter().zip(poses).map(of_body).collect())
+}
+
+fn reactions(model: &Model, reactions: &[Wrench]) -> Value {
+    let of_body = |(body, wrench): (&crate::model::Body, &Wrench)| {
+        let (f, m) = (wrench.force, wrench.moment);
+        (body.name.clone(), json!({ "force": [f.x, f.y, f.z], "moment": [m.x, m.y, m.z] }))
+    };
+    Value::Object(model.bodies.iter().zip(reactions).map(of_body).collect())
+}
+
+pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> Value {
+    let stability = found.stability.as_ref();
+    let modes: Vec<Value> = stability.map_or(Vec::new(), |s| s.modes.iter().map(mode).collect());
+    let frequencies: Vec<f64> = stability.map_or(Vec::new(), |s| {
+        s.modes.iter().filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz).collect()
+    });
+    json!({
+        "converged": found.converged,
+        "balanced": found.balanced,
+        "method": found.method,
+        "stage": found.stage,
+        "iterations": found.iterations,
+        "force_evaluations": found.force_evaluations,
+        "stiffness_evaluations": found.stiffness_evaluations,
+        "residual_acceleration": found.residual_acceleration,
+        "residual_force": found.residual_force,
+        "relative_residual": found.relative_residual,
+        "positions": by_hinge(model, &found.position, true),
+        "bodies": poses(model, &found.poses),
+        "stability": stability.map(|s| s.verdict.name()),
+        "unstable_directions": stability.map(|s| s.unstable_directions),
+        "neutral_directions": stability.map(|s| s.neutral_directions),
+        "frequencies_hz": frequencies,
+        "modes": modes,
+        "reactions": reactions(model, &found.reactions),
+        "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
+        "notes": found.notes,
+        "wall_seconds": wall_seconds,
+    })
+}
+
+fn mode(mode: &crate::statics::Mode) -> Value {
+    json!({
+        "frequency_hz": mode.frequency_hz,
+        "growth_rate": mode.growth_rate,
+        "hinges": mode.shares.iter().take(5).map(|(name, share)| json!({ "hinge": name, "share": share })).collect::<Vec<_>>(),
+    })
+}
+
+pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
+    let State { position, velocity } = &summary.state;
+    let integrators: Vec<&str> = summary.integrators.iter().map(|method| super::text::method(*method)).collect();
+    let counters = &summary.statistics;
+    json!({
+        "scenario": scenario,
+        "recording": recording,
+        "start": start,
+        "end_time": summary.end_time,
+        "interrupted": summary.interrupted,
+        "integrator": integrators.join(", "),
+        "integrator_choice": summary.choice,
+        "steps": counters.steps,
+        "rejected_steps": counters.rejected_steps,
+        "acceleration_evaluations": counters.acceleration_evaluations,
+        "residual_evaluations": counters.residual_evaluations,
+        "jacobian_evaluations": counters.jacobian_evaluations,
+        "energy_start": summary.energy_start,
+        "energy_end": summary.energy_end,
+        "energy_drift": summary.energy_drift,
+        "constraint_error": 0.0,
+        "samples": summary.samples,
+        "final": {
+            "positions": by_hinge(model, position, true),
+            "velocities": by_hinge(model, velocity, false),
+            "bodies": poses(model, &summary.poses),
+        },
+        "wall_seconds": summary.wall.as_secs_f64(),
+    })
+}

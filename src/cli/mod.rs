@@ -1,0 +1,130 @@
+//! The command line: the only place that prints.
+
+mod check;
+mod inspect;
+mod json;
+mod output;
+mod rest;
+mod run;
+mod scene;
+mod statics;
+mod text;
+mod view;
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// How a command ended, as the shell sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Exit {
+    /// Done.
+    Done,
+    /// The answer is no: no equilibrium, not at rest, diverged.
+    No,
+    /// The input or the call is wrong.
+    Wrong,
+    /// Stopped by Ctrl-C after everything was written.
+    Interrupted,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(match exit {
+            Exit::Done => 0,
+            Exit::No => 1,
+            Exit::Wrong => 2,
+            Exit::Interrupted => 130,
+        })
+    }
+}
+
+/// A multibody simulator that starts at rest.
+///
+/// Reads a scenario (TOML), finds its static equilibrium, says what kind it is, and simulates from there.
+///
+/// Exit codes: 0 done, 1 the answer is no (no equilibrium, not at rest, diverged), 2 the input or the call is wrong,
+/// 130 stopped by Ctrl-C.
+#[derive(Debug, Parser)]
+#[command(name = "stillpoint", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Find the start, simulate, write the recording
+    ///
+    /// Example: stillpoint run scenarios/hanging_chain.toml --out chain.mcap --set simulate.duration=2
+    Run(run::Arguments),
+    /// Find the equilibrium: pose, residual, stability, natural frequencies, reactions
+    ///
+    /// Example: stillpoint statics scenarios/calder_mobile.toml --json
+    Statics(statics::Arguments),
+    /// Prove that a run from the equilibrium stays there; exit code 1 when it leaves
+    ///
+    /// Example: stillpoint rest scenarios/machine_on_mounts.toml
+    Rest(rest::Arguments),
+    /// Say what the model is, and its accelerations at the given state; runs nothing
+    ///
+    /// Example: stillpoint inspect scenarios/pendulum.toml --set bob.position=0.5
+    Inspect(inspect::Arguments),
+    /// Show a recording in the Rerun viewer
+    ///
+    /// Example: stillpoint view hanging_chain.mcap --save hanging_chain.rrd
+    View(view::Arguments),
+    /// Validate scenario files
+    ///
+    /// Example: stillpoint check scenarios/*.toml
+    Check(check::Arguments),
+    /// Print the JSON Schema of the scenario format, for editors
+    Schema,
+}
+
+/// Options of every command that reads a scenario.
+#[derive(Debug, Args)]
+struct Common {
+    /// The scenario file; `-` reads standard input
+    scenario: PathBuf,
+    /// Change a value of the file, as `simulate.duration=2` or `upper.stiffness=5`; may be repeated
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Runs the program with the arguments it was called with.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are answers, everything else is a wrong call; a closed pipe is nobody's fault.
+            let _ = error.print();
+            return if error.use_stderr() { Exit::Wrong.into() } else { Exit::Done.into() };
+        }
+    };
+    let result = match cli.command {
+        Command::Run(arguments) => run::main(&arguments),
+        Command::Statics(arguments) => statics::main(&arguments),
+        Command::Rest(arguments) => rest::main(&arguments),
+        Command::Inspect(arguments) => inspect::main(&arguments),
+        Command::View(arguments) => view::main(&arguments),
+        Command::Check(arguments) => check::main(&arguments),
+        Command::Schema => {
+            output::print(&format!("{:#}", crate::scenario::schema()));
+            Ok(Exit::Done)
+        }
+    };
+    match result {
+        Ok(exit) => exit.into(),
+        Err(error) => {
+            output::error(&error);
+            Exit::Wrong.into()
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Standard output and standard error, colours, progress, Ctrl-C.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// A line on standard output. A reader that went away is no error of ours.
+pub(super) fn print(text: &str) {
+    let _ = writeln!(std::io::stdout().lock(), "{text}");
+}
+
+/// A line on standard error.
+pub(super) fn note(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// An error with its causes.
+pub(super) fn error(error: &anyhow::Error) {
+    note(&format!("{} {error:#}", paint("error:", "1;31", errors_in_color())));
+}
+
+/// Something a person should know that stops nothing.
+pub(super) fn warning(text: &str) {
+    note(&format!("{} {text}", paint("warning:", "1;33", errors_in_color())));
+}
+
+fn paint(text: &str, code: &str, color: bool) -> String {
+    if color { format!("\u{1b}[{code}m{text}\u{1b}[0m") } else { text.to_owned() }
+}
+
+/// Text made bold where standard output shows it.
+pub(super) fn bold(text: &str) -> String {
+    paint(text, "1", std::io::stdout().is_terminal() && allowed())
+}
+
+/// Whether messages may be coloured: on a terminal, unless `NO_COLOR` is set.
+pub(super) fn errors_in_color() -> bool {
+    std::io::stderr().is_terminal() && allowed()
+}
+
+fn allowed() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+/// Set by the first Ctrl-C; a second one ends the program at once.
+#[derive(Clone)]
+pub(super) struct Interrupt(Arc<AtomicBool>);
+
+impl Interrupt {
+    pub(super) fn install() -> anyhow::Result<Self> {
+        let flag = Arc::new(AtomicBool::new(false));
+        let set = flag.clone();
+        ctrlc::set_handler(move || {
+            if set.swap(true, Ordering::SeqCst) {
+                std::process::exit(130);
+            }
+        })?;
+        Ok(Self(flag))
+    }
+
+    pub(super) fn requested(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Simulated time against the end, on standard error when that is a terminal.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    end: f64,
+    started: Instant,
+    drawn: Instant,
+}
+
+impl Progress {
+    pub(super) fn new(end: f64, quiet: bool) -> Self {
+        let bar = ProgressBar::new(1000);
+        let shown = !quiet && std::io::stderr().is_terminal();
+        bar.set_draw_target(if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() });
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {msg}") {
+            bar.set_style(style.progress_chars("━╸─"));
+        }
+        Self { bar, end, started: Instant::now(), drawn: Instant::now() }
+    }
+
+    pub(super) fn at(&mut self, time: f64) {
+        if self.drawn.elapsed() < Duration::from_millis(50) {
+            return;
+        }
+        self.drawn = Instant::now();
+        let speed = time / self.started.elapsed().as_secs_f64();
+        self.bar.set_position((1000.0 * time / self.end) as u64);
+        self.bar.set_message(format!("{time:.2} of {} s simulated, {} real time", self.end, super::text::times(speed)));
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,110 @@
+//! `rest`: prove that a run from the equilibrium stays there.
+
+use super::output::{Interrupt, Progress};
+use super::{Common, Exit, json, output, scene, statics, text};
+use crate::record::{Fanout, Opening, Outcome, Recorder, RecordingFile};
+use crate::simulate::rest::{Largest, Rest, TOLERANCE, rest};
+use crate::simulate::{self, RunError};
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// Record the proof there
+    #[arg(long, value_name = "PATH")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let common = &arguments.common;
+    let interrupt = Interrupt::install()?;
+    let (scenario, model) = match scene::load(common)? {
+        Ok(loaded) => loaded,
+        Err(exit) => return Ok(exit),
+    };
+    let file = arguments.out.as_deref().map(RecordingFile::create).transpose()?;
+    let (found, wall) = statics::find(&scenario, &model)?;
+    let statics = json::statics(&model, &found, wall.as_secs_f64());
+    if !common.json && !common.quiet {
+        output::print(&text::heading(&model, &scenario.name));
+        output::print(&text::statics(&model, &found, wall));
+    }
+    if !found.balanced {
+        if common.json {
+            output::print(&json!({ "rested": false, "tolerance": TOLERANCE, "statics": statics }).to_string());
+        }
+        return Ok(Exit::No);
+    }
+    let still = simulate::scene(&model);
+    let statics_text = statics.to_string();
+    let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics_text) };
+    let mut recorder = Fanout::new();
+    if let Some(file) = file {
+        recorder = recorder.recorder(file.begin(&opening)?);
+    }
+    let outcome = {
+        let mut progress = Progress::new(scenario.simulate.duration, common.quiet || common.json);
+        let mut go_on = |time: f64| {
+            progress.at(time);
+            !interrupt.requested()
+        };
+        rest(&model, &found, &scenario.simulate, scenario.record.rate, &mut recorder, &mut go_on)
+    };
+    let proof = match outcome {
+        Ok(proof) => proof,
+        Err(RunError::Record(error)) => return Err(error.into()),
+        Err(error) => {
+            output::error(&anyhow::Error::new(error));
+            return Ok(Exit::No);
+        }
+    };
+    let result = to_json(&proof, statics);
+    recorder.finish(&Outcome { summary: result.to_string() })?;
+    if common.json {
+        output::print(&result.to_string());
+    } else if !common.quiet {
+        output::print(&to_text(&proof));
+    }
+    Ok(match (proof.interrupted, proof.rested) {
+        (true, _) => Exit::Interrupted,
+        (false, true) => Exit::Done,
+        (false, false) => Exit::No,
+    })
+}
+
+fn to_json(proof: &Rest, statics: Value) -> Value {
+    let largest = |l: &Largest| json!({ "hinge": l.hinge, "value": l.value });
+    json!({
+        "rested": proof.rested,
+        "duration": proof.duration,
+        "max_displacement": largest(&proof.displacement),
+        "max_speed": largest(&proof.speed),
+        "tolerance": TOLERANCE,
+        "growth": proof.growth.as_ref().map(|g| json!({ "hinge": g.hinge, "predicted": g.predicted, "observed": g.observed })),
+        "statics": statics,
+    })
+}
+
+fn to_text(proof: &Rest) -> String {
+    let seconds = text::number(proof.duration);
+    let Some(growth) = &proof.growth else {
+        let answer = if proof.rested { "at rest" } else { "not at rest" };
+        return format!(
+            "{}: in {seconds} s no hinge moved further than {:.1e} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {:.1e} per second",
+            output::bold(answer),
+            proof.displacement.value,
+            proof.displacement.hinge,
+            proof.speed.value,
+        );
+    };
+    let observed = growth.observed.map_or("not seen in time".to_owned(), text::number);
+    format!(
+        "{}: pushed by a millionth, `{}` leaves; growth {observed} per second, predicted {}",
+        output::bold("not at rest"),
+        growth.hinge,
+        text::number(growth.predicted)
+    )
+}

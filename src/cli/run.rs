@@ -1,0 +1,166 @@
+//! `run`: find the start, simulate, record.
+
+use super::output::{Interrupt, Progress};
+use super::{Common, Exit, json, output, scene, statics, text};
+use crate::model::Model;
+use crate::record::view::{Sink, Viewer};
+use crate::record::{Fanout, Opening, Outcome, Recorder, RecordingFile};
+use crate::scenario::Scenario;
+use crate::simulate::{self, RunError, Start, State};
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// Where the recording goes; default: the scenario's name with .mcap in this folder
+    #[arg(long, value_name = "PATH")]
+    out: Option<PathBuf>,
+    /// Open the Rerun viewer and stream to it
+    #[arg(long)]
+    view: bool,
+    /// Stream to a running viewer, e.g. 127.0.0.1:9876
+    #[arg(long, value_name = "URL")]
+    connect: Option<String>,
+    /// Write an .rrd file for the Rerun viewer beside the recording
+    #[arg(long, value_name = "FILE")]
+    rrd: Option<PathBuf>,
+}
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let common = &arguments.common;
+    let interrupt = Interrupt::install()?;
+    let (scenario, model) = match scene::load(common)? {
+        Ok(loaded) => loaded,
+        Err(exit) => return Ok(exit),
+    };
+    let path = recording_path(arguments.out.as_deref(), &common.scenario);
+    let file = RecordingFile::create(&path)?;
+    if !common.json && !common.quiet {
+        output::print(&text::heading(&model, &scenario.name));
+    }
+    let Some((start, found)) = start(common, &scenario, &model)? else { return Ok(Exit::No) };
+
+    let still = simulate::scene(&model);
+    let found_text = found.to_string();
+    let opening =
+        Opening { scene: &still, scenario: &scenario.text, statics: found.is_object().then_some(found_text.as_str()) };
+    let mut recorder = Fanout::new().recorder(file.begin(&opening)?);
+    for sink in sinks(arguments) {
+        recorder = add_viewer(recorder, &sink, &opening, common.quiet)?;
+    }
+    let run = Run { common, scenario: &scenario, model: &model, path: &path, interrupt };
+    run.go(&start, found, recorder)
+}
+
+/// The state to start from and what is said of it in JSON; `None` where there is no equilibrium to start from.
+fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyhow::Result<Option<(State, Value)>> {
+    if scenario.simulate.start == Start::Given {
+        let state = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        return Ok(Some((state, json!("given"))));
+    }
+    let (found, wall) = statics::find(scenario, model)?;
+    let value = json::statics(model, &found, wall.as_secs_f64());
+    if !common.json && !common.quiet {
+        output::print(&text::statics(model, &found, wall));
+    }
+    if !found.converged {
+        if common.json {
+            output::print(&json!({ "scenario": scenario.name, "start": value }).to_string());
+        }
+        output::warning("nothing was simulated: there is no equilibrium to start from (see above)");
+        return Ok(None);
+    }
+    if model.start_velocity.iter().any(|v| *v != 0.0) && !common.quiet {
+        output::warning("the scenario gives velocities, but the run starts at rest; use `start = \"given\"` for them");
+    }
+    for (name, force) in found.holding.iter().filter(|(_, force)| force.abs() > 1e-9) {
+        if !common.quiet {
+            output::warning(&format!("the lock of {name} held {force:.6e}; it is released at the start of the run"));
+        }
+    }
+    Ok(Some((State { position: found.position, velocity: vec![0.0; model.velocity_count()] }, value)))
+}
+
+/// `scenarios/arm.toml` → `arm.mcap`.
+pub(super) fn recording_path(out: Option<&Path>, scenario: &Path) -> PathBuf {
+    match out {
+        Some(path) => path.to_owned(),
+        None => Path::new(scenario.file_stem().filter(|stem| *stem != "-").unwrap_or("recording".as_ref()))
+            .with_extension("mcap"),
+    }
+}
+
+fn sinks(arguments: &Arguments) -> Vec<Sink> {
+    let view = arguments.view.then_some(Sink::Spawn);
+    let connect = arguments.connect.clone().map(Sink::Connect);
+    let save = arguments.rrd.clone().map(Sink::Save);
+    view.into_iter().chain(connect).chain(save).collect()
+}
+
+/// A viewer that cannot be reached stops nothing; a file that cannot be written is a wrong call.
+fn add_viewer(recorder: Fanout, sink: &Sink, opening: &Opening<'_>, quiet: bool) -> anyhow::Result<Fanout> {
+    match Viewer::open(sink, opening) {
+        Ok(viewer) => {
+            if !quiet {
+                viewer.notes().iter().for_each(|note| output::note(note));
+            }
+            Ok(recorder.onlooker(viewer))
+        }
+        Err(error) if matches!(sink, Sink::Save(_)) => Err(error.into()),
+        Err(error) => {
+            output::warning(&format!("{error}\nthe run goes on without a picture; its recording is not affected"));
+            Ok(recorder)
+        }
+    }
+}
+
+struct Run<'a> {
+    common: &'a Common,
+    scenario: &'a Scenario,
+    model: &'a Model,
+    path: &'a Path,
+    interrupt: Interrupt,
+}
+
+impl Run<'_> {
+    fn go(&self, start: &State, found: Value, mut recorder: Fanout) -> anyhow::Result<Exit> {
+        let settings = &self.scenario.simulate;
+        let outcome = {
+            let mut progress = Progress::new(settings.duration, self.common.quiet || self.common.json);
+            let mut go_on = |time: f64, _: &State| {
+                progress.at(time);
+                !self.interrupt.requested()
+            };
+            simulate::run(self.model, settings, self.scenario.record.rate, start, &mut recorder, &mut go_on)
+        };
+        let path = self.path.display().to_string();
+        let summary = match outcome {
+            Ok(summary) => summary,
+            Err(RunError::Record(error)) => return Err(error.into()),
+            Err(error) => {
+                let summary = json!({ "scenario": self.scenario.name, "error": error.to_string() });
+                recorder.finish(&Outcome { summary: summary.to_string() })?;
+                if self.common.json {
+                    output::print(&summary.to_string());
+                }
+                output::error(&anyhow::Error::new(error));
+                output::note(&format!("what was simulated until then is in {path}"));
+                return Ok(Exit::No);
+            }
+        };
+        let result = json::run(self.model, &self.scenario.name, &path, found, &summary);
+        recorder.finish(&Outcome { summary: result.to_string() })?;
+        for lost in recorder.take_lost() {
+            output::warning(&format!("{lost}\nthe recording is not affected"));
+        }
+        if self.common.json {
+            output::print(&result.to_string());
+        } else if !self.common.quiet {
+            output::print(&text::run(&summary, &path));
+        }
+        Ok(if summary.interrupted { Exit::Interrupted } else { Exit::Done })
+    }
+}

@@ -1,0 +1,186 @@
+//! Reports for people.
+
+use super::output::bold;
+use crate::integrate::Method;
+use crate::model::Model;
+use crate::simulate::Summary;
+use crate::statics::Equilibrium;
+use std::fmt::Write;
+use std::time::Duration;
+
+/// Long lists stop here; `--json` has all.
+const MOST_LINES: usize = 8;
+
+pub(super) fn method(method: Method) -> &'static str {
+    match method {
+        Method::Rk4 => "rk4",
+        Method::Dopri5 => "dopri5",
+        Method::Sdirk4 => "sdirk4",
+    }
+}
+
+/// `3 bodies`, `1 body`.
+pub(super) fn count(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// `25 ×`, `0.31 ×`.
+pub(super) fn times(factor: f64) -> String {
+    if factor >= 10.0 { format!("{factor:.0} ×") } else { format!("{factor:.2} ×") }
+}
+
+pub(super) fn duration(wall: Duration) -> String {
+    let seconds = wall.as_secs_f64();
+    match seconds {
+        s if s < 1e-3 => format!("{:.0} µs", s * 1e6),
+        s if s < 1.0 => format!("{:.1} ms", s * 1e3),
+        s => format!("{s:.2} s"),
+    }
+}
+
+/// Title and size of a scene.
+pub(super) fn heading(model: &Model, name: &str) -> String {
+    let title = if model.title.is_empty() { name } else { &model.title };
+    format!(
+        "{}\n  {}, {}, {} kg",
+        bold(title),
+        count(model.bodies.len(), "body", "bodies"),
+        count(model.velocity_count(), "degree of freedom", "degrees of freedom"),
+        number(model.total_mass())
+    )
+}
+
+/// Six significant digits without trailing zeros.
+pub(super) fn number(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let size = x.abs().log10().floor();
+    if !(-4.0..7.0).contains(&size) {
+        return format!("{x:.5e}");
+    }
+    let digits = (5.0 - size).max(0.0) as usize;
+    let text = format!("{x:.digits$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+fn numbers(list: &[f64]) -> String {
+    list.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
+}
+
+/// The certificate of statics.
+pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> String {
+    let mut out = String::new();
+    let verdict = match (&found.stability, found.balanced) {
+        (Some(stability), true) => format!("{} equilibrium", stability.verdict.name()),
+        _ => "no equilibrium found".to_owned(),
+    };
+    let stage = match found.stage {
+        "start" => "the guess is one already".to_owned(),
+        stage => format!("{} steps, {stage}", found.iterations),
+    };
+    let _ = writeln!(out, "{} ({stage}, {})", bold(&verdict), duration(wall));
+    let _ = writeln!(
+        out,
+        "  residual     {:.1e} of the forces that cancel ({:.1e} N or N m; acceleration {:.1e})",
+        found.relative_residual, found.residual_force, found.residual_acceleration
+    );
+    if let Some(stability) = &found.stability {
+        if stability.unstable_directions > 0 {
+            let _ =
+                writeln!(out, "  unstable     in {}", count(stability.unstable_directions, "direction", "directions"));
+        }
+        if stability.neutral_directions > 0 {
+            let motions = count(stability.neutral_directions, "motion costs", "motions cost");
+            let _ = writeln!(out, "  neutral      {motions} nothing");
+        }
+        for (line, mode) in stability.modes.iter().take(MOST_LINES).enumerate() {
+            let what = match mode.growth_rate > 0.0 {
+                true => format!("grows {} per second", number(mode.growth_rate)),
+                false => format!("{} Hz", number(mode.frequency_hz)),
+            };
+            let head = if line == 0 { "modes" } else { "" };
+            let _ = writeln!(out, "  {head:<12} {what:<24} {}", carriers(&mode.shares));
+        }
+        more(&mut out, stability.modes.len());
+    }
+    pose(&mut out, model, &found.position, "pose");
+    for (name, force) in &found.holding {
+        let _ = writeln!(out, "  locked       {name} holds {}", number(*force));
+    }
+    for note in &found.notes {
+        let _ = writeln!(out, "  note         {note}");
+    }
+    out.trim_end().to_owned()
+}
+
+fn carriers(shares: &[(String, f64)]) -> String {
+    let shown: Vec<String> = shares
+        .iter()
+        .take(3)
+        .filter(|(_, share)| *share >= 0.005)
+        .map(|(name, share)| format!("{name} {:.0} %", 100.0 * share))
+        .collect();
+    shown.join(", ")
+}
+
+fn more(out: &mut String, total: usize) {
+    if total > MOST_LINES {
+        let _ = writeln!(out, "  {:<12} … and {} more (--json has all)", "", total - MOST_LINES);
+    }
+}
+
+fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
+    let hinges = model.bodies.iter().filter(|body| body.hinge.kind.counts().0 > 0);
+    let total = hinges.clone().count();
+    for (line, body) in hinges.take(MOST_LINES).enumerate() {
+        let names: Vec<&str> = Model::position_names(&body.hinge.kind).iter().map(|(name, _)| *name).collect();
+        let head = if line == 0 { title } else { "" };
+        let values = numbers(&position[body.hinge.position..body.hinge.position + names.len()]);
+        let _ = writeln!(out, "  {head:<12} {:<20} {} = {values}", body.name, names.join(", "));
+    }
+    more(out, total);
+}
+
+/// The end of a run.
+pub(super) fn run(summary: &Summary, recording: &str) -> String {
+    let mut out = String::new();
+    let methods: Vec<&str> = summary.integrators.iter().map(|m| method(*m)).collect();
+    let counters = &summary.statistics;
+    let state = if summary.interrupted { "stopped at" } else { "simulated" };
+    let speed = summary.end_time / summary.wall.as_secs_f64().max(1e-9);
+    let _ = writeln!(
+        out,
+        "{} {} s in {} ({} real time) with {}",
+        bold(state),
+        number(summary.end_time),
+        duration(summary.wall),
+        times(speed),
+        methods.join(", then ")
+    );
+    if let Some(choice) = &summary.choice {
+        let _ = writeln!(out, "  method       {choice}");
+    }
+    let _ = writeln!(
+        out,
+        "  steps        {} ({} rejected), {} accelerations, {} balances, {} Jacobians",
+        counters.steps,
+        counters.rejected_steps,
+        counters.acceleration_evaluations,
+        counters.residual_evaluations,
+        counters.jacobian_evaluations
+    );
+    let _ = writeln!(
+        out,
+        "  energy       {} J at the start, {} J at the end, unaccounted for {:.1e} J at most",
+        number(summary.energy_start),
+        number(summary.energy_end),
+        summary.energy_drift
+    );
+    let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));
+    let _ = write!(out, "  to see it    stillpoint view {recording}");
+    out
+}

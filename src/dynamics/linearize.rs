@@ -1,0 +1,136 @@
+//! Dense derivatives: mass, damping and stiffness matrices, and the Jacobians of the accelerations (section 4 of the
+//! method: the transfer equations differentiated column by column, the same reduction for every column).
+
+use super::{Fault, System};
+use crate::forces;
+use crate::model::Law;
+use crate::motion::variation::Direction;
+use faer::Mat;
+
+/// Derivatives of the residual `M a + b − τ`, n×n each, in velocity coordinates.
+#[derive(Debug, Clone)]
+pub struct Linearization {
+    /// ∂/∂q at fixed accelerations: at rest in equilibrium the Hessian of the potential.
+    pub stiffness: Mat<f64>,
+    /// ∂/∂q̇.
+    pub damping: Mat<f64>,
+    /// ∂/∂q̈.
+    pub mass: Mat<f64>,
+}
+
+/// Which of the three a column belongs to.
+#[derive(Clone, Copy)]
+enum Of {
+    Position,
+    Velocity,
+    Acceleration,
+}
+
+impl System<'_> {
+    /// Mass, damping and stiffness matrices at a state with hinge accelerations `a`.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn linearize(&mut self, q: &[f64], v: &[f64], a: &[f64]) -> Result<Linearization, Fault> {
+        let mut residual = vec![0.0; self.model.velocity_count()];
+        self.residual(q, v, a, &mut residual)?;
+        Ok(Linearization {
+            stiffness: self.columns(q, a, Of::Position),
+            damping: self.columns(q, a, Of::Velocity),
+            mass: self.columns(q, a, Of::Acceleration),
+        })
+    }
+
+    /// The stiffness matrix alone, at rest.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn static_stiffness(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
+        let rest = vec![0.0; self.model.velocity_count()];
+        let mut residual = rest.clone();
+        self.residual(q, &rest, &rest, &mut residual)?;
+        Ok(self.columns(q, &rest, Of::Position))
+    }
+
+    /// Jacobians of the hinge accelerations: `(∂q̈/∂q, ∂q̈/∂q̇)`, each n×n.
+    ///
+    /// # Errors
+    /// A singular hinge, or the element whose numbers are not finite.
+    pub fn acceleration_jacobians(&mut self, q: &[f64], v: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
+        let n = self.model.velocity_count();
+        let (mut a, mut residual) = (vec![0.0; n], vec![0.0; n]);
+        self.accelerations(q, v, &mut a)?;
+        self.residual(q, v, &a, &mut residual)?;
+        let mut by_position = self.columns(q, &a, Of::Position);
+        let mut by_velocity = self.columns(q, &a, Of::Velocity);
+        for matrix in [&mut by_position, &mut by_velocity] {
+            for j in 0..n {
+                let rhs: Vec<f64> = (0..n).map(|i| -matrix[(i, j)]).collect();
+                self.solve_mass(&rhs, &mut residual);
+                for (i, x) in residual.iter().enumerate() {
+                    matrix[(i, j)] = *x;
+                }
+            }
+        }
+        Ok((by_position, by_velocity))
+    }
+
+    /// One matrix, column by column; [`System::residual`] must have been called at this state.
+    fn columns(&mut self, q: &[f64], a: &[f64], of: Of) -> Mat<f64> {
+        let n = self.model.velocity_count();
+        let mut matrix = Mat::zeros(n, n);
+        let mut unit = vec![0.0; n];
+        let mut column = vec![0.0; n];
+        for link in 1..self.model.links.len() {
+            let (first, (_, count)) = (self.model.links[link].velocity, self.model.links[link].joint.counts());
+            for j in first..first + count {
+                unit[j] = 1.0;
+                column.fill(0.0);
+                self.column(q, a, of, link, &unit, &mut column);
+                unit[j] = 0.0;
+                for (i, x) in column.iter().enumerate() {
+                    matrix[(i, j)] = *x;
+                }
+            }
+        }
+        matrix
+    }
+
+    /// The residual's variation when one hinge varies: its subtree moves, and the way to the root feels it. Forces
+    /// between bodies reach further.
+    fn column(&mut self, q: &[f64], a: &[f64], of: Of, link: usize, unit: &[f64], out: &mut [f64]) {
+        let by = match of {
+            Of::Position => Direction { position: unit, ..Direction::default() },
+            Of::Velocity => Direction { velocity: unit, ..Direction::default() },
+            Of::Acceleration => Direction { acceleration: unit, ..Direction::default() },
+        };
+        let subtree = link..self.model.links[link].subtree_end;
+        let (model, motion, balance) = (self.model, &self.motion, &self.balance);
+        self.variation.outward_subtree(model, motion, balance, a, &by, subtree.clone());
+        let forces = !model.forces.is_empty() && !matches!(of, Of::Acceleration);
+        if forces {
+            forces::vary(model, motion, &self.variation.links, &mut self.variation.applied);
+        }
+        if forces && model.forces.iter().any(|force| reaches_far(&force.law)) {
+            self.variation.inward(model, motion, balance, &by, out);
+        } else {
+            self.variation.inward_subtree(model, motion, balance, &by, subtree.clone(), out);
+        }
+        if forces {
+            self.variation.applied.fill(crate::spatial::Wrench::ZERO);
+        }
+        self.variation.clear(subtree);
+        forces::hinge::vary(model, q, by.position, by.velocity, &mut self.scratch);
+        for (out, change) in out.iter_mut().zip(&self.scratch) {
+            *out -= change;
+        }
+    }
+}
+
+/// Whether a force element can load a link that does not move itself.
+pub(super) fn reaches_far(law: &Law) -> bool {
+    match law {
+        Law::Spring { ends, .. } | Law::Bushing { ends, .. } => ends[0].link != 0 && ends[1].link != 0,
+        Law::DeadLoad { .. } | Law::FollowerLoad { .. } => false,
+    }
+}

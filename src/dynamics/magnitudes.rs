@@ -1,0 +1,81 @@
+//! How large the terms of the static balance are: the same sweep with absolute values. Tells a residual that is
+//! round-off from one that is not.
+
+use super::System;
+use crate::forces;
+use crate::model::Joint;
+
+/// Magnitudes per velocity coordinate.
+#[derive(Debug, Clone)]
+pub struct Magnitudes {
+    /// Sum of the sizes of the forces that must cancel (N, N m).
+    pub force: Vec<f64>,
+    /// The same with every spring counted as its stiffness times its lengths: times the machine precision, the
+    /// round-off level of the balance (N, N m).
+    pub noise: Vec<f64>,
+    /// Size of the springs' contributions to the stiffness (N/m, N m/rad).
+    pub stiffness: Vec<f64>,
+}
+
+/// Force, moment, and what a linear spring to the ground would add, at one link.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    force: f64,
+    moment: f64,
+    noise: f64,
+    noise_moment: f64,
+    stiffness: f64,
+    turn_stiffness: f64,
+}
+
+impl System<'_> {
+    /// Sizes of the terms of the balance at rest; positions as in the last call of [`System::residual`].
+    pub fn balance_magnitudes(&self, q: &[f64]) -> Magnitudes {
+        let model = self.model;
+        let mut sizes = vec![Size::default(); model.links.len()];
+        for (index, link) in model.links.iter().enumerate() {
+            let weight = link.mass * model.gravity.norm();
+            let moment = weight * self.motion.links[index].center.norm();
+            sizes[index] = Size { force: weight, moment, noise: weight, noise_moment: moment, ..Size::default() };
+        }
+        for force in &model.forces {
+            let parts = forces::magnitude(&force.law, &self.motion);
+            for (end, part) in force.law.ends().iter().zip(parts) {
+                let size = &mut sizes[end.link];
+                let arm = (self.motion.links[end.link].turn * end.point).norm();
+                size.force += part.force;
+                size.moment += part.force * arm + part.moment;
+                size.noise += part.noise;
+                size.noise_moment += part.noise * arm + part.moment;
+                size.stiffness += part.stiffness;
+                size.turn_stiffness += part.stiffness * arm * arm + part.turn_stiffness;
+            }
+        }
+        let n = model.velocity_count();
+        let mut out = Magnitudes { force: vec![0.0; n], noise: vec![0.0; n], stiffness: vec![0.0; n] };
+        for index in (1..model.links.len()).rev() {
+            let link = &model.links[index];
+            let size = sizes[index];
+            let slide = matches!(link.joint, Joint::Slide { .. });
+            let (_, count) = link.joint.counts();
+            for i in link.velocity..link.velocity + count {
+                let coordinate = &model.coordinates[i];
+                let extent = if count == 1 { q[link.position].abs() + coordinate.rest.abs() } else { 1.0 };
+                let spring = coordinate.stiffness.abs() * extent + coordinate.force.abs();
+                out.force[i] = spring + if slide { size.force } else { size.moment };
+                out.noise[i] = spring + if slide { size.noise } else { size.noise_moment };
+                out.stiffness[i] =
+                    coordinate.stiffness.abs() + if slide { size.stiffness } else { size.turn_stiffness };
+            }
+            let arm = self.motion.links[index].arm.norm();
+            let parent = &mut sizes[link.parent];
+            parent.force += size.force;
+            parent.moment += size.moment + arm * size.force;
+            parent.noise += size.noise;
+            parent.noise_moment += size.noise_moment + arm * size.noise;
+            parent.stiffness += size.stiffness;
+            parent.turn_stiffness += size.turn_stiffness + arm * arm * size.stiffness;
+        }
+        out
+    }
+}

@@ -1,0 +1,299 @@
+//! A model with its forces: accelerations, residuals, their derivatives and energies of a state. The only place where
+//! `forces` and `transfer` meet.
+
+mod linearize;
+mod magnitudes;
+mod tangent;
+
+pub use linearize::Linearization;
+pub use magnitudes::Magnitudes;
+pub use tangent::{Coefficients, TangentSolver};
+
+use crate::forces;
+use crate::model::{Joint, Model};
+use crate::motion::Motion;
+use crate::spatial::{Pose, Wrench};
+use crate::transfer::balance::Balance;
+use crate::transfer::element;
+use crate::transfer::reduce::{Load, Reduction, Singular};
+use crate::transfer::variation::Variation;
+use nalgebra::Vector3;
+
+/// A model and the scratch memory to evaluate it. States come in from outside; nothing of them is kept but the last
+/// sweep.
+#[derive(Debug, Clone)]
+pub struct System<'m> {
+    model: &'m Model,
+    /// Positions and velocities of the last evaluation.
+    motion: Motion,
+    reduction: Reduction,
+    balance: Balance,
+    variation: Variation,
+    /// Wrenches of the force elements, then `b − applied`; one per link.
+    applied: Vec<Wrench>,
+    loads: Vec<Wrench>,
+    /// Hinge forces, and scratch of the same length.
+    tau: Vec<f64>,
+    scratch: Vec<f64>,
+}
+
+/// Why a system could not be evaluated.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// A hinge that nothing with inertia resists.
+    #[error(
+        "the hinge of `{body}` has no inertia to accelerate in this position: pivot {pivot:.3e} (a point mass on its own axis, or a gimbal lock?)"
+    )]
+    Singular {
+        /// Body.
+        body: String,
+        /// (kg or kg m²)
+        pivot: f64,
+    },
+    /// A number that is not finite.
+    #[error("{what} of `{element}` is not a finite number")]
+    NotFinite {
+        /// Which number.
+        what: &'static str,
+        /// Body or force element.
+        element: String,
+    },
+}
+
+/// Kinetic and potential energy (J).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Energies {
+    /// Kinetic, armatures included.
+    pub kinetic: f64,
+    /// Gravity, springs, and loads and motors that have a potential.
+    pub potential: f64,
+}
+
+/// Powers without a potential (W).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Powers {
+    /// Put in by loads and motors.
+    pub input: f64,
+    /// Taken out by dampers, ≥ 0.
+    pub dissipated: f64,
+}
+
+impl<'m> System<'m> {
+    /// Scratch memory for a model.
+    pub fn new(model: &'m Model) -> Self {
+        let n = model.links.len();
+        Self {
+            model,
+            motion: Motion::new(model),
+            reduction: Reduction::new(model),
+            balance: Balance::new(model),
+            variation: Variation::new(model),
+            applied: vec![Wrench::ZERO; n],
+            loads: vec![Wrench::ZERO; n],
+            tau: vec![0.0; model.velocity_count()],
+            scratch: vec![0.0; model.velocity_count()],
+        }
+    }
+
+    /// The model.
+    pub fn model(&self) -> &'m Model {
+        self.model
+    }
+
+    /// Positions and velocities of the last evaluation.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// Positions, velocities and forces; no accelerations.
+    fn prepare(&mut self, q: &[f64], v: &[f64]) {
+        self.motion.update(self.model, q, v);
+        if !self.model.forces.is_empty() {
+            forces::apply(self.model, &self.motion, &mut self.applied);
+        }
+        forces::hinge::apply(self.model, q, v, &mut self.tau);
+    }
+
+    /// `a ← q̈(q, v)`, in O(n).
+    ///
+    /// # Errors
+    /// A singular hinge, or the element whose numbers are not finite.
+    pub fn accelerations(&mut self, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
+        self.prepare(q, v);
+        self.reduction.factorize(self.model, &self.motion).map_err(|singular| self.singular(&singular, q, v))?;
+        for (index, link) in self.model.links.iter().enumerate() {
+            let bias = match link.is_massless() {
+                true => Wrench::ZERO,
+                false => element::bias(link.mass, &self.model.gravity, &self.motion.links[index]),
+            };
+            self.loads[index] = bias - self.applied[index];
+        }
+        let load = Load { wrenches: &self.loads, with_bias: true, tau: &self.tau };
+        self.reduction.solve(self.model, &self.motion, &load, a);
+        self.check_finite("the acceleration", a, q, v)
+    }
+
+    /// `residual ← M(q) a + b(q, v) − τ(q, v)`, in O(n).
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn residual(&mut self, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) -> Result<(), Fault> {
+        self.prepare(q, v);
+        self.balance.update(self.model, &self.motion, &self.applied, &self.tau, a, residual);
+        self.check_finite("the force balance", residual, q, v)
+    }
+
+    /// `x ← M⁻¹ rhs` with the last factorization of [`System::accelerations`].
+    pub fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) {
+        let load = Load { wrenches: &[], with_bias: false, tau: rhs };
+        self.reduction.solve(self.model, &self.motion, &load, x);
+    }
+
+    /// The inertia that each velocity coordinate sees while everything outboard moves freely (kg, kg m²), of the last
+    /// factorization.
+    pub fn articulated_inertia(&self, out: &mut [f64]) {
+        self.reduction.articulated_inertia(self.model, &self.motion, out);
+    }
+
+    /// What the hinge passes to each named body at its root marker, from the last call of [`System::residual`].
+    pub fn reactions(&self, out: &mut Vec<Wrench>) {
+        out.clear();
+        out.resize(self.model.bodies.len(), Wrench::ZERO);
+        for (index, body) in self.model.bodies.iter().enumerate() {
+            if body.link != 0 && self.model.links[body.link].body == index {
+                out[index] = self.balance.reactions[body.link];
+            }
+        }
+        self.weld_reactions(out);
+    }
+
+    /// A weld carries what its body and all that hangs on it need.
+    fn weld_reactions(&self, out: &mut [Wrench]) {
+        let welded = |index: usize| {
+            let body = &self.model.bodies[index];
+            body.link == 0 || self.model.links[body.link].body != index
+        };
+        if !(0..out.len()).any(welded) {
+            return;
+        }
+        // Children after parents is not promised by the order of names: go by depth.
+        let mut depth = vec![0_usize; out.len()];
+        for (index, slot) in depth.iter_mut().enumerate() {
+            let mut above = self.model.bodies[index].parent;
+            while let Some(parent) = above {
+                *slot += 1;
+                above = self.model.bodies[parent].parent;
+            }
+        }
+        let mut order: Vec<usize> = (0..out.len()).collect();
+        order.sort_by_key(|index| std::cmp::Reverse(depth[*index]));
+        let mut carried = vec![Wrench::ZERO; out.len()];
+        for index in order {
+            if welded(index) {
+                out[index] = carried[index] + self.body_wrench(index);
+            }
+            let body = &self.model.bodies[index];
+            if let Some(parent) = body.parent {
+                let arm = self.root_marker(index) - self.root_marker(parent);
+                carried[parent] += out[index].shifted(arm);
+            }
+        }
+    }
+
+    fn root_marker(&self, body: usize) -> Vector3<f64> {
+        let body = &self.model.bodies[body];
+        let link = &self.motion.links[body.link];
+        link.position + link.turn * body.link_from_body.translation.vector
+    }
+
+    /// `M a + b − applied` of one named body at its own root marker.
+    fn body_wrench(&self, index: usize) -> Wrench {
+        let body = &self.model.bodies[index];
+        let (link, a) = (&self.motion.links[body.link], &self.balance.accelerations[body.link]);
+        let arm = link.turn * body.link_from_body.translation.vector;
+        let turn = link.turn * body.link_from_body.rotation.to_rotation_matrix().matrix();
+        let (w, dw, c) = (link.angular_velocity, a.angular, turn * body.mass.center);
+        let at_center = a.linear + dw.cross(&(arm + c)) + w.cross(&w.cross(&(arm + c)));
+        let inertia = turn * body.mass.inertia * turn.transpose();
+        let force = body.mass.mass * (at_center - self.model.gravity);
+        let moment = c.cross(&force) + inertia * dw + w.cross(&(inertia * w));
+        Wrench { force, moment } - forces::on_body(self.model, &self.motion, index).shifted(-arm)
+    }
+
+    /// Kinetic and potential energy of a state.
+    pub fn energies(&mut self, q: &[f64], v: &[f64]) -> Energies {
+        self.motion.update(self.model, q, v);
+        let rotors: f64 = self.model.coordinates.iter().zip(v).map(|(c, v)| 0.5 * c.armature * v * v).sum();
+        Energies {
+            kinetic: self.motion.kinetic_energy(self.model) + rotors,
+            potential: forces::potential(self.model, &self.motion, q),
+        }
+    }
+
+    /// Powers of a state that no potential stands for.
+    pub fn powers(&mut self, q: &[f64], v: &[f64]) -> Powers {
+        self.motion.update(self.model, q, v);
+        Powers {
+            input: forces::input(self.model, &self.motion, v),
+            dissipated: forces::dissipated(self.model, &self.motion, v),
+        }
+    }
+
+    /// Poses of the named bodies' root markers at the last evaluation: `world_from_body`.
+    pub fn poses(&self, out: &mut Vec<Pose>) {
+        out.clear();
+        out.extend(self.model.bodies.iter().map(|body| self.motion.body_pose(body)));
+    }
+
+    fn singular(&self, singular: &Singular, q: &[f64], v: &[f64]) -> Fault {
+        let body = self.model.bodies[self.model.links[singular.link].body].name.clone();
+        if singular.pivot.is_finite() {
+            Fault::Singular { body, pivot: singular.pivot }
+        } else {
+            self.not_finite_state(q, v).unwrap_or(Fault::NotFinite { what: "the position", element: body })
+        }
+    }
+
+    /// Names the cause: a position or velocity that came in, else a force element, else the first hinge.
+    fn check_finite(&self, what: &'static str, numbers: &[f64], q: &[f64], v: &[f64]) -> Result<(), Fault> {
+        let Some(bad) = numbers.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        if let Some(fault) = self.not_finite_state(q, v) {
+            return Err(fault);
+        }
+        if let Some(element) = forces::not_finite(self.model, &self.motion) {
+            return Err(Fault::NotFinite { what: "the force", element: self.model.forces[element].name.clone() });
+        }
+        Err(Fault::NotFinite { what, element: self.model.owner(bad).to_owned() })
+    }
+
+    fn not_finite_state(&self, q: &[f64], v: &[f64]) -> Option<Fault> {
+        let bad = |list: &[f64], from: usize, count: usize| list[from..from + count].iter().any(|x| !x.is_finite());
+        self.model.bodies.iter().find_map(|body| {
+            let (hinge, (positions, velocities)) = (&body.hinge, body.hinge.kind.counts());
+            let what = match bad(q, hinge.position, positions) {
+                true => "the position",
+                false if bad(v, hinge.velocity, velocities) => "the velocity",
+                false => return None,
+            };
+            Some(Fault::NotFinite { what, element: body.name.clone() })
+        })
+    }
+
+    /// `q ← q ⊞ step`: plain coordinates add, balls turn by the rotation vector in link axes.
+    pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
+        for link in &model.links {
+            match link.joint {
+                Joint::None => {}
+                Joint::Turn { .. } | Joint::Slide { .. } => q[link.position] += step[link.velocity],
+                Joint::Ball { .. } => {
+                    let at = &mut q[link.position..link.position + 4];
+                    let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);
+                    if turn != Vector3::zeros() {
+                        let new = crate::motion::unit_quaternion(at) * nalgebra::UnitQuaternion::from_scaled_axis(turn);
+                        at.copy_from_slice(&[new.w, new.i, new.j, new.k]);
+                    }
+                }
+            }
+        }
+    }
+}

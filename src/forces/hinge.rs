@@ -1,0 +1,106 @@
+//! Hinge forces: springs, dampers and constant motors in the hinge coordinates.
+//!
+//! ```text
+//! turns and slides:  τ = −k (q − q_rest) − c q̇ + τ₀
+//! balls:             τ = −G(φ)ᵀ K φ − c ω + τ₀,   φ = log(rest⁻¹ ∘ p), link axes   (crate::spatial::rotation)
+//! ```
+
+use crate::model::{Coordinate, Joint, Link, Model};
+use crate::motion::unit_quaternion;
+use crate::spatial::rotation::{rotation_vector, torsion_spring};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+/// `tau` ← hinge forces at coordinates `q` and velocities `v`, one per velocity.
+pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
+    for (at, coordinate) in model.coordinates.iter().enumerate() {
+        tau[at] = coordinate.force - coordinate.damping * v[at];
+    }
+    for_springs(model, |link, coordinates| match link.joint {
+        Joint::Ball { rest } => {
+            let (torque, _) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates));
+            for (i, t) in torque.iter().enumerate() {
+                tau[link.velocity + i] += t;
+            }
+        }
+        _ => tau[link.velocity] -= coordinates[0].stiffness * (q[link.position] - coordinates[0].rest),
+    });
+}
+
+/// `out` ← variation of the hinge forces with `dq` (small turns for balls) and `dv`; an empty list is zero.
+pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
+    for (at, coordinate) in model.coordinates.iter().enumerate() {
+        out[at] = if dv.is_empty() { 0.0 } else { -coordinate.damping * dv[at] };
+    }
+    if dq.is_empty() {
+        return;
+    }
+    for_springs(model, |link, coordinates| {
+        let at = link.velocity;
+        match link.joint {
+            Joint::Ball { rest } => {
+                let (_, tangent) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates));
+                let change = tangent * Vector3::new(dq[at], dq[at + 1], dq[at + 2]);
+                for (i, t) in change.iter().enumerate() {
+                    out[at + i] += t;
+                }
+            }
+            _ => out[at] -= coordinates[0].stiffness * dq[at],
+        }
+    });
+}
+
+/// `∂τ/∂(turn)` of a ball's spring, link axes; `None` without a spring.
+pub fn ball_tangent(model: &Model, link: &Link, q: &[f64]) -> Option<Matrix3<f64>> {
+    let Joint::Ball { rest } = link.joint else { return None };
+    let stiffness = stiffness(&model.coordinates[link.velocity..link.velocity + 3]);
+    (stiffness != Vector3::zeros()).then(|| torsion_spring(&from_rest(&rest, q, link), stiffness).1)
+}
+
+pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for_springs(model, |link, coordinates| {
+        sum += match link.joint {
+            Joint::Ball { rest } => {
+                let phi = rotation_vector(&from_rest(&rest, q, link));
+                0.5 * phi.component_mul(&phi).dot(&stiffness(coordinates))
+            }
+            _ => 0.5 * coordinates[0].stiffness * (q[link.position] - coordinates[0].rest).powi(2),
+        };
+    });
+    for link in &model.links {
+        if matches!(link.joint, Joint::Turn { .. } | Joint::Slide { .. }) {
+            sum -= model.coordinates[link.velocity].force * q[link.position];
+        }
+    }
+    sum
+}
+
+pub(super) fn dissipated(model: &Model, v: &[f64]) -> f64 {
+    model.coordinates.iter().zip(v).map(|(coordinate, v)| coordinate.damping * v * v).sum()
+}
+
+/// Motors about balls have no potential.
+pub(super) fn input(model: &Model, v: &[f64]) -> f64 {
+    let ball = |link: &&Link| matches!(link.joint, Joint::Ball { .. });
+    let of_ball =
+        |link: &Link| (0..3).map(|i| link.velocity + i).map(|i| model.coordinates[i].force * v[i]).sum::<f64>();
+    model.links.iter().filter(ball).map(of_ball).sum()
+}
+
+fn for_springs(model: &Model, mut each: impl FnMut(&Link, &[Coordinate])) {
+    for link in &model.links {
+        let (_, count) = link.joint.counts();
+        let coordinates = &model.coordinates[link.velocity..link.velocity + count];
+        if coordinates.iter().any(|coordinate| coordinate.stiffness != 0.0) {
+            each(link, coordinates);
+        }
+    }
+}
+
+fn stiffness(coordinates: &[Coordinate]) -> Vector3<f64> {
+    Vector3::new(coordinates[0].stiffness, coordinates[1].stiffness, coordinates[2].stiffness)
+}
+
+fn from_rest(rest: &UnitQuaternion<f64>, q: &[f64], link: &Link) -> UnitQuaternion<f64> {
+    rest.inverse() * unit_quaternion(&q[link.position..link.position + 4])
+}

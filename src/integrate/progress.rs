@@ -1,0 +1,114 @@
+//! Where a run stands: time, state, the last step, and what it cost.
+
+use crate::integrate::{
+    dense::Dense,
+    error::{Component, Limit, StepError},
+    options::Start,
+    problem::Problem,
+    rates::require_finite,
+    statistics::Statistics,
+};
+
+/// The part of a run that all methods share.
+#[derive(Debug)]
+pub struct Progress {
+    pub(crate) time: f64,
+    pub(crate) previous_time: f64,
+    pub(crate) end: f64,
+    pub(crate) position_count: usize,
+    /// `(q, v)`.
+    pub(crate) state: Vec<f64>,
+    pub(crate) dense: Dense,
+    pub(crate) statistics: Statistics,
+}
+
+impl Progress {
+    /// A run that has made no step yet.
+    pub(crate) fn new<P: Problem>(problem: &P, start: Start<'_>) -> Result<Self, StepError> {
+        let counts = [
+            ("positions", start.position.len(), problem.position_count()),
+            ("velocities", start.velocity.len(), problem.velocity_count()),
+        ];
+        for (quantity, given, expected) in counts {
+            if given != expected {
+                return Err(StepError::Size { quantity, given, expected });
+            }
+        }
+        if !start.time.is_finite() {
+            return Err(StepError::option("start time", start.time, "a finite number"));
+        }
+        if !(start.end.is_finite() && start.end >= start.time) {
+            return Err(StepError::option("end time", start.end, "a finite number not before the start"));
+        }
+        let position_count = start.position.len();
+        let mut state = [start.position, start.velocity].concat();
+        problem.normalize(&mut state[..position_count]);
+        require_finite(&state, position_count).map_err(|limit| StepError::Start { time: start.time, limit })?;
+        let (time, previous_time, end) = (start.time, start.time, start.end);
+        let dense = Dense::at_rest(&state);
+        Ok(Self { time, previous_time, end, position_count, state, dense, statistics: Statistics::default() })
+    }
+
+    /// The time reached, in s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Where the last step started, in s; the start before the first step.
+    pub fn previous_time(&self) -> f64 {
+        self.previous_time
+    }
+
+    /// Whether the end is reached.
+    pub fn finished(&self) -> bool {
+        self.time >= self.end
+    }
+
+    /// The coordinates reached.
+    pub fn position(&self) -> &[f64] {
+        &self.state[..self.position_count]
+    }
+
+    /// The velocities reached.
+    pub fn velocity(&self) -> &[f64] {
+        &self.state[self.position_count..]
+    }
+
+    /// The state at `time` inside the last step; a time outside is taken as the nearer end.
+    ///
+    /// Quaternions come normalised. At both ends the result is the state itself.
+    pub fn interpolate<P: Problem>(&self, problem: &P, time: f64, q: &mut [f64], v: &mut [f64]) {
+        if time >= self.time {
+            q.copy_from_slice(self.position());
+            v.copy_from_slice(self.velocity());
+            return;
+        }
+        let theta = ((time - self.previous_time) / (self.time - self.previous_time)).max(0.0);
+        self.dense.evaluate(theta, 0, q);
+        self.dense.evaluate(theta, self.position_count, v);
+        problem.normalize(q);
+    }
+
+    /// What the run has cost so far.
+    pub fn statistics(&self) -> &Statistics {
+        &self.statistics
+    }
+
+    /// The component at `index` of the state.
+    pub(crate) fn component(&self, index: usize) -> Component {
+        Component::of_state(index, self.position_count)
+    }
+
+    /// The system cannot be evaluated at the start.
+    pub(crate) fn cannot_start(&self, limit: Limit) -> StepError {
+        StepError::Start { time: self.time, limit }
+    }
+
+    /// Takes `next` as the new state at `time`, and leaves the old one in `next`.
+    pub(crate) fn advance(&mut self, time: f64, next: &mut Vec<f64>) {
+        self.statistics.accept(time - self.time);
+        self.previous_time = self.time;
+        self.time = time;
+        std::mem::swap(&mut self.state, next);
+    }
+}

@@ -1,0 +1,58 @@
+//! The rate of the state `x = (q, v)` and sums of such rates.
+
+use crate::integrate::{
+    error::{Component, Limit},
+    problem::Problem,
+    statistics::Statistics,
+};
+
+/// `rate ← (N(q) v, a(t, q, v))`.
+///
+/// # Errors
+/// Where the system cannot be evaluated or a rate is not finite.
+pub(crate) fn state_rate<P: Problem>(
+    problem: &mut P,
+    time: f64,
+    state: &[f64],
+    rate: &mut [f64],
+    statistics: &mut Statistics,
+) -> Result<(), Limit> {
+    let position_count = problem.position_count();
+    let (q, v) = state.split_at(position_count);
+    let (position_rate, acceleration) = rate.split_at_mut(position_count);
+    problem.position_rate(q, v, position_rate);
+    statistics.acceleration_evaluations += 1;
+    problem.acceleration(time, q, v, acceleration).map_err(Limit::Failure)?;
+    require_finite(rate, position_count)
+}
+
+/// `sum ← start + step Σ weights_j rates_j`.
+pub(crate) fn combine(sum: &mut [f64], start: &[f64], step: f64, weights: &[f64], rates: &[Vec<f64>]) {
+    sum.copy_from_slice(start);
+    for (weight, rate) in weights.iter().zip(rates) {
+        let factor = step * weight;
+        if factor != 0.0 {
+            for (sum, rate) in sum.iter_mut().zip(rate) {
+                *sum += factor * rate;
+            }
+        }
+    }
+}
+
+/// `sum ← step Σ weights_j rates_j`.
+pub(crate) fn weighted_sum(sum: &mut [f64], step: f64, weights: &[f64], rates: &[Vec<f64>]) {
+    sum.fill(0.0);
+    for (weight, rate) in weights.iter().zip(rates) {
+        for (sum, rate) in sum.iter_mut().zip(rate) {
+            *sum += step * weight * rate;
+        }
+    }
+}
+
+/// Names the first component that is not finite.
+pub(crate) fn require_finite(state: &[f64], position_count: usize) -> Result<(), Limit> {
+    match state.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(Limit::NotFinite(Component::of_state(index, position_count))),
+        None => Ok(()),
+    }
+}

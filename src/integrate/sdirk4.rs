@@ -1,0 +1,194 @@
+//! The singly diagonally implicit method of Hairer and Wanner: order 4, error estimate of order 3, five stages.
+//!
+//! ```text
+//! X_i = x + h Σ_{j<i} a_ij k_j + h γ k_i,   k_i = (N(q_i) v_i, a_i),   γ = 1/4,   x' = X_5
+//! ```
+//!
+//! Each stage is solved for its acceleration `a_i` alone (see `newton.rs`); all stages share one iteration matrix.
+//!
+//! **Stability**: L-stable (`R(∞) = 0`) and stiffly accurate (the last stage is the result), so motions much faster than
+//! the step die out as they do in the system, and the step follows what is left. A fast motion that is *not* damped in
+//! the system is damped by the method where the step does not resolve it.
+//!
+//! **Error**: `O(h⁵)` per step where the step resolves the system. The stages alone are only of order 1, which shows on
+//! stiff parts driven by time-dependent loads: a strong damper of rate `λ` leaves an error of the size `h/λ` in its
+//! velocity (small for the stiffest), a stiff spring whose rest position moves an error `O(h)` in the velocity along it.
+//! The estimate sees this and shortens the step, so tight tolerances are expensive there.
+//!
+//! **Error estimate**: the plain difference `e = h Σ_i e_i k_i` to the embedded rule does not vanish for stiff parts and
+//! would force them to be resolved. It is filtered by `(I − h γ J)⁻¹`, `J` the Jacobian of the rate of `x`: the slow
+//! parts pass, the fast ones are damped as the method damps them (*Solving ODEs II*, IV.8). In terms of the residual,
+//! with `g = h γ` and `w` the filtered correction in velocity coordinates,
+//!
+//! ```text
+//! K w = (1/g) M e_v − (∂r/∂q) e_q,    filtered e_q = e_q + N(q) w,    filtered e_v = w / g.
+//! ```
+//!
+//! `r` is linear in `a` and zero at the last stage, so the right side is `r(t', q_5 − e_q, v_5, a_5 + e_v / g)`: the
+//! filter costs one residual and one solve.
+//!
+//! **Between the ends**: a cubic in the stage rates, error `O(h⁴)` like that of the steps (no weights of order 4 exist).
+//! Unlike a Hermite cubic it does not use the rate at the start, which is huge where a fast transient begins.
+//!
+//! **Quaternions** are stepped as numbers in R⁴ and normalised after the step. Within a step the stages are off unit
+//! length by `O(h²)`.
+//!
+//! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.6 (method), IV.8 (practice).
+
+use crate::integrate::{
+    control::{Controller, Trial},
+    error::{Limit, StepError},
+    newton::{Newton, Point, Stage, evaluate},
+    norm::{ErrorNorm, Measured},
+    options::{Options, Start},
+    predict::Predictor,
+    problem::ImplicitProblem,
+    progress::Progress,
+    rates::{combine, require_finite, state_rate, weighted_sum},
+    start::first_step,
+    stepper::Stepper,
+    tableau::sdirk4::{A, C, CUBES, E, GAMMA, SQUARES},
+};
+
+/// The error estimate is `O(h⁴)`.
+const ESTIMATE_ORDER: u8 = 4;
+/// A step that would grow by less is kept, and with it the factorization.
+const HOLD_BELOW: f64 = 1.2;
+const ADVICE: &str = "shorten the step, or let the method choose it";
+
+/// The SDIRK method of Hairer and Wanner, order 4, L-stable, adaptive.
+#[derive(Debug)]
+pub struct Sdirk4 {
+    progress: Progress,
+    control: Controller,
+    norm: ErrorNorm,
+    newton: Newton,
+    predictor: Predictor,
+    /// `k₁ … k₅`, each `(N(q) v, a)`.
+    rates: Vec<Vec<f64>>,
+    /// The known part of a stage.
+    known: Vec<f64>,
+    /// State of a stage, then of the end of the step tried.
+    next: Vec<f64>,
+    /// Acceleration of a stage, then of the end of the step tried.
+    acceleration: Vec<f64>,
+    error: Vec<f64>,
+    /// Right side and solution of the filter, in velocity coordinates.
+    filter: Vec<f64>,
+}
+
+impl Sdirk4 {
+    /// Starts a run; the first step is the `step` of the options or chosen from the system.
+    ///
+    /// # Errors
+    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
+        options.validate()?;
+        let mut progress = Progress::new(problem, start)?;
+        let norm = ErrorNorm::new(problem, options.relative, options.absolute);
+        let mut rate = vec![0.0; progress.state.len()];
+        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
+            .map_err(|limit| progress.cannot_start(limit))?;
+        let step = match options.step {
+            Some(step) => step,
+            None => first_step(problem, &norm, &mut progress, &rate, ESTIMATE_ORDER),
+        };
+        let acceleration = rate[progress.position_count..].to_vec();
+        Ok(Self {
+            control: Controller::new(options, ESTIMATE_ORDER, step, &progress, ADVICE).holding_below(HOLD_BELOW),
+            newton: Newton::new(&norm, acceleration.len(), rate.len()),
+            predictor: Predictor::new(&acceleration),
+            known: rate.clone(),
+            next: rate.clone(),
+            error: rate.clone(),
+            filter: acceleration.clone(),
+            rates: vec![rate; C.len()],
+            acceleration,
+            norm,
+            progress,
+        })
+    }
+
+    /// Solves the stages; gives the norm of the filtered error estimate, 0 where the step is fixed.
+    fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+        let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
+        let point = Point { time: *time, state, acceleration: self.predictor.start() };
+        let gamma_step = GAMMA * trial.step;
+        self.newton.prepare(problem, point, gamma_step, statistics)?;
+        for stage in 0..C.len() {
+            combine(&mut self.known, state, trial.step, A[stage], &self.rates);
+            self.predictor.predict(stage, trial.step, &mut self.acceleration);
+            let at = Stage { time: *time + C[stage] * trial.step, step: gamma_step, known: &self.known, start: state };
+            self.newton.solve(problem, &self.norm, at, &mut self.next, &mut self.acceleration, statistics)?;
+            self.predictor.record(stage, &self.acceleration);
+            let (q, v) = self.next.split_at(*position_count);
+            let (position_rate, acceleration) = self.rates[stage].split_at_mut(*position_count);
+            problem.position_rate(q, v, position_rate);
+            acceleration.copy_from_slice(&self.acceleration);
+        }
+        require_finite(&self.next, *position_count)?;
+        if self.control.is_fixed() {
+            return Ok(Measured { value: 0.0, worst: 0 });
+        }
+        self.estimate(problem, trial)
+    }
+
+    /// The norm of the filtered error estimate of the step just tried.
+    fn estimate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+        let Progress { state, position_count, statistics, .. } = &mut self.progress;
+        let gamma_step = GAMMA * trial.step;
+        weighted_sum(&mut self.error, trial.step, &E, &self.rates);
+        let (error_q, error_v) = self.error.split_at_mut(*position_count);
+
+        // The displaced point takes the place of the known part and of the last acceleration; both are free now.
+        self.known.copy_from_slice(&self.next);
+        self.known.iter_mut().zip(&*error_q).for_each(|(q, error)| *q -= error);
+        self.acceleration.iter_mut().zip(&*error_v).for_each(|(a, error)| *a += error / gamma_step);
+        evaluate(problem, trial.time, &self.known, &self.acceleration, &mut self.filter, statistics)?;
+        problem.solve(&mut self.filter);
+        statistics.solves += 1;
+
+        let displaced = &mut self.known[..*position_count];
+        problem.position_rate(&self.next[..*position_count], &self.filter, displaced);
+        error_q.iter_mut().zip(displaced).for_each(|(error, by)| *error += *by);
+        error_v.iter_mut().zip(&self.filter).for_each(|(error, by)| *error = by / gamma_step);
+        Ok(self.norm.measure(&self.error, state, &self.next))
+    }
+
+    fn accept<P: ImplicitProblem>(&mut self, problem: &P, trial: Trial, error: f64) {
+        let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
+        problem.normalize(&mut self.next[..*position_count]);
+        dense.cubic(trial.step, [state, &self.next], &SQUARES, &CUBES, &self.rates);
+        self.control.accept(trial, error, statistics.steps == 0);
+        self.predictor.advance(trial.step);
+        self.newton.advance();
+        self.progress.advance(trial.time, &mut self.next);
+    }
+}
+
+impl<P: ImplicitProblem> Stepper<P> for Sdirk4 {
+    fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
+        while !self.progress.finished() {
+            let trial = self.control.propose(&self.progress)?;
+            match self.attempt(problem, trial) {
+                Ok(error) if error.value <= 1.0 => {
+                    self.accept(problem, trial, error.value);
+                    break;
+                }
+                Ok(error) => {
+                    let worst = self.progress.component(error.worst);
+                    self.control.reject(trial, error.value, Limit::ErrorEstimate(worst));
+                }
+                // An old factorization is to blame first.
+                Err(Limit::Newton) if self.newton.discard_old() => continue,
+                Err(limit) => self.control.fail(trial, limit, &self.progress)?,
+            }
+            self.progress.statistics.rejected_steps += 1;
+        }
+        Ok(())
+    }
+
+    fn progress(&self) -> &Progress {
+        &self.progress
+    }
+}

@@ -1,0 +1,49 @@
+//! The first step of an adaptive method.
+//!
+//! ```text
+//! d₀ = ‖x₀‖, d₁ = ‖ẋ₀‖, h₀ = 0.01 d₀/d₁;  an Euler step of h₀ gives d₂ = ‖ẋ(h₀) − ẋ₀‖ / h₀
+//! h  = T (0.01 / max(T d₁, T² d₂))^(1/k),   h ≤ 100 h₀,   h ≤ T/100
+//! ```
+//!
+//! in the error norm, for an estimate of order `k`: Hairer, Nørsett, Wanner, *Solving ODEs I*, II.4, with the system's
+//! own time scale `T` in place of the second. A system at rest, or released where derivatives vanish by symmetry,
+//! makes `d₁` and `d₂` small or zero and the rule boundless; `T/100` is the bound it lacks. The first step is then
+//! judged by its own error estimate as every other.
+
+use crate::integrate::{norm::ErrorNorm, problem::Problem, progress::Progress, rates::state_rate};
+
+/// Largest first step and step for looking ahead, as a fraction of the time scale.
+const TIME_FRACTION: f64 = 0.01;
+/// Step for looking ahead where the state or its rate is negligible, as a fraction of the time scale.
+const BLIND_FRACTION: f64 = 1e-6;
+/// Norms below this, in tolerances, are negligible.
+const NEGLIGIBLE: f64 = 1e-5;
+
+/// A first step for an error estimate of order `order`, in s, from the state of `progress` and its `rate`.
+pub(crate) fn first_step<P: Problem>(
+    problem: &mut P,
+    norm: &ErrorNorm,
+    progress: &mut Progress,
+    rate: &[f64],
+    order: u8,
+) -> f64 {
+    let state = &progress.state;
+    let scale = norm.time_scale(progress.position_count);
+    let size = |x: &[f64]| norm.measure(x, state, state).value;
+    let (d0, d1) = (size(state), size(rate));
+    let ratio = if d0 < NEGLIGIBLE || d1 < NEGLIGIBLE { BLIND_FRACTION * scale } else { 0.01 * d0 / d1 };
+    let ahead = ratio.min(TIME_FRACTION * scale);
+
+    let moved: Vec<f64> = state.iter().zip(rate).map(|(x, rate)| x + ahead * rate).collect();
+    let mut change = vec![0.0; state.len()];
+    let looked = state_rate(problem, progress.time + ahead, &moved, &mut change, &mut progress.statistics);
+    if looked.is_err() {
+        return ahead;
+    }
+    change.iter_mut().zip(rate).for_each(|(after, before)| *after = (*after - before) / ahead);
+    let d2 = size(&change);
+
+    let strongest = (scale * d1).max(scale * scale * d2);
+    let by_error = scale * (0.01 / strongest.max(f64::MIN_POSITIVE)).powf(1.0 / f64::from(order));
+    by_error.min(100.0 * ahead).min(TIME_FRACTION * scale)
+}

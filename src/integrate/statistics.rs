@@ -1,0 +1,33 @@
+//! What a run has cost.
+
+/// Work counters of one run; they say what a run costs on any machine.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Statistics {
+    /// Accepted steps.
+    pub steps: u64,
+    /// Attempts that were given up: error too large, Newton's iteration failed, or a number was not finite.
+    pub rejected_steps: u64,
+    /// Evaluations of `a(t, q, v)`, the ones of the start included.
+    pub acceleration_evaluations: u64,
+    /// Evaluations of the inverse dynamics residual.
+    pub residual_evaluations: u64,
+    /// Jacobians formed and factorized.
+    pub jacobian_evaluations: u64,
+    /// Solves with a factorization.
+    pub solves: u64,
+    /// Newton iterations, summed over all stages.
+    pub newton_iterations: u64,
+    /// Shortest accepted step in s, the one that lands on the end included; 0 before the first step.
+    pub smallest_step: f64,
+    /// Longest accepted step in s; 0 before the first step.
+    pub largest_step: f64,
+}
+
+impl Statistics {
+    /// Counts an accepted step of `step` s.
+    pub(crate) fn accept(&mut self, step: f64) {
+        self.smallest_step = if self.steps == 0 { step } else { self.smallest_step.min(step) };
+        self.largest_step = self.largest_step.max(step);
+        self.steps += 1;
+    }
+}

@@ -1,0 +1,100 @@
+//! What a time loop sees of a method.
+
+use crate::integrate::{
+    dopri5::Dopri5,
+    error::StepError,
+    options::{Options, Start},
+    problem::{ImplicitProblem, Problem},
+    progress::Progress,
+    rk4::Rk4,
+    sdirk4::Sdirk4,
+    statistics::Statistics,
+};
+
+/// A method at work on one run.
+///
+/// ```text
+/// while !stepper.finished() { stepper.step(problem)?; … }
+/// ```
+pub trait Stepper<P: Problem> {
+    /// Makes one accepted step that does not pass the end time; does nothing at the end.
+    ///
+    /// # Errors
+    /// [`StepError::Underflow`] where no step is small enough, [`StepError::Fixed`] where a fixed step fails. The state
+    /// is then that of the last accepted step.
+    fn step(&mut self, problem: &mut P) -> Result<(), StepError>;
+
+    /// Where the run stands.
+    fn progress(&self) -> &Progress;
+
+    /// Whether the last steps were held by stability instead of accuracy: the system is stiff and an implicit method
+    /// would be faster. Always false for implicit methods.
+    fn stability_limited(&self) -> bool {
+        false
+    }
+
+    /// Whether the end is reached.
+    fn finished(&self) -> bool {
+        self.progress().finished()
+    }
+
+    /// The time reached, in s.
+    fn time(&self) -> f64 {
+        self.progress().time()
+    }
+
+    /// Where the last step started, in s.
+    fn previous_time(&self) -> f64 {
+        self.progress().previous_time()
+    }
+
+    /// The coordinates reached.
+    fn position(&self) -> &[f64] {
+        self.progress().position()
+    }
+
+    /// The velocities reached.
+    fn velocity(&self) -> &[f64] {
+        self.progress().velocity()
+    }
+
+    /// The state at `time` inside the last step, see [`Progress::interpolate`].
+    fn interpolate(&self, problem: &P, time: f64, q: &mut [f64], v: &mut [f64]) {
+        self.progress().interpolate(problem, time, q, v);
+    }
+
+    /// What the run has cost so far.
+    fn statistics(&self) -> &Statistics {
+        self.progress().statistics()
+    }
+}
+
+/// The methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// [`Rk4`]: classical Runge–Kutta, order 4, fixed step.
+    Rk4,
+    /// [`Dopri5`]: Dormand–Prince 5(4), adaptive.
+    Dopri5,
+    /// [`Sdirk4`]: L-stable diagonally implicit Runge–Kutta 4(3), adaptive.
+    Sdirk4,
+}
+
+impl Method {
+    /// Starts a run with this method.
+    ///
+    /// # Errors
+    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    pub fn start<P: ImplicitProblem>(
+        self,
+        problem: &mut P,
+        options: &Options,
+        start: Start<'_>,
+    ) -> Result<Box<dyn Stepper<P>>, StepError> {
+        Ok(match self {
+            Self::Rk4 => Box::new(Rk4::new(problem, options, start)?),
+            Self::Dopri5 => Box::new(Dopri5::new(problem, options, start)?),
+            Self::Sdirk4 => Box::new(Sdirk4::new(problem, options, start)?),
+        })
+    }
+}

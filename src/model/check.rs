@@ -1,0 +1,231 @@
+//! What a description must satisfy element by element. Names and the tree are checked where they are resolved.
+
+use super::description::{
+    BodyDescription, Description, ForceDescription, ForceKind, GROUND, HingeKind, MassProperties, Point,
+};
+use super::problem::{Element, Problem};
+use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
+
+/// How far principal moments may break the triangle inequality, and a matrix symmetry, by rounding: one part in 10⁹.
+const TRIANGLE_SLACK: f64 = 1e-9;
+/// How far a quaternion's norm may be from one: files carry at least six digits.
+const QUATERNION_SLACK: f64 = 1e-6;
+
+/// All problems of single elements.
+pub(super) fn check(description: &Description) -> Vec<Problem> {
+    let mut found = Findings { problems: Vec::new() };
+    if description.bodies.is_empty() {
+        found.add(Element::Scene, "body", "the scene has no bodies".to_owned(), "add at least one [[body]]");
+    }
+    if !finite(&description.gravity) {
+        found.add(Element::Scene, "gravity", format!("gravity is {}", list(&description.gravity)), "give finite m/s²");
+    }
+    for (index, body) in description.bodies.iter().enumerate() {
+        check_body(&mut found, index, body);
+    }
+    for (index, force) in description.forces.iter().enumerate() {
+        check_force(&mut found, index, force);
+    }
+    found.problems
+}
+
+struct Findings {
+    problems: Vec<Problem>,
+}
+
+impl Findings {
+    fn add(&mut self, element: Element, field: &str, message: String, help: &str) {
+        let help = (!help.is_empty()).then(|| help.to_owned());
+        self.problems.push(Problem { element, field: field.to_owned(), message, help });
+    }
+}
+
+fn check_body(found: &mut Findings, index: usize, body: &BodyDescription) {
+    let element = Element::Body(index);
+    let name = &body.name;
+    if name.is_empty() {
+        found.add(element, "name", "a body's name is empty".to_owned(), "");
+    } else if name == GROUND {
+        found.add(element, "name", format!("a body cannot be called `{GROUND}`"), "that is the inertial frame");
+    }
+    check_mass(found, element, name, &body.mass);
+    for (marker, at) in &body.markers {
+        if !finite(at) {
+            let message = format!("marker `{marker}` of `{name}` is {}", list(at));
+            found.add(element, &format!("markers.{marker}"), message, "give finite coordinates in m");
+        }
+    }
+    check_hinge(found, element, body);
+}
+
+fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassProperties) {
+    if !mass.mass.is_finite() || mass.mass < 0.0 {
+        found.add(element, "mass", format!("the mass of `{name}` is {}", mass.mass), "allowed: a finite number ≥ 0 kg");
+        return;
+    }
+    if !finite(&mass.center) {
+        let message = format!("the centre of mass of `{name}` is {}", list(&mass.center));
+        found.add(element, "center", message, "give finite coordinates in m");
+    }
+    if !mass.inertia.iter().all(|x| x.is_finite()) {
+        found.add(element, "inertia", format!("the inertia of `{name}` is not finite"), "give finite kg m²");
+        return;
+    }
+    if (mass.inertia - mass.inertia.transpose()).amax() > TRIANGLE_SLACK * mass.inertia.amax() {
+        found.add(element, "inertia", format!("the inertia of `{name}` is not symmetric"), "xy = yx, xz = zx, yz = zy");
+        return;
+    }
+    let mut moments: Vec<f64> = SymmetricEigen::new(mass.inertia).eigenvalues.iter().copied().collect();
+    moments.sort_by(f64::total_cmp);
+    let (small, middle, large) = (moments[0], moments[1], moments[2]);
+    let shown = format!("principal moments {small:.6e}, {middle:.6e}, {large:.6e} kg m²");
+    if small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
+        found.add(element, "inertia", format!("the inertia of `{name}` has a negative principal moment: {shown}"), "");
+    } else if large > (small + middle) * (1.0 + TRIANGLE_SLACK) {
+        let short = 100.0 * (large - small - middle) / large;
+        let message = format!(
+            "no body can have the inertia of `{name}`: the largest principal moment exceeds the sum of the others by \
+             {short:.3} % ({shown})"
+        );
+        let help = "inertia is about the centre of mass, in body axes; a flat body sits exactly on the limit";
+        found.add(element, "inertia", message, help);
+    }
+    if mass.mass == 0.0 && large > 0.0 {
+        let message = format!("`{name}` has inertia but no mass");
+        found.add(element, "mass", message, "for a rotor's inertia in a hinge use `armature`");
+    }
+}
+
+fn check_hinge(found: &mut Findings, element: Element, body: &BodyDescription) {
+    let (name, hinge) = (&body.name, &body.hinge);
+    let (positions, velocities) = hinge.kind.counts();
+    check_axes(found, element, name, &hinge.kind);
+    if let Point::At(at) = &hinge.at
+        && !finite(at)
+    {
+        found.add(element, "hinge.at", format!("the hinge of `{name}` is at {}", list(at)), "give finite m");
+    }
+    if !is_turn(&hinge.frame) {
+        found.add(element, "hinge.rpy", format!("the hinge frame of `{name}` is not a turn"), "give finite angles");
+    }
+    let lists: [(&str, &[f64], usize, f64); 7] = [
+        ("position", &hinge.position, positions, f64::NEG_INFINITY),
+        ("velocity", &hinge.velocity, velocities, f64::NEG_INFINITY),
+        ("stiffness", &hinge.stiffness, velocities, f64::NEG_INFINITY),
+        ("damping", &hinge.damping, velocities, 0.0),
+        ("rest", &hinge.rest, positions, f64::NEG_INFINITY),
+        ("armature", &hinge.armature, velocities, 0.0),
+        ("force", &hinge.force, velocities, f64::NEG_INFINITY),
+    ];
+    for (field, values, count, least) in lists {
+        let path = format!("hinge.{field}");
+        if !values.is_empty() && values.len() != count {
+            let message = format!(
+                "`{field}` of the {} hinge of `{name}` has {} numbers, {count} are needed",
+                hinge.kind.name(),
+                values.len()
+            );
+            found.add(element, &path, message, "");
+        } else if let Some(bad) = values.iter().find(|x| !x.is_finite() || **x < least) {
+            let allowed = if least == 0.0 { "allowed: finite numbers ≥ 0" } else { "allowed: finite numbers" };
+            found.add(element, &path, format!("`{field}` of the hinge of `{name}` is {bad}"), allowed);
+        } else if matches!(field, "position" | "rest") {
+            check_quaternion(found, element, name, &path, &hinge.kind, values);
+        }
+    }
+}
+
+fn check_axes(found: &mut Findings, element: Element, name: &str, kind: &HingeKind) {
+    let zero = |axis: &Vector3<f64>| !finite(axis) || axis.norm() == 0.0;
+    match kind {
+        HingeKind::Revolute { axis } | HingeKind::Prismatic { axis } | HingeKind::Cylindrical { axis } => {
+            if zero(axis) {
+                let message = format!("the axis of the hinge of `{name}` is {}", list(axis));
+                found.add(element, "hinge.axis", message, "allowed: a finite vector that is not zero");
+            }
+        }
+        HingeKind::Universal { axes } => {
+            if axes.iter().any(zero) {
+                let message = format!("an axis of the universal hinge of `{name}` is zero or not finite");
+                found.add(element, "hinge.axes", message, "allowed: two finite vectors that are not zero");
+            } else if axes[0].normalize().cross(&axes[1].normalize()).norm() < 1e-6 {
+                let message = format!("the two axes of the universal hinge of `{name}` are parallel");
+                found.add(element, "hinge.axes", message, "they must span a plane; usually they are perpendicular");
+            }
+        }
+        HingeKind::Fixed | HingeKind::Planar | HingeKind::Spherical | HingeKind::Free => {}
+    }
+}
+
+fn check_quaternion(found: &mut Findings, element: Element, name: &str, path: &str, kind: &HingeKind, values: &[f64]) {
+    let quaternion = match kind {
+        HingeKind::Spherical => values,
+        HingeKind::Free if values.len() == 7 => &values[3..],
+        _ => return,
+    };
+    let norm = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !quaternion.is_empty() && (norm - 1.0).abs() > QUATERNION_SLACK {
+        let message = format!("the quaternion of the hinge of `{name}` has norm {norm}");
+        found.add(element, path, message, "a unit quaternion w, x, y, z is needed; no turn is 1, 0, 0, 0");
+    }
+}
+
+fn check_force(found: &mut Findings, index: usize, force: &ForceDescription) {
+    let element = Element::Force(index);
+    let name = &force.name;
+    let mut number = |field: &str, value: f64, unit: &str| {
+        if !value.is_finite() || value < 0.0 {
+            let message = format!("`{field}` of `{name}` is {value}");
+            found.add(element, field, message, &format!("allowed: a finite number ≥ 0 {unit}"));
+        }
+    };
+    match &force.kind {
+        ForceKind::Spring { stiffness, length, damping, between } => {
+            number("stiffness", *stiffness, "N/m");
+            number("length", *length, "m");
+            number("damping", *damping, "N s/m");
+            if between[0].body == between[1].body {
+                let message = format!("both ends of `{name}` are on `{}`", between[0].body);
+                found.add(element, "between", message, "a spring within one rigid body does nothing");
+            }
+        }
+        ForceKind::Bushing { stiffness, damping, between, frame } => {
+            stiffness.iter().for_each(|k| number("stiffness", *k, "N/m or N m/rad"));
+            damping.iter().for_each(|c| number("damping", *c, "N s/m or N m s/rad"));
+            if between[0].body == between[1].body {
+                let message = format!("both ends of `{name}` are on `{}`", between[0].body);
+                found.add(element, "between", message, "a bushing within one rigid body does nothing");
+            }
+            if !is_turn(frame) {
+                found.add(element, "rpy", format!("the axes of `{name}` are not a turn"), "give finite angles");
+            }
+        }
+        ForceKind::Load { on, force, torque, .. } => {
+            for (field, vector) in [("force", force), ("torque", torque)] {
+                if !finite(vector) {
+                    found.add(
+                        element,
+                        field,
+                        format!("`{field}` of `{name}` is {}", list(vector)),
+                        "give finite N, N m",
+                    );
+                }
+            }
+            if on.body == GROUND {
+                found.add(element, "on", format!("`{name}` loads the ground"), "a load acts on a body");
+            }
+        }
+    }
+}
+
+fn is_turn(frame: &UnitQuaternion<f64>) -> bool {
+    (frame.norm() - 1.0).abs() <= QUATERNION_SLACK
+}
+
+fn finite(v: &Vector3<f64>) -> bool {
+    v.iter().all(|x| x.is_finite())
+}
+
+fn list(v: &Vector3<f64>) -> String {
+    format!("[{}, {}, {}]", v.x, v.y, v.z)
+}

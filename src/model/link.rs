@@ -1,0 +1,91 @@
+//! The elements of the compiled tree.
+
+use crate::spatial::Sym3;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+/// An elementary hinge and the rigid body outboard of it.
+#[derive(Debug, Clone)]
+pub struct Link {
+    /// Index of the parent link; the ground's own is 0.
+    pub parent: usize,
+    /// One past the last link of the subtree that starts here.
+    pub subtree_end: usize,
+    /// Which motion is free.
+    pub joint: Joint,
+    /// From the parent's root marker to the hinge point, parent link's axes (m).
+    pub offset: Vector3<f64>,
+    /// Orientation of the hinge frame on the parent link: `parent_from_hinge`.
+    pub turn: Matrix3<f64>,
+    /// First index into the position vector.
+    pub position: usize,
+    /// First index into the velocity vector.
+    pub velocity: usize,
+    /// The named body whose hinge this is part of.
+    pub body: usize,
+    /// Mass of everything welded to this link (kg).
+    pub mass: f64,
+    /// Centre of mass from the root marker, link axes (m).
+    pub center: Vector3<f64>,
+    /// Inertia about the **root marker**, link axes (kg m²).
+    pub inertia: Sym3,
+}
+
+impl Link {
+    /// The ground: link 0.
+    pub(crate) fn ground() -> Self {
+        Self {
+            parent: 0,
+            subtree_end: 1,
+            joint: Joint::None,
+            offset: Vector3::zeros(),
+            turn: Matrix3::identity(),
+            position: 0,
+            velocity: 0,
+            body: usize::MAX,
+            mass: 0.0,
+            center: Vector3::zeros(),
+            inertia: Sym3::ZERO,
+        }
+    }
+
+    /// Whether the link has neither mass nor inertia: an inner link of a hinge with several coordinates.
+    #[inline]
+    pub fn is_massless(&self) -> bool {
+        self.mass == 0.0 && self.inertia == Sym3::ZERO
+    }
+}
+
+/// The elementary hinges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Joint {
+    /// The ground's.
+    None,
+    /// A turn about a unit axis of the hinge frame. One angle (rad).
+    Turn {
+        /// Unit axis.
+        axis: Vector3<f64>,
+    },
+    /// A slide along a unit axis of the hinge frame. One distance (m).
+    Slide {
+        /// Unit axis.
+        axis: Vector3<f64>,
+    },
+    /// Any turn. Four numbers (unit quaternion w, x, y, z: `hinge_from_link`), three velocities (relative angular
+    /// velocity, link axes).
+    Ball {
+        /// Where its torsion spring is relaxed.
+        rest: UnitQuaternion<f64>,
+    },
+}
+
+impl Joint {
+    /// Number of coordinates and of velocities.
+    #[inline]
+    pub fn counts(&self) -> (usize, usize) {
+        match self {
+            Self::None => (0, 0),
+            Self::Turn { .. } | Self::Slide { .. } => (1, 1),
+            Self::Ball { .. } => (4, 3),
+        }
+    }
+}

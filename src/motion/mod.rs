@@ -1,0 +1,177 @@
+//! Where every link is and how fast it moves: the outward sweep that everything else starts from.
+
+pub mod point;
+pub mod variation;
+
+use crate::model::{Joint, Link, Model};
+use crate::spatial::{Pose, Sym3};
+use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+/// Positions and velocities of all links, inertial axes. `links[0]` is the ground.
+#[derive(Debug, Clone)]
+pub struct Motion {
+    /// One per link of the model; written by [`Motion::update`].
+    pub links: Vec<LinkMotion>,
+}
+
+/// Position and velocity of one link at its root marker, and its mass properties turned to inertial axes.
+#[derive(Debug, Clone, Copy)]
+pub struct LinkMotion {
+    /// `world_from_link`.
+    pub turn: Matrix3<f64>,
+    /// Root marker (m).
+    pub position: Vector3<f64>,
+    /// Of the root marker (m/s).
+    pub velocity: Vector3<f64>,
+    /// (rad/s)
+    pub angular_velocity: Vector3<f64>,
+    /// From the parent's root marker to this one (m).
+    pub arm: Vector3<f64>,
+    /// Axis of a turn or slide.
+    pub axis: Vector3<f64>,
+    /// Velocity relative to the parent: along the axis for a slide, else angular.
+    pub relative: Vector3<f64>,
+    /// What the velocities add to the linear acceleration of the root marker (m/s²).
+    pub bias: Vector3<f64>,
+    /// What the velocities add to the angular acceleration (rad/s²).
+    pub angular_bias: Vector3<f64>,
+    /// From the root marker to the centre of mass (m).
+    pub center: Vector3<f64>,
+    /// About the root marker (kg m²).
+    pub inertia: Sym3,
+}
+
+impl LinkMotion {
+    const GROUND: Self = Self {
+        turn: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+        position: Vector3::new(0.0, 0.0, 0.0),
+        velocity: Vector3::new(0.0, 0.0, 0.0),
+        angular_velocity: Vector3::new(0.0, 0.0, 0.0),
+        arm: Vector3::new(0.0, 0.0, 0.0),
+        axis: Vector3::new(0.0, 0.0, 0.0),
+        relative: Vector3::new(0.0, 0.0, 0.0),
+        bias: Vector3::new(0.0, 0.0, 0.0),
+        angular_bias: Vector3::new(0.0, 0.0, 0.0),
+        center: Vector3::new(0.0, 0.0, 0.0),
+        inertia: Sym3::ZERO,
+    };
+
+    /// `world_from_link` as a pose.
+    pub fn pose(&self) -> Pose {
+        let turn = nalgebra::Rotation3::from_matrix_unchecked(self.turn);
+        Pose::from_parts(Translation3::from(self.position), UnitQuaternion::from_rotation_matrix(&turn))
+    }
+}
+
+impl Motion {
+    /// Room for a model's links.
+    pub fn new(model: &Model) -> Self {
+        Self { links: vec![LinkMotion::GROUND; model.links.len()] }
+    }
+
+    /// Root → tips: positions and velocities from hinge coordinates `q` and velocities `v`.
+    pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
+        for (index, link) in model.links.iter().enumerate().skip(1) {
+            let parent = self.links[link.parent];
+            self.links[index] = outboard(link, &parent, q, v);
+        }
+    }
+
+    /// The pose of a named body's root marker.
+    pub fn body_pose(&self, body: &crate::model::Body) -> Pose {
+        self.links[body.link].pose() * body.link_from_body
+    }
+
+    /// Kinetic energy of the links, armatures left out (J).
+    pub fn kinetic_energy(&self, model: &Model) -> f64 {
+        let of_link = |(link, motion): (&Link, &LinkMotion)| {
+            let (v, w) = (motion.velocity, motion.angular_velocity);
+            0.5 * link.mass * v.dot(&v)
+                + link.mass * v.dot(&w.cross(&motion.center))
+                + 0.5 * w.dot(&(motion.inertia * w))
+        };
+        model.links.iter().zip(&self.links).map(of_link).sum()
+    }
+}
+
+/// The relations of section 2 of the method: one hinge and the body outboard of it.
+#[inline]
+fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64]) -> LinkMotion {
+    let base = parent.turn * link.turn;
+    let mut arm = parent.turn * link.offset;
+    let w = parent.angular_velocity;
+    let (mut axis, mut turn) = (Vector3::zeros(), base);
+    let (mut slip, mut spin) = (Vector3::zeros(), Vector3::zeros());
+    match &link.joint {
+        Joint::None => {}
+        Joint::Turn { axis: local } => {
+            axis = base * local;
+            turn = turned_about(&base, local, q[link.position]);
+            spin = axis * v[link.velocity];
+        }
+        Joint::Slide { axis: local } => {
+            axis = base * local;
+            arm += axis * q[link.position];
+            slip = axis * v[link.velocity];
+        }
+        Joint::Ball { .. } => {
+            turn = base * hinge_from_link(&q[link.position..link.position + 4]);
+            spin = turn * Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]);
+        }
+    }
+    let swing = w.cross(&arm);
+    LinkMotion {
+        turn,
+        position: parent.position + arm,
+        velocity: parent.velocity + swing + slip,
+        angular_velocity: w + spin,
+        arm,
+        axis,
+        relative: slip + spin,
+        bias: w.cross(&(swing + 2.0 * slip)),
+        angular_bias: w.cross(&spin),
+        center: turn * link.center,
+        inertia: if link.is_massless() { Sym3::ZERO } else { link.inertia.turned(&turn) },
+    }
+}
+
+/// `base · Rot(axis, angle)` by Rodrigues' formula, column by column.
+#[inline]
+fn turned_about(base: &Matrix3<f64>, axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    let (s, c) = angle.sin_cos();
+    let k = (1.0 - c) * axis;
+    base * Matrix3::new(
+        c + k.x * axis.x,
+        k.x * axis.y - s * axis.z,
+        k.x * axis.z + s * axis.y,
+        k.y * axis.x + s * axis.z,
+        c + k.y * axis.y,
+        k.y * axis.z - s * axis.x,
+        k.z * axis.x - s * axis.y,
+        k.z * axis.y + s * axis.x,
+        c + k.z * axis.z,
+    )
+}
+
+/// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.
+#[inline]
+pub(crate) fn hinge_from_link(p: &[f64]) -> Matrix3<f64> {
+    let (w, x, y, z) = (p[0], p[1], p[2], p[3]);
+    let s = 2.0 / (w * w + x * x + y * y + z * z);
+    Matrix3::new(
+        1.0 - s * (y * y + z * z),
+        s * (x * y - w * z),
+        s * (x * z + w * y),
+        s * (x * y + w * z),
+        1.0 - s * (x * x + z * z),
+        s * (y * z - w * x),
+        s * (x * z - w * y),
+        s * (y * z + w * x),
+        1.0 - s * (x * x + y * y),
+    )
+}
+
+/// The same as a unit quaternion.
+pub(crate) fn unit_quaternion(p: &[f64]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_quaternion(Quaternion::new(p[0], p[1], p[2], p[3]))
+}

@@ -1,0 +1,131 @@
+//! The variation of the motion in one direction: the outward sweep, differentiated.
+//!
+//! Every line is the variation of one of the outward sweep of the parent module: an axis turns with the parent (`δn = δθ_P × n`), a link's
+//! vectors with the link (`δc = δθ × c`).
+
+use super::{LinkMotion, Motion};
+use crate::model::{Joint, Link, Model};
+use nalgebra::Vector3;
+
+/// Variation of one link's motion and acceleration.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LinkVariation {
+    /// δθ: the small turn.
+    pub turn: Vector3<f64>,
+    /// δr of the root marker.
+    pub position: Vector3<f64>,
+    /// δω.
+    pub angular_velocity: Vector3<f64>,
+    /// δv.
+    pub velocity: Vector3<f64>,
+    /// δω̇.
+    pub angular_acceleration: Vector3<f64>,
+    /// δr̈.
+    pub acceleration: Vector3<f64>,
+}
+
+/// A direction in which hinge coordinates, velocities and accelerations vary. Turns of balls are given as small turns
+/// in link axes, so all three have one number per velocity. An empty list is zero.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Direction<'a> {
+    /// δq
+    pub position: &'a [f64],
+    /// δq̇
+    pub velocity: &'a [f64],
+    /// δq̈
+    pub acceleration: &'a [f64],
+}
+
+/// Acceleration of one link's root marker.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct LinkAcceleration {
+    /// r̈ (m/s²).
+    pub linear: Vector3<f64>,
+    /// ω̇ (rad/s²).
+    pub angular: Vector3<f64>,
+}
+
+#[inline]
+fn one(list: &[f64], at: usize) -> f64 {
+    if list.is_empty() { 0.0 } else { list[at] }
+}
+
+#[inline]
+fn three(list: &[f64], at: usize) -> Vector3<f64> {
+    if list.is_empty() { Vector3::zeros() } else { Vector3::new(list[at], list[at + 1], list[at + 2]) }
+}
+
+/// Root → tips over `range` of links: `out[i]` from the parents' variations. `v̇` are the hinge accelerations and
+/// `accelerations` the links' ones at the point of differentiation.
+pub fn outward(
+    model: &Model,
+    motion: &Motion,
+    accelerations: &[LinkAcceleration],
+    hinge_accelerations: &[f64],
+    by: &Direction<'_>,
+    range: std::ops::Range<usize>,
+    out: &mut [LinkVariation],
+) {
+    for index in range {
+        let link = &model.links[index];
+        let parent = (&motion.links[link.parent], &accelerations[link.parent], out[link.parent]);
+        out[index] = outboard(link, &motion.links[index], parent, hinge_accelerations, by);
+    }
+}
+
+fn outboard(
+    link: &Link,
+    own: &LinkMotion,
+    parent: (&LinkMotion, &LinkAcceleration, LinkVariation),
+    hinge_accelerations: &[f64],
+    by: &Direction<'_>,
+) -> LinkVariation {
+    let (carrier, acceleration, p) = parent;
+    let (w, dw, d) = (carrier.angular_velocity, p.angular_velocity, own.arm);
+    let at = link.velocity;
+    let mut delta_arm = p.turn.cross(&d);
+    let mut turn = p.turn;
+    // Relative motion: along the axis (slip) or about it (spin); and their rates.
+    let (mut slip, mut spin) = (Vector3::zeros(), Vector3::zeros());
+    let (mut delta_slip, mut delta_spin) = (Vector3::zeros(), Vector3::zeros());
+    let (mut delta_slip_rate, mut delta_spin_rate) = (Vector3::zeros(), Vector3::zeros());
+    match link.joint {
+        Joint::None => {}
+        Joint::Turn { .. } => {
+            let (n, dn) = (own.axis, p.turn.cross(&own.axis));
+            turn += n * one(by.position, at);
+            spin = own.relative;
+            delta_spin = p.turn.cross(&spin) + n * one(by.velocity, at);
+            delta_spin_rate = dn * hinge_accelerations[at] + n * one(by.acceleration, at);
+        }
+        Joint::Slide { .. } => {
+            let (n, dn) = (own.axis, p.turn.cross(&own.axis));
+            delta_arm += n * one(by.position, at);
+            slip = own.relative;
+            delta_slip = p.turn.cross(&slip) + n * one(by.velocity, at);
+            delta_slip_rate = dn * hinge_accelerations[at] + n * one(by.acceleration, at);
+        }
+        Joint::Ball { .. } => {
+            turn += own.turn * three(by.position, at);
+            spin = own.relative;
+            let spin_rate = own.turn * three(hinge_accelerations, at);
+            delta_spin = turn.cross(&spin) + own.turn * three(by.velocity, at);
+            delta_spin_rate = turn.cross(&spin_rate) + own.turn * three(by.acceleration, at);
+        }
+    }
+    let swing = w.cross(&d);
+    let delta_swing = dw.cross(&d) + w.cross(&delta_arm);
+    LinkVariation {
+        turn,
+        position: p.position + delta_arm,
+        angular_velocity: dw + delta_spin,
+        velocity: p.velocity + delta_swing + delta_slip,
+        angular_acceleration: p.angular_acceleration + delta_spin_rate + dw.cross(&spin) + w.cross(&delta_spin),
+        acceleration: p.acceleration
+            + p.angular_acceleration.cross(&d)
+            + acceleration.angular.cross(&delta_arm)
+            + dw.cross(&(swing + 2.0 * slip))
+            + w.cross(&(delta_swing + 2.0 * delta_slip))
+            + delta_slip_rate,
+    }
+}

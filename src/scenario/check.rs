@@ -1,0 +1,270 @@
+//! Checks a parsed file against the declared format: unknown keys, missing keys, wrong types, lengths, ranges and
+//! words. Knows no key by name but `name` and `type`.
+
+use super::fields::{Kind, Range, Table, listed};
+use super::findings::{Finding, Findings};
+use super::naming::{Element, Item, found, written};
+use super::reader::number;
+use crate::suggest::closest;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Checks a table and everything in it.
+pub(super) fn table(declared: &'static Table, table: &DeTable<'_>, findings: &Findings) {
+    let whole = Element { table: declared, name: None, index: None, within: None };
+    Check { findings }.table(&whole, table, 0..0);
+}
+
+struct Check<'f> {
+    findings: &'f Findings,
+}
+
+impl Check<'_> {
+    fn table(&self, element: &Element<'_>, table: &DeTable<'_>, span: std::ops::Range<usize>) {
+        let of_type = self.of_type(element, table, &span);
+        for (name, value) in table {
+            if name.get_ref() == "type" && !element.table.types.is_empty() {
+                continue;
+            }
+            let mut declared = element.table.declarations(name.get_ref()).peekable();
+            if declared.peek().is_none() {
+                self.unknown(element, name, of_type);
+                continue;
+            }
+            match declared.find(|key| of_type.is_none_or(|t| key.belongs_to(t))) {
+                Some(key) => {
+                    let item = Item { element, key, path: key.name.to_owned() };
+                    self.value(&key.kind, &item, name.span(), value);
+                }
+                None => self.misplaced(element, name, of_type.unwrap_or_default()),
+            }
+        }
+        if element.within.is_none() {
+            // What a whole file lacks has no place in it.
+            return;
+        }
+        let missing = element.table.keys.iter().filter(|key| key.required && !table.contains_key(key.name));
+        for key in missing.filter(|key| key.only.is_empty() || of_type.is_some_and(|t| key.belongs_to(t))) {
+            let message = format!("{}`{}` is missing", element.prefix(), key.name);
+            let help = format!("for example `{} = {}`", key.name, key.example);
+            self.findings.push(Finding::error(span.clone(), message).help(help));
+        }
+    }
+
+    /// The value of `type`, if there should be one and it is known.
+    fn of_type(
+        &self,
+        element: &Element<'_>,
+        table: &DeTable<'_>,
+        span: &std::ops::Range<usize>,
+    ) -> Option<&'static str> {
+        let types = element.table.types;
+        if types.is_empty() {
+            return None;
+        }
+        let all = listed(types.iter().map(|(name, _)| *name));
+        let Some(value) = table.get("type") else {
+            let message = format!("{}`type` is missing", element.prefix());
+            self.findings.push(Finding::error(span.clone(), message).help(format!("`type` is one of {all}")));
+            return None;
+        };
+        let Some(word) = value.get_ref().as_str() else {
+            let message = format!("{}`type` must be one of {all}, found {}", element.prefix(), found(value.get_ref()));
+            self.findings.push_value(Finding::error(value.span(), message));
+            return None;
+        };
+        let known = types.iter().map(|(name, _)| *name).find(|name| *name == word);
+        if known.is_none() {
+            let message = format!("{}unknown {} type `{word}`", element.prefix(), element.table.name);
+            let help = did_you_mean(word, types.iter().map(|(name, _)| *name))
+                .unwrap_or_else(|| format!("`type` is one of {all}"));
+            self.findings.push_value(Finding::error(value.span(), message).help(help));
+        }
+        known
+    }
+
+    fn unknown(&self, element: &Element<'_>, name: &Spanned<impl AsRef<str>>, of_type: Option<&str>) {
+        let word = name.get_ref().as_ref();
+        let message = format!("{}unknown key `{word}`", element.prefix());
+        let help = did_you_mean(word, element.table.names(of_type))
+            .unwrap_or_else(|| format!("allowed: {}", listed(element.table.names(of_type))));
+        self.findings.push(Finding::error(name.span(), message).help(help));
+    }
+
+    fn misplaced(&self, element: &Element<'_>, name: &Spanned<impl AsRef<str>>, of_type: &str) {
+        let word = name.get_ref().as_ref();
+        let what = element.table.name;
+        let message = format!("{}a {of_type} {what} has no `{word}`", element.prefix());
+        let owners: Vec<&str> = element.table.declarations(word).flat_map(|key| key.only.iter().copied()).collect();
+        let help = if owners.len() + 1 == element.table.types.len() {
+            "every other type has it".to_owned()
+        } else {
+            format!("for the types {}", listed(owners.into_iter()))
+        };
+        self.findings.push(Finding::error(name.span(), message).help(help));
+    }
+
+    fn value(
+        &self,
+        kind: &'static Kind,
+        item: &Item<'_>,
+        key_span: std::ops::Range<usize>,
+        value: &Spanned<DeValue<'_>>,
+    ) {
+        match (kind, value.get_ref()) {
+            (Kind::Refused(why), _) => {
+                self.findings.push(Finding::error(key_span, format!("{}{why}", item.element.prefix())));
+            }
+            (Kind::Text, DeValue::String(_)) | (Kind::Flag, DeValue::Boolean(_)) => {}
+            (Kind::Number(range), DeValue::Integer(_) | DeValue::Float(_)) => self.number(*range, item, value),
+            (Kind::Integer(range), DeValue::Integer(_)) => self.number(*range, item, value),
+            (Kind::Choice(words), DeValue::String(word)) => self.word(words, &[], item, value, word),
+            (Kind::Planned(words, later), DeValue::String(word)) => self.word(words, later, item, value, word),
+            (Kind::List(of, lengths), DeValue::Array(items)) => {
+                let wrong = if lengths.is_empty() { items.is_empty() } else { !lengths.contains(&items.len()) };
+                if wrong {
+                    let message =
+                        format!("{} must be {}, found {}", item.subject(), kind.expected(), found(value.get_ref()));
+                    self.findings.push_value(Finding::error(value.span(), message).maybe_help(item.example()));
+                }
+                self.items(of, item, items);
+            }
+            (Kind::Either(kinds), found) => match kinds.iter().find(|kind| fits(kind, found)) {
+                Some(kind) => self.value(kind, item, key_span, value),
+                None => self.wrong_type(kind, item, value),
+            },
+            (Kind::Table(declared), DeValue::Table(table)) => {
+                let name = table.get("name").and_then(|name| name.get_ref().as_str());
+                let element = Element { table: declared, name, index: None, within: Some(item.element) };
+                self.table(&element, table, value.span());
+            }
+            (Kind::Map(of), DeValue::Table(table)) => {
+                for (name, value) in table {
+                    let path = format!("{}.{}", item.path, name.get_ref());
+                    self.value(of, &Item { element: item.element, key: item.key, path }, name.span(), value);
+                }
+            }
+            _ => self.wrong_type(kind, item, value),
+        }
+    }
+
+    fn items(&self, of: &'static Kind, item: &Item<'_>, items: &[Spanned<DeValue<'_>>]) {
+        for (index, value) in items.iter().enumerate() {
+            if let (Kind::Table(declared), DeValue::Table(table)) = (of, value.get_ref()) {
+                let name = table.get("name").and_then(|name| name.get_ref().as_str());
+                let element = Element { table: declared, name, index: Some(index), within: Some(item.element) };
+                self.table(&element, table, value.span());
+            } else {
+                let fine =
+                    matches!(of, Kind::Number(range) if number(value.get_ref()).is_some_and(|n| range.contains(n)));
+                if !fine {
+                    let path = format!("{}[{index}]", item.path);
+                    self.value(of, &Item { element: item.element, key: item.key, path }, value.span(), value);
+                }
+            }
+        }
+    }
+
+    fn number(&self, range: Range, item: &Item<'_>, value: &Spanned<DeValue<'_>>) {
+        let Some(number) = number(value.get_ref()).filter(|number| number.is_finite()) else {
+            let message = format!("{} is {}, which is not a finite number", item.subject(), written(value.get_ref()));
+            self.findings.push_value(Finding::error(value.span(), message));
+            return;
+        };
+        if !range.contains(number) {
+            let allowed = range.allowed(item.key.unit);
+            let message = format!("{} is {}, allowed: {allowed}", item.subject(), written(value.get_ref()));
+            self.findings.push_value(Finding::error(value.span(), message));
+        }
+    }
+
+    fn word(
+        &self,
+        words: &'static [(&'static str, &'static str)],
+        later: &'static [&'static str],
+        item: &Item<'_>,
+        value: &Spanned<DeValue<'_>>,
+        word: &str,
+    ) {
+        if words.iter().any(|(known, _)| *known == word) {
+            return;
+        }
+        let all = listed(words.iter().map(|(known, _)| *known));
+        let finding = if later.contains(&word) {
+            let message = format!("{} `{word}` is not available in this version", item.subject());
+            Finding::error(value.span(), message).help(format!("available: {all}"))
+        } else {
+            let message = format!("{} does not know `{word}`", item.subject());
+            let help =
+                did_you_mean(word, words.iter().map(|(known, _)| *known)).unwrap_or_else(|| format!("one of {all}"));
+            Finding::error(value.span(), message).help(help)
+        };
+        self.findings.push_value(finding);
+    }
+
+    fn wrong_type(&self, kind: &Kind, item: &Item<'_>, value: &Spanned<DeValue<'_>>) {
+        let message = format!("{} must be {}, found {}", item.subject(), kind.expected(), found(value.get_ref()));
+        self.findings.push_value(Finding::error(value.span(), message).maybe_help(item.example()));
+    }
+}
+
+/// Whether a value has the outer type of a kind, so that what is wrong with it is said in that kind's words.
+fn fits(kind: &Kind, value: &DeValue<'_>) -> bool {
+    match (kind, value) {
+        (Kind::List(of, _), DeValue::Array(items)) => {
+            let nested = items.first().is_some_and(|item| item.get_ref().is_array());
+            nested == matches!(of, Kind::List(..)) || matches!(of, Kind::Table(_))
+        }
+        (Kind::Number(_), DeValue::Float(_) | DeValue::Integer(_))
+        | (Kind::Integer(_), DeValue::Integer(_))
+        | (Kind::Text | Kind::Choice(_) | Kind::Planned(..), DeValue::String(_))
+        | (Kind::Flag, DeValue::Boolean(_))
+        | (Kind::Table(_) | Kind::Map(_), DeValue::Table(_)) => true,
+        (Kind::Either(kinds), value) => kinds.iter().any(|kind| fits(kind, value)),
+        _ => false,
+    }
+}
+
+fn did_you_mean<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+    closest(word, known).map(|near| format!("did you mean `{near}`?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::format::{ATTACHMENT, BODY, BUSHING_VALUES, FORCE, HINGE, RECORD, ROUND, SCENARIO, SHAPE};
+    use super::super::format::{SIMULATE, STATICS};
+    use super::super::sources::Sources;
+    use super::*;
+
+    #[test]
+    fn every_example_and_default_passes_its_own_check() {
+        let tables = [
+            &SCENARIO,
+            &SIMULATE,
+            &STATICS,
+            &RECORD,
+            &BODY,
+            &SHAPE,
+            &ROUND,
+            &HINGE,
+            &FORCE,
+            &ATTACHMENT,
+            &BUSHING_VALUES,
+        ];
+        for (declared, key) in tables.iter().flat_map(|table| table.keys.iter().map(move |key| (table, key))) {
+            // A number without a list is what most values per coordinate default to.
+            for value in [key.example, key.default].into_iter().filter(|value| !value.is_empty()) {
+                let text = format!("{} = {value}", key.name);
+                let document = DeTable::parse(&text).expect("examples are TOML").into_inner();
+                let findings = Findings::default();
+                let element = Element { table: declared, name: None, index: None, within: None };
+                for value in document.values() {
+                    let item = Item { element: &element, key, path: key.name.to_owned() };
+                    Check { findings: &findings }.value(&key.kind, &item, 0..0, value);
+                }
+                let found = findings.into_diagnostics(&Sources::new("example", &text));
+                assert_eq!(found, [], "{} of {}", text, declared.name);
+            }
+        }
+    }
+}

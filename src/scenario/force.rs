@@ -1,0 +1,78 @@
+//! `[[force]]`: springs, bushings and loads.
+
+use super::body::Names;
+use super::findings::Finding;
+use super::reader::{Reader, Value};
+use crate::model::description::{Attachment, ForceDescription, ForceKind, LoadAxes};
+use toml::de::DeValue;
+
+/// What a force without a name is called.
+pub(super) fn default_name(index: usize) -> String {
+    format!("force[{index}]")
+}
+
+/// Reads a `[[force]]`; `None` where too little of it is readable.
+pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Option<ForceDescription> {
+    let name = table.text("name").map_or_else(|| default_name(index), str::to_owned);
+    let kind = match table.text("type")? {
+        "spring" => spring(table, &name, bodies)?,
+        "bushing" => ForceKind::Bushing {
+            between: between(table, bodies)?,
+            frame: table.turn(),
+            stiffness: six(table, "stiffness"),
+            damping: six(table, "damping"),
+        },
+        "load" => ForceKind::Load {
+            on: end(table, table.value("on")?, bodies)?,
+            force: table.vector("force").unwrap_or_default(),
+            torque: table.vector("torque").unwrap_or_default(),
+            axes: if table.text("axes") == Some("body") { LoadAxes::Body } else { LoadAxes::Inertial },
+        },
+        _ => return None,
+    };
+    Some(ForceDescription { name, kind })
+}
+
+fn spring(table: &Reader<'_>, name: &str, bodies: &Names<'_>) -> Option<ForceKind> {
+    let stiffness = table.number("stiffness").unwrap_or(0.0);
+    if stiffness > 0.0 && !table.has("length") {
+        let message = format!("force `{name}`: `length` is missing beside `stiffness`");
+        let help = "without its unstretched length [m] the tension of a spring is not known; write `length = 0.0` if it is meant";
+        table.findings.push(Finding::error(table.key_span("stiffness"), message).help(help));
+    }
+    Some(ForceKind::Spring {
+        between: between(table, bodies)?,
+        stiffness,
+        length: table.number("length").unwrap_or(0.0),
+        damping: table.number("damping").unwrap_or(0.0),
+    })
+}
+
+fn between(table: &Reader<'_>, bodies: &Names<'_>) -> Option<[Attachment; 2]> {
+    match &table.value("between")?.get_ref().as_array()?[..] {
+        [first, second] => Some([end(table, first, bodies)?, end(table, second, bodies)?]),
+        _ => None,
+    }
+}
+
+fn end(table: &Reader<'_>, value: Value<'_>, bodies: &Names<'_>) -> Option<Attachment> {
+    match value.get_ref() {
+        DeValue::String(text) => Some(bodies.attachment(text)),
+        DeValue::Table(inner) => bodies.attachment_table(&Reader::new(inner, value.span(), table.findings)),
+        _ => None,
+    }
+}
+
+/// Six numbers, or three along and three about.
+fn six(table: &Reader<'_>, key: &str) -> [f64; 6] {
+    if let Some(list) = table.numbers(key) {
+        return <[f64; 6]>::try_from(list).unwrap_or_default();
+    }
+    let Some(parts) = table.table(key) else { return [0.0; 6] };
+    let three = |key: &str| match parts.number(key) {
+        Some(number) => [number; 3],
+        None => parts.vector(key).map_or([0.0; 3], Into::into),
+    };
+    let ([x, y, z], [a, b, c]) = (three("translation"), three("rotation"));
+    [x, y, z, a, b, c]
+}

@@ -1,0 +1,138 @@
+//! Bodies, their shapes, and points on them.
+
+use super::super::fields::{Key, Kind, Range, Table};
+use super::hinge::HINGE;
+use super::{MOST_BODIES, NOT_NEGATIVE, POSITIVE, VECTOR};
+
+/// `[[body]]`
+pub const BODY: Table = Table {
+    name: "body",
+    doc: "A rigid body and the hinge that carries it.",
+    types: &[],
+    keys: &[
+        Key::new("name", Kind::Text, "Unique name; copies of a repeat are called `name[0]`, `name[1]`, ….")
+            .required()
+            .example("\"upper\""),
+        Key::new(
+            "repeat",
+            Kind::Integer(Range::Between(1.0, MOST_BODIES as f64)),
+            "Number of copies in a chain: the first hangs on `hinge.parent` at `hinge.at`, every other one on the copy before it at `hinge.next`.",
+        )
+        .example("3"),
+        Key::new(
+            "next",
+            POINT,
+            "With `repeat`: where on a copy the following one hangs; the same as `hinge.next`, to be written in one of the two places.",
+        )
+        .unit("m")
+        .example("\"tip\""),
+        Key::new(
+            "mass",
+            Kind::Either(&[NOT_NEGATIVE, Kind::List(&NOT_NEGATIVE, &[])]),
+            "Mass; with `repeat` also a list of one mass per copy.",
+        )
+        .unit("kg")
+        .default("0.0")
+        .example("2.0"),
+        Key::new("density", POSITIVE, "In place of `mass`, `center` and `inertia`: they follow from the shapes filled with it (meshes weigh nothing).")
+            .unit("kg/m³")
+            .example("7850.0"),
+        Key::new("center", VECTOR, "Centre of mass from the root marker, body axes.")
+            .unit("m")
+            .default("[0.0, 0.0, 0.0]")
+            .example("[0.0, 0.0, -0.5]"),
+        Key::new(
+            "inertia",
+            Kind::List(&super::NUMBER, &[3, 6]),
+            "Inertia about the centre of mass, body axes: xx, yy, zz, or xx, yy, zz, xy, xz, yz. Without it the body is a point mass.",
+        )
+        .unit("kg m²")
+        .default("[0.0, 0.0, 0.0]")
+        .example("[0.17, 0.17, 0.004]"),
+        Key::new("markers", Kind::Map(&VECTOR), "Named points, body axes, from the root marker.")
+            .unit("m")
+            .example("{ tip = [0.0, 0.0, -1.0] }"),
+        Key::new(
+            "shape",
+            Kind::Either(&[Kind::Table(&SHAPE), Kind::List(&Kind::Table(&SHAPE), &[])]),
+            "What it looks like, and with `density` what it weighs: one solid or a list of solids.",
+        )
+        .example("{ box = [0.05, 0.05, 1.0], at = [0.0, 0.0, -0.5] }"),
+        Key::new("hinge", Kind::Table(&HINGE), "The hinge that carries it.")
+            .required()
+            .example("{ type = \"revolute\", parent = \"ground\", axis = [0.0, 1.0, 0.0] }"),
+    ],
+};
+
+/// Coordinates or a marker's name.
+pub(super) const POINT: Kind = Kind::Either(&[VECTOR, Kind::Text]);
+
+/// `{ body = …, at = … }`
+pub const ATTACHMENT: Table = Table {
+    name: "attachment",
+    doc: "A point on a body; `\"body.marker\"` says the same of a marker and `\"body\"` of the root marker.",
+    types: &[],
+    keys: &[
+        Key::new("body", Kind::Text, "Name of the body, or \"ground\".").required().example("\"ground\""),
+        Key::new("at", VECTOR, "Coordinates from the root marker, body axes.")
+            .unit("m")
+            .default("[0.0, 0.0, 0.0]")
+            .example("[1.0, 0.0, 0.5]"),
+        Key::new("marker", Kind::Text, "A marker's name, in place of `at`.").example("\"tip\""),
+    ],
+};
+
+/// A `shape`.
+pub const SHAPE: Table = Table {
+    name: "shape",
+    doc: "A solid in body axes: exactly one of `box`, `sphere`, `cylinder`, `capsule` and `mesh`.",
+    types: &[],
+    keys: &[
+        Key::new("box", Kind::List(&POSITIVE, &[3]), "Edge lengths.").unit("m").example("[0.05, 0.05, 1.0]"),
+        Key::new("sphere", POSITIVE, "Radius.").unit("m").example("0.1"),
+        Key::new("cylinder", ROUNDED, "Radius and length, along its z.").unit("m").example("[0.05, 1.0]"),
+        Key::new(
+            "capsule",
+            ROUNDED,
+            "Radius and length of the cylindrical part, along its z, with half spheres on both ends.",
+        )
+        .unit("m")
+        .example("{ radius = 0.05, length = 1.0 }"),
+        Key::new("mesh", Kind::Text, "A triangle mesh for pictures only: a file, as found from the scenario's folder.")
+            .example("\"link.stl\""),
+        Key::new(
+            "scale",
+            Kind::Either(&[POSITIVE, Kind::List(&POSITIVE, &[3])]),
+            "Scale of a mesh, along all axes or along each.",
+        )
+        .default("1.0")
+        .example("0.001"),
+        Key::new("at", VECTOR, "Where its middle stands, body axes.")
+            .unit("m")
+            .default("[0.0, 0.0, 0.0]")
+            .example("[0.0, 0.0, -0.5]"),
+        Key::new("rpy", VECTOR, "Its turn in the body: roll, pitch, yaw as in URDF, Rz(yaw) Ry(pitch) Rx(roll).")
+            .unit("rad")
+            .default("[0.0, 0.0, 0.0]")
+            .example("[0.0, 1.5708, 0.0]"),
+        Key::new(
+            "color",
+            Kind::Either(&[Kind::List(&Kind::Number(Range::Between(0.0, 1.0)), &[3, 4]), Kind::Text]),
+            "Red, green, blue and perhaps opacity, each 0 … 1; or \"#rrggbb\".",
+        )
+        .example("[0.8, 0.2, 0.1]"),
+    ],
+};
+
+const ROUNDED: Kind = Kind::Either(&[Kind::List(&POSITIVE, &[2]), Kind::Table(&ROUND)]);
+
+/// The size of a cylinder or capsule.
+pub const ROUND: Table = Table {
+    name: "size",
+    doc: "The size of a cylinder or capsule; `[radius, length]` says the same.",
+    types: &[],
+    keys: &[
+        Key::new("radius", POSITIVE, "Radius.").unit("m").required().example("0.05"),
+        Key::new("length", POSITIVE, "Length of the cylindrical part.").unit("m").required().example("1.0"),
+    ],
+};

@@ -1,0 +1,90 @@
+//! What pushes.
+
+use super::super::fields::{Key, Kind, Table};
+use super::body::ATTACHMENT;
+use super::{NOT_NEGATIVE, VECTOR};
+
+/// `[[force]]`
+pub const FORCE: Table = Table {
+    name: "force",
+    doc: "Something that pushes.",
+    types: &[
+        ("spring", "Along the line between two points: tension k (distance − length) + c d(distance)/dt."),
+        (
+            "bushing",
+            "Six-degree spring and damper, relaxed where both points coincide and both bodies' axes are parallel.",
+        ),
+        ("load", "A constant force and torque on a body."),
+    ],
+    keys: &[
+        Key::new("name", Kind::Text, "Unique name; `force[i]` with its place in the file, from 0, where left out.")
+            .example("\"stay\""),
+        Key::new("between", Kind::List(&END, &[2]), "Its two ends.")
+            .required()
+            .only(LINKS)
+            .example("[\"link[2].tip\", { body = \"ground\", at = [1.0, 0.0, 0.5] }]"),
+        Key::new("on", END, "Where it acts.").required().only(&["load"]).example("\"link[2].tip\""),
+        Key::new("stiffness", NOT_NEGATIVE, "Stiffness.").unit("N/m").default("0.0").only(&["spring"]).example("40.0"),
+        Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring"]).example("0.5"),
+        Key::new("stiffness", SIX, "Stiffness along x, y, z [N/m], then about x, y, z [N m/rad], bushing axes.")
+            .unit("N/m and N m/rad")
+            .default("{ translation = 0.0, rotation = 0.0 }")
+            .only(&["bushing"])
+            .example("{ translation = 1000.0, rotation = [1.0, 1.0, 0.0] }"),
+        Key::new("damping", SIX, "Damping along x, y, z [N s/m], then about x, y, z [N m s/rad], bushing axes.")
+            .unit("N s/m and N m s/rad")
+            .default("{ translation = 0.0, rotation = 0.0 }")
+            .only(&["bushing"])
+            .example("[1.0, 1.0, 1.0, 0.1, 0.1, 0.1]"),
+        Key::new("length", NOT_NEGATIVE, "Unstretched length; must be said where `stiffness` is not zero.")
+            .unit("m")
+            .only(&["spring"])
+            .example("1.2"),
+        Key::new("rpy", VECTOR, "Turn of the bushing's axes in the first body: roll, pitch, yaw as in URDF.")
+            .unit("rad")
+            .default("[0.0, 0.0, 0.0]")
+            .only(&["bushing"])
+            .example("[0.0, 0.0, 0.0]"),
+        Key::new("force", VECTOR, "Force.")
+            .unit("N")
+            .default("[0.0, 0.0, 0.0]")
+            .only(&["load"])
+            .example("[0.0, 0.0, 1.0]"),
+        Key::new("torque", VECTOR, "Torque.")
+            .unit("N m")
+            .default("[0.0, 0.0, 0.0]")
+            .only(&["load"])
+            .example("[0.0, 0.0, 1.0]"),
+        Key::new("axes", Kind::Choice(AXES), "The axes in which it is constant.")
+            .default("\"inertial\"")
+            .only(&["load"])
+            .example("\"body\""),
+    ],
+};
+
+const LINKS: &[&str] = &["spring", "bushing"];
+
+const END: Kind = Kind::Either(&[Kind::Text, Kind::Table(&ATTACHMENT)]);
+
+const SIX: Kind = Kind::Either(&[Kind::List(&NOT_NEGATIVE, &[6]), Kind::Table(&BUSHING_VALUES)]);
+
+const AXES: &[(&str, &str)] = &[
+    ("inertial", "Keeps its direction in space."),
+    ("body", "Turns with the body: a follower load, not conservative."),
+];
+
+/// Stiffness or damping of a bushing by kind of motion.
+pub const BUSHING_VALUES: Table = Table {
+    name: "bushing value",
+    doc: "One number for all three directions, or three.",
+    types: &[],
+    keys: &[
+        Key::new("translation", THREE, "Along x, y, z.").unit("N/m or N s/m").default("0.0").example("1000.0"),
+        Key::new("rotation", THREE, "About x, y, z.")
+            .unit("N m/rad or N m s/rad")
+            .default("0.0")
+            .example("[1.0, 1.0, 0.0]"),
+    ],
+};
+
+const THREE: Kind = Kind::Either(&[NOT_NEGATIVE, Kind::List(&NOT_NEGATIVE, &[3])]);

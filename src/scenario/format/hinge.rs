@@ -1,0 +1,126 @@
+//! Hinges.
+
+use super::super::fields::{Key, Kind, Range, Table};
+use super::body::POINT;
+use super::{NOT_NEGATIVE, NUMBER, VECTOR};
+
+/// `hinge = { … }`
+pub const HINGE: Table = Table {
+    name: "hinge",
+    doc: "Where a body hangs, which motion is free there, and what acts in it. \
+          Values per coordinate or per velocity are one number for hinges with one, else a list. \
+          With `repeat` they may differ from copy to copy: where one body takes a number, a list of one number per \
+          copy; where one body takes a list, a list of one list per copy.",
+    types: &[
+        ("fixed", "Welded to the parent."),
+        ("revolute", "Turns about `axis`. Coordinate: angle."),
+        ("prismatic", "Slides along `axis`. Coordinate: distance."),
+        ("cylindrical", "Slides along and turns about `axis`. Coordinates: distance, angle."),
+        (
+            "universal",
+            "Turns about the first of `axes`, then about the second, carried by the first. Coordinates: both angles.",
+        ),
+        ("planar", "Slides in the xy plane of the hinge frame and turns about its z. Coordinates: x, y, angle."),
+        (
+            "spherical",
+            "Turns freely. Coordinates: quaternion w, x, y, z; velocities: angular velocity relative to the parent, body axes.",
+        ),
+        (
+            "free",
+            "Moves freely. Coordinates: x, y, z in the hinge frame, quaternion w, x, y, z; velocities: rates of x, y, z, then relative angular velocity, body axes.",
+        ),
+    ],
+    keys: &[
+        Key::new("parent", Kind::Text, "The body it hangs on.").default("\"ground\"").example("\"upper\""),
+        Key::new(
+            "at",
+            POINT,
+            "Where on the parent: coordinates in the parent's axes, or the name of a marker of the parent.",
+        )
+        .unit("m")
+        .default("[0.0, 0.0, 0.0]")
+        .example("\"tip\""),
+        Key::new(
+            "next",
+            POINT,
+            "With `repeat`: where on a copy the following one hangs; the same as `at` where it is left out.",
+        )
+        .unit("m")
+        .example("\"tip\""),
+        Key::new(
+            "rpy",
+            VECTOR,
+            "Fixed turn of the hinge frame in the parent: roll, pitch, yaw as in URDF, Rz(yaw) Ry(pitch) Rx(roll).",
+        )
+        .unit("rad")
+        .default("[0.0, 0.0, 0.0]")
+        .example("[0.0, 0.0, 1.5708]"),
+        Key::new("axis", VECTOR, "Axis in the hinge frame, of any length but zero.")
+            .required()
+            .only(&["revolute", "prismatic", "cylindrical"])
+            .example("[0.0, 1.0, 0.0]"),
+        Key::new("axes", Kind::List(&VECTOR, &[2]), "Both axes in the hinge frame, not parallel.")
+            .required()
+            .only(&["universal"])
+            .example("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]"),
+        Key::new("position", PER_COORDINATE, "Coordinates at the start, or the guess from which statics starts.")
+            .unit("m or rad")
+            .default("0.0")
+            .only(MOVING)
+            .example("0.3"),
+        Key::new("velocity", PER_COORDINATE, "Velocities at the start.")
+            .unit("m/s or rad/s")
+            .default("0.0")
+            .only(MOVING)
+            .example("0.1"),
+        Key::new("stiffness", PER_COORDINATE, "Stiffness of the hinge spring; one number stands for every velocity.")
+            .unit("N/m or N m/rad")
+            .default("0.0")
+            .only(MOVING)
+            .example("5.0"),
+        Key::new("damping", PER_VELOCITY, "Damping in the hinge; one number stands for every velocity.")
+            .unit("N s/m or N m s/rad")
+            .default("0.0")
+            .only(MOVING)
+            .example("0.1"),
+        Key::new("rest", PER_COORDINATE, "Coordinates at which the hinge spring is relaxed.")
+            .unit("m or rad")
+            .default("0.0")
+            .only(MOVING)
+            .example("0.2"),
+        Key::new("armature", PER_VELOCITY, "Added hinge inertia; one number stands for every velocity.")
+            .unit("kg or kg m²")
+            .default("0.0")
+            .only(MOVING)
+            .example("0.01"),
+        Key::new("force", PER_COORDINATE, "Constant motor force or torque.")
+            .unit("N or N m")
+            .default("0.0")
+            .only(MOVING)
+            .example("1.5"),
+        Key::new("lock", Kind::Flag, "Held at `position` during statics.")
+            .default("false")
+            .only(MOVING)
+            .example("true"),
+        Key::new(
+            "limits",
+            LIMITS,
+            "Lowest and highest coordinate, or a list of such pairs. Read, but not enforced yet.",
+        )
+        .unit("m or rad")
+        .only(MOVING)
+        .example("[-1.0, 1.0]"),
+        Key::new("friction", Kind::Refused("`friction` is reserved for a later version"), "Dry friction."),
+    ],
+};
+
+const MOVING: &[&str] = &["revolute", "prismatic", "cylindrical", "universal", "planar", "spherical", "free"];
+
+const PER_COORDINATE: Kind =
+    Kind::Either(&[NUMBER, Kind::List(&NUMBER, &[]), Kind::List(&Kind::List(&NUMBER, &[]), &[])]);
+
+const PER_VELOCITY: Kind =
+    Kind::Either(&[NOT_NEGATIVE, Kind::List(&NOT_NEGATIVE, &[]), Kind::List(&Kind::List(&NOT_NEGATIVE, &[]), &[])]);
+
+const LIMITS: Kind =
+    Kind::Either(&[Kind::List(&Kind::Number(Range::Any), &[2]), Kind::List(&Kind::List(&NUMBER, &[2]), &[])]);

@@ -1,0 +1,44 @@
+//! The scenario format, declared: every table, key, unit, range, default and sentence, said once.
+
+mod body;
+mod force;
+mod hinge;
+mod settings;
+
+pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
+pub use force::{BUSHING_VALUES, FORCE};
+pub use hinge::HINGE;
+pub use settings::{RECORD, SIMULATE, STATICS};
+
+use super::fields::{Key, Kind, Range, Table};
+
+/// The most bodies a scenario may have, copies counted.
+pub const MOST_BODIES: usize = 1_000_000;
+
+const NUMBER: Kind = Kind::Number(Range::Any);
+const NOT_NEGATIVE: Kind = Kind::Number(Range::AtLeast(0.0));
+const POSITIVE: Kind = Kind::Number(Range::Above(0.0));
+/// Three numbers.
+const VECTOR: Kind = Kind::List(&NUMBER, &[3]);
+
+/// A whole file.
+pub const SCENARIO: Table = Table {
+    name: "scenario",
+    doc: "A scene of rigid bodies on hinges, what pushes them, and what is asked. SI units and radians.",
+    types: &[],
+    keys: &[
+        Key::new("title", Kind::Text, "One line for people.").example("\"Two links from a bracket\""),
+        Key::new("gravity", VECTOR, "Gravitational acceleration, inertial axes.")
+            .unit("m/s²")
+            .default("[0.0, 0.0, -9.80665]")
+            .example("[0.0, 0.0, -9.80665]"),
+        Key::new("simulate", Kind::Table(&SIMULATE), "The run.").example("{ duration = 10.0 }"),
+        Key::new("statics", Kind::Table(&STATICS), "The equilibrium.").example("{ want = \"stable\" }"),
+        Key::new("record", Kind::Table(&RECORD), "The recording.").example("{ rate = 100.0 }"),
+        Key::new("body", Kind::List(&Kind::Table(&BODY), &[]), "The bodies, in any order.").required(),
+        Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings and loads."),
+        Key::new("loop", Kind::Refused("closed loops cannot be simulated by this version"), "Closes a kinematic loop."),
+        Key::new("drive", Kind::Refused("drives cannot be simulated by this version"), "Prescribes a motion."),
+        Key::new("gear", Kind::Refused("gears cannot be simulated by this version"), "Couples coordinates."),
+    ],
+};

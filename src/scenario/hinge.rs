@@ -1,0 +1,214 @@
+//! Hinges, and their values per coordinate, per velocity and per copy.
+
+use super::findings::Finding;
+use super::reader::{Reader, number, numbers, rows};
+use crate::model::description::{GROUND, HingeDescription, HingeKind, Point};
+use nalgebra::Vector3;
+use toml::de::DeValue;
+
+/// A hinge as it is written once, for one body or for all copies of a repeat.
+#[derive(Debug)]
+pub(super) struct Hinge {
+    pub(super) description: HingeDescription,
+    /// Where on a copy the following one hangs.
+    pub(super) next: Option<Point>,
+    /// Values that differ from copy to copy.
+    pub(super) each: Vec<(Field, Vec<Vec<f64>>)>,
+}
+
+/// A list of a hinge description.
+pub(super) type Field = fn(&mut HingeDescription) -> &mut Vec<f64>;
+
+pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hinge {
+    let Some(table) = body.table("hinge") else {
+        return Hinge { description: HingeDescription::new(HingeKind::Fixed), next: None, each: Vec::new() };
+    };
+    let kind = kind(&table);
+    let mut description = HingeDescription::new(kind.unwrap_or(HingeKind::Fixed));
+    description.parent = table.text("parent").unwrap_or(GROUND).to_owned();
+    description.at = point(&table, "at").unwrap_or(description.at);
+    description.frame = table.turn();
+    description.lock = table.flag("lock").unwrap_or(false);
+    let mut each = Vec::new();
+    if let Some(kind) = kind {
+        let (positions, velocities) = kind.counts();
+        for (key, count, widen, field) in [
+            ("position", positions, false, (|h| &mut h.position) as Field),
+            ("velocity", velocities, false, |h| &mut h.velocity),
+            ("stiffness", velocities, true, |h| &mut h.stiffness),
+            ("damping", velocities, true, |h| &mut h.damping),
+            ("rest", positions, false, |h| &mut h.rest),
+            ("armature", velocities, true, |h| &mut h.armature),
+            ("force", velocities, false, |h| &mut h.force),
+        ] {
+            match (Values { table: &table, owner, kind, key, count, widen, repeat }.read()) {
+                Some(PerCopy::Same(list)) => *field(&mut description) = list,
+                Some(PerCopy::Each(lists)) => each.push((field, lists)),
+                None => {}
+            }
+        }
+    }
+    limits(&table, owner);
+    Hinge { description, next: next(body, &table, owner, repeat), each }
+}
+
+fn kind(table: &Reader<'_>) -> Option<HingeKind> {
+    // An axis that could not be read has been said already; any other one will do to look at the rest.
+    let axis = || table.vector("axis").unwrap_or_else(Vector3::z);
+    Some(match table.text("type")? {
+        "fixed" => HingeKind::Fixed,
+        "revolute" => HingeKind::Revolute { axis: axis() },
+        "prismatic" => HingeKind::Prismatic { axis: axis() },
+        "cylindrical" => HingeKind::Cylindrical { axis: axis() },
+        "universal" => HingeKind::Universal { axes: axes(table).unwrap_or([Vector3::x(), Vector3::y()]) },
+        "planar" => HingeKind::Planar,
+        "spherical" => HingeKind::Spherical,
+        "free" => HingeKind::Free,
+        _ => return None,
+    })
+}
+
+fn axes(table: &Reader<'_>) -> Option<[Vector3<f64>; 2]> {
+    match rows(table.value("axes")?.get_ref())?.as_slice() {
+        [first, second] => Some([Vector3::from_column_slice(first), Vector3::from_column_slice(second)]),
+        _ => None,
+    }
+}
+
+/// Coordinates or a marker's name.
+pub(super) fn point(table: &Reader<'_>, key: &str) -> Option<Point> {
+    table.text(key).map(|marker| Point::Marker(marker.to_owned())).or_else(|| table.vector(key).map(Point::At))
+}
+
+/// `next`, written in the hinge or beside `repeat`.
+fn next(body: &Reader<'_>, hinge: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Option<Point> {
+    if body.has("next") && hinge.has("next") {
+        let message = format!("body `{owner}`: `next` is given twice");
+        let help = "keep it in the hinge or beside `repeat`";
+        body.findings.push(Finding::error(body.key_span("next"), message).help(help));
+    }
+    let table = if hinge.has("next") { hinge } else { body };
+    if table.has("next") && repeat.is_none() && !body.has("repeat") {
+        let message = format!("body `{owner}`: `next` without `repeat`");
+        let help = "`next` says where on a copy the following one hangs";
+        body.findings.push(Finding::error(table.key_span("next"), message).help(help));
+    }
+    point(table, "next")
+}
+
+fn limits(table: &Reader<'_>, owner: &str) {
+    let Some(value) = table.value("limits") else { return };
+    let pairs = rows(value.get_ref()).or_else(|| numbers(value.get_ref()).map(|pair| vec![pair])).unwrap_or_default();
+    for pair in pairs {
+        if let [low, high] = pair[..]
+            && low >= high
+        {
+            let message = format!("hinge of body `{owner}`: `limits` from {low} to {high} leave no room");
+            table.findings.push_value(Finding::error(value.span(), message).label("the lower limit comes first"));
+            return;
+        }
+    }
+    let message = format!("hinge of body `{owner}`: limits are not enforced yet");
+    table.findings.push(Finding::warning(table.key_span("limits"), message));
+}
+
+/// A value for all copies or one for each.
+#[derive(Debug, PartialEq)]
+enum PerCopy {
+    Same(Vec<f64>),
+    Each(Vec<Vec<f64>>),
+}
+
+/// A key that holds one number per coordinate or velocity.
+struct Values<'v> {
+    table: &'v Reader<'v>,
+    owner: &'v str,
+    kind: HingeKind,
+    key: &'static str,
+    count: usize,
+    /// One number stands for all.
+    widen: bool,
+    repeat: Option<usize>,
+}
+
+impl Values<'_> {
+    fn read(&self) -> Option<PerCopy> {
+        let value = self.table.value(self.key)?.get_ref();
+        if self.count == 0 {
+            return None;
+        }
+        let read = match number(value) {
+            Some(number) if self.count == 1 || self.widen => Some(PerCopy::Same(vec![number; self.count])),
+            Some(_) => None,
+            None => match numbers(value) {
+                Some(list) => self.list(list),
+                None => rows(value).and_then(|rows| self.rows(rows)),
+            },
+        };
+        if read.is_none() {
+            self.refuse(value);
+        }
+        read
+    }
+
+    fn list(&self, list: Vec<f64>) -> Option<PerCopy> {
+        match self.repeat {
+            _ if list.len() == self.count => Some(PerCopy::Same(list)),
+            Some(copies) if self.count == 1 && list.len() == copies => {
+                Some(PerCopy::Each(list.into_iter().map(|number| vec![number]).collect()))
+            }
+            _ => None,
+        }
+    }
+
+    fn rows(&self, rows: Vec<Vec<f64>>) -> Option<PerCopy> {
+        let fits = self.repeat == Some(rows.len()) && rows.iter().all(|row| row.len() == self.count);
+        fits.then_some(PerCopy::Each(rows))
+    }
+
+    fn refuse(&self, value: &DeValue<'_>) {
+        let one = match (self.count, self.widen) {
+            (1, _) => "one number".to_owned(),
+            (count, true) => format!("one number or a list of {count}"),
+            (count, false) => format!("a list of {count} numbers"),
+        };
+        let many = match (self.repeat, self.count) {
+            (None, _) => String::new(),
+            (Some(copies), 1) => format!(", or a list of {copies}, one per copy"),
+            (Some(copies), count) => format!(", or a list of {copies} lists of {count}, one per copy"),
+        };
+        let found = match value.as_array().map(|items| &items[..]) {
+            None => "one number".to_owned(),
+            Some(items) if items.iter().all(|item| item.get_ref().is_array()) => {
+                let lengths = items.iter().filter_map(|item| item.get_ref().as_array()).map(|row| row.len());
+                match lengths.clone().find(|length| *length != self.count) {
+                    Some(length) => format!("a list of {} lists, one of them of {length}", items.len()),
+                    None => format!("a list of {} lists", items.len()),
+                }
+            }
+            Some(items) => format!("a list of {}", items.len()),
+        };
+        let message = format!(
+            "hinge of body `{}`: `{}` of a {} hinge must be {one}{many}; found {found}",
+            self.owner,
+            self.key,
+            self.kind.name()
+        );
+        let order = self.order().map(|order| format!("in this order: {order}"));
+        self.table.findings.push_value(Finding::error(self.table.span_of(self.key), message).maybe_help(order));
+    }
+
+    fn order(&self) -> Option<&'static str> {
+        let coordinates = matches!(self.key, "position" | "rest");
+        Some(match self.kind {
+            HingeKind::Cylindrical { .. } => "along the axis, about the axis",
+            HingeKind::Universal { .. } => "about the first axis, about the second",
+            HingeKind::Planar => "x, y, about z",
+            HingeKind::Spherical if coordinates => "quaternion w, x, y, z",
+            HingeKind::Spherical => "about the body's x, y, z",
+            HingeKind::Free if coordinates => "x, y, z, then quaternion w, x, y, z",
+            HingeKind::Free => "along x, y, z of the hinge frame, then about the body's x, y, z",
+            _ => return None,
+        })
+    }
+}

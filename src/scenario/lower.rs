@@ -1,0 +1,55 @@
+//! From a checked file to a description, and back from the description's elements to the file.
+
+use super::body::{Names, Template, template};
+use super::findings::{Finding, Findings};
+use super::force::force;
+use super::format::MOST_BODIES;
+use super::reader::Reader;
+use super::spans::SpanTable;
+use crate::model::description::Description;
+use std::path::Path;
+use toml::de::DeTable;
+
+/// Reads the scene. What cannot be read is left out or stood in for; that has been or is said in `findings`.
+pub(super) fn lower<'a>(
+    document: &'a DeTable<'a>,
+    folder: &Path,
+    findings: &'a Findings,
+) -> (Description, SpanTable<'a>) {
+    let scenario = Reader::new(document, 0..0, findings);
+    let mut description = Description::default();
+    if let Some(title) = scenario.text("title") {
+        description.title = title.to_owned();
+    }
+    description.gravity = scenario.vector("gravity").unwrap_or(description.gravity);
+    let mut spans = SpanTable::new(document);
+    bodies(&scenario, folder, &mut description, &mut spans);
+    let names = Names::new(&description.bodies);
+    for (index, table) in scenario.tables("force").iter().enumerate() {
+        if let Some(force) = force(table, index, &names) {
+            description.forces.push(force);
+            spans.add_force(index);
+        }
+    }
+    (description, spans)
+}
+
+fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, spans: &mut SpanTable<'_>) {
+    let tables = scenario.tables("body");
+    let templates: Vec<Option<Template>> = tables.iter().map(|table| template(table, folder)).collect();
+    let mut total = 0;
+    for (index, (table, template)) in tables.iter().zip(&templates).enumerate() {
+        let Some(template) = template else {
+            spans.add_nameless();
+            continue;
+        };
+        total += template.count();
+        if total > MOST_BODIES {
+            let message = format!("{total} bodies are more than the {MOST_BODIES} that a scenario may have");
+            scenario.findings.push(Finding::error(table.span_of("repeat"), message));
+            return;
+        }
+        template.expand(&mut description.bodies);
+        spans.add_bodies(index, template.repeat);
+    }
+}

@@ -1,0 +1,140 @@
+//! Mass properties of a body, given or from its shapes.
+
+use super::findings::Finding;
+use super::format::BODY;
+use super::reader::{Reader, number, numbers};
+use crate::model::description::MassProperties;
+use crate::model::shape::{Geometry, Shape};
+use nalgebra::{Matrix3, Vector3};
+
+/// Mass properties, and the masses of the copies where a repeat gives a list.
+#[derive(Debug)]
+pub(super) struct Mass {
+    pub(super) properties: MassProperties,
+    pub(super) each: Option<Vec<f64>>,
+}
+
+/// What stands in for what could not be read, so that nothing else is found wrong because of it.
+const STAND_IN: MassProperties = MassProperties {
+    mass: 1.0,
+    center: Vector3::new(0.0, 0.0, 0.0),
+    inertia: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+};
+
+pub(super) fn mass(body: &Reader<'_>, owner: &str, repeat: Option<usize>, shapes: &[Shape]) -> Mass {
+    let errors = body.findings.errors();
+    let unreadable = ["mass", "center", "inertia", "density", "shape"]
+        .into_iter()
+        .any(|key| body.has(key) && body.value(key).is_none() && (key != "shape" || body.has("density")));
+    // A misspelt key may be the one that is missing.
+    let misspelt = body.table.keys().any(|key| BODY.declarations(key.get_ref()).next().is_none());
+    let unreadable = unreadable || misspelt && !body.has("mass");
+    let mass = if body.has("density") { filled(body, owner, shapes) } else { given(body, owner, repeat) };
+    match mass {
+        Some(mass) if !unreadable && body.findings.errors() == errors => mass,
+        _ => Mass { properties: STAND_IN, each: None },
+    }
+}
+
+fn given(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Option<Mass> {
+    if !body.has("mass") {
+        for key in ["inertia", "center"] {
+            if body.has(key) {
+                let message = format!("body `{owner}`: `{key}` without `mass`");
+                let help = "give `mass`, or `density` to have both follow from the shapes";
+                body.findings.push(Finding::error(body.key_span(key), message).help(help));
+            }
+        }
+    }
+    let (mass, each) = masses(body, owner, repeat)?;
+    let center = body.vector("center").unwrap_or_default();
+    let inertia = body.numbers("inertia").map_or_else(Matrix3::zeros, |moments| match moments[..] {
+        [xx, yy, zz, xy, xz, yz] => Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
+        [xx, yy, zz] => Matrix3::from_diagonal(&Vector3::new(xx, yy, zz)),
+        _ => Matrix3::zeros(),
+    });
+    Some(Mass { properties: MassProperties { mass, center, inertia }, each })
+}
+
+fn masses(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Option<(f64, Option<Vec<f64>>)> {
+    let Some(value) = body.value("mass") else { return Some((0.0, None)) };
+    if let Some(mass) = number(value.get_ref()) {
+        return Some((mass, None));
+    }
+    let list = numbers(value.get_ref())?;
+    match repeat {
+        Some(copies) if copies == list.len() => Some((list[0], Some(list))),
+        _ if list.len() == 1 => Some((list[0], None)),
+        _ => {
+            let allowed = match repeat {
+                Some(copies) => format!("one number or a list of {copies}, one per copy"),
+                None => "one number".to_owned(),
+            };
+            let message = format!("body `{owner}`: `mass` must be {allowed}, found a list of {}", list.len());
+            let help = repeat.is_none().then(|| "lists are for bodies with `repeat`".to_owned());
+            body.findings.push_value(Finding::error(value.span(), message).maybe_help(help));
+            None
+        }
+    }
+}
+
+/// All solids filled with one density, about their common centre of mass.
+fn filled(body: &Reader<'_>, owner: &str, shapes: &[Shape]) -> Option<Mass> {
+    for key in ["mass", "center", "inertia"] {
+        if body.has(key) {
+            let message = format!("body `{owner}`: both `density` and `{key}`");
+            let help = "with `density`, mass, centre and inertia follow from the shapes: keep one of the two";
+            body.findings.push(Finding::error(body.key_span(key), message).help(help));
+        }
+    }
+    let density = body.number("density")?;
+    let solids: Vec<MassProperties> = shapes.iter().filter_map(|shape| shape.mass_properties(density)).collect();
+    if solids.is_empty() {
+        if !body.has("shape") || !shapes.is_empty() {
+            let message = format!("body `{owner}`: `density` needs a shape with a volume");
+            let help = "give a `shape` that is a box, sphere, cylinder or capsule; the volume of a mesh is not known";
+            body.findings.push(Finding::error(body.key_span("density"), message).help(help));
+        }
+        return None;
+    }
+    if shapes.iter().any(|shape| matches!(shape.geometry, Geometry::Mesh { .. })) {
+        let message = format!("body `{owner}`: its mesh does not count towards the mass");
+        let help = "`density` fills boxes, spheres, cylinders and capsules; the volume of a mesh is not known";
+        body.findings.push(Finding::warning(body.key_span("density"), message).help(help));
+    }
+    Some(Mass { properties: combined(&solids), each: None })
+}
+
+/// One rigid body out of several, by the parallel-axis theorem.
+fn combined(parts: &[MassProperties]) -> MassProperties {
+    let mass: f64 = parts.iter().map(|part| part.mass).sum();
+    let center = parts.iter().map(|part| part.center * part.mass).sum::<Vector3<f64>>() / mass;
+    let inertia = parts
+        .iter()
+        .map(|part| {
+            let away = part.center - center;
+            part.inertia + (Matrix3::identity() * away.norm_squared() - away * away.transpose()) * part.mass
+        })
+        .sum();
+    MassProperties { mass, center, inertia }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_halves_weigh_what_the_whole_weighs() {
+        use nalgebra::Isometry3;
+        let solid = |edges: Vector3<f64>, z: f64| {
+            let pose = Isometry3::translation(0.3, 0.0, z);
+            Shape { geometry: Geometry::Box(edges), pose, color: None }.mass_properties(700.0).expect("a box")
+        };
+        let whole = solid(Vector3::new(0.1, 0.2, 1.0), 0.5);
+        let halves = combined(&[solid(Vector3::new(0.1, 0.2, 0.4), 0.2), solid(Vector3::new(0.1, 0.2, 0.6), 0.7)]);
+        // Round-off of sums of numbers below 10.
+        assert!((whole.mass - halves.mass).abs() < 1e-13);
+        assert!((whole.center - halves.center).norm() < 1e-14);
+        assert!((whole.inertia - halves.inertia).norm() < 1e-14);
+    }
+}

@@ -1,0 +1,153 @@
+//! Scenario files: the only place that knows TOML.
+//!
+//! ```text
+//! text ─ syntax ─► TOML values with spans ─ overrides ─► check ─► lower ─► Description + settings
+//!                                                          │         │
+//!                                            fields, format┘         └ spans ◄─ problems of the model
+//! ```
+//!
+//! The format is declared once in [`mod@format`]; the check, the [JSON Schema](schema) and any reference follow from it.
+//! All problems of a file are found in one go, each with its line and column.
+//!
+//! ```
+//! let text = r#"
+//!     [[body]]
+//!     name = "bob"
+//!     mass = 1.0
+//!     hinge = { type = "spherical", at = [0.0, 0.0, 1.0] }
+//! "#;
+//! let scenario = stillpoint::scenario::parse("pendulum.toml", text, &[])?;
+//! assert_eq!(scenario.description.bodies[0].name, "bob");
+//! # Ok::<(), stillpoint::scenario::Diagnostics>(())
+//! ```
+
+pub mod diagnostic;
+pub mod fields;
+pub mod format;
+pub mod overrides;
+mod schema;
+
+mod body;
+mod check;
+mod findings;
+mod force;
+mod hinge;
+mod lower;
+mod mass;
+mod naming;
+mod read;
+mod reader;
+mod settings;
+mod shape;
+mod sources;
+mod spans;
+mod syntax;
+
+pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use overrides::{Override, OverrideError};
+pub use read::{LARGEST_FILE, LoadError};
+pub use schema::schema;
+
+use crate::model::{Description, Model, Problem};
+use crate::{record, simulate, statics};
+use findings::Findings;
+use reader::Reader;
+use sources::Sources;
+use std::path::Path;
+
+/// A scenario, read and checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    /// File, as it is called in messages.
+    pub name: String,
+    /// What is written in it.
+    pub text: String,
+    /// The scene.
+    pub description: Description,
+    /// What is asked of a run.
+    pub simulate: simulate::settings::Settings,
+    /// What is asked of statics.
+    pub statics: statics::settings::Settings,
+    /// What is asked of the recording.
+    pub record: record::Settings,
+    /// What will not happen although it is written.
+    pub warnings: Diagnostics,
+}
+
+/// Reads a scenario file; `-` is standard input.
+///
+/// # Errors
+/// Where the file cannot be read, is no text or larger than [`LARGEST_FILE`], and where something is wrong in it: then
+/// with all problems at once.
+pub fn load(path: &Path) -> Result<Scenario, LoadError> {
+    load_with(path, &[])
+}
+
+/// As [`load`], with changes from the command line.
+///
+/// # Errors
+/// As [`load`]; a problem with a change is shown at the change.
+pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scenario, LoadError> {
+    let text = read::text(path)?;
+    let name = if path == Path::new("-") { read::STANDARD_INPUT.to_owned() } else { path.display().to_string() };
+    Ok(parse_owned(&name, text, overrides, problems)?)
+}
+
+/// Reads a scenario from text. `name` is what it is called in messages; mesh files are found from its folder.
+///
+/// # Errors
+/// Where something is wrong in it: with all problems at once.
+pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario, Diagnostics> {
+    parse_owned(name, text.to_owned(), overrides, problems)
+}
+
+/// What the model finds wrong with a description.
+fn problems(description: &Description) -> Vec<Problem> {
+    Model::build(description).err().unwrap_or_default()
+}
+
+fn parse_owned(
+    name: &str,
+    text: String,
+    overrides: &[Override],
+    problems: impl Fn(&Description) -> Vec<Problem>,
+) -> Result<Scenario, Diagnostics> {
+    let (scenario, diagnostics) = parse_text(name, &text, overrides, problems);
+    let diagnostics = Diagnostics::new(name, diagnostics);
+    match scenario {
+        Some(scenario) if diagnostics.errors() == 0 => Ok(Scenario { text, warnings: diagnostics, ..scenario }),
+        _ => Err(diagnostics),
+    }
+}
+
+fn parse_text(
+    name: &str,
+    text: &str,
+    overrides: &[Override],
+    problems: impl Fn(&Description) -> Vec<Problem>,
+) -> (Option<Scenario>, Vec<Diagnostic>) {
+    let findings = Findings::default();
+    let mut sources = Sources::new(name, text);
+    let mut document = syntax::parse(text, &sources, &findings);
+    if findings.errors() > 0 {
+        return (None, findings.into_diagnostics(&sources));
+    }
+    overrides::apply(overrides, &mut document, &mut sources, &findings);
+    check::table(&format::SCENARIO, &document, &findings);
+    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
+    let (description, spans) = lower::lower(&document, folder, &findings);
+    if !description.bodies.is_empty() || !document.contains_key("body") {
+        spans::report(&spans, problems(&description), &findings);
+    }
+    let whole = Reader::new(&document, 0..0, &findings);
+    let scenario = Scenario {
+        name: name.to_owned(),
+        text: String::new(),
+        description,
+        simulate: settings::simulate(&whole),
+        statics: settings::statics(&whole),
+        record: settings::record(&whole),
+        warnings: Diagnostics::default(),
+    };
+    (Some(scenario), findings.into_diagnostics(&sources))
+}

@@ -1,0 +1,123 @@
+//! Reading a scenario's text from a file or from standard input.
+
+use super::diagnostic::Diagnostics;
+use crate::suggest::closest;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+/// The largest file that is read, in bytes: some 100 000 bodies one by one. Reading takes up to 50 times as much memory.
+pub const LARGEST_FILE: usize = 32 * 1024 * 1024;
+
+/// Why a scenario cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// There is no such file.
+    #[error("no scenario `{}`{}", path.display(), hint.as_ref().map(|near| format!(": did you mean `{near}`?")).unwrap_or_default())]
+    Missing {
+        /// As asked for.
+        path: PathBuf,
+        /// A file of the same folder with nearly this name.
+        hint: Option<String>,
+    },
+    /// It is a folder.
+    #[error("`{}` is a folder, not a scenario file", .0.display())]
+    Folder(PathBuf),
+    /// The operating system does not let it be read.
+    #[error("cannot read `{}`: {source}", path.display())]
+    Unreadable {
+        /// As asked for.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// It is larger than [`LARGEST_FILE`].
+    #[error("`{}` is larger than {} MiB, the most that is read; use `repeat` for chains of equal bodies", .0.display(), LARGEST_FILE >> 20)]
+    TooLarge(PathBuf),
+    /// It is not text.
+    #[error("`{}` is not UTF-8 text: byte {byte} (line {line}) is 0x{value:02X}{hint}", path.display())]
+    NotText {
+        /// As asked for.
+        path: PathBuf,
+        /// The first byte that does not belong to text, from 0.
+        byte: usize,
+        /// Its line, from 1.
+        line: usize,
+        /// Its value.
+        value: u8,
+        /// What the file may be instead; may be empty.
+        hint: &'static str,
+    },
+    /// Something is wrong in it.
+    #[error(transparent)]
+    Problems(#[from] Diagnostics),
+}
+
+/// What the path `-` is called in messages.
+pub(super) const STANDARD_INPUT: &str = "standard input";
+
+/// The text of a file, or of standard input for `-`.
+pub(super) fn text(path: &Path) -> Result<String, LoadError> {
+    if path == Path::new("-") {
+        return from_reader(io::stdin().lock(), Path::new(STANDARD_INPUT));
+    }
+    let unreadable = |source| LoadError::Unreadable { path: path.to_owned(), source };
+    let file = File::open(path).map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => LoadError::Missing { path: path.to_owned(), hint: neighbour(path) },
+        io::ErrorKind::IsADirectory => LoadError::Folder(path.to_owned()),
+        _ => unreadable(source),
+    })?;
+    let about = file.metadata().map_err(unreadable)?;
+    if about.is_dir() {
+        return Err(LoadError::Folder(path.to_owned()));
+    }
+    if about.len() > LARGEST_FILE as u64 {
+        return Err(LoadError::TooLarge(path.to_owned()));
+    }
+    from_reader(file, path)
+}
+
+fn from_reader(reader: impl Read, path: &Path) -> Result<String, LoadError> {
+    let mut bytes = Vec::new();
+    let limit = LARGEST_FILE as u64 + 1;
+    reader
+        .take(limit)
+        .read_to_end(&mut bytes)
+        .map_err(|source| LoadError::Unreadable { path: path.to_owned(), source })?;
+    if bytes.len() > LARGEST_FILE {
+        return Err(LoadError::TooLarge(path.to_owned()));
+    }
+    decode(bytes, path)
+}
+
+/// UTF-8 text without a byte order mark. Zero bytes are valid UTF-8, but no text.
+fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, LoadError> {
+    if bytes.starts_with(b"\xEF\xBB\xBF") {
+        bytes.drain(..3);
+    }
+    let zero = bytes.iter().position(|byte| *byte == 0);
+    let invalid = std::str::from_utf8(&bytes).err().map(|error| error.valid_up_to());
+    let Some(byte) = zero.into_iter().chain(invalid).min() else {
+        return String::from_utf8(bytes)
+            .map_err(|error| LoadError::Unreadable { path: path.to_owned(), source: io::Error::other(error) });
+    };
+    let utf16 = bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF");
+    Err(LoadError::NotText {
+        path: path.to_owned(),
+        byte,
+        line: 1 + bytes[..byte].iter().filter(|byte| **byte == b'\n').count(),
+        value: bytes[byte],
+        hint: if utf16 { "; it looks like UTF-16, save it as UTF-8" } else { "" },
+    })
+}
+
+/// A file of the same folder with nearly the same name.
+fn neighbour(path: &Path) -> Option<String> {
+    let wanted = path.file_name()?.to_str()?;
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut names: Vec<String> =
+        folder.read_dir().ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    names.sort_unstable();
+    let near = closest(wanted, names.iter().map(String::as_str))?;
+    Some(path.with_file_name(near).display().to_string())
+}

@@ -1,0 +1,99 @@
+//! The format as a JSON Schema, for editors.
+
+use super::fields::{Key, Kind, Range, Table};
+use super::format::SCENARIO;
+use serde_json::{Map, Value, json};
+
+/// JSON Schema (draft 2020-12) of scenario files, from the same declarations that check them.
+pub fn schema() -> Value {
+    let mut schema = of_table(&SCENARIO);
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!("stillpoint scenario");
+    schema
+}
+
+fn of_table(table: &Table) -> Value {
+    if table.types.is_empty() {
+        return object(table, None);
+    }
+    let variants: Vec<Value> = table.types.iter().map(|(name, doc)| object(table, Some((name, doc)))).collect();
+    json!({ "description": table.doc, "oneOf": variants })
+}
+
+fn object(table: &Table, of_type: Option<(&str, &str)>) -> Value {
+    let mut properties = Map::new();
+    let mut required = Vec::new();
+    if let Some((name, doc)) = of_type {
+        properties.insert("type".to_owned(), json!({ "const": name, "description": doc }));
+        required.push("type");
+    }
+    let keys = table.keys.iter().filter(|key| of_type.is_none_or(|(name, _)| key.belongs_to(name)));
+    for key in keys.filter(|key| !matches!(key.kind, Kind::Refused(_))) {
+        properties.insert(key.name.to_owned(), of_key(key));
+        if key.required {
+            required.push(key.name);
+        }
+    }
+    json!({
+        "type": "object",
+        "description": of_type.map_or(table.doc, |(_, doc)| doc),
+        "properties": properties,
+        "required": required,
+        "additionalProperties": false,
+    })
+}
+
+fn of_key(key: &Key) -> Value {
+    let mut schema = of_kind(&key.kind);
+    let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
+    schema["description"] = json!(format!("{}{unit}", key.doc));
+    for (name, text) in [("default", key.default), ("examples", key.example)] {
+        let Some(value) = json_value(text) else { continue };
+        schema[name] = if name == "examples" { json!([value]) } else { value };
+    }
+    schema
+}
+
+/// A value as written in a file, in JSON.
+fn json_value(text: &str) -> Option<Value> {
+    let table: toml::Table = toml::from_str(&format!("value = {text}")).ok()?;
+    serde_json::to_value(table.get("value")?).ok()
+}
+
+fn of_kind(kind: &Kind) -> Value {
+    match kind {
+        Kind::Text => json!({ "type": "string" }),
+        Kind::Flag => json!({ "type": "boolean" }),
+        Kind::Integer(range) => ranged("integer", *range),
+        Kind::Number(range) => ranged("number", *range),
+        Kind::Choice(words) | Kind::Planned(words, _) => {
+            let words: Vec<Value> =
+                words.iter().map(|(word, doc)| json!({ "const": word, "description": doc })).collect();
+            json!({ "oneOf": words })
+        }
+        Kind::List(of, lengths) => list(of, lengths),
+        Kind::Either(kinds) => json!({ "anyOf": kinds.iter().map(of_kind).collect::<Vec<_>>() }),
+        Kind::Table(table) => of_table(table),
+        Kind::Map(of) => json!({ "type": "object", "additionalProperties": of_kind(of) }),
+        Kind::Refused(_) => json!(false),
+    }
+}
+
+fn list(of: &Kind, lengths: &[usize]) -> Value {
+    let of_length =
+        |length: &usize| json!({ "type": "array", "items": of_kind(of), "minItems": length, "maxItems": length });
+    match lengths {
+        [] => json!({ "type": "array", "items": of_kind(of), "minItems": 1 }),
+        [length] => of_length(length),
+        several => json!({ "anyOf": several.iter().map(of_length).collect::<Vec<_>>() }),
+    }
+}
+
+fn ranged(of_type: &str, range: Range) -> Value {
+    match range {
+        Range::Any => json!({ "type": of_type }),
+        Range::AtLeast(low) => json!({ "type": of_type, "minimum": low }),
+        Range::Above(low) => json!({ "type": of_type, "exclusiveMinimum": low }),
+        Range::Between(low, high) => json!({ "type": of_type, "minimum": low, "maximum": high }),
+    }
+}

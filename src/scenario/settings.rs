@@ -1,0 +1,48 @@
+//! `(simulate)`, `(statics)` and `[record]`.
+
+use super::reader::Reader;
+use crate::simulate::settings::{Integrator, Settings as Simulate, Start};
+use crate::statics::settings::{Method, Settings as Statics, Want};
+
+pub(super) fn simulate(scenario: &Reader<'_>) -> Simulate {
+    let mut settings = Simulate::default();
+    let Some(table) = scenario.table("simulate") else { return settings };
+    match table.text("start") {
+        Some("given") => settings.start = Start::Given,
+        Some("equilibrium") => settings.start = Start::Equilibrium,
+        _ => {}
+    }
+    settings.integrator = match table.text("integrator") {
+        Some("rk4") => Integrator::Rk4,
+        Some("dopri5") => Integrator::Dopri5,
+        Some("sdirk4") => Integrator::Sdirk4,
+        _ => Integrator::Auto,
+    };
+    settings.duration = table.number("duration").unwrap_or(settings.duration);
+    settings.tolerance = table.number("tolerance").unwrap_or(settings.tolerance);
+    settings.absolute_tolerance = table.number("absolute_tolerance").unwrap_or(settings.tolerance);
+    settings.step = table.number("step");
+    settings
+}
+
+pub(super) fn statics(scenario: &Reader<'_>) -> Statics {
+    let mut settings = Statics::default();
+    let Some(table) = scenario.table("statics") else { return settings };
+    match table.text("want") {
+        Some("any") => settings.want = Want::Any,
+        Some("stable") => settings.want = Want::Stable,
+        _ => {}
+    }
+    match table.text("method") {
+        Some("newton") => settings.method = Method::Newton,
+        Some("auto") => settings.method = Method::Auto,
+        _ => {}
+    }
+    settings
+}
+
+pub(super) fn record(scenario: &Reader<'_>) -> crate::record::Settings {
+    let default = crate::record::Settings::default();
+    let rate = scenario.table("record").and_then(|table| table.number("rate"));
+    crate::record::Settings { rate: rate.unwrap_or(default.rate) }
+}

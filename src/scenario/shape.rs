@@ -1,0 +1,109 @@
+//! `shape`: solids for pictures, and for mass where a density is given.
+
+use super::fields::listed;
+use super::findings::Finding;
+use super::reader::Reader;
+use crate::model::shape::{Geometry, Shape};
+use nalgebra::{Isometry3, Translation3, Vector3};
+use std::path::Path;
+use toml::Spanned;
+use toml::de::DeValue;
+
+const SOLIDS: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
+
+/// The solids of a body; mesh files are found from `folder`.
+pub(super) fn shapes(body: &Reader<'_>, owner: &str, folder: &Path) -> Vec<Shape> {
+    body.tables("shape").iter().filter_map(|table| shape(table, owner, folder)).collect()
+}
+
+fn shape(table: &Reader<'_>, owner: &str, folder: &Path) -> Option<Shape> {
+    let given: Vec<&str> = SOLIDS.into_iter().filter(|solid| table.has(solid)).collect();
+    let [solid] = given[..] else {
+        let said = if given.is_empty() { "none".to_owned() } else { listed(given.into_iter()) };
+        let message = format!("shape of body `{owner}`: needs exactly one solid, found {said}");
+        let help = format!("one of {}", listed(SOLIDS.into_iter()));
+        table.findings.push(Finding::error(table.span.clone(), message).help(help));
+        return None;
+    };
+    if solid != "mesh" && table.has("scale") {
+        let message = format!("shape of body `{owner}`: `scale` is for meshes, a {solid} has its size");
+        table.findings.push(Finding::error(table.key_span("scale"), message));
+    }
+    let at = table.vector("at").unwrap_or_default();
+    Some(Shape {
+        geometry: geometry(table, solid, folder)?,
+        pose: Isometry3::from_parts(Translation3::from(at), table.turn()),
+        color: color(table, owner),
+    })
+}
+
+fn geometry(table: &Reader<'_>, solid: &str, folder: &Path) -> Option<Geometry> {
+    Some(match solid {
+        "box" => Geometry::Box(table.vector("box")?),
+        "sphere" => Geometry::Sphere(table.number("sphere")?),
+        "mesh" => {
+            let scale = table.number("scale").map(Vector3::repeat).or_else(|| table.vector("scale"));
+            Geometry::Mesh { file: folder.join(table.text("mesh")?), scale: scale.unwrap_or(Vector3::repeat(1.0)) }
+        }
+        _ => {
+            let (radius, length) = round(table, solid)?;
+            match solid {
+                "cylinder" => Geometry::Cylinder { radius, length },
+                _ => Geometry::Capsule { radius, length },
+            }
+        }
+    })
+}
+
+/// Radius and length, as a list or as a table.
+fn round(table: &Reader<'_>, solid: &str) -> Option<(f64, f64)> {
+    match table.table(solid) {
+        Some(size) => Some((size.number("radius")?, size.number("length")?)),
+        None => match table.numbers(solid)?[..] {
+            [radius, length] => Some((radius, length)),
+            _ => None,
+        },
+    }
+}
+
+fn color(table: &Reader<'_>, owner: &str) -> Option<[f64; 4]> {
+    let value = table.value("color")?;
+    let color = match value.get_ref() {
+        DeValue::String(text) => hex(text),
+        _ => match table.numbers("color")?[..] {
+            [r, g, b] => Some([r, g, b, 1.0]),
+            [r, g, b, a] => Some([r, g, b, a]),
+            _ => None,
+        },
+    };
+    if color.is_none() {
+        let message = format!("shape of body `{owner}`: `color` must look like \"#rrggbb\" or \"#rrggbbaa\"");
+        let finding = Finding::error(Spanned::span(value), message).help("for example `color = \"#cc3311\"`");
+        table.findings.push_value(finding);
+    }
+    color
+}
+
+fn hex(text: &str) -> Option<[f64; 4]> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.bytes().all(|byte| byte.is_ascii_hexdigit()))?;
+    let part = |at: usize| Some(f64::from(u8::from_str_radix(digits.get(at..at + 2)?, 16).ok()?) / 255.0);
+    match digits.len() {
+        6 => Some([part(0)?, part(2)?, part(4)?, 1.0]),
+        8 => Some([part(0)?, part(2)?, part(4)?, part(6)?]),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hex_colors_have_six_or_eight_digits() {
+        assert_eq!(hex("#ff0033"), Some([1.0, 0.0, 0.2, 1.0]));
+        assert_eq!(hex("#ff003300"), Some([1.0, 0.0, 0.2, 0.0]));
+        for wrong in ["", "ff0033", "#ff003", "#ff003g", "#+f0033", "#äöü"] {
+            assert_eq!(hex(wrong), None, "{wrong}");
+        }
+    }
+}

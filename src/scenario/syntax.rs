@@ -1,0 +1,45 @@
+//! What the TOML parser says, in words for people who do not know its grammar.
+
+use super::findings::{Finding, Findings};
+use super::sources::Sources;
+use std::collections::HashSet;
+use toml::de::DeTable;
+
+/// Parses a text. Where it is not TOML all errors that were found are in `findings`.
+pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Findings) -> DeTable<'t> {
+    let (document, errors) = DeTable::parse_recoverable(text);
+    let mut said = HashSet::new();
+    // Where the nesting is too deep, what follows is not worth saying.
+    let deep = errors.iter().position(|error| is_depth(error.message()));
+    for error in errors.iter().take(deep.map_or(errors.len(), |deep| deep + 1)) {
+        // Every open bracket complains about the same missing end.
+        if !said.insert((error.message(), error.span())) {
+            continue;
+        }
+        let Some(span) = error.span() else {
+            findings.push(Finding::without_place(readable(error.message())));
+            continue;
+        };
+        let finding = if error.message() == "duplicate key" {
+            let key = sources.text(&span);
+            Finding::error(span, format!("`{key}` is given twice")).help("keep one of the two")
+        } else {
+            Finding::error(span, readable(error.message()))
+        };
+        findings.push(finding);
+    }
+    document.into_inner()
+}
+
+fn readable(message: &str) -> String {
+    if is_depth(message) {
+        "values are nested too deeply: the most is 80 levels".to_owned()
+    } else {
+        format!("not valid TOML: {}", message.trim_end_matches(", expected nothing"))
+    }
+}
+
+/// Whether the parser stopped to keep its stack.
+fn is_depth(message: &str) -> bool {
+    message.contains("recursion") || message.contains("recurse")
+}

@@ -1,0 +1,138 @@
+//! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
+
+use crate::dynamics::{Fault, System};
+use crate::integrate::{Failure, ImplicitProblem, Problem};
+use crate::model::{Joint, Model};
+use faer::Mat;
+use faer::linalg::solvers::{PartialPivLu, Solve};
+
+/// [`System`] with what integrators ask for.
+pub struct Motion<'m> {
+    system: System<'m>,
+    position_scales: Vec<f64>,
+    velocity_scales: Vec<f64>,
+    tangent: Option<PartialPivLu<f64>>,
+}
+
+impl From<Fault> for Failure {
+    fn from(fault: Fault) -> Self {
+        Self { message: fault.to_string() }
+    }
+}
+
+impl<'m> Motion<'m> {
+    /// Scratch memory for a model.
+    pub fn new(model: &'m Model) -> Self {
+        let (length, time) = (model.length_scale(), model.time_scale());
+        let mut position_scales = vec![1.0; model.position_count()];
+        let mut velocity_scales = vec![1.0 / time; model.velocity_count()];
+        for link in &model.links {
+            if matches!(link.joint, Joint::Slide { .. }) {
+                position_scales[link.position] = length;
+                velocity_scales[link.velocity] = length / time;
+            }
+        }
+        Self { system: System::new(model), position_scales, velocity_scales, tangent: None }
+    }
+
+    /// The system, for what is recorded between steps.
+    pub fn system(&mut self) -> &mut System<'m> {
+        &mut self.system
+    }
+}
+
+/// `½ p ∘ (0, ω)`: the rate of a quaternion from the angular velocity in the axes it leads from.
+fn half_product(p: &[f64], w: &[f64]) -> [f64; 4] {
+    [
+        0.5 * (-p[1] * w[0] - p[2] * w[1] - p[3] * w[2]),
+        0.5 * (p[0] * w[0] + p[2] * w[2] - p[3] * w[1]),
+        0.5 * (p[0] * w[1] + p[3] * w[0] - p[1] * w[2]),
+        0.5 * (p[0] * w[2] + p[1] * w[1] - p[2] * w[0]),
+    ]
+}
+
+impl Problem for Motion<'_> {
+    fn position_count(&self) -> usize {
+        self.system.model().position_count()
+    }
+
+    fn velocity_count(&self) -> usize {
+        self.system.model().velocity_count()
+    }
+
+    fn acceleration(&mut self, _time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
+        Ok(self.system.accelerations(q, v, a)?)
+    }
+
+    fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
+        for link in &self.system.model().links {
+            let (at, from) = (link.position, link.velocity);
+            match link.joint {
+                Joint::None => {}
+                Joint::Turn { .. } | Joint::Slide { .. } => rate[at] = v[from],
+                Joint::Ball { .. } => {
+                    rate[at..at + 4].copy_from_slice(&half_product(&q[at..at + 4], &v[from..from + 3]));
+                }
+            }
+        }
+    }
+
+    fn normalize(&self, q: &mut [f64]) {
+        for link in &self.system.model().links {
+            if matches!(link.joint, Joint::Ball { .. }) {
+                let p = &mut q[link.position..link.position + 4];
+                let norm = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+                p.iter_mut().for_each(|x| *x /= norm);
+            }
+        }
+    }
+
+    fn scales(&self) -> (&[f64], &[f64]) {
+        (&self.position_scales, &self.velocity_scales)
+    }
+}
+
+impl ImplicitProblem for Motion<'_> {
+    fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
+        for link in &self.system.model().links {
+            let (at, from) = (link.position, link.velocity);
+            match link.joint {
+                Joint::None => {}
+                Joint::Turn { .. } | Joint::Slide { .. } => q[at] = start[at] + step * v[from],
+                Joint::Ball { .. } => {
+                    // (1 − ½ h Ω) p = p*, with Ω skew and Ω² = −|ω|²: p = (p* + ½ h Ω p*) / (1 + ¼ h² |ω|²)
+                    let (p, w) = (&start[at..at + 4], &v[from..from + 3]);
+                    let turned = half_product(p, w);
+                    let scale = 1.0 + 0.25 * step * step * w.iter().map(|w| w * w).sum::<f64>();
+                    for i in 0..4 {
+                        q[at + i] = (p[i] + step * turned[i]) / scale;
+                    }
+                }
+            }
+        }
+    }
+
+    fn residual(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        Ok(self.system.residual(q, v, a, r)?)
+    }
+
+    fn factorize(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], c1: f64, c2: f64) -> Result<(), Failure> {
+        let linear = self.system.linearize(q, v, a)?;
+        let n = a.len();
+        let tangent = Mat::from_fn(n, n, |i, j| {
+            linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)]
+        });
+        self.tangent = Some(tangent.partial_piv_lu());
+        Ok(())
+    }
+
+    fn solve(&mut self, rhs: &mut [f64]) {
+        if let Some(tangent) = &self.tangent {
+            let mut x = Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]);
+            tangent.solve_in_place(&mut x);
+            for (i, value) in rhs.iter_mut().enumerate() {
+                *value = x[(i, 0)];
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The rest proof: a run from the equilibrium that must stay where it is.
+//!
+//! At a stable or neutral equilibrium nothing may move: the largest displacement of any hinge is compared with
+//! [`TOLERANCE`]. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
+//! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
+
+use super::run::{RunError, State, run};
+use super::settings::Settings;
+use crate::model::{Joint, Model};
+use crate::motion::unit_quaternion;
+use crate::record::Recorder;
+use crate::spatial::rotation::rotation_vector;
+use crate::statics::{Equilibrium, Verdict};
+
+/// A hinge that moved further than this did not rest (m or rad).
+pub const TOLERANCE: f64 = 1e-9;
+/// Size of the push at an unstable equilibrium, of the coordinate that moves most (m or rad).
+const PUSH: f64 = 1e-6;
+/// Growth is measured between these displacements: late enough for other modes to be gone, early enough to be linear.
+const GROWTH_WINDOW: (f64, f64) = (1e-5, 1e-3);
+
+/// The largest of something, and the hinge it was seen in.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Largest {
+    /// Body whose hinge it is.
+    pub hinge: String,
+    /// (m, rad or per second)
+    pub value: f64,
+}
+
+/// Growth away from an unstable equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Growth {
+    /// Body whose hinge leaves first.
+    pub hinge: String,
+    /// From the eigenvalue (1/s).
+    pub predicted: f64,
+    /// From the run (1/s); `None` where it did not leave in time.
+    pub observed: Option<f64>,
+}
+
+/// The answer.
+#[derive(Debug, Clone)]
+pub struct Rest {
+    /// Whether it stayed.
+    pub rested: bool,
+    /// Simulated time (s).
+    pub duration: f64,
+    /// Largest displacement of any hinge.
+    pub displacement: Largest,
+    /// Largest hinge speed.
+    pub speed: Largest,
+    /// Present at an unstable equilibrium.
+    pub growth: Option<Growth>,
+    /// Whether it was stopped from outside.
+    pub interrupted: bool,
+}
+
+/// Proves that the model stays at `equilibrium`, or shows how it leaves.
+///
+/// # Errors
+/// Where the run cannot be made.
+pub fn rest(
+    model: &Model,
+    equilibrium: &Equilibrium,
+    settings: &Settings,
+    rate: f64,
+    recorder: &mut dyn Recorder,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Rest, RunError> {
+    let pushed = Push::of(model, equilibrium);
+    let start = match &pushed {
+        Some(push) => push.start(model, equilibrium),
+        None => State { position: equilibrium.position.clone(), velocity: vec![0.0; model.velocity_count()] },
+    };
+    let duration = pushed.as_ref().map_or(settings.duration, |push| push.duration().min(settings.duration));
+    let settings = Settings { duration, ..*settings };
+    let mut watch = Watch::new(model, &equilibrium.position);
+    let summary = run(model, &settings, rate, &start, recorder, &mut |time, state| {
+        watch.see(time, state);
+        go_on(time)
+    })?;
+    let growth = pushed.map(|push| Growth {
+        hinge: push.hinge,
+        predicted: push.rate,
+        observed: watch
+            .window
+            .map(|(first, last)| (last.1 / first.1).ln() / (last.0 - first.0))
+            .filter(|r| r.is_finite()),
+    });
+    let rested = growth.is_none() && watch.displacement.value <= TOLERANCE && !summary.interrupted;
+    Ok(Rest {
+        rested,
+        duration: summary.end_time,
+        displacement: watch.displacement,
+        speed: watch.speed,
+        growth,
+        interrupted: summary.interrupted,
+    })
+}
+
+/// A push along the direction that runs away fastest.
+struct Push {
+    hinge: String,
+    rate: f64,
+    /// Displacement of every velocity coordinate.
+    shape: Vec<f64>,
+}
+
+impl Push {
+    fn of(model: &Model, equilibrium: &Equilibrium) -> Option<Self> {
+        let stability = equilibrium.stability.as_ref().filter(|s| s.verdict == Verdict::Unstable)?;
+        let mode = stability.modes.iter().max_by(|a, b| a.growth_rate.total_cmp(&b.growth_rate))?;
+        let mut shape = vec![0.0; model.velocity_count()];
+        let free = (0..shape.len()).filter(|i| !model.coordinates[*i].lock);
+        for (i, part) in free.zip(&mode.shape) {
+            shape[i] = PUSH * part;
+        }
+        let hinge = mode.shares.first().map_or(String::new(), |(name, _)| name.clone());
+        (mode.growth_rate > 0.0).then_some(Self { hinge, rate: mode.growth_rate, shape })
+    }
+
+    /// On the growing motion itself: displacement and, rate times it, velocity.
+    fn start(&self, model: &Model, equilibrium: &Equilibrium) -> State {
+        let mut position = equilibrium.position.clone();
+        crate::dynamics::System::displace(model, &mut position, &self.shape);
+        State { position, velocity: self.shape.iter().map(|x| self.rate * x).collect() }
+    }
+
+    /// Time to grow through the window, with as much again to spare.
+    fn duration(&self) -> f64 {
+        2.0 * (GROWTH_WINDOW.1 / PUSH).ln() / self.rate
+    }
+}
+
+struct Watch<'a> {
+    model: &'a Model,
+    origin: &'a [f64],
+    displacement: Largest,
+    speed: Largest,
+    /// First and last (time, displacement) within the growth window.
+    window: Option<((f64, f64), (f64, f64))>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(model: &'a Model, origin: &'a [f64]) -> Self {
+        Self { model, origin, displacement: Largest::default(), speed: Largest::default(), window: None }
+    }
+
+    fn see(&mut self, time: f64, state: &State) {
+        let mut now = 0.0_f64;
+        for link in self.model.links.iter().skip(1) {
+            let (at, from) = (link.position, link.velocity);
+            let (moved, fast) = match link.joint {
+                Joint::None => continue,
+                Joint::Turn { .. } | Joint::Slide { .. } => {
+                    ((state.position[at] - self.origin[at]).abs(), state.velocity[from].abs())
+                }
+                Joint::Ball { .. } => {
+                    let origin = unit_quaternion(&self.origin[at..at + 4]);
+                    let turn = rotation_vector(&(origin.inverse() * unit_quaternion(&state.position[at..at + 4])));
+                    let speed = state.velocity[from..from + 3].iter().map(|w| w * w).sum::<f64>().sqrt();
+                    (turn.norm(), speed)
+                }
+            };
+            now = now.max(moved);
+            for (largest, value) in [(&mut self.displacement, moved), (&mut self.speed, fast)] {
+                if value > largest.value || largest.hinge.is_empty() {
+                    *largest = Largest { hinge: self.model.bodies[link.body].name.clone(), value };
+                }
+            }
+        }
+        if now >= GROWTH_WINDOW.0 && now <= GROWTH_WINDOW.1 {
+            let first = self.window.map_or((time, now), |(first, _)| first);
+            self.window = Some((first, (time, now)));
+        }
+    }
+}

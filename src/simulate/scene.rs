@@ -1,0 +1,90 @@
+//! The still part of a recording, from a model.
+
+use crate::model::description::HingeKind;
+use crate::model::shape::{Geometry, Shape};
+use crate::model::{Body, Law, Model};
+use crate::record::scene::{BodyPicture, Channel, LinePicture, Scene, ShapePicture};
+use nalgebra::{Point3, Vector3};
+
+/// What a picture of this model needs to know.
+pub fn scene(model: &Model) -> Scene {
+    let mut by_position: Vec<&Body> = model.bodies.iter().collect();
+    by_position.sort_by_key(|body| (body.hinge.position, body.hinge.kind.counts().0));
+    let channels = |names: fn(&HingeKind) -> &'static [(&'static str, &'static str)]| -> Vec<Channel> {
+        let of_body = |body: &&Body| {
+            let owner = body.name.clone();
+            names(&body.hinge.kind).iter().map(move |(name, unit)| Channel {
+                body: owner.clone(),
+                name: (*name).to_owned(),
+                unit: (*unit).to_owned(),
+            })
+        };
+        by_position.iter().flat_map(of_body).collect()
+    };
+    Scene {
+        title: model.title.clone(),
+        bodies: model.bodies.iter().map(picture).collect(),
+        lines: model.forces.iter().filter_map(|force| line(model, &force.name, &force.law)).collect(),
+        positions: channels(Model::position_names),
+        velocities: channels(Model::velocity_names),
+    }
+}
+
+fn picture(body: &Body) -> BodyPicture {
+    let i = &body.mass.inertia;
+    let turn = body.hinge.parent_from_hinge.rotation;
+    BodyPicture {
+        name: body.name.clone(),
+        parent: body.parent,
+        mass: body.mass.mass,
+        center: body.mass.center.into(),
+        inertia: [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23],
+        markers: body.markers.iter().map(|(name, at)| (name.clone(), (*at).into())).collect(),
+        shapes: body.shapes.iter().map(shape).collect(),
+        hinge: body.hinge.kind.name().to_owned(),
+        hinge_axes: axes(&body.hinge.kind).iter().map(|axis| (turn * axis.normalize()).into()).collect(),
+        hinge_at: body.hinge.parent_from_hinge.translation.vector.into(),
+    }
+}
+
+fn axes(kind: &HingeKind) -> Vec<Vector3<f64>> {
+    match kind {
+        HingeKind::Revolute { axis } | HingeKind::Prismatic { axis } | HingeKind::Cylindrical { axis } => vec![*axis],
+        HingeKind::Universal { axes } => axes.to_vec(),
+        HingeKind::Planar => vec![Vector3::z()],
+        HingeKind::Fixed | HingeKind::Spherical | HingeKind::Free => Vec::new(),
+    }
+}
+
+fn shape(shape: &Shape) -> ShapePicture {
+    let (kind, size, file) = match &shape.geometry {
+        Geometry::Box(edges) => ("box", vec![edges.x, edges.y, edges.z], None),
+        Geometry::Sphere(radius) => ("sphere", vec![*radius], None),
+        Geometry::Cylinder { radius, length } => ("cylinder", vec![*radius, *length], None),
+        Geometry::Capsule { radius, length } => ("capsule", vec![*radius, *length], None),
+        Geometry::Mesh { file, scale } => ("mesh", vec![scale.x, scale.y, scale.z], Some(file.display().to_string())),
+    };
+    let turn = shape.pose.rotation;
+    ShapePicture {
+        kind: kind.to_owned(),
+        size,
+        file,
+        position: shape.pose.translation.vector.into(),
+        quaternion: [turn.w, turn.i, turn.j, turn.k],
+        color: shape.color,
+    }
+}
+
+/// Springs and bushings are drawn between the named bodies they are attached to.
+fn line(model: &Model, name: &str, law: &Law) -> Option<LinePicture> {
+    let (Law::Spring { ends, .. } | Law::Bushing { ends, .. }) = law else { return None };
+    let ends = [0, 1].map(|i| {
+        let end = &ends[i];
+        let point = match end.body {
+            Some(body) => model.bodies[body].link_from_body.inverse() * Point3::from(end.point),
+            None => Point3::from(end.point),
+        };
+        (end.body, point.coords.into())
+    });
+    Some(LinePicture { name: name.to_owned(), ends })
+}

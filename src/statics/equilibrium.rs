@@ -1,0 +1,214 @@
+//! The cascade and its certificate.
+
+use super::landscape::Landscape;
+use super::search::{Iteration, Place, polish};
+use super::stability::{Stability, Verdict, classify};
+use super::{Settings, Want, newton, trust_region};
+use crate::dynamics::{Fault, System};
+use crate::model::Model;
+use crate::spatial::{Pose, Wrench};
+use nalgebra::Vector3;
+
+/// What the search found, with the evidence.
+#[derive(Debug, Clone)]
+pub struct Equilibrium {
+    /// Whether the residual proves an equilibrium of the kind that was wanted.
+    pub converged: bool,
+    /// Whether the residual proves an equilibrium of any kind.
+    pub balanced: bool,
+    /// `newton`: the method of the differentiated transfer equations.
+    pub method: &'static str,
+    /// The stage that won: `start` (nothing to do), `newton` or `trust region`.
+    pub stage: &'static str,
+    /// Steps of all stages.
+    pub iterations: usize,
+    /// Sweeps of the static balance.
+    pub force_evaluations: usize,
+    /// Stiffness matrices assembled.
+    pub stiffness_evaluations: usize,
+    /// Largest hinge acceleration at rest (m/s², rad/s²), locked hinges held.
+    pub residual_acceleration: f64,
+    /// Largest unbalanced hinge force (N, N m), locked hinges left out.
+    pub residual_force: f64,
+    /// The same relative to the forces that cancel there.
+    pub relative_residual: f64,
+    /// Hinge coordinates.
+    pub position: Vec<f64>,
+    /// Root markers of the named bodies: `world_from_body`.
+    pub poses: Vec<Pose>,
+    /// What the hinge passes to each named body at its root marker, inertial axes.
+    pub reactions: Vec<Wrench>,
+    /// Verdict and modes; `None` where there is no equilibrium.
+    pub stability: Option<Stability>,
+    /// What locked hinges have to hold: coordinate name and force (N, N m).
+    pub holding: Vec<(String, f64)>,
+    /// What a person should know: saddles that were left, what is unbalanced.
+    pub notes: Vec<String>,
+    /// Every step.
+    pub history: Vec<Iteration>,
+}
+
+/// Finds the equilibrium from the guess `start`.
+///
+/// # Errors
+/// Where the system cannot be evaluated at the guess: a singular hinge, a number that is not finite.
+pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<Equilibrium, Fault> {
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, start)?;
+    let mut history = Vec::new();
+    let first = Place::at(&mut landscape, start.to_vec())?;
+    let mut notes = Vec::new();
+    let (place, stage) = search(&mut landscape, settings, first, &mut history, &mut notes)?;
+    let balanced = place.is_balanced();
+    if !balanced {
+        notes.push(unbalanced(&mut landscape, &place));
+    }
+    certify(landscape, settings, place, stage, history, notes)
+}
+
+fn search(
+    landscape: &mut Landscape<'_, '_>,
+    settings: &Settings,
+    first: Place,
+    history: &mut Vec<Iteration>,
+    notes: &mut Vec<String>,
+) -> Result<(Place, &'static str), Fault> {
+    let descends = settings.want == Want::Stable && landscape.conservative;
+    if !descends || settings.method == super::Method::Newton {
+        if first.is_exact() {
+            return Ok((first, "start"));
+        }
+        let place = newton::run(landscape, first, history)?;
+        return Ok((polish(landscape, place, history)?, "newton"));
+    }
+    let (exact, start) = (first.is_exact(), first.q.clone());
+    let outcome = trust_region::run(landscape, first, history)?;
+    for coordinates in &outcome.left {
+        let names: Vec<String> =
+            coordinates.iter().take(3).map(|i| landscape.model().label(landscape.free[*i])).collect();
+        let more = if coordinates.len() > 3 { ", …" } else { "" };
+        notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
+    }
+    if outcome.fell {
+        notes.push("the potential falls without end: there is no equilibrium downhill of the guess".to_owned());
+    }
+    if exact && history.is_empty() {
+        return Ok((outcome.place, "start"));
+    }
+    let stage = if outcome.shifted { "trust region" } else { "newton" };
+    if !outcome.place.is_balanced() {
+        return Ok((outcome.place, stage));
+    }
+    let unwound = unwind(landscape.model(), &start, outcome.place.q);
+    let place = Place::at(landscape, unwound)?;
+    Ok((polish(landscape, place, history)?, stage))
+}
+
+/// Takes off the full turns that the search made in hinges without springs: the same pose, nearest to the guess.
+fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
+    use std::f64::consts::TAU;
+    for link in &model.links {
+        let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;
+        if matches!(link.joint, crate::model::Joint::Turn { .. }) && !spring(link.velocity) {
+            let turns = ((q[link.position] - start[link.position]) / TAU).round();
+            if turns != 0.0 {
+                q[link.position] -= turns * TAU;
+            }
+        }
+    }
+    q
+}
+
+/// Names what is not balanced: hinge, body, force and direction.
+fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
+    let (relative, worst) = place.residual();
+    let Some(worst) = worst else { return "no residual".to_owned() };
+    let (model, coordinate) = (landscape.model(), landscape.free[worst]);
+    let size = place.force[worst];
+    let unit = if super::landscape::slides(model)[coordinate] { "N" } else { "N m" };
+    let direction = direction(landscape, coordinate);
+    let towards = direction.map_or(String::new(), |d| format!(" along [{:.3}, {:.3}, {:.3}]", d.x, d.y, d.z));
+    format!(
+        "nothing balances {size:.6e} {unit} in {}{towards} ({relative:.1e} of the forces there): \
+         a spring, a load or a lock is missing, or the guess is too far away",
+        model.label(coordinate)
+    )
+}
+
+/// The axis of a turn or slide in inertial axes; of the ball's axis for a ball.
+fn direction(landscape: &mut Landscape<'_, '_>, coordinate: usize) -> Option<Vector3<f64>> {
+    let model = landscape.model();
+    let (index, link) = model.links.iter().enumerate().skip(1).find(|(_, link)| {
+        let (_, count) = link.joint.counts();
+        (link.velocity..link.velocity + count).contains(&coordinate)
+    })?;
+    let motion = &landscape.system().motion().links[index];
+    let (_, count) = link.joint.counts();
+    Some(if count == 1 { motion.axis } else { motion.turn.column(coordinate - link.velocity).into_owned() })
+}
+
+fn certify(
+    mut landscape: Landscape<'_, '_>,
+    settings: &Settings,
+    place: Place,
+    stage: &'static str,
+    history: Vec<Iteration>,
+    mut notes: Vec<String>,
+) -> Result<Equilibrium, Fault> {
+    let model = landscape.model();
+    let (free, conservative) = (landscape.free.clone(), landscape.conservative);
+    let (force_evaluations, stiffness_evaluations) = (landscape.residuals, landscape.stiffnesses);
+    let system = landscape.system();
+    let rest = vec![0.0; model.velocity_count()];
+    let mut residual = rest.clone();
+    let residual_acceleration = held_acceleration(system, &place, &free)?;
+    system.residual(&place.q, &rest, &rest, &mut residual)?;
+    let (mut poses, mut reactions) = (Vec::new(), Vec::new());
+    system.poses(&mut poses);
+    system.reactions(&mut reactions);
+    let holding: Vec<(String, f64)> =
+        (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
+    let balanced = place.is_balanced();
+    let stability = match balanced {
+        true => Some(classify(system, &place.q, &free, &place.scales.stiffness, conservative)?),
+        false => None,
+    };
+    let verdict = stability.as_ref().map(|s| s.verdict);
+    if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
+        notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
+    }
+    let kind = settings.want == Want::Any || verdict != Some(Verdict::Unstable);
+    Ok(Equilibrium {
+        converged: balanced && kind,
+        balanced,
+        method: "newton",
+        stage,
+        iterations: history.len(),
+        force_evaluations,
+        stiffness_evaluations,
+        residual_acceleration,
+        residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
+        relative_residual: place.residual().0,
+        position: place.q,
+        poses,
+        reactions,
+        stability,
+        holding,
+        notes,
+        history,
+    })
+}
+
+/// Largest hinge acceleration at rest with locked hinges held.
+fn held_acceleration(system: &mut System<'_>, place: &Place, free: &[usize]) -> Result<f64, Fault> {
+    let rest = vec![0.0; system.model().velocity_count()];
+    let mut a = rest.clone();
+    system.accelerations(&place.q, &rest, &mut a)?;
+    if free.len() == rest.len() {
+        return Ok(a.iter().fold(0.0, |m, a| m.max(a.abs())));
+    }
+    let mass = system.linearize(&place.q, &rest, &rest)?.mass;
+    let held = faer::Mat::from_fn(free.len(), free.len(), |i, j| mass[(free[i], free[j])]);
+    let a = super::linear::General::of(&held).solve(&place.force);
+    Ok(a.iter().fold(0.0, |m, a| m.max(a.abs())))
+}

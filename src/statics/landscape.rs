@@ -1,0 +1,191 @@
+//! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
+
+use super::stiffness::Stiffness;
+use crate::dynamics::{Fault, System};
+use crate::model::{Joint, Model};
+use faer::Mat;
+
+/// The static problem of a model with its locked hinges held.
+pub struct Landscape<'s, 'm> {
+    system: &'s mut System<'m>,
+    /// Indices of the velocity coordinates that may move.
+    pub free: Vec<usize>,
+    /// `B`: the inertia each free coordinate sees (kg, kg m²); makes radians and metres comparable.
+    pub metric: Vec<f64>,
+    /// Whether loads have a potential: then the stiffness is a Hessian and equilibria are its stationary points.
+    pub conservative: bool,
+    /// Work counters.
+    pub residuals: usize,
+    /// Stiffness matrices looked at.
+    pub stiffnesses: usize,
+    /// Factorizations of them.
+    pub factorizations: usize,
+    stiffness: Stiffness,
+    rest: Vec<f64>,
+    full: Vec<f64>,
+}
+
+/// How large the terms are that must cancel in each free coordinate.
+#[derive(Debug, Clone)]
+pub struct Scales {
+    /// Sum of the magnitudes of the forces in the balance (N, N m).
+    pub force: Vec<f64>,
+    /// Round-off level of the balance (N, N m).
+    pub noise: Vec<f64>,
+    /// Magnitude of the stiffness terms (N/m, N m/rad).
+    pub stiffness: Vec<f64>,
+}
+
+impl<'s, 'm> Landscape<'s, 'm> {
+    /// The landscape around `q`.
+    ///
+    /// # Errors
+    /// A singular hinge, or the element whose numbers are not finite.
+    pub fn new(system: &'s mut System<'m>, q: &[f64]) -> Result<Self, Fault> {
+        let model = system.model();
+        let n = model.velocity_count();
+        let rest = vec![0.0; n];
+        let mut full = vec![0.0; n];
+        system.accelerations(q, &rest, &mut full)?;
+        system.articulated_inertia(&mut full);
+        let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
+        let metric = free.iter().map(|i| full[*i]).collect();
+        let conservative = model.is_conservative();
+        let stiffness = Stiffness::new(model, &free);
+        let (residuals, stiffnesses, factorizations) = (0, 0, 0);
+        Ok(Self { system, free, metric, conservative, residuals, stiffnesses, factorizations, stiffness, rest, full })
+    }
+
+    /// The model.
+    pub fn model(&self) -> &'m Model {
+        self.system.model()
+    }
+
+    /// The system, for what comes after the search.
+    pub fn system(&mut self) -> &mut System<'m> {
+        self.system
+    }
+
+    /// The unbalanced force in each free coordinate: `−∂V/∂q` where there is a potential.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn force(&mut self, q: &[f64]) -> Result<Vec<f64>, Fault> {
+        self.residuals += 1;
+        self.system.residual(q, &self.rest, &self.rest, &mut self.full)?;
+        Ok(self.free.iter().map(|i| -self.full[*i]).collect())
+    }
+
+    /// Takes the stiffness at `q` for the solutions that follow.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn look(&mut self, q: &[f64]) -> Result<(), Fault> {
+        self.stiffnesses += 1;
+        if self.stiffness.is_dense() {
+            let matrix = self.dense_stiffness(q)?;
+            self.stiffness.set_dense(matrix);
+            return Ok(());
+        }
+        self.residuals += 1;
+        self.stiffness.look(self.system, q, &self.rest, self.conservative)
+    }
+
+    /// Factorizes `K + σB` at the place last looked at; false where it is not positive definite.
+    pub fn factorize(&mut self, shift: f64) -> bool {
+        self.factorizations += 1;
+        let diagonal: Vec<f64> = self.metric.iter().map(|b| shift * b).collect();
+        self.stiffness.factorize(self.system, &diagonal, true)
+    }
+
+    /// Solves with the last factorization.
+    pub fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
+        self.stiffness.solve(self.system.model(), rhs)
+    }
+
+    /// `K x = rhs` at the place last looked at, definite or not; `None` where K is singular.
+    pub fn newton(&mut self, rhs: &[f64]) -> Option<Vec<f64>> {
+        self.factorizations += 1;
+        let none = vec![0.0; self.free.len()];
+        if !self.stiffness.factorize(self.system, &none, false) {
+            return None;
+        }
+        let x = self.stiffness.solve(self.system.model(), rhs);
+        x.iter().all(|x| x.is_finite()).then_some(x)
+    }
+
+    /// A direction in which the stiffness is negative by more than `shift` (a diagonal), at the place last looked at.
+    pub fn negative_direction(&mut self, shift: &[f64]) -> Option<Vec<f64>> {
+        self.factorizations += 1;
+        self.stiffness.negative_direction(self.system, shift)
+    }
+
+    /// The dense stiffness matrix of the free coordinates; symmetric where loads have a potential.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn dense_stiffness(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
+        let full = self.system.static_stiffness(q)?;
+        let (free, n) = (&self.free, self.free.len());
+        Ok(if self.conservative {
+            // Off equilibrium the coordinates of a ball have a connection term: the Hessian is the symmetric part.
+            Mat::from_fn(n, n, |i, j| 0.5 * (full[(free[i], free[j])] + full[(free[j], free[i])]))
+        } else {
+            Mat::from_fn(n, n, |i, j| full[(free[i], free[j])])
+        })
+    }
+
+    /// Potential energy (J).
+    pub fn potential(&mut self, q: &[f64]) -> f64 {
+        self.system.energies(q, &self.rest).potential
+    }
+
+    /// `q ⊞ x` with `x` in free coordinates.
+    pub fn moved(&mut self, q: &[f64], x: &[f64]) -> Vec<f64> {
+        self.full.fill(0.0);
+        for (i, x) in self.free.iter().zip(x) {
+            self.full[*i] = *x;
+        }
+        let mut moved = q.to_vec();
+        System::displace(self.system.model(), &mut moved, &self.full);
+        moved
+    }
+
+    /// `√(xᵀ B x)`.
+    pub fn size(&self, x: &[f64]) -> f64 {
+        x.iter().zip(&self.metric).map(|(x, b)| b * x * x).sum::<f64>().sqrt()
+    }
+
+    /// Magnitudes of the terms of the balance at `q`: a sweep of absolute values.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn scales(&mut self, q: &[f64]) -> Result<Scales, Fault> {
+        self.force(q)?;
+        let magnitudes = self.system.balance_magnitudes(q);
+        let model = self.system.model();
+        let length = model.length_scale();
+        let pick = |of: &dyn Fn(usize) -> f64| self.free.iter().map(|i| of(*i)).collect::<Vec<f64>>();
+        let slides = slides(model);
+        let stiffness = |i: usize| {
+            let per = if slides[i] { length } else { 1.0 };
+            magnitudes.force[i] / per + magnitudes.stiffness[i]
+        };
+        Ok(Scales {
+            force: pick(&|i| magnitudes.force[i]),
+            noise: pick(&|i| f64::EPSILON * magnitudes.noise[i]),
+            stiffness: pick(&stiffness),
+        })
+    }
+}
+
+/// Which velocity coordinates are distances.
+pub(super) fn slides(model: &Model) -> Vec<bool> {
+    let mut slides = vec![false; model.velocity_count()];
+    for link in &model.links {
+        if matches!(link.joint, Joint::Slide { .. }) {
+            slides[link.velocity] = true;
+        }
+    }
+    slides
+}

@@ -1,0 +1,106 @@
+//! What the stages of the search share: the state of the search, its stop test, its record.
+
+use super::landscape::{Landscape, Scales};
+use crate::dynamics::Fault;
+
+/// A residual within this part of the forces that cancel in it is balanced well enough to report success.
+pub(super) const BALANCED: f64 = 1e-10;
+/// A residual within this part of them needs no further step: a start like that is returned bit for bit.
+const EXACT: f64 = 1e-13;
+/// Units of round-off that a sum of force terms may err by.
+const ROUNDING: f64 = 16.0;
+
+/// One iteration of the search, for reports and plots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Iteration {
+    /// Which stage made it.
+    pub stage: &'static str,
+    /// Largest unbalanced force, relative to the forces that cancel there.
+    pub residual: f64,
+    /// Size of the step in the inertia metric (m √kg).
+    pub step: f64,
+    /// Shift `σ` of the trust region, 0 for a Newton step.
+    pub shift: f64,
+}
+
+/// A position and its unbalanced forces.
+#[derive(Debug, Clone)]
+pub(super) struct Place {
+    pub q: Vec<f64>,
+    pub force: Vec<f64>,
+    pub scales: Scales,
+}
+
+impl Place {
+    pub(super) fn at(landscape: &mut Landscape<'_, '_>, q: Vec<f64>) -> Result<Self, Fault> {
+        let scales = landscape.scales(&q)?;
+        let force = landscape.force(&q)?;
+        Ok(Self { q, force, scales })
+    }
+
+    /// Largest unbalanced force relative to what cancels there, and where.
+    pub(super) fn residual(&self) -> (f64, Option<usize>) {
+        self.worst(|i| {
+            let size = self.scales.force[i];
+            if size > 0.0 { self.force[i].abs() / size } else { f64::from(u8::from(self.force[i] != 0.0)) }
+        })
+    }
+
+    /// The same with round-off taken off: zero where the residual is within it.
+    fn excess(&self) -> f64 {
+        self.worst(|i| {
+            let above = self.force[i].abs() - ROUNDING * self.scales.noise[i];
+            if above > 0.0 { above / self.scales.force[i].max(f64::MIN_POSITIVE) } else { 0.0 }
+        })
+        .0
+    }
+
+    fn worst(&self, of: impl Fn(usize) -> f64) -> (f64, Option<usize>) {
+        let mut worst = (0.0, None);
+        for i in 0..self.force.len() {
+            let value = of(i);
+            if value > worst.0 || value.is_nan() {
+                worst = (value, Some(i));
+            }
+        }
+        worst
+    }
+
+    /// Balanced to what can be asked for.
+    pub(super) fn is_balanced(&self) -> bool {
+        self.excess() <= BALANCED
+    }
+
+    /// Balanced to the last digits: nothing is gained by another step.
+    pub(super) fn is_exact(&self) -> bool {
+        self.excess() <= EXACT
+    }
+}
+
+/// Newton steps while they still halve the residual: from balanced to the last digits. The best place is kept.
+pub(super) fn polish(
+    landscape: &mut Landscape<'_, '_>,
+    mut place: Place,
+    history: &mut Vec<Iteration>,
+) -> Result<Place, Fault> {
+    for _ in 0..10 {
+        if place.is_exact() {
+            break;
+        }
+        landscape.look(&place.q)?;
+        let Some(step) = landscape.newton(&place.force) else { break };
+        let q = landscape.moved(&place.q, &step);
+        let Ok(next) = Place::at(landscape, q) else { break };
+        if next.residual().0 > 0.5 * place.residual().0 {
+            break;
+        }
+        place = next;
+        history.push(Iteration {
+            stage: "polish",
+            residual: place.residual().0,
+            step: landscape.size(&step),
+            shift: 0.0,
+        });
+    }
+    Ok(place)
+}

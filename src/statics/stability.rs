@@ -1,0 +1,224 @@
+//! What kind of equilibrium it is: how many directions leave it, how many cost nothing, and how fast it swings.
+//!
+//! At an equilibrium with a potential the stiffness matrix `K` is its Hessian. Directions are counted on
+//! `N^(-1/2) K N^(-1/2)`, `N` being the magnitude of the terms that make up `K`: an eigenvalue within [`NEUTRAL`] of
+//! zero is round-off, not stiffness. Without a potential the eigenvalues of the linearized motion decide.
+
+use crate::dynamics::{Fault, Linearization, System};
+use crate::model::Model;
+use faer::{Mat, Side};
+
+/// A stiffness below this part of the terms it is the sum of counts as zero.
+pub const NEUTRAL: f64 = 1e-9;
+
+/// The verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every small push comes back.
+    Stable,
+    /// Some push runs away.
+    Unstable,
+    /// None runs away, and some motion costs nothing.
+    Neutral,
+}
+
+impl Verdict {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Unstable => "unstable",
+            Self::Neutral => "neutral",
+        }
+    }
+}
+
+/// A direction in coordinate space, told by the hinges that carry it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mode {
+    /// Undamped frequency (Hz); 0 for a neutral one.
+    pub frequency_hz: f64,
+    /// Growth rate (1/s) of one that runs away, else 0.
+    pub growth_rate: f64,
+    /// Shape, one number per free coordinate, largest 1.
+    pub shape: Vec<f64>,
+    /// Bodies whose hinges carry it and their share of its kinetic energy, largest first.
+    pub shares: Vec<(String, f64)>,
+}
+
+/// Verdict and modes.
+#[derive(Debug, Clone)]
+pub struct Stability {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Number of directions that run away.
+    pub unstable_directions: usize,
+    /// Number of directions that cost nothing.
+    pub neutral_directions: usize,
+    /// All modes: running away first, then neutral, then by frequency.
+    pub modes: Vec<Mode>,
+}
+
+/// Classifies the equilibrium `q`. `free` are the coordinates that may move, `magnitude` the sizes of the stiffness
+/// terms there.
+///
+/// # Errors
+/// The element whose numbers are not finite.
+pub fn classify(
+    system: &mut System<'_>,
+    q: &[f64],
+    free: &[usize],
+    magnitude: &[f64],
+    conservative: bool,
+) -> Result<Stability, Fault> {
+    let model = system.model();
+    let rest = vec![0.0; model.velocity_count()];
+    let full = system.linearize(q, &rest, &rest)?;
+    let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
+    let linear =
+        Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
+    if free.is_empty() {
+        let (unstable_directions, neutral_directions) = (0, 0);
+        return Ok(Stability { verdict: Verdict::Stable, unstable_directions, neutral_directions, modes: Vec::new() });
+    }
+    let (unstable, neutral) = match conservative {
+        true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
+        false => count_by_motion(&linear),
+    };
+    let mut modes = if conservative { undamped_modes(model, free, &linear, unstable, neutral) } else { Vec::new() };
+    if model.has_damping() || !conservative {
+        grow(&mut modes, &linear, unstable);
+    }
+    let verdict = match (unstable, neutral) {
+        (0, 0) => Verdict::Stable,
+        (0, _) => Verdict::Neutral,
+        _ => Verdict::Unstable,
+    };
+    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes })
+}
+
+fn symmetric(m: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
+}
+
+fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
+    let largest = magnitude.iter().fold(0.0_f64, |m, x| m.max(*x));
+    let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest.max(f64::MIN_POSITIVE) };
+    let n = magnitude.len();
+    let scaled = Mat::from_fn(n, n, |i, j| stiffness[(i, j)] / (size(i) * size(j)).sqrt());
+    let values = scaled.self_adjoint_eigenvalues(Side::Lower).unwrap_or_else(|_| vec![f64::NAN; n]);
+    let unstable = values.iter().filter(|x| **x < -NEUTRAL).count();
+    let neutral = values.iter().filter(|x| x.abs() <= NEUTRAL || x.is_nan()).count();
+    (unstable, neutral)
+}
+
+/// Growth rates of the linearized motion `M ẍ + C ẋ + K x = 0`, largest first.
+fn rates(linear: &Linearization) -> Vec<faer::c64> {
+    let n = linear.mass.nrows();
+    let lu = linear.mass.partial_piv_lu();
+    use faer::linalg::solvers::Solve;
+    let (k, c) = (lu.solve(&linear.stiffness), lu.solve(&linear.damping));
+    let first_order = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, true) => 0.0,
+        (true, false) => f64::from(u8::from(i + n == j)),
+        (false, true) => -k[(i - n, j)],
+        (false, false) => -c[(i - n, j - n)],
+    });
+    let mut values = first_order.eigenvalues().unwrap_or_default();
+    values.sort_by(|a, b| b.re.total_cmp(&a.re));
+    values
+}
+
+/// A real part within this part of the largest rate is round-off: eigenvalues of a defective pair split by the square
+/// root of the machine precision.
+const RATE_NOISE: f64 = 1e-7;
+
+fn count_by_motion(linear: &Linearization) -> (usize, usize) {
+    let values = rates(linear);
+    let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.re.hypot(x.im)));
+    let limit = RATE_NOISE * largest;
+    let unstable = values.iter().filter(|x| x.re > limit).count();
+    let neutral = values.iter().filter(|x| x.re.hypot(x.im) <= limit).count();
+    (unstable, neutral.div_ceil(2))
+}
+
+/// Undamped modes `K x = λ M x`. Small eigenvalues are taken from the inverse problem where that is more accurate:
+/// relative errors are `ε λ_max/λ` one way and `ε λ/λ_min` the other.
+fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstable: usize, neutral: usize) -> Vec<Mode> {
+    let Some((mut values, vectors)) = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass)) else {
+        return Vec::new();
+    };
+    let n = values.len();
+    if unstable + neutral == 0
+        && let Some((inverse, _)) = generalized(&symmetric(&linear.mass), &symmetric(&linear.stiffness))
+    {
+        let (low, high) = (1.0 / inverse[n - 1], values[n - 1]);
+        for (i, value) in values.iter_mut().enumerate() {
+            let other = 1.0 / inverse[n - 1 - i];
+            if other < (low * high).sqrt() {
+                *value = other;
+            }
+        }
+    }
+    (0..n)
+        .map(|i| {
+            let shape: Vec<f64> = (0..n).map(|row| vectors[(row, i)]).collect();
+            let shares = shares(model, free, &linear.mass, &shape);
+            let (frequency_hz, growth_rate) = match i {
+                i if i < unstable => (0.0, (-values[i]).max(0.0).sqrt()),
+                i if i < unstable + neutral => (0.0, 0.0),
+                _ => (values[i].max(0.0).sqrt() / std::f64::consts::TAU, 0.0),
+            };
+            let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
+            let shape = shape.iter().map(|x| x / largest).collect();
+            Mode { frequency_hz, growth_rate, shape, shares }
+        })
+        .collect()
+}
+
+/// With damping the growth rates are those of the damped motion.
+fn grow(modes: &mut [Mode], linear: &Linearization, unstable: usize) {
+    let values = rates(linear);
+    for (mode, value) in modes.iter_mut().take(unstable).zip(values) {
+        mode.growth_rate = value.re;
+    }
+}
+
+/// Eigenvalues, ascending, and vectors of `A x = λ B x` with `B` positive definite.
+fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+    let n = a.nrows();
+    let factor = b.llt(Side::Lower).ok()?;
+    let lower = factor.L().to_owned();
+    let mut left = a.to_owned();
+    faer::linalg::triangular_solve::solve_lower_triangular_in_place(lower.as_ref(), left.as_mut(), faer::Par::Seq);
+    let mut both = left.transpose().to_owned();
+    faer::linalg::triangular_solve::solve_lower_triangular_in_place(lower.as_ref(), both.as_mut(), faer::Par::Seq);
+    let eigen = symmetric(&both).self_adjoint_eigen(Side::Lower).ok()?;
+    let values: Vec<f64> = (0..n).map(|i| eigen.S()[i]).collect();
+    let mut vectors = eigen.U().to_owned();
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(
+        lower.transpose(),
+        vectors.as_mut(),
+        faer::Par::Seq,
+    );
+    values.iter().all(|x| x.is_finite()).then_some((values, vectors))
+}
+
+/// Each hinge's share of a mode's kinetic energy.
+fn shares(model: &Model, free: &[usize], mass: &Mat<f64>, shape: &[f64]) -> Vec<(String, f64)> {
+    let mut shares: Vec<(usize, f64)> = Vec::new();
+    for (row, at) in free.iter().enumerate() {
+        let momentum: f64 = (0..free.len()).map(|j| mass[(row, j)] * shape[j]).sum();
+        let part = shape[row] * momentum;
+        let body = model.coordinates[*at].body;
+        match shares.last_mut() {
+            Some((last, sum)) if *last == body => *sum += part,
+            _ => shares.push((body, part)),
+        }
+    }
+    let total: f64 = shares.iter().map(|(_, part)| part.abs()).sum();
+    let mut named: Vec<(String, f64)> =
+        shares.iter().map(|(body, part)| (model.bodies[*body].name.clone(), part.abs() / total)).collect();
+    named.sort_by(|a, b| b.1.total_cmp(&a.1));
+    named
+}

@@ -1,0 +1,217 @@
+//! Newton within a trust region: goes down the potential, so it ends at a stable equilibrium or says why not.
+//!
+//! ```text
+//! step      (K + σB) x = f,   |x|_B ≤ Δ,   σ ≥ 0,   K + σB positive definite          (Moré & Sorensen 1983)
+//! σ from Newton on the secular equation |x(σ)|_B = Δ:
+//!           σ ← σ + (|x|/Δ − 1) |x|² / (xᵀ B y),   (K + σB) y = B x
+//! ```
+//!
+//! `B` is the inertia that each hinge sees, so radians and metres compare. With σ = 0 the step is Newton's. At a point
+//! without force where K has negative directions (a saddle, a dead centre) the search leaves along
+//! one of them.
+
+use super::landscape::Landscape;
+use super::search::{Iteration, Place};
+use crate::dynamics::Fault;
+
+const MOST_ITERATIONS: usize = 400;
+/// Trials for one step's shift.
+const MOST_SHIFTS: usize = 40;
+/// A scene that has moved this many of its own lengths downhill has no equilibrium.
+const FAR: f64 = 1e6;
+
+/// How the search ended.
+#[derive(Debug, Clone)]
+pub(super) struct Outcome {
+    pub place: Place,
+    /// Saddles that were left, each with the coordinates that carried the way out.
+    pub left: Vec<Vec<usize>>,
+    /// Whether the potential fell without end.
+    pub fell: bool,
+    /// Whether a step needed a shift: else the whole search was Newton's.
+    pub shifted: bool,
+}
+
+struct Search<'l, 's, 'm> {
+    landscape: &'l mut Landscape<'s, 'm>,
+    /// Δ (m √kg).
+    radius: f64,
+    potential: f64,
+    outcome: Outcome,
+}
+
+/// Runs from `place`. Needs loads with a potential.
+pub(super) fn run(
+    landscape: &mut Landscape<'_, '_>,
+    place: Place,
+    history: &mut Vec<Iteration>,
+) -> Result<Outcome, Fault> {
+    let potential = landscape.potential(&place.q);
+    let length = landscape.model().length_scale();
+    let slides = super::landscape::slides(landscape.model());
+    // One radian, or one length of the scene, of every coordinate at once.
+    let unit: Vec<f64> = landscape.free.iter().map(|i| if slides[*i] { length } else { 1.0 }).collect();
+    let radius = landscape.size(&unit);
+    let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
+    let mut search = Search { landscape, radius, potential, outcome };
+    let far = FAR * radius;
+    let mut travelled = 0.0;
+    for _ in 0..MOST_ITERATIONS {
+        if search.outcome.place.is_balanced() {
+            if !search.leave_saddle(history)? {
+                break;
+            }
+            continue;
+        }
+        let Some(step) = search.step(history)? else { break };
+        travelled += step;
+        if travelled > far {
+            search.outcome.fell = true;
+            break;
+        }
+    }
+    Ok(search.outcome)
+}
+
+/// A trial step and what the quadratic model says of it.
+struct Trial {
+    x: Vec<f64>,
+    size: f64,
+    shift: f64,
+}
+
+impl Search<'_, '_, '_> {
+    /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
+    fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
+        self.landscape.look(&self.outcome.place.q)?;
+        let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
+        while self.radius > smallest {
+            let Some(trial) = self.within_radius() else {
+                self.radius *= 0.25;
+                continue;
+            };
+            if let Some(size) = self.try_step(&trial, history)? {
+                return Ok(Some(size));
+            }
+            // The trial moved the system: back to where the step starts.
+            self.landscape.look(&self.outcome.place.q)?;
+        }
+        Ok(None)
+    }
+
+    /// Takes the step if the potential falls as the model says, and sets the next radius.
+    fn try_step(&mut self, trial: &Trial, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
+        let place = &self.outcome.place;
+        let linear: f64 = place.force.iter().zip(&trial.x).map(|(f, x)| f * x).sum();
+        // xᵀ K x = xᵀ f − σ |x|²
+        let predicted = 0.5 * (linear + trial.shift * trial.size * trial.size);
+        let q = self.landscape.moved(&place.q, &trial.x);
+        let potential = self.landscape.potential(&q);
+        // Below the round-off of the potential only the model can tell.
+        let tiny = predicted.abs().max((self.potential - potential).abs()) < 1e-13 * self.potential.abs();
+        let ratio = if tiny { 1.0 } else { (self.potential - potential) / predicted };
+        if !(ratio >= 0.25) {
+            self.radius = 0.3 * trial.size.min(self.radius);
+        } else if ratio > 0.75 && trial.shift > 0.0 {
+            self.radius *= 2.5;
+        }
+        if !(ratio > 1e-4) {
+            return Ok(None);
+        }
+        let next = match Place::at(self.landscape, q) {
+            Ok(next) => next,
+            // A position that cannot be evaluated is outside the region.
+            Err(_) => return Ok(None),
+        };
+        self.outcome.shifted |= trial.shift > 0.0;
+        self.outcome.place = next;
+        self.potential = potential;
+        let residual = self.outcome.place.residual().0;
+        history.push(Iteration { stage: "trust region", residual, step: trial.size, shift: trial.shift });
+        Ok(Some(trial.size))
+    }
+
+    /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
+    fn within_radius(&mut self) -> Option<Trial> {
+        let (metric, force, radius) = (self.landscape.metric.clone(), &self.outcome.place.force, self.radius);
+        let typical = force.iter().zip(&metric).map(|(f, b)| f * f / b).sum::<f64>().sqrt() / radius;
+        let (mut low, mut high, mut shift) = (0.0_f64, f64::INFINITY, 0.0);
+        let between = |low: f64, high: f64| match high.is_finite() {
+            true => (low.max(1e-6 * high) * high).sqrt(),
+            false => (4.0 * low).max(1e-3 * typical),
+        };
+        let mut best = None;
+        for _ in 0..MOST_SHIFTS {
+            if !self.landscape.factorize(shift) {
+                low = low.max(shift);
+                shift = between(low, high);
+                continue;
+            }
+            let x = self.landscape.solve(force);
+            let size = self.landscape.size(&x);
+            if !size.is_finite() {
+                low = low.max(shift);
+                shift = between(low, high);
+                continue;
+            }
+            let narrow = high.is_finite() && high - low < 1e-3 * high;
+            let done = size <= 1.1 * radius && (shift == 0.0 || size >= 0.75 * radius || narrow);
+            let weighted: Vec<f64> = x.iter().zip(&metric).map(|(x, b)| b * x).collect();
+            if size <= 1.1 * radius {
+                best = Some(Trial { x, size, shift });
+            }
+            if done {
+                break;
+            }
+            if size < radius {
+                high = high.min(shift);
+            } else {
+                low = low.max(shift);
+            }
+            let y = self.landscape.solve(&weighted);
+            let slope: f64 = weighted.iter().zip(&y).map(|(w, y)| w * y).sum();
+            let new = shift + (size / radius - 1.0) * size * size / slope;
+            shift = if low < new && new < high { new } else { between(low, high) };
+        }
+        best
+    }
+
+    /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls.
+    fn leave_saddle(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
+        let place = &self.outcome.place;
+        self.landscape.look(&place.q)?;
+        // What is within round-off of zero stiffness is neutral: it leads nowhere.
+        let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| super::stability::NEUTRAL * k).collect();
+        let Some(direction) = self.landscape.negative_direction(&slack) else { return Ok(false) };
+        let size = self.landscape.size(&direction);
+        let mut best: Option<(f64, Vec<f64>, f64)> = None;
+        for sign in [1.0, -1.0] {
+            let mut part = 1e-3;
+            while part <= 1.0 {
+                let x: Vec<f64> = direction.iter().map(|d| sign * part * self.radius / size * d).collect();
+                let q = self.landscape.moved(&self.outcome.place.q, &x);
+                let potential = self.landscape.potential(&q);
+                if potential < best.as_ref().map_or(self.potential, |b| b.0) {
+                    best = Some((potential, x, part * self.radius));
+                }
+                part *= 4.0;
+            }
+        }
+        let Some((potential, x, step)) = best else { return Ok(false) };
+        let q = self.landscape.moved(&self.outcome.place.q, &x);
+        self.outcome.place = Place::at(self.landscape, q)?;
+        self.potential = potential;
+        self.outcome.shifted = true;
+        self.outcome.left.push(carriers(&x, &self.landscape.metric));
+        let residual = self.outcome.place.residual().0;
+        history.push(Iteration { stage: "leave saddle", residual, step, shift: 0.0 });
+        Ok(true)
+    }
+}
+
+/// The coordinates that carry a direction: those with at least a tenth of the largest part.
+fn carriers(x: &[f64], metric: &[f64]) -> Vec<usize> {
+    let part: Vec<f64> = x.iter().zip(metric).map(|(x, b)| b * x * x).collect();
+    let largest = part.iter().fold(0.0_f64, |m, p| m.max(*p));
+    (0..x.len()).filter(|i| part[*i] >= 0.1 * largest).collect()
+}

@@ -1,0 +1,74 @@
+//! The transfer relations of one body and one hinge, as named blocks.
+
+use crate::motion::LinkMotion;
+use crate::motion::variation::LinkAcceleration;
+use crate::spatial::{Sym3, Wrench};
+use nalgebra::{Matrix3, Vector3};
+
+/// A symmetric 6×6 matrix from accelerations to wrenches: `force = ff r̈ + fm ω̇`, `moment = fmᵀ r̈ + mm ω̇`.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Reduced {
+    /// Force from linear acceleration (kg).
+    pub ff: Sym3,
+    /// Force from angular acceleration (kg m).
+    pub fm: Matrix3<f64>,
+    /// Moment from angular acceleration (kg m²).
+    pub mm: Sym3,
+}
+
+impl Reduced {
+    /// `M` of eq. (1): mass `m`, centre `c` from the root marker, inertia about the root marker.
+    #[inline]
+    pub fn of_body(mass: f64, center: Vector3<f64>, inertia: Sym3) -> Self {
+        let c = mass * center;
+        Self { ff: Sym3::scalar(mass), fm: Matrix3::new(0.0, c.z, -c.y, -c.z, 0.0, c.x, c.y, -c.x, 0.0), mm: inertia }
+    }
+
+    /// `S a`.
+    #[inline]
+    pub fn times(&self, a: &LinkAcceleration) -> Wrench {
+        Wrench {
+            force: self.ff * a.linear + self.fm * a.angular,
+            moment: self.fm.tr_mul(&a.linear) + self.mm * a.angular,
+        }
+    }
+
+    /// `S −= w wᵀ / D`.
+    #[inline]
+    pub fn downdate(&mut self, w: &Wrench, inverse_pivot: f64) {
+        self.ff += Sym3::outer(-inverse_pivot, w.force);
+        self.mm += Sym3::outer(-inverse_pivot, w.moment);
+        self.fm -= (inverse_pivot * w.force) * w.moment.transpose();
+    }
+
+    /// Adds `X(d)ᵀ S X(d)`: the same matrix seen from a marker from which this one is `d` away. Only one triangle of
+    /// each symmetric block is computed.
+    #[inline]
+    pub fn add_shifted(&mut self, S: &Self, d: &Vector3<f64>) {
+        // fm' = fm − ff [d]×, row by row: −row [d]× = −(row × d)ᵀ
+        let (a, b) = (&S.ff, &S.fm);
+        let row = |ax: f64, ay: f64, az: f64, bx: f64, by: f64, bz: f64| {
+            (bx - (ay * d.z - az * d.y), by - (az * d.x - ax * d.z), bz - (ax * d.y - ay * d.x))
+        };
+        let (m11, m12, m13) = row(a.xx, a.xy, a.xz, b.m11, b.m12, b.m13);
+        let (m21, m22, m23) = row(a.xy, a.yy, a.yz, b.m21, b.m22, b.m23);
+        let (m31, m32, m33) = row(a.xz, a.yz, a.zz, b.m31, b.m32, b.m33);
+        // mm' = mm + [d]× fm' + ([d]× fm)ᵀ: entry (i, j) gains (d × column j of fm')ᵢ + (d × column i of fm)ⱼ
+        self.mm.xx += S.mm.xx + (d.y * m31 - d.z * m21) + (d.y * b.m31 - d.z * b.m21);
+        self.mm.yy += S.mm.yy + (d.z * m12 - d.x * m32) + (d.z * b.m12 - d.x * b.m32);
+        self.mm.zz += S.mm.zz + (d.x * m23 - d.y * m13) + (d.x * b.m23 - d.y * b.m13);
+        self.mm.xy += S.mm.xy + (d.y * m32 - d.z * m22) + (d.z * b.m11 - d.x * b.m31);
+        self.mm.xz += S.mm.xz + (d.y * m33 - d.z * m23) + (d.x * b.m21 - d.y * b.m11);
+        self.mm.yz += S.mm.yz + (d.z * m13 - d.x * m33) + (d.x * b.m22 - d.y * b.m12);
+        self.fm += Matrix3::new(m11, m12, m13, m21, m22, m23, m31, m32, m33);
+        self.ff += *a;
+    }
+}
+
+/// `b` of eq. (1) with gravity: the wrench at the root marker that the body's velocities and weight ask for.
+#[inline]
+pub fn bias(mass: f64, gravity: &Vector3<f64>, at: &LinkMotion) -> Wrench {
+    let w = at.angular_velocity;
+    let force = mass * (w.cross(&w.cross(&at.center)) - gravity);
+    Wrench { force, moment: w.cross(&(at.inertia * w)) - mass * at.center.cross(gravity) }
+}

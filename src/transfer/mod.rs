@@ -1,0 +1,79 @@
+//! The core: the reduced transfer matrix method. Accelerations of a tree of bodies and hinges in O(n), no mass matrix.
+//!
+//! Every vector is in inertial axes and every 6-vector is taken at its marker. A body's *root marker* carries its
+//! inboard hinge; its other hinge points are its *tip markers*.
+//!
+//! | code | paper | meaning | shape | unit |
+//! |---|---|---|---|---|
+//! | `a` = [`LinkAcceleration`] | r̈, ω̇ | acceleration of a root marker | 6 | m/s², rad/s² |
+//! | `f` = [`Wrench`] | q, m | internal force and moment at a root marker | 6 | N, N m |
+//! | `S`, `e` | S, e | reduced matrix and vector: `f = S a + e` | 6×6 sym., 6 | |
+//! | `H` | H | motion subspace of a hinge, at the marker | 6×k | |
+//! | `D`, `u` | | hinge pivot `Hᵀ S H + A` and load `τ − Hᵀ e` | k×k, k | |
+//! | `γ` | γ | what velocities add to the acceleration across a hinge | 6 | |
+//! | `d` | | from the parent's root marker to this one | 3 | m |
+//!
+//! ```text
+//! (1) body     f_R = M a_R + b + Σ_T X(d)ᵀ f_T − f_applied         paper (59), (60)
+//! (2) hinge    a_R = X(d) a_P + H q̈ + γ                            paper (55), (56), (61), (62)
+//! (3)          Hᵀ f_R = τ − A q̈                                    decoupled hinge equation
+//! (4)          f_R = S a_R + e                                     assumption of the reduction
+//! (5)          D = Hᵀ S H + A,   S' = S − S H D⁻¹ Hᵀ S
+//! (6)          u = τ − Hᵀ e,     e' = e + S' γ + S H D⁻¹ u
+//! (7)          S_P += X(d)ᵀ S' X(d),   e_P += X(d)ᵀ e'
+//! (8)          q̈ = D⁻¹ (u − Hᵀ S a_in),  a_in = X(d) a_P + γ
+//! ```
+//!
+//! (5) and (7) for `S` are a factorization ([`Reduction::factorize`]); (6) to (8) solve with it for any number of right
+//! sides ([`Reduction::solve`]). The same relations read the other way are inverse dynamics ([`balance`]), and their
+//! differentiation in one direction is the action of the tangent ([`variation`]).
+
+#![allow(non_snake_case)]
+
+pub mod balance;
+pub mod element;
+pub mod reduce;
+pub mod tangent;
+pub mod variation;
+
+pub use crate::motion::variation::LinkAcceleration;
+pub use reduce::{Reduction, Singular};
+
+use crate::model::{Joint, Link};
+use crate::motion::LinkMotion;
+use crate::spatial::Wrench;
+use nalgebra::Vector3;
+
+/// `Hᵀ w` for a hinge of one coordinate.
+#[inline]
+fn along(joint: &Joint, axis: &Vector3<f64>, w: &Wrench) -> f64 {
+    match joint {
+        Joint::Slide { .. } => axis.dot(&w.force),
+        _ => axis.dot(&w.moment),
+    }
+}
+
+/// `X(d) a_P + γ`: the acceleration of a root marker while its own hinge does not accelerate.
+#[inline]
+fn inboard(link: &LinkMotion, parent: &LinkAcceleration, with_bias: bool) -> LinkAcceleration {
+    let linear = parent.linear + parent.angular.cross(&link.arm);
+    if with_bias {
+        LinkAcceleration { linear: linear + link.bias, angular: parent.angular + link.angular_bias }
+    } else {
+        LinkAcceleration { linear, angular: parent.angular }
+    }
+}
+
+/// Adds `H q̈`.
+#[inline]
+fn accelerate(link: &Link, at: &LinkMotion, hinge: &[f64], a: &mut LinkAcceleration) {
+    let first = link.velocity;
+    match link.joint {
+        Joint::None => {}
+        Joint::Turn { .. } => a.angular += at.axis * hinge[first],
+        Joint::Slide { .. } => a.linear += at.axis * hinge[first],
+        Joint::Ball { .. } => {
+            a.angular += at.turn * Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);
+        }
+    }
+}

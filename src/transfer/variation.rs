@@ -1,0 +1,172 @@
+//! The action of the tangent: how the inverse dynamics residual varies when coordinates, velocities and accelerations
+//! vary in one direction. The transfer equations of [`super`], differentiated term by term; no reduced matrix is.
+//!
+//! ```text
+//! body    δf_R = m (δr̈ + δω̇×c + ω̇×δc + δ(ω×(ω×c))),  δm_R = m (δc×(r̈−g) + c×δr̈) + δ(J ω̇) + δ(ω×J ω)
+//!         with δc = δθ×c,  (δJ) y = δθ×(J y) − J (δθ×y)
+//! arm     δm_P gains  δd × f + d × δf
+//! row     one coordinate: δ(n·m) = n·δm + (δθ_P×n)·m;   ball, in link axes: Rᵀ (δm − δθ×m)
+//! ```
+
+use super::balance::Balance;
+use crate::model::{Joint, Link, Model};
+use crate::motion::variation::{Direction, LinkAcceleration, LinkVariation, outward};
+use crate::motion::{LinkMotion, Motion};
+use crate::spatial::Wrench;
+use nalgebra::Vector3;
+use std::ops::Range;
+
+/// Scratch for the action of the tangent.
+#[derive(Debug, Clone)]
+pub struct Variation {
+    /// Variations of the links' motion; written by [`Variation::outward`].
+    pub links: Vec<LinkVariation>,
+    /// Variations of the wrenches at the root markers.
+    wrenches: Vec<Wrench>,
+    /// Variations of the applied wrenches: filled in by whoever knows the forces, between the two sweeps.
+    pub applied: Vec<Wrench>,
+}
+
+impl Variation {
+    /// Room for a model's links.
+    pub fn new(model: &Model) -> Self {
+        let n = model.links.len();
+        Self {
+            links: vec![LinkVariation::default(); n],
+            wrenches: vec![Wrench::ZERO; n],
+            applied: vec![Wrench::ZERO; n],
+        }
+    }
+
+    /// Root → tips over all links.
+    pub fn outward(&mut self, model: &Model, motion: &Motion, balance: &Balance, hinge: &[f64], by: &Direction<'_>) {
+        outward(model, motion, &balance.accelerations, hinge, by, 1..model.links.len(), &mut self.links);
+    }
+
+    /// Root → tips over one subtree only; everything else must not vary.
+    pub fn outward_subtree(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        balance: &Balance,
+        hinge: &[f64],
+        by: &Direction<'_>,
+        subtree: Range<usize>,
+    ) {
+        outward(model, motion, &balance.accelerations, hinge, by, subtree, &mut self.links);
+    }
+
+    /// Back to no variation on one subtree.
+    pub fn clear(&mut self, subtree: Range<usize>) {
+        self.links[subtree].fill(LinkVariation::default());
+    }
+
+    /// Tips → root over all links: `out ← δ(Hᵀ f + A q̈)`.
+    pub fn inward(&mut self, model: &Model, motion: &Motion, balance: &Balance, by: &Direction<'_>, out: &mut [f64]) {
+        for index in 1..model.links.len() {
+            self.wrenches[index] = self.of_body(model, motion, balance, index);
+        }
+        for index in (1..model.links.len()).rev() {
+            self.pass_on(model, motion, balance, by, index, out);
+        }
+    }
+
+    /// Tips → root from one subtree: every other row is on the way to the root or does not vary.
+    pub fn inward_subtree(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        balance: &Balance,
+        by: &Direction<'_>,
+        subtree: Range<usize>,
+        out: &mut [f64],
+    ) {
+        let root = subtree.start;
+        for index in subtree.clone() {
+            self.wrenches[index] = self.of_body(model, motion, balance, index);
+        }
+        let mut above = model.links[root].parent;
+        while above != 0 {
+            self.wrenches[above] = Wrench::ZERO;
+            above = model.links[above].parent;
+        }
+        for index in subtree.rev() {
+            self.pass_on(model, motion, balance, by, index, out);
+        }
+        let mut above = model.links[root].parent;
+        while above != 0 {
+            self.pass_on(model, motion, balance, by, above, out);
+            above = model.links[above].parent;
+        }
+    }
+
+    fn of_body(&self, model: &Model, motion: &Motion, balance: &Balance, index: usize) -> Wrench {
+        let link = &model.links[index];
+        if link.is_massless() {
+            return Wrench::ZERO - self.applied[index];
+        }
+        let varied =
+            vary_body(link, &motion.links[index], &balance.accelerations[index], &self.links[index], &model.gravity);
+        varied - self.applied[index]
+    }
+
+    /// The row of one hinge, and what its link passes to the parent.
+    #[inline]
+    fn pass_on(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        balance: &Balance,
+        by: &Direction<'_>,
+        index: usize,
+        out: &mut [f64],
+    ) {
+        let (link, at, f) = (&model.links[index], &motion.links[index], &balance.reactions[index]);
+        let (delta, first) = (self.wrenches[index], link.velocity);
+        let turn_parent = self.links[link.parent].turn;
+        match link.joint {
+            Joint::None => {}
+            Joint::Turn { .. } => out[first] = at.axis.dot(&delta.moment) + turn_parent.cross(&at.axis).dot(&f.moment),
+            Joint::Slide { .. } => out[first] = at.axis.dot(&delta.force) + turn_parent.cross(&at.axis).dot(&f.force),
+            Joint::Ball { .. } => {
+                let row = at.turn.tr_mul(&(delta.moment - self.links[index].turn.cross(&f.moment)));
+                out[first..first + 3].copy_from_slice(row.as_slice());
+            }
+        }
+        if !by.acceleration.is_empty() {
+            let (_, count) = link.joint.counts();
+            for i in first..first + count {
+                out[i] += model.coordinates[i].armature * by.acceleration[i];
+            }
+        }
+        let mut passed = delta.shifted(at.arm);
+        passed.moment += self.arm(link, at, by).cross(&f.force);
+        self.wrenches[link.parent] += passed;
+    }
+
+    /// δd.
+    #[inline]
+    fn arm(&self, link: &Link, at: &LinkMotion, by: &Direction<'_>) -> Vector3<f64> {
+        let turned = self.links[link.parent].turn.cross(&at.arm);
+        match link.joint {
+            Joint::Slide { .. } if !by.position.is_empty() => turned + at.axis * by.position[link.velocity],
+            _ => turned,
+        }
+    }
+}
+
+#[inline]
+fn vary_body(link: &Link, at: &LinkMotion, a: &LinkAcceleration, by: &LinkVariation, gravity: &Vector3<f64>) -> Wrench {
+    let (m, c, w) = (link.mass, at.center, at.angular_velocity);
+    let dc = by.turn.cross(&c);
+    let dw = by.angular_velocity;
+    let inertia_varied = |y: Vector3<f64>| by.turn.cross(&(at.inertia * y)) - at.inertia * by.turn.cross(&y);
+    let swing = dw.cross(&w.cross(&c)) + w.cross(&(dw.cross(&c) + w.cross(&dc)));
+    let force = m * (by.acceleration + by.angular_acceleration.cross(&c) + a.angular.cross(&dc) + swing);
+    let moment = m * (dc.cross(&(a.linear - gravity)) + c.cross(&by.acceleration))
+        + inertia_varied(a.angular)
+        + at.inertia * by.angular_acceleration
+        + dw.cross(&(at.inertia * w))
+        + w.cross(&(inertia_varied(w) + at.inertia * dw));
+    Wrench { force, moment }
+}

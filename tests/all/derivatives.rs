@@ -1,0 +1,187 @@
+//! Derivatives against central differences, and the two ways of reading the transfer equations against each other.
+
+use crate::common::{Options, Random, build, random_scene, relative_difference};
+use stillpoint::dynamics::System;
+
+fn scenes() -> impl Iterator<Item = (u64, Options)> {
+    (0..60).map(|seed| (seed, Options { bodies: 1 + (seed as usize * 7) % 13, springs: seed % 3 != 0, welds: true }))
+}
+
+/// The accelerations of the reduction satisfy the inverse dynamics.
+#[test]
+fn accelerations_balance_the_forces() {
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        let (q, v) = (&model.start_position, &model.start_velocity);
+        let (mut a, mut residual) = (v.clone(), v.clone());
+        let mut system = System::new(&model);
+        system.accelerations(q, v, &mut a).unwrap();
+        let zero = vec![0.0; a.len()];
+        let mut loads = zero.clone();
+        system.residual(q, v, &zero, &mut loads).unwrap();
+        system.residual(q, v, &a, &mut residual).unwrap();
+        // Round-off of two sweeps over at most thirteen bodies, conditioned like their mass matrix.
+        let scale = loads.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+        let worst = residual.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        assert!(worst < 1e-10 * scale, "seed {seed}: {worst} of {scale}");
+    }
+}
+
+/// Central differences of `f(q, v)` along every velocity coordinate; `of_position` picks what is varied.
+fn difference(
+    model: &stillpoint::model::Model,
+    of_position: bool,
+    j: usize,
+    mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>,
+) -> Vec<f64> {
+    let step = 1e-5;
+    let mut at = |sign: f64| {
+        let (mut q, mut v) = (model.start_position.clone(), model.start_velocity.clone());
+        let mut by = vec![0.0; v.len()];
+        by[j] = sign * step;
+        if of_position {
+            System::displace(model, &mut q, &by);
+        } else {
+            v[j] += by[j];
+        }
+        f(&q, &v)
+    };
+    let (plus, minus) = (at(1.0), at(-1.0));
+    plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * step)).collect()
+}
+
+/// Stiffness and damping matrices are the derivatives of the residual. Differences err by step² and round-off/step:
+/// both near 1e-9 of the largest entry; 1e-6 leaves room for the worst scene.
+#[test]
+fn linearization_matches_central_differences() {
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        let n = model.velocity_count();
+        let mut random = Random::new(seed + 1000);
+        let a = random.list(n, -3.0, 3.0);
+        let mut system = System::new(&model);
+        let found = system.linearize(&model.start_position, &model.start_velocity, &a).unwrap();
+        let scale = found.stiffness.norm_max().max(found.damping.norm_max());
+        for j in 0..n {
+            for (of_position, matrix) in [(true, &found.stiffness), (false, &found.damping)] {
+                let expected = difference(&model, of_position, j, |q, v| {
+                    let mut residual = vec![0.0; n];
+                    system.residual(q, v, &a, &mut residual).unwrap();
+                    residual
+                });
+                for i in 0..n {
+                    let error = (matrix[(i, j)] - expected[i]).abs() / scale;
+                    assert!(error < 1e-6, "seed {seed} ({i}, {j}) position {of_position}: {error}");
+                }
+            }
+        }
+    }
+}
+
+/// The Jacobians of the accelerations, by differentiated transfer equations, against central differences.
+#[test]
+fn acceleration_jacobians_match_central_differences() {
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        let n = model.velocity_count();
+        let mut system = System::new(&model);
+        let (by_position, by_velocity) =
+            system.acceleration_jacobians(&model.start_position, &model.start_velocity).unwrap();
+        for (of_position, matrix) in [(true, by_position), (false, by_velocity)] {
+            let (mut found, mut expected) = (Vec::new(), Vec::new());
+            for j in 0..n {
+                found.extend((0..n).map(|i| matrix[(i, j)]));
+                expected.extend(difference(&model, of_position, j, |q, v| {
+                    let mut a = vec![0.0; n];
+                    system.accelerations(q, v, &mut a).unwrap();
+                    a
+                }));
+            }
+            let error = relative_difference(&found, &expected);
+            assert!(error < 1e-6, "seed {seed} position {of_position}: {error}");
+        }
+    }
+}
+
+/// The tangent sweep solves with the matrix that the dense derivatives make up, in both of its uses: static, and of an
+/// implicit step with velocities and accelerations.
+#[test]
+fn tangent_sweep_solves_the_dense_tangent() {
+    use faer::linalg::solvers::Solve;
+    use stillpoint::dynamics::{Coefficients, TangentSolver};
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        if !TangentSolver::covers(&model) {
+            continue;
+        }
+        let n = model.velocity_count();
+        let mut random = Random::new(seed + 2000);
+        let (a, rhs) = (random.list(n, -3.0, 3.0), random.list(n, -1.0, 1.0));
+        let mut system = System::new(&model);
+        let mut solver = TangentSolver::new(&model);
+        let zero = vec![0.0; n];
+        let (q, v) = (&model.start_position, &model.start_velocity);
+        let cases = [(&zero, &zero, 0.0, 0.0, 5.0), (&zero, &zero, 0.0, 7.0, 0.0), (v, &a, 20.0, 400.0, 0.0)];
+        for (v, a, c1, c2, shift) in cases {
+            let dense = system.linearize(q, v, a).unwrap();
+            let mut matrix = &dense.stiffness + &dense.damping * c1 + &dense.mass * c2;
+            (0..n).for_each(|i| matrix[(i, i)] += shift);
+            let b = faer::Mat::from_fn(n, 1, |i, _| rhs[i]);
+            let expected: Vec<f64> = {
+                let x = matrix.partial_piv_lu().solve(&b);
+                (0..n).map(|i| x[(i, 0)]).collect()
+            };
+            let shift = vec![shift; n];
+            let with = Coefficients { c1, c2, shift: &shift, ..Coefficients::default() };
+            assert!(system.factorize_tangent(&mut solver, q, v, a, &with).unwrap(), "seed {seed}");
+            let mut x = rhs.clone();
+            solver.solve(&model, &mut x);
+            let error = relative_difference(&x, &expected);
+            // Elimination without pivoting in an indefinite matrix of up to some sixty rows loses digits.
+            assert!(error < 1e-6, "seed {seed} c1 {c1} c2 {c2}: {error}");
+        }
+    }
+}
+
+/// The symmetric tangent of statics is the symmetric part of the stiffness, away from equilibrium too; with it the
+/// count of negative pivots is that of negative eigenvalues (Sylvester).
+#[test]
+fn symmetric_tangent_counts_negative_eigenvalues() {
+    use stillpoint::dynamics::{Coefficients, TangentSolver};
+    for (seed, options) in scenes() {
+        let mut description = random_scene(seed, &options);
+        description
+            .forces
+            .retain(|force| matches!(force.kind, stillpoint::model::description::ForceKind::Spring { .. }));
+        let model = build(&description);
+        if !TangentSolver::covers(&model) {
+            continue;
+        }
+        let n = model.velocity_count();
+        let zero = vec![0.0; n];
+        let mut system = System::new(&model);
+        let mut solver = TangentSolver::new(&model);
+        let q = &model.start_position;
+        let full = system.static_stiffness(q).unwrap();
+        // A shift of random signs in place of free motions that cost nothing.
+        let mut random = Random::new(seed + 3000);
+        let shift = random.list(n, -10.0, 10.0);
+        let symmetric =
+            faer::Mat::from_fn(n, n, |i, j| 0.5 * (full[(i, j)] + full[(j, i)]) + if i == j { shift[i] } else { 0.0 });
+        let values = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+        let negative = values.iter().filter(|x| **x < 0.0).count();
+        let with = Coefficients { shift: &shift, symmetric: true, ..Coefficients::default() };
+        assert!(system.factorize_tangent(&mut solver, q, &zero, &zero, &with).unwrap());
+        assert_eq!(solver.negative_pivots(), negative, "seed {seed}");
+        // And where it is not definite, the direction that says so is one of negative curvature.
+        let with = Coefficients { definite: true, ..with };
+        if let Err(breakdown) = system.factorize_shifted(&mut solver, &zero, &with) {
+            let mut x = zero.clone();
+            solver.negative_direction(&model, breakdown, &mut x);
+            let curvature: f64 = (0..n).map(|i| (0..n).map(|j| x[i] * symmetric[(i, j)] * x[j]).sum::<f64>()).sum();
+            assert!(curvature < 0.0, "seed {seed}: {curvature}");
+        } else {
+            assert_eq!(negative, 0, "seed {seed}");
+        }
+    }
+}

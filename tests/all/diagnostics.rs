@@ -1,0 +1,746 @@
+//! What people see when something is wrong in a scenario: exact messages.
+
+use stillpoint::scenario::{self, Override};
+
+/// What is said about a scenario that must be refused.
+fn said(text: &str, overrides: &[&str]) -> String {
+    let overrides: Vec<Override> =
+        overrides.iter().map(|text| Override::parse(text).expect("an override with path and value")).collect();
+    match scenario::parse("scene.toml", text, &overrides) {
+        Ok(_) => "nothing".to_owned(),
+        Err(diagnostics) => diagnostics.to_string(),
+    }
+}
+
+#[test]
+fn an_unknown_key_near_a_known_one() {
+    let text = r#"
+[[body]]
+name = "bob"
+masss = 1.0
+hinge = { type = "free" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: unknown key `masss`
+     --> scene.toml:3:1
+      |
+    3 | masss = 1.0
+      | ^^^^^
+      |
+      = help: did you mean `mass`?
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn an_unknown_key_far_from_all() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "free" }
+
+[record]
+colour = "red"
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: [record]: unknown key `colour`
+     --> scene.toml:7:1
+      |
+    7 | colour = "red"
+      | ^^^^^^
+      |
+      = help: allowed: `rate`
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_wrong_type() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = "heavy"
+center = [0.0, 1.0]
+hinge = { type = "free" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: `mass` must be a number or a list of numbers, found the text "heavy"
+     --> scene.toml:3:8
+      |
+    3 | mass = "heavy"
+      |        ^^^^^^^
+      |
+      = help: for example `mass = 2.0`
+
+    error: body `bob`: `center` must be a list of 3 numbers, found a list of 2
+     --> scene.toml:4:10
+      |
+    4 | center = [0.0, 1.0]
+      |          ^^^^^^^^^^
+      |
+      = help: for example `center = [0.0, 0.0, -0.5]`
+
+    scene.toml: 2 errors
+    "#);
+}
+
+#[test]
+fn numbers_that_are_not_finite() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = nan
+center = [0.0, inf, 0.0]
+hinge = { type = "free" }
+
+[simulate]
+duration = 1e999
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: `mass` is nan, which is not a finite number
+     --> scene.toml:3:8
+      |
+    3 | mass = nan
+      |        ^^^
+
+    error: body `bob`: `center[1]` is inf, which is not a finite number
+     --> scene.toml:4:16
+      |
+    4 | center = [0.0, inf, 0.0]
+      |                ^^^
+
+    error: [simulate]: `duration` is 1e999, which is not a finite number
+     --> scene.toml:8:12
+      |
+    8 | duration = 1e999
+      |            ^^^^^
+
+    scene.toml: 3 errors
+    "#);
+}
+
+#[test]
+fn numbers_out_of_range() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = -1
+hinge = { type = "free" }
+
+[simulate]
+duration = 0
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: `mass` is -1, allowed: ≥ 0 kg
+     --> scene.toml:3:8
+      |
+    3 | mass = -1
+      |        ^^
+
+    error: [simulate]: `duration` is 0, allowed: > 0 s
+     --> scene.toml:7:12
+      |
+    7 | duration = 0
+      |            ^
+
+    scene.toml: 2 errors
+    "#);
+}
+
+#[test]
+fn a_missing_hinge_type() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { parent = "ground" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: `type` is missing
+     --> scene.toml:4:9
+      |
+    4 | hinge = { parent = "ground" }
+      |         ^^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn an_unknown_hinge_type() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "revolut" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: unknown hinge type `revolut`
+     --> scene.toml:4:18
+      |
+    4 | hinge = { type = "revolut" }
+      |                  ^^^^^^^^^
+      |
+      = help: did you mean `revolute`?
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_bad_axis() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "revolute", axis = "y" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: `axis` must be a list of 3 numbers, found the text "y"
+     --> scene.toml:4:37
+      |
+    4 | hinge = { type = "revolute", axis = "y" }
+      |                                     ^^^
+      |
+      = help: for example `axis = [0.0, 1.0, 0.0]`
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_missing_axis() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "prismatic" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: `axis` is missing
+     --> scene.toml:4:9
+      |
+    4 | hinge = { type = "prismatic" }
+      |         ^^^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: for example `axis = [0.0, 1.0, 0.0]`
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_key_of_another_hinge_type() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "spherical", axis = [0, 1, 0] }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: a spherical hinge has no `axis`
+     --> scene.toml:4:31
+      |
+    4 | hinge = { type = "spherical", axis = [0, 1, 0] }
+      |                               ^^^^
+      |
+      = help: for the types `revolute`, `prismatic`, `cylindrical`
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_scalar_where_a_list_is_needed() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "planar", stiffness = 2.0, position = 0.3 }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: `position` of a planar hinge must be a list of 3 numbers; found one number
+     --> scene.toml:4:56
+      |
+    4 | hinge = { type = "planar", stiffness = 2.0, position = 0.3 }
+      |                                                        ^^^
+      |
+      = help: in this order: x, y, about z
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn both_errors_of_a_file() {
+    let text = r#"
+[[body]]
+name = "a"
+mass = -1.0
+hinge = { type = "free", parent = "b" }
+
+[[body]]
+name = "c"
+inertia = [1.0, 1.0, 3.0]
+mass = 2.0
+hinge = { type = "fixed" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `a`: `mass` is -1.0, allowed: ≥ 0 kg
+     --> scene.toml:3:8
+      |
+    3 | mass = -1.0
+      |        ^^^^
+
+    error: there is no body `b`
+     --> scene.toml:4:35
+      |
+    4 | hinge = { type = "free", parent = "b" }
+      |                                   ^^^
+
+    error: no body can have the inertia of `c`: the largest principal moment exceeds the sum of the others by 33.333 % (principal moments 1.000000e0, 1.000000e0, 3.000000e0 kg m²)
+     --> scene.toml:8:11
+      |
+    8 | inertia = [1.0, 1.0, 3.0]
+      |           ^^^^^^^^^^^^^^^
+      |
+      = help: inertia is about the centre of mass, in body axes; a flat body sits exactly on the limit
+
+    scene.toml: 3 errors
+    "#);
+}
+
+#[test]
+fn an_error_in_a_repeat_once() {
+    let text = r#"
+[[body]]
+name = "link"
+repeat = 1000
+mass = 1.0
+hinge = { type = "revolute", axis = [0, 0, 0] }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: the axis of the hinge of `link[0]` is [0, 0, 0] (and 999 more copies)
+     --> scene.toml:5:37
+      |
+    5 | hinge = { type = "revolute", axis = [0, 0, 0] }
+      |                                     ^^^^^^^^^
+      |
+      = help: allowed: a finite vector that is not zero
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_wrong_marker_between_copies_once() {
+    let text = r#"
+[[body]]
+name = "link"
+repeat = 1000
+mass = 1.0
+markers = { tip = [0, 0, -1] }
+hinge = { type = "revolute", axis = [0, 1, 0], next = "tpi" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: `link[0]` has no marker `tpi` (and 998 more copies)
+     --> scene.toml:6:55
+      |
+    6 | hinge = { type = "revolute", axis = [0, 1, 0], next = "tpi" }
+      |                                                       ^^^^^
+      |
+      = help: did you mean `tip`?
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn the_bad_one_of_a_list_per_copy() {
+    let text = r#"
+[[body]]
+name = "link"
+repeat = 3
+mass = [1.0, -2.0, 3.0]
+hinge = { type = "revolute", axis = [0, 1, 0], position = [0.1, 0.2] }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `link`: `mass[1]` is -2.0, allowed: ≥ 0 kg
+     --> scene.toml:4:14
+      |
+    4 | mass = [1.0, -2.0, 3.0]
+      |              ^^^^
+
+    error: hinge of body `link`: `position` of a revolute hinge must be one number, or a list of 3, one per copy; found a list of 2
+     --> scene.toml:5:59
+      |
+    5 | hinge = { type = "revolute", axis = [0, 1, 0], position = [0.1, 0.2] }
+      |                                                           ^^^^^^^^^^
+
+    scene.toml: 2 errors
+    "#);
+}
+
+#[test]
+fn a_wrong_marker_of_a_force() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "free" }
+
+[[force]]
+type = "load"
+on = "bob.tip"
+force = [0, 0, 1]
+
+[[force]]
+type = "spring"
+between = ["bbo", { body = "ground", at = [0, 0, 1] }]
+stiffness = 3.0
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: `bob` has no marker `tip`
+     --> scene.toml:8:6
+      |
+    8 | on = "bob.tip"
+      |      ^^^^^^^^^
+      |
+      = help: `bob` has no markers: give coordinates instead
+
+    error: there is no body `bbo`
+      --> scene.toml:13:12
+       |
+    13 | between = ["bbo", { body = "ground", at = [0, 0, 1] }]
+       |            ^^^^^
+       |
+       = help: did you mean `bob`?
+
+    error: force `force[1]`: `length` is missing beside `stiffness`
+      --> scene.toml:14:1
+       |
+    14 | stiffness = 3.0
+       | ^^^^^^^^^
+       |
+       = help: without its unstretched length [m] the tension of a spring is not known; write `length = 0.0` if it is meant
+
+    scene.toml: 3 errors
+    "#);
+}
+
+#[test]
+fn density_beside_mass() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+density = 7850.0
+shape = { sphere = 0.1 }
+hinge = { type = "free" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: both `density` and `mass`
+     --> scene.toml:3:1
+      |
+    3 | mass = 1.0
+      | ^^^^
+      |
+      = help: with `density`, mass, centre and inertia follow from the shapes: keep one of the two
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn density_without_a_volume() {
+    let text = r#"
+[[body]]
+name = "bob"
+density = 7850.0
+shape = { mesh = "bob.stl" }
+hinge = { type = "free" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: `density` needs a shape with a volume
+     --> scene.toml:3:1
+      |
+    3 | density = 7850.0
+      | ^^^^^^^
+      |
+      = help: give a `shape` that is a box, sphere, cylinder or capsule; the volume of a mesh is not known
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn inertia_without_mass() {
+    let text = r#"
+[[body]]
+name = "bob"
+inertia = [1.0, 1.0, 1.0]
+hinge = { type = "free" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: `inertia` without `mass`
+     --> scene.toml:3:1
+      |
+    3 | inertia = [1.0, 1.0, 1.0]
+      | ^^^^^^^
+      |
+      = help: give `mass`, or `density` to have both follow from the shapes
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn what_this_version_cannot_simulate() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "free", friction = 0.1 }
+
+[[loop]]
+type = "revolute"
+
+[simulate]
+integrator = "radau5"
+
+[statics]
+method = "lagrange"
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: `friction` is reserved for a later version
+     --> scene.toml:4:26
+      |
+    4 | hinge = { type = "free", friction = 0.1 }
+      |                          ^^^^^^^^
+
+    error: closed loops cannot be simulated by this version
+     --> scene.toml:6:3
+      |
+    6 | [[loop]]
+      |   ^^^^
+
+    error: [simulate]: `integrator` `radau5` is not available in this version
+      --> scene.toml:10:14
+       |
+    10 | integrator = "radau5"
+       |              ^^^^^^^^
+       |
+       = help: available: `auto`, `rk4`, `dopri5`, `sdirk4`
+
+    error: [statics]: `method` `lagrange` is not available in this version
+      --> scene.toml:13:10
+       |
+    13 | method = "lagrange"
+       |          ^^^^^^^^^^
+       |
+       = help: available: `auto`, `newton`
+
+    scene.toml: 4 errors
+    "#);
+}
+
+#[test]
+fn a_syntax_error() {
+    let text = r#"
+[[body]]
+name = "bob
+mass = = 1.0
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: not valid TOML: invalid basic string, expected `"`
+     --> scene.toml:2:12
+      |
+    2 | name = "bob
+      |            ^
+
+    error: not valid TOML: extra `=`
+     --> scene.toml:3:8
+      |
+    3 | mass = = 1.0
+      |        ^
+
+    error: not valid TOML: unexpected key or value, expected newline, `#`
+     --> scene.toml:3:10
+      |
+    3 | mass = = 1.0
+      |          ^
+
+    scene.toml: 3 errors
+    "#);
+}
+
+#[test]
+fn a_key_given_twice() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+mass = 2.0
+hinge = { type = "free" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: `mass` is given twice
+     --> scene.toml:4:1
+      |
+    4 | mass = 2.0
+      | ^^^^
+      |
+      = help: keep one of the two
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_body_without_a_name_but_not_that_others_miss_it() {
+    let text = r#"
+[[body]]
+mass = 1.0
+hinge = { type = "free" }
+
+[[body]]
+name = "tip"
+mass = 1.0
+hinge = { type = "fixed", parent = "arm" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body[0]: `name` is missing
+     --> scene.toml:1:1
+      |
+    1 | [[body]]
+      | ^^^^^^^^
+      |
+      = help: for example `name = "upper"`
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn an_empty_file() {
+    let text = "";
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: the scene has no bodies
+    --> scene.toml
+     = help: add at least one [[body]]
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn overrides() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "free" }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &["bob.mass=-1", "bob.hinge.type=spinning", "bbo.mass=2", "bob.mas=2", "statics.want=some"]), @r#"
+    error: body `bob`: `mass` is -1, allowed: ≥ 0 kg
+     --> command line:1:16
+      |
+    1 | --set bob.mass=-1
+      |                ^^
+
+    error: hinge of body `bob`: unknown hinge type `spinning`
+     --> command line:1:22
+      |
+    1 | --set bob.hinge.type=spinning
+      |                      ^^^^^^^^
+      |
+      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
+
+    error: nothing is called `bbo`
+     --> command line:1:7
+      |
+    1 | --set bbo.mass=2
+      |       ^^^^^^^^
+      |
+      = help: did you mean `bob`?
+
+    error: `bob.mas`: unknown key `mas`
+     --> command line:1:7
+      |
+    1 | --set bob.mas=2
+      |       ^^^^^^^
+      |
+      = help: did you mean `mass`?
+
+    error: [statics]: `want` does not know `some`
+     --> command line:1:20
+      |
+    1 | --set statics.want=some
+      |                    ^^^^
+      |
+      = help: one of `stable`, `any`
+
+    scene.toml: 5 errors
+    "#);
+}
+
+#[test]
+fn nesting_that_is_too_deep() {
+    let text = said(&format!("a = {}", "[".repeat(100_000)), &[]);
+    assert!(text.starts_with("error: values are nested too deeply: the most is 80 levels\n --> scene.toml:1:85\n"));
+    assert!(text.ends_with("scene.toml: 1 error"));
+}
+
+#[test]
+fn many_errors_are_counted_and_the_first_ones_shown() {
+    let text = said(&"[[body]]\nname = 1\nhinge = { type = \"free\" }\n".repeat(200), &[]);
+    assert_eq!(text.matches("error: body[").count(), scenario::diagnostic::MOST_PRINTED);
+    assert!(text.ends_with("and 150 more\nscene.toml: 200 errors"));
+}
+
+#[test]
+fn color_is_only_there_when_it_is_asked_for() {
+    let diagnostics = scenario::parse("scene.toml", "", &[]).expect_err("no bodies");
+    assert!(!diagnostics.render(false).contains('\x1b'));
+    assert!(diagnostics.render(true).contains('\x1b'));
+}
+
+#[test]
+fn limits_are_a_warning() {
+    let text = "[[body]]\nname = \"bob\"\nmass = 1.0\n\
+                hinge = { type = \"prismatic\", axis = [0, 0, 1], limits = [-1, 1] }\n";
+    let scenario = scenario::parse("scene.toml", text, &[]).expect("a warning is no error");
+    let warning = scenario.warnings.iter().next().expect("one warning");
+    assert_eq!(warning.message, "hinge of body `bob`: limits are not enforced yet");
+    assert_eq!(warning.place.as_ref().map(|place| (place.line, place.column)), Some((4, 49)));
+    assert_eq!(scenario.warnings.summary(), "scene.toml: 1 warning");
+}

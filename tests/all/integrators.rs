@@ -1,0 +1,40 @@
+//! Time stepping, proved on systems with known solutions.
+
+mod adaptive;
+mod failures;
+mod order;
+mod problems;
+mod stiff;
+
+use stillpoint::integrate::{ImplicitProblem, Method, Options, Start, Stepper};
+
+const METHODS: [Method; 3] = [Method::Rk4, Method::Dopri5, Method::Sdirk4];
+
+/// A finished run.
+fn run<P: ImplicitProblem>(
+    method: Method,
+    problem: &mut P,
+    options: &Options,
+    start: Start<'_>,
+) -> Box<dyn Stepper<P>> {
+    let mut stepper = method.start(problem, options, start).expect("the run starts");
+    while !stepper.finished() {
+        stepper.step(problem).expect("the step is made");
+    }
+    stepper
+}
+
+/// Steps of one length; the tolerance serves only the stage equations, which it makes as exact as rounding allows.
+fn fixed(step: f64) -> Options {
+    Options { relative: 1e-12, absolute: 1e-12, step: Some(step), fixed: true, max_step: None }
+}
+
+/// Steps chosen for a tolerance.
+fn adaptive(tolerance: f64) -> Options {
+    Options { relative: tolerance, absolute: tolerance, ..Options::default() }
+}
+
+/// The largest difference of two states.
+fn distance(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max)
+}

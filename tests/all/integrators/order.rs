@@ -1,0 +1,133 @@
+//! Every method has its order: exact on polynomials, and halving the step divides the error by 2^p.
+
+use stillpoint::integrate::{ImplicitProblem, Method, Start};
+
+use super::problems::{Body, Scalar};
+use super::{METHODS, adaptive, distance, fixed, run};
+
+fn order(method: Method) -> i32 {
+    match method {
+        Method::Rk4 | Method::Sdirk4 => 4,
+        Method::Dopri5 => 5,
+    }
+}
+
+/// Observed order from two runs whose steps differ by a factor 2.
+fn observed(coarse: f64, fine: f64) -> f64 {
+    (coarse / fine).log2()
+}
+
+/// The observed order is at least the promised one less 0.25 (the next term of the error, at the steps used here) and
+/// not more than one above.
+fn assert_order(method: Method, promised: i32, coarse: f64, fine: f64) {
+    let order = observed(coarse, fine);
+    let band = f64::from(promised) - 0.25..f64::from(promised) + 1.0;
+    assert!(band.contains(&order), "{method:?}: order {order:.2}, errors {coarse:e} and {fine:e}");
+}
+
+/// State at the end of a run with a fixed step.
+fn end_state<P: ImplicitProblem>(method: Method, problem: &mut P, step: f64, start: Start<'_>) -> Vec<f64> {
+    let reached = run(method, problem, &fixed(step), start);
+    [reached.position(), reached.velocity()].concat()
+}
+
+#[test]
+fn a_method_of_order_p_is_exact_on_polynomials_of_degree_p() {
+    for method in METHODS {
+        let p = order(method);
+        let coefficient = f64::from(p * (p - 1));
+        // q = t^p − t, q̈ = p (p − 1) t^(p − 2)
+        let mut problem = Scalar::oscillator(0.0, 0.0, move |t| coefficient * t.powi(p - 2));
+        let start = Start { time: 0.0, position: &[0.0], velocity: &[-1.0], end: 1.0 };
+        let state = end_state(method, &mut problem, 0.25, start);
+        // Rounding of four steps with stage weights up to 12.
+        assert!(distance(&state, &[0.0, f64::from(p) - 1.0]) < 1e-13, "{method:?}: {state:?}");
+    }
+}
+
+#[test]
+fn damped_oscillator_halving_the_step_divides_the_error_by_two_to_the_order() {
+    let exact = |t: f64| {
+        let (decay, frequency) = (0.1_f64, 0.99_f64.sqrt());
+        let (envelope, (sin, cos)) = ((-decay * t).exp(), (frequency * t).sin_cos());
+        [envelope * (cos + decay / frequency * sin), -envelope * sin / frequency]
+    };
+    for method in METHODS {
+        let error = |step: f64| {
+            let mut problem = Scalar::oscillator(1.0, 0.2, |_| 0.0);
+            let start = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 4.0 };
+            distance(&end_state(method, &mut problem, step, start), &exact(4.0))
+        };
+        assert_order(method, order(method), error(0.1), error(0.05));
+    }
+}
+
+#[test]
+fn torque_free_symmetric_body_keeps_the_order_with_a_quaternion() {
+    let spin = nalgebra::Vector3::new(0.7, -0.4, 1.5);
+    let exact = Body::symmetric_attitude(2.0, 1.2, spin, 3.0);
+    for method in METHODS {
+        let error = |step: f64| {
+            let mut body = Body::new([2.0, 2.0, 1.2], [0.0; 3]);
+            let start = Start { time: 0.0, position: &[1.0, 0.0, 0.0, 0.0], velocity: spin.as_slice(), end: 3.0 };
+            distance(&end_state(method, &mut body, step, start)[..4], &exact)
+        };
+        assert_order(method, order(method), error(0.1), error(0.05));
+    }
+}
+
+#[test]
+fn heavy_asymmetric_body_keeps_the_order_with_a_quaternion() {
+    let body = || Body::new([1.0, 1.6, 2.2], [0.5, 0.3, -0.8]);
+    let start = Start { time: 0.0, position: &[0.8, 0.6, 0.0, 0.0], velocity: &[0.5, 1.0, -0.7], end: 5.0 };
+    let reference = run(Method::Dopri5, &mut body(), &adaptive(1e-13), start);
+    let reference = [reference.position(), reference.velocity()].concat();
+    for method in METHODS {
+        let error = |step: f64| distance(&end_state(method, &mut body(), step, start), &reference);
+        assert_order(method, order(method), error(0.1), error(0.05));
+    }
+}
+
+#[test]
+fn between_the_ends_the_error_falls_with_the_fourth_power_of_the_step() {
+    let worst = |method: Method, step: f64| {
+        let mut problem = Scalar::oscillator(1.0, 0.0, |_| 0.0);
+        let start = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 4.0 };
+        let mut stepper = method.start(&mut problem, &fixed(step), start).expect("the run starts");
+        let mut worst = 0.0_f64;
+        while !stepper.finished() {
+            stepper.step(&mut problem).expect("the step is made");
+            for part in 0..=8 {
+                let t = stepper.previous_time() + f64::from(part) / 8.0 * (stepper.time() - stepper.previous_time());
+                let (mut q, mut v) = ([0.0], [0.0]);
+                stepper.interpolate(&problem, t, &mut q, &mut v);
+                worst = worst.max(distance(&[q[0], v[0]], &[t.cos(), -t.sin()]));
+            }
+        }
+        worst
+    };
+    // The extension of dopri5 is one order better than the cubics, and meets its steps of order 5.
+    for (method, promised) in [(Method::Rk4, 4), (Method::Dopri5, 5), (Method::Sdirk4, 4)] {
+        assert_order(method, promised, worst(method, 0.1), worst(method, 0.05));
+    }
+}
+
+#[test]
+fn interpolation_meets_both_ends_and_gives_unit_quaternions_between() {
+    for method in METHODS {
+        let mut body = Body::new([1.0, 1.6, 2.2], [0.5, 0.3, -0.8]);
+        let start = Start { time: 0.0, position: &[0.8, 0.6, 0.0, 0.0], velocity: &[0.5, 1.0, -0.7], end: 1.0 };
+        let mut stepper = method.start(&mut body, &fixed(0.3), start).expect("the run starts");
+        let (mut q, mut v) = ([0.0; 4], [0.0; 3]);
+        stepper.step(&mut body).expect("the step is made");
+
+        stepper.interpolate(&body, 0.3, &mut q, &mut v);
+        assert_eq!((&q[..], &v[..]), (stepper.position(), stepper.velocity()));
+        stepper.interpolate(&body, 0.12, &mut q, &mut v);
+        assert!((q.iter().map(|p| p * p).sum::<f64>() - 1.0).abs() < 1e-15);
+        stepper.interpolate(&body, 0.0, &mut q, &mut v);
+        // Normalising the start once more may round.
+        assert!(distance(&q, start.position) < 1e-15);
+        assert_eq!(v, start.velocity);
+    }
+}
