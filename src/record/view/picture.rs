@@ -49,7 +49,7 @@ impl Picture {
 
     /// Hinge axes as short arrows, together for each parent, in whose axes they stay.
     fn send_hinges(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
-        let length = 0.4 * self.body_size();
+        let length = 0.25 * self.body_size();
         let parents = (0..self.scene.bodies.len()).map(Some).chain([None]);
         for parent in parents {
             let mut origins = Vec::new();
@@ -67,7 +67,7 @@ impl Picture {
             }
             let arrows = Arrows3D::from_vectors(vectors)
                 .with_origins(origins)
-                .with_radii([(0.04 * length) as f32])
+                .with_radii([(0.05 * length) as f32])
                 .with_colors([HINGE]);
             let owner = parent.map_or("ground", |parent| &self.scene.bodies[parent].name);
             stream.log_static(path(&["world", owner, "hinge axes"]), &arrows)?;
