@@ -105,9 +105,14 @@ impl<'s, 'm> Landscape<'s, 'm> {
 
     /// `K x = rhs` at the place last looked at, definite or not; `None` where K is singular.
     pub fn newton(&mut self, rhs: &[f64]) -> Option<Vec<f64>> {
-        self.factorizations += 1;
         let none = vec![0.0; self.free.len()];
-        if !self.stiffness.factorize(self.system, &none, false) {
+        self.newton_shifted(rhs, &none)
+    }
+
+    /// `(K + diag(shift)) x = rhs`; `None` where that is singular.
+    pub fn newton_shifted(&mut self, rhs: &[f64], shift: &[f64]) -> Option<Vec<f64>> {
+        self.factorizations += 1;
+        if !self.stiffness.factorize(self.system, shift, false) {
             return None;
         }
         let x = self.stiffness.solve(self.system.model(), rhs);

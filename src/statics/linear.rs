@@ -9,11 +9,7 @@ pub(super) struct Definite(Llt<f64>);
 impl Definite {
     /// Cholesky of `K + diag(shift)`; `None` where that is not positive definite.
     pub(super) fn of(stiffness: &Mat<f64>, shift: &[f64]) -> Option<Self> {
-        let mut shifted = stiffness.clone();
-        for (i, s) in shift.iter().enumerate() {
-            shifted[(i, i)] += s;
-        }
-        shifted.llt(Side::Lower).ok().map(Self)
+        shifted(stiffness, shift).llt(Side::Lower).ok().map(Self)
     }
 
     pub(super) fn solve(&self, rhs: &[f64]) -> Vec<f64> {
@@ -28,8 +24,10 @@ pub(super) struct General {
 }
 
 impl General {
-    pub(super) fn of(matrix: &Mat<f64>) -> Self {
-        Self { matrix: matrix.clone(), factor: matrix.partial_piv_lu() }
+    /// LU of `K + diag(shift)`.
+    pub(super) fn of(stiffness: &Mat<f64>, shift: &[f64]) -> Self {
+        let matrix = shifted(stiffness, shift);
+        Self { factor: matrix.partial_piv_lu(), matrix }
     }
 
     /// With one step of refinement.
@@ -39,6 +37,12 @@ impl General {
         let correction = self.factor.solve(&(&b - &self.matrix * &x));
         column(&(x + correction))
     }
+}
+
+fn shifted(matrix: &Mat<f64>, shift: &[f64]) -> Mat<f64> {
+    let mut shifted = matrix.clone();
+    shift.iter().enumerate().for_each(|(i, s)| shifted[(i, i)] += s);
+    shifted
 }
 
 fn as_mat(list: &[f64]) -> Mat<f64> {

@@ -10,6 +10,9 @@ const EXACT: f64 = 1e-13;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
+/// Shift of a singular stiffness, relative to the terms it is the sum of.
+const SHIFT: f64 = 1e-8;
+
 /// One iteration of the search, for reports and plots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iteration {
@@ -88,7 +91,11 @@ pub(super) fn polish(
             break;
         }
         landscape.look(&place.q)?;
-        let Some(step) = landscape.newton(&place.force) else { break };
+        // Motions that cost nothing make the stiffness singular: a shift far below the stiffness of all others keeps
+        // the step finite, and delays what is left by as little as it is smaller.
+        let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| SHIFT * k).collect();
+        let step = landscape.newton(&place.force).or_else(|| landscape.newton_shifted(&place.force, &slack));
+        let Some(step) = step else { break };
         let q = landscape.moved(&place.q, &step);
         let Ok(next) = Place::at(landscape, q) else { break };
         if next.residual().0 > 0.5 * place.residual().0 {

@@ -61,7 +61,7 @@ impl Stiffness {
             Self::Dense { matrix, factor } => {
                 *factor = match definite {
                     true => Definite::of(matrix, by).map(Factor::Definite),
-                    false => Some(Factor::General(linear::General::of(matrix))),
+                    false => Some(Factor::General(linear::General::of(matrix, by))),
                 };
                 factor.is_some()
             }

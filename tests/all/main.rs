@@ -3,6 +3,7 @@
 mod accelerations;
 mod architecture;
 mod building;
+mod cli;
 mod closed_forms;
 mod common;
 mod derivatives;
@@ -13,4 +14,6 @@ mod integrators;
 mod no_allocation;
 mod oracle;
 mod record;
+mod rest;
 mod scenario;
+mod scenarios;
