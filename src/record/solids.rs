@@ -56,10 +56,10 @@ pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
     let mut points: Vec<Vec<[f64; 3]>> =
         scene.bodies.iter().map(|body| body.markers.iter().map(|(_, at)| *at).collect()).collect();
     for body in &scene.bodies {
-        if let Some(points) = body.parent.and_then(|parent| points.get_mut(parent)) {
-            if !points.contains(&body.hinge_at) {
-                points.push(body.hinge_at);
-            }
+        if let Some(points) = body.parent.and_then(|parent| points.get_mut(parent))
+            && !points.contains(&body.hinge_at)
+        {
+            points.push(body.hinge_at);
         }
     }
     let longest = points.iter().flatten().map(|&end| Vector3::from(end).norm()).sum();
