@@ -2,7 +2,6 @@
 
 use super::landscape::{Landscape, Scales};
 use crate::dynamics::Fault;
-use faer::Mat;
 
 /// A residual within this part of the forces that cancel in it is balanced well enough to report success.
 pub(super) const BALANCED: f64 = 1e-10;
@@ -11,7 +10,7 @@ const EXACT: f64 = 1e-13;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
-/// Shift of a singular stiffness, relative to its largest curvature.
+/// Shift of a singular stiffness, relative to the terms it is the sum of.
 const SHIFT: f64 = 1e-8;
 
 /// One iteration of the search, for reports and plots.
@@ -91,8 +90,12 @@ pub(super) fn polish(
         if place.is_exact() {
             break;
         }
-        let stiffness = landscape.stiffness(&place.q)?;
-        let Some(step) = polish_step(landscape, &stiffness, &place) else { break };
+        landscape.look(&place.q)?;
+        // Motions that cost nothing make the stiffness singular: a shift far below the stiffness of all others keeps
+        // the step finite, and delays what is left by as little as it is smaller.
+        let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| SHIFT * k).collect();
+        let step = landscape.newton(&place.force).or_else(|| landscape.newton_shifted(&place.force, &slack));
+        let Some(step) = step else { break };
         let q = landscape.moved(&place.q, &step);
         let Ok(next) = Place::at(landscape, q) else { break };
         if next.residual().0 > 0.5 * place.residual().0 {
@@ -107,15 +110,4 @@ pub(super) fn polish(
         });
     }
     Ok(place)
-}
-
-/// Newton's step. Where motions that cost nothing make the stiffness singular, a shift far below the stiffness of all
-/// others keeps the step finite: it delays what is left by as little as it is smaller.
-fn polish_step(landscape: &Landscape<'_, '_>, stiffness: &Mat<f64>, place: &Place) -> Option<Vec<f64>> {
-    super::linear::solve(stiffness, &place.force).or_else(|| {
-        let metric = &landscape.metric;
-        let largest = (0..metric.len()).map(|i| stiffness[(i, i)].abs() / metric[i]).fold(0.0, f64::max);
-        let shift: Vec<f64> = metric.iter().map(|b| SHIFT * largest * b).collect();
-        Some(super::linear::Definite::of(stiffness, &shift)?.solve(&place.force))
-    })
 }
