@@ -86,28 +86,34 @@ pub(super) fn polish(
     mut place: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
+    // Motions that cost nothing make the stiffness singular: a shift far below the stiffness of all others keeps the
+    // step finite, and delays what is left by as little as it is smaller.
+    let mut part = 0.0;
     for _ in 0..10 {
         if place.is_exact() {
             break;
         }
         landscape.look(&place.q)?;
-        // Motions that cost nothing make the stiffness singular: a shift far below the stiffness of all others keeps
-        // the step finite, and delays what is left by as little as it is smaller.
-        let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| SHIFT * k).collect();
-        let step = landscape.newton(&place.force).or_else(|| landscape.newton_shifted(&place.force, &slack));
-        let Some(step) = step else { break };
-        let q = landscape.moved(&place.q, &step);
-        let Ok(next) = Place::at(landscape, q) else { break };
-        if next.residual().0 > 0.5 * place.residual().0 {
-            break;
+        let shift: Vec<f64> = place.scales.stiffness.iter().map(|k| part * k).collect();
+        let better = match landscape.newton_shifted(&place.force, &shift) {
+            Some(step) => improved(landscape, &place, &step)?.map(|next| (next, step)),
+            None => None,
+        };
+        match better {
+            Some((next, step)) => {
+                place = next;
+                let (residual, step) = (place.residual().0, landscape.size(&step));
+                history.push(Iteration { stage: "polish", residual, step, shift: 0.0 });
+            }
+            None if part == 0.0 => part = SHIFT,
+            None => break,
         }
-        place = next;
-        history.push(Iteration {
-            stage: "polish",
-            residual: place.residual().0,
-            step: landscape.size(&step),
-            shift: 0.0,
-        });
     }
     Ok(place)
+}
+
+/// The place after a step, where that at least halves the residual.
+fn improved(landscape: &mut Landscape<'_, '_>, place: &Place, step: &[f64]) -> Result<Option<Place>, Fault> {
+    let q = landscape.moved(&place.q, step);
+    Ok(Place::at(landscape, q).ok().filter(|next| next.residual().0 <= 0.5 * place.residual().0))
 }
