@@ -10,7 +10,7 @@ const EXACT: f64 = 1e-13;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
-/// Shift of a singular stiffness, relative to the terms it is the sum of.
+/// Shift of a singular stiffness, relative to its largest curvature.
 const SHIFT: f64 = 1e-8;
 
 /// One iteration of the search, for reports and plots.
@@ -94,7 +94,9 @@ pub(super) fn polish(
             break;
         }
         landscape.look(&place.q)?;
-        let shift: Vec<f64> = place.scales.stiffness.iter().map(|k| part * k).collect();
+        let curvatures = place.scales.stiffness.iter().zip(&landscape.metric).map(|(k, b)| k / b);
+        let largest = curvatures.fold(0.0, f64::max);
+        let shift: Vec<f64> = landscape.metric.iter().map(|b| part * largest * b).collect();
         let better = match landscape.newton_shifted(&place.force, &shift) {
             Some(step) => improved(landscape, &place, &step)?.map(|next| (next, step)),
             None => None,
