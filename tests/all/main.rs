@@ -5,4 +5,5 @@ mod derivatives;
 mod diagnostics;
 mod integrators;
 mod record;
+mod reference;
 mod scenario;
