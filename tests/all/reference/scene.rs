@@ -130,6 +130,10 @@ impl Run<'_> {
         self.steps += summary.statistics.steps as usize;
     }
 
+    pub(super) fn time(&self) -> f64 {
+        self.time
+    }
+
     /// Kinetic plus potential energy (J).
     pub(super) fn energy(&self) -> f64 {
         self.energy

@@ -72,36 +72,49 @@ fn a08_heavy_top() {
     }
 }
 
-#[test]
-fn a10_free_top() {
-    for id in ["A10_free_top", "A10_free_top_separatrix"] {
-        let case = case(id);
-        let (reference, tolerance) = (case.at("reference"), case.tolerance("abs"));
-        let top = Top {
-            gravity: 0.0,
-            hinge: "free",
-            mass: case.parameter("m"),
-            center: [0.0; 3],
-            inertia: case.at("parameters").at("I").array(),
-            quaternion: case.at("initial_state").at("quat").array(),
-            rates: case.at("initial_state").at("omega_body").array(),
-        };
-        let scene = top.scene("dopri5", 1e-13);
-        let mut run = scene.run();
-        for (time, state) in case.states() {
-            run.until(time);
-            check_quaternion(&state, &run, tolerance);
-            state.at("omega_body").check_list(rates(&run), tolerance);
-            // Rounding of some thousand steps on top of a step error of 1e-13 each.
-            reference.at("L_world").check_list(angular_momentum(&run, &top).as_slice(), 1e-10);
-        }
-        let mut run = scene.run();
-        let first = reference.at("first_zero_of_w2").number();
-        run.until(first);
-        reference.at("first_zero_of_w2").check_against(rates(&run)[1], 0.0, tolerance);
-        run.until(first + reference.at("flip_interval").number());
+/// A free top's states up to `until`, and the sign changes of the rate about the middle axis.
+fn check_free_top(id: &str, until: f64) {
+    let case = case(id);
+    let (reference, tolerance) = (case.at("reference"), case.tolerance("abs"));
+    let top = Top {
+        gravity: 0.0,
+        hinge: "free",
+        mass: case.parameter("m"),
+        center: [0.0; 3],
+        inertia: case.at("parameters").at("I").array(),
+        quaternion: case.at("initial_state").at("quat").array(),
+        rates: case.at("initial_state").at("omega_body").array(),
+    };
+    let scene = top.scene("dopri5", 1e-13);
+    let mut run = scene.run();
+    for (time, state) in case.states().into_iter().filter(|(time, _)| *time <= until) {
+        run.until(time);
+        check_quaternion(&state, &run, tolerance);
+        state.at("omega_body").check_list(rates(&run), tolerance);
+        // Rounding of some thousand steps on top of a step error of 1e-13 each.
+        reference.at("L_world").check_list(angular_momentum(&run, &top).as_slice(), 1e-10);
+    }
+    let mut run = scene.run();
+    let first = reference.at("first_zero_of_w2").number();
+    run.until(first);
+    reference.at("first_zero_of_w2").check_against(rates(&run)[1], 0.0, tolerance);
+    let second = first + reference.at("flip_interval").number();
+    if second <= until {
+        run.until(second);
         reference.at("flip_interval").check_against(rates(&run)[1], 0.0, tolerance);
     }
+}
+
+#[test]
+fn a10_free_top() {
+    check_free_top("A10_free_top", f64::INFINITY);
+}
+
+/// Up to the second passage of the unstable axis: the time spent there hangs on a difference of energies of one part in
+/// 5e13, which rounding decides in double precision.
+#[test]
+fn a10_free_top_separatrix() {
+    check_free_top("A10_free_top_separatrix", 10.0);
 }
 
 fn angular_momentum(run: &Run<'_>, top: &Top) -> Vector3<f64> {
@@ -131,7 +144,6 @@ fn check_gyro(until: f64) {
     for (time, state) in case.states().into_iter().filter(|(time, _)| *time <= until) {
         run.until(time);
         let axis = run.pose("top").rotation * Vector3::z();
-        println!("steps {}", run.steps);
         state.at("axis_world").check_list(axis.as_slice(), tolerance);
         if state.keys().contains(&"quat_wxyz".to_owned()) {
             check_quaternion(&state, &run, tolerance);
@@ -167,9 +179,7 @@ fn check_drift(until: f64) {
     let at_start = inertia * Vector3::from(top.rates);
     for (time, state) in case.states().into_iter().filter(|(time, _)| *time <= until) {
         run.until(time);
-        println!("steps {}", run.steps);
         let now = angular_momentum(&run, &top);
-        println!("L {:e}", (now - at_start).norm() / at_start.norm());
         let norm = run.positions("top")[3..].iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!((norm - 1.0).abs() < 1e-12, "{norm}");
         check_quaternion(&state, &run, case.tolerance("abs"));
