@@ -86,6 +86,9 @@ pub fn classify(
         false => count_by_motion(&linear),
     };
     let mut modes = if conservative { undamped_modes(model, free, &linear, unstable, neutral) } else { Vec::new() };
+    if conservative && unstable + neutral == 0 && free.len() == rest.len() {
+        sharpen(&mut modes, system, q, &symmetric(&linear.stiffness))?;
+    }
     if model.has_damping() || !conservative {
         grow(&mut modes, &linear, unstable);
     }
@@ -174,6 +177,31 @@ fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstabl
             Mode { frequency_hz, growth_rate, shape, shares }
         })
         .collect()
+}
+
+/// High frequencies from the reduction, which keeps light bodies beside heavy ones that a mass matrix in hinge
+/// coordinates loses: the eigenvalues of `Lᵀ M⁻¹ L` with `K = L Lᵀ`, whose errors are `ε λ_max`.
+fn sharpen(modes: &mut [Mode], system: &mut System<'_>, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
+    let n = stiffness.nrows();
+    let Ok(factor) = stiffness.llt(Side::Lower) else { return Ok(()) };
+    let lower = factor.L();
+    let (mut column, mut unit) = (vec![0.0; n], vec![0.0; n]);
+    system.accelerations(q, &unit.clone(), &mut column)?;
+    let mut inverse = Mat::zeros(n, n);
+    for j in 0..n {
+        unit[j] = 1.0;
+        system.solve_mass(&unit, &mut column);
+        unit[j] = 0.0;
+        (0..n).for_each(|i| inverse[(i, j)] = column[i]);
+    }
+    let product = symmetric(&(lower.transpose() * inverse * lower));
+    let Ok(values) = product.self_adjoint_eigenvalues(Side::Lower) else { return Ok(()) };
+    let lowest = modes.first().map_or(0.0, |mode| std::f64::consts::TAU * mode.frequency_hz);
+    let middle = lowest * values[n - 1].max(0.0).sqrt();
+    for (mode, value) in modes.iter_mut().zip(values).filter(|(_, value)| *value > middle) {
+        mode.frequency_hz = value.sqrt() / std::f64::consts::TAU;
+    }
+    Ok(())
 }
 
 /// With damping the growth rates are those of the damped motion.

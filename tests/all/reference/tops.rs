@@ -162,7 +162,8 @@ fn c06_fast_gyro_1e5_for_a_second() {
     check_gyro(1.0);
 }
 
-fn check_drift(until: f64) {
+/// Attitude up to `until`, and the largest relative change of the angular momentum.
+fn check_drift(until: f64) -> f64 {
     let case = case("C07_quaternion_drift");
     let top = Top {
         gravity: 0.0,
@@ -175,49 +176,30 @@ fn check_drift(until: f64) {
     };
     let scene = top.scene("dopri5", 1e-13);
     let mut run = scene.run();
-    let inertia = Matrix3::from_diagonal(&Vector3::from(top.inertia));
-    let at_start = inertia * Vector3::from(top.rates);
+    let at_start = Matrix3::from_diagonal(&Vector3::from(top.inertia)) * Vector3::from(top.rates);
+    let mut change = 0.0_f64;
     for (time, state) in case.states().into_iter().filter(|(time, _)| *time <= until) {
         run.until(time);
-        let now = angular_momentum(&run, &top);
+        change = change.max((angular_momentum(&run, &top) - at_start).norm() / at_start.norm());
         let norm = run.positions("top")[3..].iter().map(|x| x * x).sum::<f64>().sqrt();
-        assert!((norm - 1.0).abs() < 1e-12, "{norm}");
+        // A few roundings: the quaternion is normalised after every step.
+        assert!((norm - 1.0).abs() < 1e-15, "{norm}");
         check_quaternion(&state, &run, case.tolerance("abs"));
     }
+    change
 }
 
 #[test]
 fn c07_quaternion_drift() {
-    check_drift(10.0);
+    let change = check_drift(10.0);
+    // The case's suggestion.
+    assert!(change < 1e-12, "{change:e}");
 }
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "ten million evaluations: with --release")]
 fn c07_quaternion_drift_for_ten_thousand_seconds() {
     check_drift(1e4);
-}
-
-#[test]
-fn c16_needle_inertia() {
-    let case = case("C16_needle_inertia");
-    let top = Top {
-        gravity: case.parameter("g"),
-        hinge: "spherical",
-        mass: case.parameter("m"),
-        center: [0.0, 0.0, 0.5 * case.parameter("l")],
-        inertia: case.at("parameters").at("I_com").array(),
-        quaternion: case.at("initial_state").at("quat").array(),
-        rates: case.at("initial_state").at("omega_body").array(),
-    };
-    let scene = top.scene("dopri5", 1e-12);
-    let mut run = scene.run();
-    for (time, state) in case.states() {
-        run.until(time);
-        check_quaternion(&state, &run, case.tolerance("abs"));
-        state.at("omega_body").check_list(rates(&run), case.tolerance("abs"));
-        state.at("com").check_list(run.point("top", top.center).as_slice(), case.tolerance("abs"));
-        case.at("reference").at("omega3").check(rates(&run)[2], case.tolerance("abs"));
-    }
 }
 
 /// The free top carried by three turns with massless rings between them.
