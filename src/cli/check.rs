@@ -42,12 +42,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         };
         wrong += usize::from(errors > 0);
         if !arguments.json && !arguments.quiet && errors == 0 {
-            output::print(&format!("{name}: fine"));
+            output::print(&format!("{name}: fine"))?;
         }
         results.push(json!({ "scenario": name, "valid": errors == 0, "errors": errors }));
     }
     if arguments.json {
-        output::print(&json!({ "valid": wrong == 0, "scenarios": results }).to_string());
+        output::print(&json!({ "valid": wrong == 0, "scenarios": results }).to_string())?;
     }
     Ok(if wrong == 0 { Exit::Done } else { Exit::Wrong })
 }

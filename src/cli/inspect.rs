@@ -41,10 +41,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "velocities": json::by_hinge(&model, v, false),
             "accelerations": json::by_hinge(&model, &accelerations, false),
         });
-        output::print(&result.to_string());
+        output::print(&result.to_string())?;
         return Ok(Exit::Done);
     }
-    output::print(&text::heading(&model, &scenario.name));
+    output::print(&text::heading(&model, &scenario.name))?;
     output::print(&format!(
         "  centre       {}, {}, {} m\n  energy       kinetic {} J, potential {} J\n",
         text::number(center.x),
@@ -52,8 +52,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         text::number(center.z),
         text::number(energies.kinetic),
         text::number(energies.potential)
-    ));
-    output::print(&table(&model, &accelerations));
+    ))?;
+    output::print(&table(&model, &accelerations))?;
     Ok(Exit::Done)
 }
 
@@ -69,26 +69,34 @@ fn center_of_mass(model: &Model, system: &System<'_>) -> Vector3<f64> {
     moment / model.total_mass().max(f64::MIN_POSITIVE)
 }
 
-/// One line per hinge.
+/// One line per hinge, in columns.
 fn table(model: &Model, accelerations: &[f64]) -> String {
-    let wide = model.bodies.iter().map(|body| body.name.chars().count()).max().unwrap_or(0).max(4);
-    let mut lines =
-        vec![format!("  {:<wide$}  {:<11}  {:<wide$}  position | velocity | acceleration", "body", "hinge", "parent")];
+    // What cancels in an acceleration: others in the scene, and what fast turning needs.
+    let fastest = model.start_velocity.iter().fold(0.0_f64, |m, v| m.max(v * v));
+    let largest = accelerations.iter().fold(fastest, |m, a| m.max(a.abs()));
+    let show = |list: &[f64]| match list {
+        [] => "–".to_owned(),
+        _ => list.iter().map(|x| text::number(*x)).collect::<Vec<_>>().join(" "),
+    };
+    let mut rows = vec![["body", "hinge", "parent", "position", "velocity", "acceleration"].map(str::to_owned)];
     for body in &model.bodies {
         let hinge = &body.hinge;
         let (positions, velocities) = hinge.kind.counts();
-        let parent = body.parent.map_or("ground", |parent| model.bodies[parent].name.as_str());
-        let show = |list: &[f64]| list.iter().map(|x| text::number(*x)).collect::<Vec<_>>().join(" ");
-        let state = match velocities {
-            0 => "–".to_owned(),
-            _ => format!(
-                "{} | {} | {}",
-                show(&model.start_position[hinge.position..hinge.position + positions]),
-                show(&model.start_velocity[hinge.velocity..hinge.velocity + velocities]),
-                show(&accelerations[hinge.velocity..hinge.velocity + velocities])
-            ),
-        };
-        lines.push(format!("  {:<wide$}  {:<11}  {parent:<wide$}  {state}", body.name, hinge.kind.name()));
+        let rates = hinge.velocity..hinge.velocity + velocities;
+        let sums: Vec<f64> = accelerations[rates.clone()].iter().map(|a| text::without_noise(*a, largest)).collect();
+        rows.push([
+            body.name.clone(),
+            hinge.kind.name().to_owned(),
+            body.parent.map_or("ground", |parent| &model.bodies[parent].name).to_owned(),
+            show(&model.start_position[hinge.position..hinge.position + positions]),
+            show(&model.start_velocity[rates]),
+            show(&sums),
+        ]);
     }
-    lines.join("\n")
+    let widths: [usize; 6] = std::array::from_fn(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0));
+    let line = |row: &[String; 6]| {
+        let cells: Vec<String> = row.iter().zip(widths).map(|(cell, wide)| format!("{cell:<wide$}")).collect();
+        format!("  {}", cells.join("  ")).trim_end().to_owned()
+    };
+    rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }

@@ -115,10 +115,7 @@ pub fn main() -> ExitCode {
         Command::Inspect(arguments) => inspect::main(&arguments),
         Command::View(arguments) => view::main(&arguments),
         Command::Check(arguments) => check::main(&arguments),
-        Command::Schema => {
-            output::print(&format!("{:#}", crate::scenario::schema()));
-            Ok(Exit::Done)
-        }
+        Command::Schema => output::print(&format!("{:#}", crate::scenario::schema())).map(|()| Exit::Done),
     };
     match result {
         Ok(exit) => exit.into(),

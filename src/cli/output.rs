@@ -1,14 +1,18 @@
 //! Standard output and standard error, colours, progress, Ctrl-C.
 
+use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// A line on standard output. A reader that went away is no error of ours.
-pub(super) fn print(text: &str) {
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
+/// A line on standard output. A reader that went away is no error of ours; a full disk is one.
+pub(super) fn print(text: &str) -> anyhow::Result<()> {
+    match writeln!(std::io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write to standard output"),
+        _ => Ok(()),
+    }
 }
 
 /// A line on standard error.
@@ -16,9 +20,15 @@ pub(super) fn note(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
-/// An error with its causes.
+/// An error with its causes, those left out that the message before has told already.
 pub(super) fn error(error: &anyhow::Error) {
-    note(&format!("{} {error:#}", paint("error:", "1;31", errors_in_color())));
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string).filter(|cause| !cause.is_empty()) {
+        if !text.contains(&cause) {
+            text = if text.is_empty() { cause } else { format!("{text}: {cause}") };
+        }
+    }
+    note(&format!("{} {text}", paint("error:", "1;31", errors_in_color())));
 }
 
 /// Something a person should know that stops nothing.

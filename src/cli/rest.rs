@@ -29,12 +29,13 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let (found, wall) = statics::find(&scenario, &model)?;
     let statics = json::statics(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
-        output::print(&text::heading(&model, &scenario.name));
-        output::print(&text::statics(&model, &found, wall));
+        output::print(&text::heading(&model, &scenario.name))?;
+        output::print(&text::statics(&model, &found, wall))?;
     }
     if !found.balanced {
         if common.json {
-            output::print(&json!({ "rested": false, "tolerance": TOLERANCE, "statics": statics }).to_string());
+            let none = Value::Null;
+            output::print(&json!({ "rested": false, "duration": 0.0, "max_displacement": none, "max_speed": none, "tolerance": TOLERANCE, "statics": statics }).to_string())?;
         }
         return Ok(Exit::No);
     }
@@ -64,9 +65,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let result = to_json(&proof, statics);
     recorder.finish(&Outcome { summary: result.to_string() })?;
     if common.json {
-        output::print(&result.to_string());
+        output::print(&result.to_string())?;
     } else if !common.quiet {
-        output::print(&to_text(&proof));
+        output::print(&to_text(&proof))?;
     }
     Ok(match (proof.interrupted, proof.rested) {
         (true, _) => Exit::Interrupted,
@@ -93,11 +94,11 @@ fn to_text(proof: &Rest) -> String {
     let Some(growth) = &proof.growth else {
         let answer = if proof.rested { "at rest" } else { "not at rest" };
         return format!(
-            "{}: in {seconds} s no hinge moved further than {:.1e} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {:.1e} per second",
+            "{}: in {seconds} s no hinge moved further than {} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {} per second",
             output::bold(answer),
-            proof.displacement.value,
+            text::small(proof.displacement.value),
             proof.displacement.hinge,
-            proof.speed.value,
+            text::small(proof.speed.value),
         );
     };
     let observed = growth.observed.map_or("not seen in time".to_owned(), text::number);

@@ -39,7 +39,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let path = recording_path(arguments.out.as_deref(), &common.scenario);
     let file = RecordingFile::create(&path)?;
     if !common.json && !common.quiet {
-        output::print(&text::heading(&model, &scenario.name));
+        output::print(&text::heading(&model, &scenario.name))?;
     }
     let Some((start, found)) = start(common, &scenario, &model)? else { return Ok(Exit::No) };
 
@@ -64,14 +64,17 @@ fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyhow::Result<
     let (found, wall) = statics::find(scenario, model)?;
     let value = json::statics(model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
-        output::print(&text::statics(model, &found, wall));
+        output::print(&text::statics(model, &found, wall))?;
     }
     if !found.converged {
         if common.json {
-            output::print(&json!({ "scenario": scenario.name, "start": value }).to_string());
+            output::print(&json!({ "scenario": scenario.name, "start": value }).to_string())?;
         }
         output::warning("nothing was simulated: there is no equilibrium to start from (see above)");
         return Ok(None);
+    }
+    if found.stability.as_ref().is_some_and(|s| s.unstable_directions > 0) && !common.quiet {
+        output::warning("the run starts on an unstable equilibrium: it stays there until something disturbs it");
     }
     if model.start_velocity.iter().any(|v| *v != 0.0) && !common.quiet {
         output::warning("the scenario gives velocities, but the run starts at rest; use `start = \"given\"` for them");
@@ -144,7 +147,7 @@ impl Run<'_> {
                 let summary = json!({ "scenario": self.scenario.name, "error": error.to_string() });
                 recorder.finish(&Outcome { summary: summary.to_string() })?;
                 if self.common.json {
-                    output::print(&summary.to_string());
+                    output::print(&summary.to_string())?;
                 }
                 output::error(&anyhow::Error::new(error));
                 output::note(&format!("what was simulated until then is in {path}"));
@@ -157,9 +160,9 @@ impl Run<'_> {
             output::warning(&format!("{lost}\nthe recording is not affected"));
         }
         if self.common.json {
-            output::print(&result.to_string());
+            output::print(&result.to_string())?;
         } else if !self.common.quiet {
-            output::print(&text::run(&summary, &path));
+            output::print(&text::run(&summary, &path))?;
         }
         Ok(if summary.interrupted { Exit::Interrupted } else { Exit::Done })
     }

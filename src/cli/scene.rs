@@ -3,15 +3,11 @@
 use super::{Common, Exit, output};
 use crate::model::Model;
 use crate::scenario::{LoadError, Override, Scenario, load_with};
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 
 /// A scenario with its model, or the exit code after its problems were printed.
 pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), Exit>> {
-    let overrides: Vec<Override> = common
-        .set
-        .iter()
-        .map(|text| Override::parse(text).with_context(|| format!("--set {text}")))
-        .collect::<anyhow::Result<_>>()?;
+    let overrides: Vec<Override> = common.set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
     let scenario = match load_with(&common.scenario, &overrides) {
         Ok(scenario) => scenario,
         Err(LoadError::Problems(problems)) => {

@@ -28,10 +28,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         std::fs::write(path, format!("{result:#}\n")).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     if common.json {
-        output::print(&result.to_string());
+        output::print(&result.to_string())?;
     } else if !common.quiet {
-        output::print(&text::heading(&model, &scenario.name));
-        output::print(&text::statics(&model, &found, wall));
+        output::print(&text::heading(&model, &scenario.name))?;
+        output::print(&text::statics(&model, &found, wall))?;
     }
     Ok(if found.converged { Exit::Done } else { Exit::No })
 }

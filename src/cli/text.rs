@@ -10,6 +10,8 @@ use std::time::Duration;
 
 /// Long lists stop here; `--json` has all.
 const MOST_LINES: usize = 8;
+/// What is left of a sum of numbers of size one that should cancel.
+const ROUND_OFF: f64 = 1e-12;
 
 pub(super) fn method(method: Method) -> &'static str {
     match method {
@@ -67,8 +69,18 @@ pub(super) fn number(x: f64) -> String {
     }
 }
 
-fn numbers(list: &[f64]) -> String {
-    list.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
+/// Two digits for what should be small: `7.3e-10`, `0`.
+pub(super) fn small(x: f64) -> String {
+    if x == 0.0 { "0".to_owned() } else { format!("{x:.1e}") }
+}
+
+/// Zero where a number is round-off beside others of size `scale`.
+pub(super) fn without_noise(x: f64, scale: f64) -> f64 {
+    if x.abs() <= ROUND_OFF * scale { 0.0 } else { x }
+}
+
+fn numbers(list: impl Iterator<Item = f64>) -> String {
+    list.map(number).collect::<Vec<_>>().join(", ")
 }
 
 /// The certificate of statics.
@@ -85,8 +97,10 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     let _ = writeln!(out, "{} ({stage}, {})", bold(&verdict), duration(wall));
     let _ = writeln!(
         out,
-        "  residual     {:.1e} of the forces that cancel ({:.1e} N or N m; acceleration {:.1e})",
-        found.relative_residual, found.residual_force, found.residual_acceleration
+        "  residual     {} of the forces that cancel ({} N or N m; acceleration {})",
+        small(found.relative_residual),
+        small(found.residual_force),
+        small(found.residual_acceleration)
     );
     if let Some(stability) = &found.stability {
         if stability.unstable_directions > 0 {
@@ -107,9 +121,14 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         }
         more(&mut out, stability.modes.len());
     }
-    pose(&mut out, model, &found.position, "pose");
+    pose(&mut out, model, &found.position, if found.balanced { "pose" } else { "last pose" });
+    let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
     for (name, force) in &found.holding {
-        let _ = writeln!(out, "  locked       {name} holds {}", number(*force));
+        let held = match without_noise(*force, weight) {
+            0.0 => "nothing".to_owned(),
+            force => format!("{} N or N m", number(force)),
+        };
+        let _ = writeln!(out, "  locked       {name} holds {held}");
     }
     for note in &found.notes {
         let _ = writeln!(out, "  note         {note}");
@@ -136,10 +155,13 @@ fn more(out: &mut String, total: usize) {
 fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
     let hinges = model.bodies.iter().filter(|body| body.hinge.kind.counts().0 > 0);
     let total = hinges.clone().count();
+    let length = model.length_scale();
     for (line, body) in hinges.take(MOST_LINES).enumerate() {
         let names: Vec<&str> = Model::position_names(&body.hinge.kind).iter().map(|(name, _)| *name).collect();
         let head = if line == 0 { title } else { "" };
-        let values = numbers(&position[body.hinge.position..body.hinge.position + names.len()]);
+        let scales =
+            Model::position_names(&body.hinge.kind).iter().map(|(_, unit)| if *unit == "m" { length } else { 1.0 });
+        let values = numbers(scales.zip(&position[body.hinge.position..]).map(|(scale, x)| without_noise(*x, scale)));
         let _ = writeln!(out, "  {head:<12} {:<20} {} = {values}", body.name, names.join(", "));
     }
     more(out, total);
@@ -164,21 +186,23 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
     if let Some(choice) = &summary.choice {
         let _ = writeln!(out, "  method       {choice}");
     }
+    let work: Vec<String> = [
+        (counters.acceleration_evaluations, "acceleration", "accelerations"),
+        (counters.residual_evaluations, "force balance", "force balances"),
+        (counters.jacobian_evaluations, "Jacobian", "Jacobians"),
+    ]
+    .iter()
+    .filter(|(n, ..)| *n > 0)
+    .map(|(n, one, many)| format!("{n} {}", if *n == 1 { one } else { many }))
+    .collect();
+    let _ =
+        writeln!(out, "  steps        {} ({} rejected), {}", counters.steps, counters.rejected_steps, work.join(", "));
     let _ = writeln!(
         out,
-        "  steps        {} ({} rejected), {} accelerations, {} balances, {} Jacobians",
-        counters.steps,
-        counters.rejected_steps,
-        counters.acceleration_evaluations,
-        counters.residual_evaluations,
-        counters.jacobian_evaluations
-    );
-    let _ = writeln!(
-        out,
-        "  energy       {} J at the start, {} J at the end, unaccounted for {:.1e} J at most",
+        "  energy       {} J at the start, {} J at the end, unaccounted for {} J at most",
         number(summary.energy_start),
         number(summary.energy_end),
-        summary.energy_drift
+        small(summary.energy_drift)
     );
     let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));
     let _ = write!(out, "  to see it    stillpoint view {recording}");

@@ -36,7 +36,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&match &arguments.save {
             Some(file) => format!("{samples} written; to see them: rerun {}", file.display()),
             None => format!("{samples} shown"),
-        });
+        })?;
     }
     Ok(Exit::Done)
 }

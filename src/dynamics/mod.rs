@@ -3,9 +3,11 @@
 
 mod linearize;
 mod magnitudes;
+mod tangent;
 
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
+pub use tangent::{Coefficients, TangentSolver};
 
 use crate::forces;
 use crate::model::{Joint, Model};
@@ -118,7 +120,7 @@ impl<'m> System<'m> {
     /// A singular hinge, or the element whose numbers are not finite.
     pub fn accelerations(&mut self, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
         self.prepare(q, v);
-        self.reduction.factorize(self.model, &self.motion).map_err(|singular| self.singular(&singular))?;
+        self.reduction.factorize(self.model, &self.motion).map_err(|singular| self.singular(&singular, q, v))?;
         for (index, link) in self.model.links.iter().enumerate() {
             let bias = match link.is_massless() {
                 true => Wrench::ZERO,
@@ -128,7 +130,7 @@ impl<'m> System<'m> {
         }
         let load = Load { wrenches: &self.loads, with_bias: true, tau: &self.tau };
         self.reduction.solve(self.model, &self.motion, &load, a);
-        self.check_finite("the acceleration", a)
+        self.check_finite("the acceleration", a, q, v)
     }
 
     /// `residual ← M(q) a + b(q, v) − τ(q, v)`, in O(n).
@@ -138,7 +140,7 @@ impl<'m> System<'m> {
     pub fn residual(&mut self, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) -> Result<(), Fault> {
         self.prepare(q, v);
         self.balance.update(self.model, &self.motion, &self.applied, &self.tau, a, residual);
-        self.check_finite("the force balance", residual)
+        self.check_finite("the force balance", residual, q, v)
     }
 
     /// `x ← M⁻¹ rhs` with the last factorization of [`System::accelerations`].
@@ -243,22 +245,38 @@ impl<'m> System<'m> {
         out.extend(self.model.bodies.iter().map(|body| self.motion.body_pose(body)));
     }
 
-    fn singular(&self, singular: &Singular) -> Fault {
+    fn singular(&self, singular: &Singular, q: &[f64], v: &[f64]) -> Fault {
         let body = self.model.bodies[self.model.links[singular.link].body].name.clone();
         if singular.pivot.is_finite() {
             Fault::Singular { body, pivot: singular.pivot }
         } else {
-            Fault::NotFinite { what: "the position", element: body }
+            self.not_finite_state(q, v).unwrap_or(Fault::NotFinite { what: "the position", element: body })
         }
     }
 
-    /// Names the cause: a force element if one is to blame, else the first hinge.
-    fn check_finite(&self, what: &'static str, numbers: &[f64]) -> Result<(), Fault> {
+    /// Names the cause: a position or velocity that came in, else a force element, else the first hinge.
+    fn check_finite(&self, what: &'static str, numbers: &[f64], q: &[f64], v: &[f64]) -> Result<(), Fault> {
         let Some(bad) = numbers.iter().position(|x| !x.is_finite()) else { return Ok(()) };
+        if let Some(fault) = self.not_finite_state(q, v) {
+            return Err(fault);
+        }
         if let Some(element) = forces::not_finite(self.model, &self.motion) {
             return Err(Fault::NotFinite { what: "the force", element: self.model.forces[element].name.clone() });
         }
         Err(Fault::NotFinite { what, element: self.model.owner(bad).to_owned() })
+    }
+
+    fn not_finite_state(&self, q: &[f64], v: &[f64]) -> Option<Fault> {
+        let bad = |list: &[f64], from: usize, count: usize| list[from..from + count].iter().any(|x| !x.is_finite());
+        self.model.bodies.iter().find_map(|body| {
+            let (hinge, (positions, velocities)) = (&body.hinge, body.hinge.kind.counts());
+            let what = match bad(q, hinge.position, positions) {
+                true => "the position",
+                false if bad(v, hinge.velocity, velocities) => "the velocity",
+                false => return None,
+            };
+            Some(Fault::NotFinite { what, element: body.name.clone() })
+        })
     }
 
     /// `q ← q ⊞ step`: plain coordinates add, balls turn by the rotation vector in link axes.

@@ -8,7 +8,7 @@
 use crate::model::{Coordinate, Joint, Link, Model};
 use crate::motion::unit_quaternion;
 use crate::spatial::rotation::{rotation_vector, torsion_spring};
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// `tau` ← hinge forces at coordinates `q` and velocities `v`, one per velocity.
 pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
@@ -47,6 +47,13 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
             _ => out[at] -= coordinates[0].stiffness * dq[at],
         }
     });
+}
+
+/// `∂τ/∂(turn)` of a ball's spring, link axes; `None` without a spring.
+pub fn ball_tangent(model: &Model, link: &Link, q: &[f64]) -> Option<Matrix3<f64>> {
+    let Joint::Ball { rest } = link.joint else { return None };
+    let stiffness = stiffness(&model.coordinates[link.velocity..link.velocity + 3]);
+    (stiffness != Vector3::zeros()).then(|| torsion_spring(&from_rest(&rest, q, link), stiffness).1)
 }
 
 pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {

@@ -64,7 +64,8 @@ fn of_law(law: &Law, motion: &Motion) -> [Wrench; 2] {
     }
 }
 
-fn vary_law(law: &Law, motion: &Motion, by: &[LinkVariation]) -> [Wrench; 2] {
+/// The variation of one element's wrenches, see [`vary`].
+pub fn vary_law(law: &Law, motion: &Motion, by: &[LinkVariation]) -> [Wrench; 2] {
     match law {
         Law::Spring { ends, stiffness, length, damping } => {
             spring::Spring::at(ends, motion, *stiffness, *length, *damping).vary(ends, motion, by)

@@ -4,9 +4,9 @@ use super::description::{
     BodyDescription, Description, ForceDescription, ForceKind, GROUND, HingeKind, MassProperties, Point,
 };
 use super::problem::{Element, Problem};
-use nalgebra::{SymmetricEigen, Vector3};
+use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
 
-/// How far principal moments may break the triangle inequality by rounding in the file: one part in 10⁹.
+/// How far principal moments may break the triangle inequality, and a matrix symmetry, by rounding: one part in 10⁹.
 const TRIANGLE_SLACK: f64 = 1e-9;
 /// How far a quaternion's norm may be from one: files carry at least six digits.
 const QUATERNION_SLACK: f64 = 1e-6;
@@ -71,6 +71,10 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
         found.add(element, "inertia", format!("the inertia of `{name}` is not finite"), "give finite kg m²");
         return;
     }
+    if (mass.inertia - mass.inertia.transpose()).amax() > TRIANGLE_SLACK * mass.inertia.amax() {
+        found.add(element, "inertia", format!("the inertia of `{name}` is not symmetric"), "xy = yx, xz = zx, yz = zy");
+        return;
+    }
     let mut moments: Vec<f64> = SymmetricEigen::new(mass.inertia).eigenvalues.iter().copied().collect();
     moments.sort_by(f64::total_cmp);
     let (small, middle, large) = (moments[0], moments[1], moments[2]);
@@ -100,6 +104,9 @@ fn check_hinge(found: &mut Findings, element: Element, body: &BodyDescription) {
         && !finite(at)
     {
         found.add(element, "hinge.at", format!("the hinge of `{name}` is at {}", list(at)), "give finite m");
+    }
+    if !is_turn(&hinge.frame) {
+        found.add(element, "hinge.rpy", format!("the hinge frame of `{name}` is not a turn"), "give finite angles");
     }
     let lists: [(&str, &[f64], usize, f64); 7] = [
         ("position", &hinge.position, positions, f64::NEG_INFINITY),
@@ -182,12 +189,15 @@ fn check_force(found: &mut Findings, index: usize, force: &ForceDescription) {
                 found.add(element, "between", message, "a spring within one rigid body does nothing");
             }
         }
-        ForceKind::Bushing { stiffness, damping, between, .. } => {
+        ForceKind::Bushing { stiffness, damping, between, frame } => {
             stiffness.iter().for_each(|k| number("stiffness", *k, "N/m or N m/rad"));
             damping.iter().for_each(|c| number("damping", *c, "N s/m or N m s/rad"));
             if between[0].body == between[1].body {
                 let message = format!("both ends of `{name}` are on `{}`", between[0].body);
                 found.add(element, "between", message, "a bushing within one rigid body does nothing");
+            }
+            if !is_turn(frame) {
+                found.add(element, "rpy", format!("the axes of `{name}` are not a turn"), "give finite angles");
             }
         }
         ForceKind::Load { on, force, torque, .. } => {
@@ -206,6 +216,10 @@ fn check_force(found: &mut Findings, index: usize, force: &ForceDescription) {
             }
         }
     }
+}
+
+fn is_turn(frame: &UnitQuaternion<f64>) -> bool {
+    (frame.norm() - 1.0).abs() <= QUATERNION_SLACK
 }
 
 fn finite(v: &Vector3<f64>) -> bool {

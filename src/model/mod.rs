@@ -11,6 +11,7 @@ pub mod description;
 mod link;
 pub mod problem;
 pub mod shape;
+mod tree;
 
 pub use description::Description;
 pub use link::{Joint, Link};

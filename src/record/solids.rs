@@ -56,14 +56,17 @@ pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
     let mut points: Vec<Vec<[f64; 3]>> =
         scene.bodies.iter().map(|body| body.markers.iter().map(|(_, at)| *at).collect()).collect();
     for body in &scene.bodies {
-        if let Some(points) = body.parent.and_then(|parent| points.get_mut(parent)) {
+        if let Some(points) = body.parent.and_then(|parent| points.get_mut(parent))
+            && !points.contains(&body.hinge_at)
+        {
             points.push(body.hinge_at);
         }
     }
+    let longest = points.iter().flatten().map(|&end| Vector3::from(end).norm()).sum();
     let of_body = |(index, (body, points)): (usize, (&BodyPicture, &Vec<[f64; 3]>))| {
         let color = palette(index);
         let shapes: Vec<Solid> = body.shapes.iter().filter_map(|shape| from_shape(shape, color)).collect();
-        if shapes.is_empty() { stand_in(body, points, color) } else { shapes }
+        if shapes.is_empty() { stand_in(body, points, longest, color) } else { shapes }
     };
     scene.bodies.iter().zip(&points).enumerate().map(of_body).collect()
 }
@@ -97,10 +100,11 @@ fn mesh(file: &str, scale: [f64; 3]) -> Option<Form> {
     Some(Form::Mesh { contents: std::fs::read(path).ok()?, media_type, scale })
 }
 
-fn stand_in(body: &BodyPicture, points: &[[f64; 3]], color: [f64; 4]) -> Vec<Solid> {
+/// `longest` is the length of all stand-ins in a row.
+fn stand_in(body: &BodyPicture, points: &[[f64; 3]], longest: f64, color: [f64; 4]) -> Vec<Solid> {
     let solid = |form, pose| Solid { form, pose, color, own_color: false };
     let rods: Vec<Solid> =
-        points.iter().filter_map(|&end| rod(end.into())).map(|(form, pose)| solid(form, pose)).collect();
+        points.iter().filter_map(|&end| rod(end.into(), longest)).map(|(form, pose)| solid(form, pose)).collect();
     if !rods.is_empty() {
         return rods;
     }
@@ -115,13 +119,15 @@ const POINT: f64 = 0.03;
 /// Thickness of stand-ins against their length.
 const SLENDER: f64 = 0.03;
 
-/// A capsule from the root marker to `end`; `None` where they are the same point.
-fn rod(end: Vector3<f64>) -> Option<(Form, Isometry3<f64>)> {
+/// A capsule from the root marker to `end`; `None` where they are the same point. Links of a long chain are stouter, to
+/// be seen at all.
+fn rod(end: Vector3<f64>, longest: f64) -> Option<(Form, Isometry3<f64>)> {
     let length = end.norm();
     let along = end.try_normalize(0.0)?;
     let turn = UnitQuaternion::rotation_between(&Vector3::z(), &along)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
-    let form = Form::Capsule { radius: SLENDER * length, length };
+    let radius = (0.003 * longest).clamp(SLENDER * length, 0.2 * length);
+    let form = Form::Capsule { radius, length };
     Some((form, Isometry3::from_parts(Translation3::from(0.5 * end), turn)))
 }
 

@@ -1,6 +1,6 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Problem};
 use crate::model::{Joint, Model};
 use faer::Mat;
@@ -11,7 +11,15 @@ pub struct Motion<'m> {
     system: System<'m>,
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
-    tangent: Option<PartialPivLu<f64>>,
+    tangent: Tangent,
+}
+
+/// The factorized tangent of an implicit step.
+enum Tangent {
+    /// In O(n), by sweeps.
+    Sweep(Box<TangentSolver>),
+    /// Dense: where a force between two bodies couples what the tree does not.
+    Dense(Option<PartialPivLu<f64>>),
 }
 
 impl From<Fault> for Failure {
@@ -32,7 +40,11 @@ impl<'m> Motion<'m> {
                 velocity_scales[link.velocity] = length / time;
             }
         }
-        Self { system: System::new(model), position_scales, velocity_scales, tangent: None }
+        let tangent = match TangentSolver::covers(model) {
+            true => Tangent::Sweep(Box::new(TangentSolver::new(model))),
+            false => Tangent::Dense(None),
+        };
+        Self { system: System::new(model), position_scales, velocity_scales, tangent }
     }
 
     /// The system, for what is recorded between steps.
@@ -117,22 +129,36 @@ impl ImplicitProblem for Motion<'_> {
     }
 
     fn factorize(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], c1: f64, c2: f64) -> Result<(), Failure> {
-        let linear = self.system.linearize(q, v, a)?;
-        let n = a.len();
-        let tangent = Mat::from_fn(n, n, |i, j| {
-            linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)]
-        });
-        self.tangent = Some(tangent.partial_piv_lu());
+        match &mut self.tangent {
+            Tangent::Sweep(solver) => {
+                let with = Coefficients { c1, c2, ..Coefficients::default() };
+                if !self.system.factorize_tangent(solver, q, v, a, &with)? {
+                    return Err(Failure { message: "the tangent of the implicit step is singular".to_owned() });
+                }
+            }
+            Tangent::Dense(factor) => {
+                let linear = self.system.linearize(q, v, a)?;
+                let n = a.len();
+                let tangent = Mat::from_fn(n, n, |i, j| {
+                    linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)]
+                });
+                *factor = Some(tangent.partial_piv_lu());
+            }
+        }
         Ok(())
     }
 
     fn solve(&mut self, rhs: &mut [f64]) {
-        if let Some(tangent) = &self.tangent {
-            let mut x = Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]);
-            tangent.solve_in_place(&mut x);
-            for (i, value) in rhs.iter_mut().enumerate() {
-                *value = x[(i, 0)];
+        match &mut self.tangent {
+            Tangent::Sweep(solver) => solver.solve(self.system.model(), rhs),
+            Tangent::Dense(Some(factor)) => {
+                let mut x = Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]);
+                factor.solve_in_place(&mut x);
+                for (i, value) in rhs.iter_mut().enumerate() {
+                    *value = x[(i, 0)];
+                }
             }
+            Tangent::Dense(None) => rhs.fill(f64::NAN),
         }
     }
 }

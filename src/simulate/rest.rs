@@ -1,7 +1,8 @@
 //! The rest proof: a run from the equilibrium that must stay where it is.
 //!
 //! At a stable or neutral equilibrium nothing may move: the largest displacement of any hinge is compared with
-//! [`TOLERANCE`]. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
+//! [`TOLERANCE`]. An explicit method lets round-off grow to the size of its own tolerance before it takes a smaller
+//! step, so adaptive methods run with a tolerance well below that, whatever the scene asks for in other runs. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
 //! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
 
 use super::run::{RunError, State, run};
@@ -14,6 +15,8 @@ use crate::statics::{Equilibrium, Verdict};
 
 /// A hinge that moved further than this did not rest (m or rad).
 pub const TOLERANCE: f64 = 1e-9;
+/// Largest tolerance of adaptive methods in a proof: what they let pass must not be taken for motion.
+const STEP_TOLERANCE: f64 = 1e-2 * TOLERANCE;
 /// Size of the push at an unstable equilibrium, of the coordinate that moves most (m or rad).
 const PUSH: f64 = 1e-6;
 /// Growth is measured between these displacements: late enough for other modes to be gone, early enough to be linear.
@@ -74,7 +77,12 @@ pub fn rest(
         None => State { position: equilibrium.position.clone(), velocity: vec![0.0; model.velocity_count()] },
     };
     let duration = pushed.as_ref().map_or(settings.duration, |push| push.duration().min(settings.duration));
-    let settings = Settings { duration, ..*settings };
+    let settings = Settings {
+        duration,
+        tolerance: settings.tolerance.min(STEP_TOLERANCE),
+        absolute_tolerance: settings.absolute_tolerance.min(STEP_TOLERANCE),
+        ..*settings
+    };
     let mut watch = Watch::new(model, &equilibrium.position);
     let summary = run(model, &settings, rate, &start, recorder, &mut |time, state| {
         watch.see(time, state);

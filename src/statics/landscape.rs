@@ -1,5 +1,6 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
 
+use super::stiffness::Stiffness;
 use crate::dynamics::{Fault, System};
 use crate::model::{Joint, Model};
 use faer::Mat;
@@ -15,8 +16,11 @@ pub struct Landscape<'s, 'm> {
     pub conservative: bool,
     /// Work counters.
     pub residuals: usize,
-    /// Stiffness matrices assembled.
+    /// Stiffness matrices looked at.
     pub stiffnesses: usize,
+    /// Factorizations of them.
+    pub factorizations: usize,
+    stiffness: Stiffness,
     rest: Vec<f64>,
     full: Vec<f64>,
 }
@@ -47,7 +51,9 @@ impl<'s, 'm> Landscape<'s, 'm> {
         let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
         let metric = free.iter().map(|i| full[*i]).collect();
         let conservative = model.is_conservative();
-        Ok(Self { system, free, metric, conservative, residuals: 0, stiffnesses: 0, rest, full })
+        let stiffness = Stiffness::new(model, &free);
+        let (residuals, stiffnesses, factorizations) = (0, 0, 0);
+        Ok(Self { system, free, metric, conservative, residuals, stiffnesses, factorizations, stiffness, rest, full })
     }
 
     /// The model.
@@ -70,12 +76,60 @@ impl<'s, 'm> Landscape<'s, 'm> {
         Ok(self.free.iter().map(|i| -self.full[*i]).collect())
     }
 
-    /// The stiffness matrix of the free coordinates; symmetric where loads have a potential.
+    /// Takes the stiffness at `q` for the solutions that follow.
     ///
     /// # Errors
     /// The element whose numbers are not finite.
-    pub fn stiffness(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
+    pub fn look(&mut self, q: &[f64]) -> Result<(), Fault> {
         self.stiffnesses += 1;
+        if self.stiffness.is_dense() {
+            let matrix = self.dense_stiffness(q)?;
+            self.stiffness.set_dense(matrix);
+            return Ok(());
+        }
+        self.residuals += 1;
+        self.stiffness.look(self.system, q, &self.rest, self.conservative)
+    }
+
+    /// Factorizes `K + σB` at the place last looked at; false where it is not positive definite.
+    pub fn factorize(&mut self, shift: f64) -> bool {
+        self.factorizations += 1;
+        let diagonal: Vec<f64> = self.metric.iter().map(|b| shift * b).collect();
+        self.stiffness.factorize(self.system, &diagonal, true)
+    }
+
+    /// Solves with the last factorization.
+    pub fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
+        self.stiffness.solve(self.system.model(), rhs)
+    }
+
+    /// `K x = rhs` at the place last looked at, definite or not; `None` where K is singular.
+    pub fn newton(&mut self, rhs: &[f64]) -> Option<Vec<f64>> {
+        let none = vec![0.0; self.free.len()];
+        self.newton_shifted(rhs, &none)
+    }
+
+    /// `(K + diag(shift)) x = rhs`; `None` where that is singular.
+    pub fn newton_shifted(&mut self, rhs: &[f64], shift: &[f64]) -> Option<Vec<f64>> {
+        self.factorizations += 1;
+        if !self.stiffness.factorize(self.system, shift, false) {
+            return None;
+        }
+        let x = self.stiffness.solve(self.system.model(), rhs);
+        x.iter().all(|x| x.is_finite()).then_some(x)
+    }
+
+    /// A direction in which the stiffness is negative by more than `shift` (a diagonal), at the place last looked at.
+    pub fn negative_direction(&mut self, shift: &[f64]) -> Option<Vec<f64>> {
+        self.factorizations += 1;
+        self.stiffness.negative_direction(self.system, shift)
+    }
+
+    /// The dense stiffness matrix of the free coordinates; symmetric where loads have a potential.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn dense_stiffness(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
         let full = self.system.static_stiffness(q)?;
         let (free, n) = (&self.free, self.free.len());
         Ok(if self.conservative {

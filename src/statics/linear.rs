@@ -1,6 +1,6 @@
 //! Dense linear algebra of the static search.
 
-use faer::linalg::solvers::{Llt, Solve};
+use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{Mat, Side};
 
 /// A positive definite matrix, factorized.
@@ -9,11 +9,7 @@ pub(super) struct Definite(Llt<f64>);
 impl Definite {
     /// Cholesky of `K + diag(shift)`; `None` where that is not positive definite.
     pub(super) fn of(stiffness: &Mat<f64>, shift: &[f64]) -> Option<Self> {
-        let mut shifted = stiffness.clone();
-        for (i, s) in shift.iter().enumerate() {
-            shifted[(i, i)] += s;
-        }
-        shifted.llt(Side::Lower).ok().map(Self)
+        shifted(stiffness, shift).llt(Side::Lower).ok().map(Self)
     }
 
     pub(super) fn solve(&self, rhs: &[f64]) -> Vec<f64> {
@@ -21,14 +17,32 @@ impl Definite {
     }
 }
 
-/// Solves with LU and one step of refinement; `None` where the answer is not finite.
-pub(super) fn solve(matrix: &Mat<f64>, rhs: &[f64]) -> Option<Vec<f64>> {
-    let lu = matrix.partial_piv_lu();
-    let b = as_mat(rhs);
-    let x = lu.solve(&b);
-    let correction = lu.solve(&(&b - matrix * &x));
-    let x = column(&(x + correction));
-    x.iter().all(|x| x.is_finite()).then_some(x)
+/// A general matrix, factorized by LU with pivoting.
+pub(super) struct General {
+    matrix: Mat<f64>,
+    factor: PartialPivLu<f64>,
+}
+
+impl General {
+    /// LU of `K + diag(shift)`.
+    pub(super) fn of(stiffness: &Mat<f64>, shift: &[f64]) -> Self {
+        let matrix = shifted(stiffness, shift);
+        Self { factor: matrix.partial_piv_lu(), matrix }
+    }
+
+    /// With one step of refinement.
+    pub(super) fn solve(&self, rhs: &[f64]) -> Vec<f64> {
+        let b = as_mat(rhs);
+        let x = self.factor.solve(&b);
+        let correction = self.factor.solve(&(&b - &self.matrix * &x));
+        column(&(x + correction))
+    }
+}
+
+fn shifted(matrix: &Mat<f64>, shift: &[f64]) -> Mat<f64> {
+    let mut shifted = matrix.clone();
+    shift.iter().enumerate().for_each(|(i, s)| shifted[(i, i)] += s);
+    shifted
 }
 
 fn as_mat(list: &[f64]) -> Mat<f64> {

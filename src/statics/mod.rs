@@ -15,6 +15,8 @@ mod newton;
 pub mod search;
 pub mod settings;
 pub mod stability;
+mod stiffness;
+mod subspace;
 mod trust_region;
 
 pub use equilibrium::{Equilibrium, equilibrium};

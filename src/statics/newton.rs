@@ -39,10 +39,11 @@ fn step(
     place: &Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Option<Place>, Fault> {
-    let stiffness = landscape.stiffness(&place.q)?;
+    let stiffness = landscape.dense_stiffness(&place.q)?;
+    landscape.look(&place.q)?;
     let before = merit(landscape, &place.force);
     let damped = |landscape: &Landscape<'_, '_>, part: f64| levenberg(landscape, &stiffness, &place.force, part);
-    let directions = [linear::solve(&stiffness, &place.force), damped(landscape, 1e-6), damped(landscape, 1e-2)];
+    let directions = [landscape.newton(&place.force), damped(landscape, 1e-6), damped(landscape, 1e-2)];
     for direction in directions.into_iter().flatten() {
         let mut scale = 1.0;
         for _ in 0..12 {

@@ -10,6 +10,9 @@ const EXACT: f64 = 1e-13;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
+/// Shift of a singular stiffness, relative to its largest curvature.
+const SHIFT: f64 = 1e-8;
+
 /// One iteration of the search, for reports and plots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iteration {
@@ -83,24 +86,36 @@ pub(super) fn polish(
     mut place: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
+    // Motions that cost nothing make the stiffness singular: a shift far below the stiffness of all others keeps the
+    // step finite, and delays what is left by as little as it is smaller.
+    let mut part = 0.0;
     for _ in 0..10 {
         if place.is_exact() {
             break;
         }
-        let stiffness = landscape.stiffness(&place.q)?;
-        let Some(step) = super::linear::solve(&stiffness, &place.force) else { break };
-        let q = landscape.moved(&place.q, &step);
-        let Ok(next) = Place::at(landscape, q) else { break };
-        if next.residual().0 > 0.5 * place.residual().0 {
-            break;
+        landscape.look(&place.q)?;
+        let curvatures = place.scales.stiffness.iter().zip(&landscape.metric).map(|(k, b)| k / b);
+        let largest = curvatures.fold(0.0, f64::max);
+        let shift: Vec<f64> = landscape.metric.iter().map(|b| part * largest * b).collect();
+        let better = match landscape.newton_shifted(&place.force, &shift) {
+            Some(step) => improved(landscape, &place, &step)?.map(|next| (next, step)),
+            None => None,
+        };
+        match better {
+            Some((next, step)) => {
+                place = next;
+                let (residual, step) = (place.residual().0, landscape.size(&step));
+                history.push(Iteration { stage: "polish", residual, step, shift: 0.0 });
+            }
+            None if part == 0.0 => part = SHIFT,
+            None => break,
         }
-        place = next;
-        history.push(Iteration {
-            stage: "polish",
-            residual: place.residual().0,
-            step: landscape.size(&step),
-            shift: 0.0,
-        });
     }
     Ok(place)
+}
+
+/// The place after a step, where that at least halves the residual.
+fn improved(landscape: &mut Landscape<'_, '_>, place: &Place, step: &[f64]) -> Result<Option<Place>, Fault> {
+    let q = landscape.moved(&place.q, step);
+    Ok(Place::at(landscape, q).ok().filter(|next| next.residual().0 <= 0.5 * place.residual().0))
 }

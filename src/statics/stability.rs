@@ -4,12 +4,15 @@
 //! `N^(-1/2) K N^(-1/2)`, `N` being the magnitude of the terms that make up `K`: an eigenvalue within [`NEUTRAL`] of
 //! zero is round-off, not stiffness. Without a potential the eigenvalues of the linearized motion decide.
 
-use crate::dynamics::{Fault, Linearization, System};
+use crate::dynamics::{Fault, Linearization, System, TangentSolver};
 use crate::model::Model;
 use faer::{Mat, Side};
 
 /// A stiffness below this part of the terms it is the sum of counts as zero.
 pub const NEUTRAL: f64 = 1e-9;
+
+/// Above so many free coordinates only the lowest modes are computed, by sweeps.
+pub const MOST_DENSE: usize = 200;
 
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,7 +58,7 @@ pub struct Stability {
     pub unstable_directions: usize,
     /// Number of directions that cost nothing.
     pub neutral_directions: usize,
-    /// All modes: running away first, then neutral, then by frequency.
+    /// All modes, of a large system the lowest ([`MOST_DENSE`]): running away first, then neutral, then by frequency.
     pub modes: Vec<Mode>,
 }
 
@@ -72,6 +75,9 @@ pub fn classify(
     conservative: bool,
 ) -> Result<Stability, Fault> {
     let model = system.model();
+    if free.len() > MOST_DENSE && conservative && !model.has_damping() && TangentSolver::covers(model) {
+        return classify_by_sweeps(system, q, free, magnitude);
+    }
     let rest = vec![0.0; model.velocity_count()];
     let full = system.linearize(q, &rest, &rest)?;
     let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
@@ -92,12 +98,55 @@ pub fn classify(
     if model.has_damping() || !conservative {
         grow(&mut modes, &linear, unstable);
     }
-    let verdict = match (unstable, neutral) {
+    let verdict = verdict(unstable, neutral);
+    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes })
+}
+
+/// A large system: counts and lowest modes by sweeps.
+fn classify_by_sweeps(
+    system: &mut System<'_>,
+    q: &[f64],
+    free: &[usize],
+    magnitude: &[f64],
+) -> Result<Stability, Fault> {
+    let model = system.model();
+    let found = super::subspace::lowest(system, q, free, magnitude)?;
+    let (unstable, neutral) = (found.unstable, found.neutral);
+    let modes = found.modes.into_iter().zip(&found.momenta).enumerate();
+    let modes = modes.map(|(i, ((value, shape), momentum))| {
+        let (frequency_hz, growth_rate) = rates_of(value, i, unstable, neutral);
+        let shares = shares(model, free, momentum, &shape);
+        Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
+    });
+    Ok(Stability {
+        verdict: verdict(unstable, neutral),
+        unstable_directions: unstable,
+        neutral_directions: neutral,
+        modes: modes.collect(),
+    })
+}
+
+fn verdict(unstable: usize, neutral: usize) -> Verdict {
+    match (unstable, neutral) {
         (0, 0) => Verdict::Stable,
         (0, _) => Verdict::Neutral,
         _ => Verdict::Unstable,
-    };
-    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes })
+    }
+}
+
+/// Frequency and growth rate of the `i`-th eigenvalue: the first ones run away, the next cost nothing.
+fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64) {
+    match i {
+        i if i < unstable => (0.0, (-value).max(0.0).sqrt()),
+        i if i < unstable + neutral => (0.0, 0.0),
+        _ => (value.max(0.0).sqrt() / std::f64::consts::TAU, 0.0),
+    }
+}
+
+/// Largest entry 1.
+fn scaled(shape: &[f64]) -> Vec<f64> {
+    let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
+    shape.iter().map(|x| x / largest).collect()
 }
 
 fn symmetric(m: &Mat<f64>) -> Mat<f64> {
@@ -166,15 +215,10 @@ fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstabl
     (0..n)
         .map(|i| {
             let shape: Vec<f64> = (0..n).map(|row| vectors[(row, i)]).collect();
-            let shares = shares(model, free, &linear.mass, &shape);
-            let (frequency_hz, growth_rate) = match i {
-                i if i < unstable => (0.0, (-values[i]).max(0.0).sqrt()),
-                i if i < unstable + neutral => (0.0, 0.0),
-                _ => (values[i].max(0.0).sqrt() / std::f64::consts::TAU, 0.0),
-            };
-            let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
-            let shape = shape.iter().map(|x| x / largest).collect();
-            Mode { frequency_hz, growth_rate, shape, shares }
+            let momentum: Vec<f64> = (0..n).map(|row| (0..n).map(|j| linear.mass[(row, j)] * shape[j]).sum()).collect();
+            let shares = shares(model, free, &momentum, &shape);
+            let (frequency_hz, growth_rate) = rates_of(values[i], i, unstable, neutral);
+            Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
         })
         .collect()
 }
@@ -213,7 +257,7 @@ fn grow(modes: &mut [Mode], linear: &Linearization, unstable: usize) {
 }
 
 /// Eigenvalues, ascending, and vectors of `A x = λ B x` with `B` positive definite.
-fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+pub(super) fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = a.nrows();
     let factor = b.llt(Side::Lower).ok()?;
     let lower = factor.L().to_owned();
@@ -233,11 +277,10 @@ fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
 }
 
 /// Each hinge's share of a mode's kinetic energy.
-fn shares(model: &Model, free: &[usize], mass: &Mat<f64>, shape: &[f64]) -> Vec<(String, f64)> {
+fn shares(model: &Model, free: &[usize], momentum: &[f64], shape: &[f64]) -> Vec<(String, f64)> {
     let mut shares: Vec<(usize, f64)> = Vec::new();
     for (row, at) in free.iter().enumerate() {
-        let momentum: f64 = (0..free.len()).map(|j| mass[(row, j)] * shape[j]).sum();
-        let part = shape[row] * momentum;
+        let part = shape[row] * momentum[row];
         let body = model.coordinates[*at].body;
         match shares.last_mut() {
             Some((last, sum)) if *last == body => *sum += part,

@@ -7,14 +7,12 @@
 //! ```
 //!
 //! `B` is the inertia that each hinge sees, so radians and metres compare. With σ = 0 the step is Newton's. At a point
-//! without force where K has negative directions (a saddle, a dead centre) the search leaves along the most negative
-//! one.
+//! without force where K has negative directions (a saddle, a dead centre) the search leaves along
+//! one of them.
 
 use super::landscape::Landscape;
-use super::linear::Definite;
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
-use faer::{Mat, Side};
 
 const MOST_ITERATIONS: usize = 400;
 /// Trials for one step's shift.
@@ -97,16 +95,18 @@ struct Trial {
 impl Search<'_, '_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
-        let stiffness = self.landscape.stiffness(&self.outcome.place.q)?;
+        self.landscape.look(&self.outcome.place.q)?;
         let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
         while self.radius > smallest {
-            let Some(trial) = self.within_radius(&stiffness) else {
+            let Some(trial) = self.within_radius() else {
                 self.radius *= 0.25;
                 continue;
             };
             if let Some(size) = self.try_step(&trial, history)? {
                 return Ok(Some(size));
             }
+            // The trial moved the system: back to where the step starts.
+            self.landscape.look(&self.outcome.place.q)?;
         }
         Ok(None)
     }
@@ -144,9 +144,9 @@ impl Search<'_, '_, '_> {
     }
 
     /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
-    fn within_radius(&self, stiffness: &Mat<f64>) -> Option<Trial> {
-        let (metric, force, radius) = (&self.landscape.metric, &self.outcome.place.force, self.radius);
-        let typical = force.iter().zip(metric).map(|(f, b)| f * f / b).sum::<f64>().sqrt() / radius;
+    fn within_radius(&mut self) -> Option<Trial> {
+        let (metric, force, radius) = (self.landscape.metric.clone(), &self.outcome.place.force, self.radius);
+        let typical = force.iter().zip(&metric).map(|(f, b)| f * f / b).sum::<f64>().sqrt() / radius;
         let (mut low, mut high, mut shift) = (0.0_f64, f64::INFINITY, 0.0);
         let between = |low: f64, high: f64| match high.is_finite() {
             true => (low.max(1e-6 * high) * high).sqrt(),
@@ -154,13 +154,12 @@ impl Search<'_, '_, '_> {
         };
         let mut best = None;
         for _ in 0..MOST_SHIFTS {
-            let diagonal: Vec<f64> = metric.iter().map(|b| shift * b).collect();
-            let Some(factor) = Definite::of(stiffness, &diagonal) else {
+            if !self.landscape.factorize(shift) {
                 low = low.max(shift);
                 shift = between(low, high);
                 continue;
-            };
-            let x = factor.solve(force);
+            }
+            let x = self.landscape.solve(force);
             let size = self.landscape.size(&x);
             if !size.is_finite() {
                 low = low.max(shift);
@@ -169,7 +168,7 @@ impl Search<'_, '_, '_> {
             }
             let narrow = high.is_finite() && high - low < 1e-3 * high;
             let done = size <= 1.1 * radius && (shift == 0.0 || size >= 0.75 * radius || narrow);
-            let weighted: Vec<f64> = x.iter().zip(metric).map(|(x, b)| b * x).collect();
+            let weighted: Vec<f64> = x.iter().zip(&metric).map(|(x, b)| b * x).collect();
             if size <= 1.1 * radius {
                 best = Some(Trial { x, size, shift });
             }
@@ -181,7 +180,7 @@ impl Search<'_, '_, '_> {
             } else {
                 low = low.max(shift);
             }
-            let y = factor.solve(&weighted);
+            let y = self.landscape.solve(&weighted);
             let slope: f64 = weighted.iter().zip(&y).map(|(w, y)| w * y).sum();
             let new = shift + (size / radius - 1.0) * size * size / slope;
             shift = if low < new && new < high { new } else { between(low, high) };
@@ -192,8 +191,10 @@ impl Search<'_, '_, '_> {
     /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls.
     fn leave_saddle(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
         let place = &self.outcome.place;
-        let stiffness = self.landscape.stiffness(&place.q)?;
-        let Some(direction) = most_negative(&stiffness, &place.scales.stiffness) else { return Ok(false) };
+        self.landscape.look(&place.q)?;
+        // What is within round-off of zero stiffness is neutral: it leads nowhere.
+        let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| super::stability::NEUTRAL * k).collect();
+        let Some(direction) = self.landscape.negative_direction(&slack) else { return Ok(false) };
         let size = self.landscape.size(&direction);
         let mut best: Option<(f64, Vec<f64>, f64)> = None;
         for sign in [1.0, -1.0] {
@@ -218,17 +219,6 @@ impl Search<'_, '_, '_> {
         history.push(Iteration { stage: "leave saddle", residual, step, shift: 0.0 });
         Ok(true)
     }
-}
-
-/// The direction of the most negative curvature, or none. `magnitude` are the sizes of the stiffness terms.
-fn most_negative(stiffness: &Mat<f64>, magnitude: &[f64]) -> Option<Vec<f64>> {
-    let n = magnitude.len();
-    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
-    let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest };
-    let scaled = Mat::from_fn(n, n, |i, j| stiffness[(i, j)] / (size(i) * size(j)).sqrt());
-    let eigen = scaled.self_adjoint_eigen(Side::Lower).ok()?;
-    (n > 0 && eigen.S()[0] < -super::stability::NEUTRAL)
-        .then(|| (0..n).map(|i| eigen.U()[(i, 0)] / size(i).sqrt()).collect())
 }
 
 /// The coordinates that carry a direction: those with at least a tenth of the largest part.

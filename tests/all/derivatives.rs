@@ -102,3 +102,86 @@ fn acceleration_jacobians_match_central_differences() {
         }
     }
 }
+
+/// The tangent sweep solves with the matrix that the dense derivatives make up, in both of its uses: static, and of an
+/// implicit step with velocities and accelerations.
+#[test]
+fn tangent_sweep_solves_the_dense_tangent() {
+    use faer::linalg::solvers::Solve;
+    use stillpoint::dynamics::{Coefficients, TangentSolver};
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        if !TangentSolver::covers(&model) {
+            continue;
+        }
+        let n = model.velocity_count();
+        let mut random = Random::new(seed + 2000);
+        let (a, rhs) = (random.list(n, -3.0, 3.0), random.list(n, -1.0, 1.0));
+        let mut system = System::new(&model);
+        let mut solver = TangentSolver::new(&model);
+        let zero = vec![0.0; n];
+        let (q, v) = (&model.start_position, &model.start_velocity);
+        let cases = [(&zero, &zero, 0.0, 0.0, 5.0), (&zero, &zero, 0.0, 7.0, 0.0), (v, &a, 20.0, 400.0, 0.0)];
+        for (v, a, c1, c2, shift) in cases {
+            let dense = system.linearize(q, v, a).unwrap();
+            let mut matrix = &dense.stiffness + &dense.damping * c1 + &dense.mass * c2;
+            (0..n).for_each(|i| matrix[(i, i)] += shift);
+            let b = faer::Mat::from_fn(n, 1, |i, _| rhs[i]);
+            let expected: Vec<f64> = {
+                let x = matrix.partial_piv_lu().solve(&b);
+                (0..n).map(|i| x[(i, 0)]).collect()
+            };
+            let shift = vec![shift; n];
+            let with = Coefficients { c1, c2, shift: &shift, ..Coefficients::default() };
+            assert!(system.factorize_tangent(&mut solver, q, v, a, &with).unwrap(), "seed {seed}");
+            let mut x = rhs.clone();
+            solver.solve(&model, &mut x);
+            let error = relative_difference(&x, &expected);
+            // Elimination without pivoting in an indefinite matrix of up to some sixty rows loses digits.
+            assert!(error < 1e-6, "seed {seed} c1 {c1} c2 {c2}: {error}");
+        }
+    }
+}
+
+/// The symmetric tangent of statics is the symmetric part of the stiffness, away from equilibrium too; with it the
+/// count of negative pivots is that of negative eigenvalues (Sylvester).
+#[test]
+fn symmetric_tangent_counts_negative_eigenvalues() {
+    use stillpoint::dynamics::{Coefficients, TangentSolver};
+    for (seed, options) in scenes() {
+        let mut description = random_scene(seed, &options);
+        description
+            .forces
+            .retain(|force| matches!(force.kind, stillpoint::model::description::ForceKind::Spring { .. }));
+        let model = build(&description);
+        if !TangentSolver::covers(&model) {
+            continue;
+        }
+        let n = model.velocity_count();
+        let zero = vec![0.0; n];
+        let mut system = System::new(&model);
+        let mut solver = TangentSolver::new(&model);
+        let q = &model.start_position;
+        let full = system.static_stiffness(q).unwrap();
+        // A shift of random signs in place of free motions that cost nothing.
+        let mut random = Random::new(seed + 3000);
+        let shift = random.list(n, -10.0, 10.0);
+        let symmetric =
+            faer::Mat::from_fn(n, n, |i, j| 0.5 * (full[(i, j)] + full[(j, i)]) + if i == j { shift[i] } else { 0.0 });
+        let values = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
+        let negative = values.iter().filter(|x| **x < 0.0).count();
+        let with = Coefficients { shift: &shift, symmetric: true, ..Coefficients::default() };
+        assert!(system.factorize_tangent(&mut solver, q, &zero, &zero, &with).unwrap());
+        assert_eq!(solver.negative_pivots(), negative, "seed {seed}");
+        // And where it is not definite, the direction that says so is one of negative curvature.
+        let with = Coefficients { definite: true, ..with };
+        if let Err(breakdown) = system.factorize_shifted(&mut solver, &zero, &with) {
+            let mut x = zero.clone();
+            solver.negative_direction(&model, breakdown, &mut x);
+            let curvature: f64 = (0..n).map(|i| (0..n).map(|j| x[i] * symmetric[(i, j)] * x[j]).sum::<f64>()).sum();
+            assert!(curvature < 0.0, "seed {seed}: {curvature}");
+        } else {
+            assert_eq!(negative, 0, "seed {seed}");
+        }
+    }
+}

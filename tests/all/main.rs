@@ -1,9 +1,21 @@
 //! All integration tests in one binary: one link, many modules.
 
+mod accelerations;
+mod architecture;
+mod building;
+mod cli;
+mod closed_forms;
 mod common;
 mod derivatives;
 mod diagnostics;
+mod faults;
+mod identities;
 mod integrators;
+mod no_allocation;
+mod oracle;
 mod record;
 mod reference;
+mod rest;
 mod scenario;
+mod scenarios;
+mod statics;

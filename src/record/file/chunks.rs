@@ -44,11 +44,10 @@ impl<R: Read> Records<R> {
     }
 
     /// The next record; `None` after the last one of a whole file, an error once where the file stops early.
-    pub(super) fn next(&mut self) -> Option<Result<Record<'_>, Stop>> {
+    pub(super) fn next(&mut self) -> Option<Result<Record<'static>, Stop>> {
         if self.over {
             return None;
         }
-        // The reader's loan of a record's bytes must not outlive a round of the loop: find the record first.
         loop {
             let need = match self.reader.next_event() {
                 None => {

@@ -25,6 +25,9 @@ impl RecordingFile {
         if target.is_dir() || target.file_name().is_none() {
             return Err(failed(std::io::ErrorKind::IsADirectory.into()));
         }
+        if fs::metadata(target).is_ok_and(|found| !found.is_file()) {
+            return Self::onto(target).map_err(failed);
+        }
         let mut name = target.as_os_str().to_owned();
         name.push(".partial");
         let partial = PathBuf::from(name);
@@ -41,12 +44,20 @@ impl RecordingFile {
         Ok(Self { target: target.into(), partial: Unused(partial), file })
     }
 
+    /// A device or a pipe is written as it stands: it can be neither renamed nor removed without harm.
+    fn onto(target: &Path) -> std::io::Result<Self> {
+        let file = OpenOptions::new().write(true).open(target)?;
+        Ok(Self { target: target.into(), partial: Unused(PathBuf::new()), file })
+    }
+
     /// Writes what is known before the first sample.
     ///
     /// # Errors
     /// When it cannot be written.
     pub fn begin(self, opening: &Opening) -> Result<FileWriter, RecordError> {
-        FileWriter::begin(self.file, self.target, self.partial.keep(), opening)
+        let partial = self.partial.keep();
+        let written = if partial.as_os_str().is_empty() { self.target.clone() } else { partial };
+        FileWriter::begin(self.file, self.target, written, opening)
     }
 }
 

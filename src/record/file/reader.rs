@@ -113,8 +113,8 @@ impl Found {
             return Err(not_ours(&why));
         }
         let Some(scene) = self.scene else { return Err(not_ours("it ends before its description")) };
-        let scene = serde_json::from_str(&scene)
-            .map_err(|error| RecordError::Damaged { path: path.into(), what: format!("scene: {error}") })?;
+        let scene = read_scene(&scene)
+            .map_err(|what| RecordError::Damaged { path: path.into(), what: format!("scene: {what}") })?;
         Ok(Recording {
             path: path.into(),
             scene,
@@ -124,5 +124,15 @@ impl Found {
             outcome: self.outcome,
             version: program.remove("version").unwrap_or_default(),
         })
+    }
+}
+
+fn read_scene(json: &str) -> Result<Scene, String> {
+    let scene: Scene = serde_json::from_str(json).map_err(|error| error.to_string())?;
+    let parents = scene.bodies.iter().filter_map(|body| body.parent);
+    let ends = scene.lines.iter().flat_map(|line| &line.ends).filter_map(|(body, _)| *body);
+    match parents.chain(ends).find(|index| *index >= scene.bodies.len()) {
+        Some(index) => Err(format!("body {index} of {}", scene.bodies.len())),
+        None => Ok(scene),
     }
 }

@@ -29,6 +29,7 @@ const CHUNK_BYTES: usize = 1 << 20;
 /// Dropped without [`finish`](Recorder::finish), it leaves a readable `.partial` file.
 pub struct FileWriter {
     target: PathBuf,
+    /// What is written until then; the target itself where that is no regular file.
     partial: PathBuf,
     /// `None` once finished or failed.
     output: Option<Output>,
@@ -65,6 +66,9 @@ impl Recorder for FileWriter {
     fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         let Some(output) = self.output.take() else { return Ok(()) };
         output.finish(outcome).map_err(|error| write_error(&self.partial, error))?;
+        if self.partial == self.target {
+            return Ok(());
+        }
         std::fs::rename(&self.partial, &self.target).map_err(|error| write_error(&self.partial, error.into()))
     }
 }
@@ -159,7 +163,10 @@ impl Output {
         metadata(&mut self.mcap, RUN, &[(JSON, &outcome.summary)])?;
         self.mcap.finish()?;
         let file = self.mcap.into_inner().into_inner().map_err(io::IntoInnerError::into_error)?;
-        Ok(file.sync_all()?)
+        match file.metadata()?.is_file() {
+            true => Ok(file.sync_all()?),
+            false => Ok(()),
+        }
     }
 }
 

@@ -50,3 +50,33 @@ fn round_down(length: f64) -> f64 {
     let decade = 10f64.powf(length.log10().floor());
     [5.0, 2.0].into_iter().map(|step| step * decade).find(|step| *step <= length).unwrap_or(decade)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_eye_sees_every_corner() {
+        let boxes =
+            [([0.0; 3], [1.0; 3]), ([-5.0, 2.0, -3.0], [-4.9, 9.0, 3.0]), ([0.0, 0.0, 10.0], [100.0, 0.0, 10.0])];
+        for (min, max) in boxes {
+            let mut bounds = Bounds::default();
+            bounds.include(&min.into(), 0.0);
+            bounds.include(&max.into(), 0.0);
+            let camera = camera(&bounds);
+            let ahead = (camera.target - camera.eye).normalize();
+            for corner in bounds.corners() {
+                let depth = (corner - camera.eye).dot(&ahead);
+                let aside = (corner - camera.eye - depth * ahead).norm();
+                // The frame is a square about the circle of the field of view.
+                assert!(aside <= 2f64.sqrt() * depth * (0.5 * FIELD).tan() / MARGIN * (1.0 + 1e-12), "{corner}");
+            }
+        }
+    }
+
+    #[test]
+    fn grid_lines_stand_at_round_distances() {
+        let round = [0.13, 0.2, 0.49, 7.0, 1000.0].map(round_down);
+        assert_eq!(round, [0.1, 0.2, 0.2, 5.0, 1000.0]);
+    }
+}

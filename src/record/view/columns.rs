@@ -1,6 +1,6 @@
 //! Samples on their way to the viewer, as columns of single-precision numbers.
 
-use super::curves::{Curve, Plot};
+use super::curves::{Plot, curves};
 use super::picture::{body_path, spring_path};
 use crate::record::{Sample, Scene};
 use rerun::{LineStrips3D, RecordingStream, RecordingStreamResult, Scalars, TimeColumn, Transform3D};
@@ -19,7 +19,7 @@ pub(super) struct Columns {
 
 impl Columns {
     /// None yet.
-    pub(super) fn new(scene: &Scene, plots: &[Plot]) -> Self {
+    pub(super) fn new(scene: &Scene, plots: &[Vec<Plot>]) -> Self {
         Self {
             times: Vec::new(),
             bodies: vec![Default::default(); scene.bodies.len()],
@@ -34,7 +34,7 @@ impl Columns {
     }
 
     /// Adds a sample whose arrays fit the scene.
-    pub(super) fn push(&mut self, sample: &Sample, scene: &Scene, plots: &[Plot]) {
+    pub(super) fn push(&mut self, sample: &Sample, scene: &Scene, plots: &[Vec<Plot>]) {
         self.times.push(sample.time);
         for ((at, turn), pose) in self.bodies.iter_mut().zip(sample.bodies) {
             at.push(pose.translation.vector.cast::<f32>().into());
@@ -63,7 +63,12 @@ impl Columns {
     }
 
     /// Sends everything.
-    pub(super) fn send(self, stream: &RecordingStream, scene: &Scene, plots: &[Plot]) -> RecordingStreamResult<()> {
+    pub(super) fn send(
+        self,
+        stream: &RecordingStream,
+        scene: &Scene,
+        plots: &[Vec<Plot>],
+    ) -> RecordingStreamResult<()> {
         let times = TimeColumn::new_duration_secs(TIMELINE, self.times);
         for ((at, turn), body) in self.bodies.into_iter().zip(&scene.bodies) {
             let poses = Transform3D::update_fields().with_many_translation(at).with_many_quaternion(turn);
@@ -79,10 +84,6 @@ impl Columns {
         }
         Ok(())
     }
-}
-
-fn curves(plots: &[Plot]) -> impl Iterator<Item = &Curve> {
-    plots.iter().flat_map(|plot| &plot.curves)
 }
 
 pub(super) fn quaternion(turn: &nalgebra::UnitQuaternion<f64>) -> rerun::Quaternion {

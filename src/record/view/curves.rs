@@ -45,9 +45,10 @@ impl Curve {
     }
 }
 
-/// The plots of a scene: energy, its error, and the hinge coordinates, one plot for each unit. Also what is left out.
-pub(super) fn plots(scene: &Scene) -> (Vec<Plot>, Vec<String>) {
-    let mut plots = vec![
+/// The plots of a scene in two groups: energy and its error; the hinge coordinates, one plot for each unit. Also what is
+/// left out.
+pub(super) fn plots(scene: &Scene) -> (Vec<Vec<Plot>>, Vec<String>) {
+    let energies = vec![
         energy(
             "Energy [J]",
             &[
@@ -59,6 +60,7 @@ pub(super) fn plots(scene: &Scene) -> (Vec<Plot>, Vec<String>) {
         ),
         energy("Energy error [J]", &[("error", Source::EnergyError)]),
     ];
+    let mut plots = Vec::new();
     let mut notes = Vec::new();
     let mut units: Vec<&str> = Vec::new();
     for channel in &scene.positions {
@@ -69,8 +71,8 @@ pub(super) fn plots(scene: &Scene) -> (Vec<Plot>, Vec<String>) {
     for unit in units {
         let mut curves = hinges(scene, unit);
         let title = match unit {
-            "" | "1" => "Hinge quaternions".to_owned(),
-            unit => format!("Hinge coordinates [{unit}]"),
+            "" | "1" => "Hinges, quaternions".to_owned(),
+            unit => format!("Hinges [{unit}]"),
         };
         let total = curves.len();
         if total > CURVES_PER_PLOT {
@@ -81,7 +83,7 @@ pub(super) fn plots(scene: &Scene) -> (Vec<Plot>, Vec<String>) {
             plots.push(Plot { title, curves });
         }
     }
-    (plots, notes)
+    (vec![energies, plots], notes)
 }
 
 fn energy(title: &str, sources: &[(&str, Source)]) -> Plot {
@@ -102,4 +104,9 @@ fn hinges(scene: &Scene, unit: &str) -> Vec<Curve> {
             source: Source::Position(index),
         })
         .collect()
+}
+
+/// Every curve of every plot.
+pub(super) fn curves(groups: &[Vec<Plot>]) -> impl Iterator<Item = &Curve> {
+    groups.iter().flatten().flat_map(|plot| &plot.curves)
 }

@@ -6,61 +6,44 @@ use super::bounds::Bounds;
 use super::camera::camera;
 use super::columns::TIMELINE;
 use super::curves::Plot;
-use rerun::blueprint::components::{ContainerKind, LoopMode, PanelState};
+use rerun::blueprint::components::{BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, RootContainer};
 use rerun::datatypes::Uuid;
 use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, TimePanelBlueprint, ViewBlueprint, ViewContents,
-    ViewportBlueprint,
+    Background, ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, PlotLegend, TimePanelBlueprint,
+    ViewBlueprint, ViewContents, ViewportBlueprint,
 };
 use rerun::{Color, EntityPath, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, components};
 
 /// Shares of the window's width: the bodies, the plots.
 const SHARES: [f32; 2] = [3.0, 2.0];
+const BACKGROUND: Color = Color(rerun::Rgba32::from_rgb(27, 30, 35));
+const GRID: Color = Color(rerun::Rgba32::from_rgb(62, 67, 75));
 
-/// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, the plots on the right.
+/// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, the plots on the right, those of one
+/// group behind each other.
 pub(super) fn send(
     stream: &RecordingStream,
     application: &'static str,
-    plots: &[Plot],
+    title: &str,
+    groups: &[Vec<Plot>],
     bounds: &Bounds,
 ) -> RecordingStreamResult<()> {
     let (blueprint, storage) = RecordingStreamBuilder::new(application).blueprint().memory()?;
     blueprint.set_time_sequence("blueprint", 0);
-    let mut count = 0u128;
-    let mut id = || {
-        count += 1;
-        Uuid { bytes: count.to_be_bytes() }
-    };
-
-    let bodies = format!("view/{}", id());
-    send_bodies(&blueprint, &bodies, bounds)?;
-    let mut right = Vec::new();
-    for plot in plots {
-        let view = format!("view/{}", id());
-        let contents = plot.curves.iter().map(|curve| format!("+ {}", curve.path));
-        send_view(&blueprint, &view, "TimeSeries", &plot.title, contents.collect())?;
-        right.push(view);
+    let mut ids = Ids(0);
+    let bodies = ids.path("view");
+    send_bodies(&blueprint, &bodies, if title.is_empty() { "Bodies" } else { title }, bounds)?;
+    let mut rows = Vec::new();
+    for group in groups.iter().filter(|group| !group.is_empty()) {
+        rows.push(send_tabs(&blueprint, &mut ids, group)?);
     }
-    let column = format!("container/{}", id());
-    blueprint.log(column.as_str(), &ContainerBlueprint::new(ContainerKind::Vertical).with_contents(right))?;
-    let root = id();
-    let window =
-        ContainerBlueprint::new(ContainerKind::Horizontal).with_contents([bodies, column]).with_col_shares(SHARES);
-    blueprint.log(format!("container/{root}"), &window)?;
-    let viewport = ViewportBlueprint::new()
-        .with_root_container(rerun::blueprint::components::RootContainer(root))
-        .with_auto_layout(false)
-        .with_auto_views(false);
-    blueprint.log("viewport", &viewport)?;
-    for panel in ["blueprint_panel", "selection_panel"] {
-        blueprint.log(panel, &PanelBlueprint::new().with_state(PanelState::Collapsed))?;
-    }
-    let time = TimePanelBlueprint::new()
-        .with_state(PanelState::Collapsed)
-        .with_timeline(TIMELINE)
-        .with_loop_mode(LoopMode::All);
-    blueprint.log("time_panel", &time)?;
+    let plots = ids.path("container");
+    blueprint.log(plots.as_str(), &ContainerBlueprint::new(ContainerKind::Vertical).with_contents(rows))?;
+    let window = ids.next();
+    let halves = ContainerBlueprint::new(ContainerKind::Horizontal).with_contents([bodies, plots]);
+    blueprint.log(format!("container/{window}"), &halves.with_col_shares(SHARES))?;
+    send_frame(&blueprint, window)?;
 
     let Some(store) = blueprint.store_info() else { return Ok(()) };
     let activation = BlueprintActivationCommand { blueprint_id: store.store_id, make_active: true, make_default: true };
@@ -68,18 +51,65 @@ pub(super) fn send(
     Ok(())
 }
 
-fn send_bodies(blueprint: &RecordingStream, view: &str, bounds: &Bounds) -> RecordingStreamResult<()> {
-    send_view(blueprint, view, "3D", "Bodies", vec!["+ /world/**".into(), "+ /springs/**".into()])?;
+/// Names for the parts of the window.
+struct Ids(u128);
+
+impl Ids {
+    fn next(&mut self) -> Uuid {
+        self.0 += 1;
+        Uuid { bytes: self.0.to_be_bytes() }
+    }
+
+    fn path(&mut self, kind: &str) -> String {
+        format!("{kind}/{}", self.next())
+    }
+}
+
+/// The window itself and what lies around it.
+fn send_frame(blueprint: &RecordingStream, window: Uuid) -> RecordingStreamResult<()> {
+    let viewport = ViewportBlueprint::new()
+        .with_root_container(RootContainer(window))
+        .with_auto_layout(false)
+        .with_auto_views(false);
+    blueprint.log("viewport", &viewport)?;
+    for panel in ["blueprint_panel", "selection_panel"] {
+        blueprint.log(panel, &PanelBlueprint::new().with_state(PanelState::Collapsed))?;
+    }
+    let time = TimePanelBlueprint::new().with_state(PanelState::Collapsed).with_timeline(TIMELINE);
+    blueprint.log("time_panel", &time.with_loop_mode(LoopMode::All))
+}
+
+fn send_tabs(blueprint: &RecordingStream, ids: &mut Ids, plots: &[Plot]) -> RecordingStreamResult<String> {
+    let mut tabs = Vec::new();
+    for plot in plots {
+        let view = ids.path("view");
+        let contents = plot.curves.iter().map(|curve| format!("+ {}", curve.path));
+        send_view(blueprint, &view, "TimeSeries", &plot.title, contents.collect())?;
+        blueprint.log(format!("{view}/PlotLegend"), &PlotLegend::new().with_corner(Corner2D::RightTop))?;
+        tabs.push(view);
+    }
+    let container = ids.path("container");
+    let first = tabs[0].clone();
+    let looks = ContainerBlueprint::new(ContainerKind::Tabs).with_contents(tabs).with_active_tab(first.as_str());
+    blueprint.log(container.as_str(), &looks)?;
+    Ok(container)
+}
+
+fn send_bodies(blueprint: &RecordingStream, view: &str, title: &str, bounds: &Bounds) -> RecordingStreamResult<()> {
+    send_view(blueprint, view, "3D", title, vec!["+ /world/**".into(), "+ /springs/**".into()])?;
     let camera = camera(bounds);
     let eye = EyeControls3D::new()
         .with_position(position(&camera.eye))
         .with_look_target(position(&camera.target))
         .with_eye_up([0.0, 0.0, 1.0]);
     blueprint.log(format!("{view}/EyeControls3D"), &eye)?;
+    let ground = Background::new(BackgroundKind::SolidColor).with_color(BACKGROUND);
+    blueprint.log(format!("{view}/Background"), &ground)?;
     let grid = LineGrid3D::new()
         .with_plane(components::Plane3D::new([0.0, 0.0, 1.0], camera.floor as f32))
         .with_spacing(camera.spacing as f32)
-        .with_color(Color::from_unmultiplied_rgba(150, 150, 150, 60));
+        .with_stroke_width(0.7)
+        .with_color(GRID);
     blueprint.log(format!("{view}/LineGrid3D"), &grid)
 }
 

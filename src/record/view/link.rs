@@ -1,7 +1,7 @@
 //! The thread that talks to the viewer, so that nobody else waits for it.
 
 use rerun::RecordingStream;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::time::{Duration, Instant};
 
 /// Something to tell the viewer.
@@ -15,69 +15,85 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// A queue of jobs for one viewer.
 pub(super) struct Link {
     jobs: Option<SyncSender<Job>>,
-    end: Receiver<Result<(), String>>,
+    news: Receiver<News>,
+}
+
+/// What the thread tells.
+enum News {
+    /// A job is done; the viewer is alive.
+    Done,
+    /// Nothing more will be done.
+    Over(Result<(), String>),
 }
 
 impl Link {
     /// Starts the thread. The viewer behind `stream` has been seen to listen.
     pub(super) fn start(stream: RecordingStream) -> std::io::Result<Self> {
         let (jobs, queue) = sync_channel(QUEUE);
-        let (report, end) = channel();
+        let (report, news) = channel();
         std::thread::Builder::new().name("viewer".into()).spawn(move || {
-            let done = work(&stream, &queue);
-            // Those who wait for room in the queue see at once that it is over.
-            drop(queue);
-            if done.is_err() {
-                // Before dropping: that waits for the viewer, perhaps for ever.
-                let _ = report.send(done);
-                drop(stream);
-            } else {
-                drop(stream);
-                let _ = report.send(done);
+            let worked = work(&stream, queue, &report);
+            let failed = worked.is_err();
+            if failed {
+                // Before letting go of the stream: that waits for the viewer, perhaps for ever.
+                let _ = report.send(News::Over(worked));
+            }
+            drop(stream);
+            if !failed {
+                let _ = report.send(News::Over(Ok(())));
             }
         })?;
-        Ok(Self { jobs: Some(jobs), end })
+        Ok(Self { jobs: Some(jobs), news })
     }
 
     /// Queues a job; waits for room, but not for ever.
-    pub(super) fn send(&mut self, job: Job) -> Result<(), String> {
-        let Some(jobs) = &self.jobs else { return Err("the viewer was given up".into()) };
+    pub(super) fn send(&mut self, mut job: Job) -> Result<(), String> {
+        let Some(jobs) = &self.jobs else { return Err("it was given up before".into()) };
         let start = Instant::now();
-        let mut job = job;
-        loop {
+        let failure = loop {
             match jobs.try_send(job) {
-                Ok(()) => return Ok(()),
-                Err(TrySendError::Disconnected(_)) => {
-                    self.jobs = None;
-                    return Err(self.end.recv_timeout(PATIENCE).ok().and_then(Result::err).unwrap_or_else(stuck));
-                }
-                Err(TrySendError::Full(_)) if start.elapsed() > PATIENCE => {
-                    self.jobs = None;
-                    return Err(stuck());
-                }
+                Ok(()) => break None,
+                Err(TrySendError::Disconnected(_)) => break Some(self.wait().err().unwrap_or_else(stuck)),
+                Err(TrySendError::Full(_)) if start.elapsed() > PATIENCE => break Some(stuck()),
                 Err(TrySendError::Full(back)) => job = back,
             }
             std::thread::sleep(Duration::from_millis(2));
+        };
+        match failure {
+            Some(failure) => {
+                self.jobs = None;
+                Err(failure)
+            }
+            None => self
+                .news
+                .try_iter()
+                .find_map(|news| if let News::Over(end) = news { Some(end) } else { None })
+                .unwrap_or(Ok(())),
         }
     }
 
     /// Waits until everything queued has been taken in, as long as the viewer takes in anything at all.
     pub(super) fn finish(&mut self) -> Result<(), String> {
-        if self.jobs.take().is_none() {
-            return Ok(());
+        if self.jobs.take().is_some() { self.wait() } else { Ok(()) }
+    }
+
+    fn wait(&self) -> Result<(), String> {
+        // A job's own time-out comes first, and says more.
+        while let Ok(news) = self.news.recv_timeout(PATIENCE + Duration::from_secs(1)) {
+            if let News::Over(end) = news {
+                return end;
+            }
         }
-        // Every job in the queue has its own time; the thread reports the first that takes too long.
-        match self.end.recv_timeout(PATIENCE * (QUEUE as u32 + 2)) {
-            Ok(done) => done,
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(stuck()),
-        }
+        Err(stuck())
     }
 }
 
-fn work(stream: &RecordingStream, queue: &Receiver<Job>) -> Result<(), String> {
+fn work(stream: &RecordingStream, queue: Receiver<Job>, report: &Sender<News>) -> Result<(), String> {
     for job in queue {
         job(stream)?;
         stream.flush_with_timeout(PATIENCE).map_err(|error| error.to_string())?;
+        // Nobody may be listening any more; the jobs are done all the same.
+        let _ = report.send(News::Done);
     }
     Ok(())
 }

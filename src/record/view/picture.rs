@@ -15,7 +15,7 @@ use rerun::{
 /// Everything still, ready to be sent.
 pub(super) struct Picture {
     pub(super) scene: Scene,
-    pub(super) plots: Vec<Plot>,
+    pub(super) plots: Vec<Vec<Plot>>,
     pub(super) solids: Vec<Vec<Solid>>,
     pub(super) outlines: Vec<Outline>,
 }
@@ -32,10 +32,10 @@ impl Picture {
         }
         self.send_hinges(stream)?;
         for line in &self.scene.lines {
-            let looks = LineStrips3D::update_fields().with_colors([SPRING]).with_radii([Radius::new_ui_points(2.0)]);
+            let looks = LineStrips3D::update_fields().with_colors([SPRING]).with_radii([Radius::new_ui_points(1.5)]);
             stream.log_static(spring_path(&line.name), &looks)?;
         }
-        for plot in &self.plots {
+        for plot in self.plots.iter().flatten() {
             for (index, curve) in plot.curves.iter().enumerate() {
                 let looks = SeriesLines::new()
                     .with_names([curve.name.clone()])
@@ -49,7 +49,7 @@ impl Picture {
 
     /// Hinge axes as short arrows, together for each parent, in whose axes they stay.
     fn send_hinges(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
-        let length = 0.4 * self.body_size();
+        let length = 0.25 * self.body_size();
         let parents = (0..self.scene.bodies.len()).map(Some).chain([None]);
         for parent in parents {
             let mut origins = Vec::new();
@@ -67,7 +67,7 @@ impl Picture {
             }
             let arrows = Arrows3D::from_vectors(vectors)
                 .with_origins(origins)
-                .with_radii([(0.02 * length) as f32])
+                .with_radii([(0.05 * length) as f32])
                 .with_colors([HINGE]);
             let owner = parent.map_or("ground", |parent| &self.scene.bodies[parent].name);
             stream.log_static(path(&["world", owner, "hinge axes"]), &arrows)?;

@@ -17,10 +17,12 @@ use std::time::{Duration, Instant};
 
 const APPLICATION: &str = "stillpoint";
 
-/// A running picture is renewed this often …
+/// A running picture is renewed this often, and less often by so much for every body: each renewal of each body costs
+/// the viewer about a kilobyte, whatever is in it.
 const PERIOD: Duration = Duration::from_millis(50);
-/// … and anything longer is sent in stretches of at most so many numbers.
-const STRETCH: usize = 1 << 20;
+const PERIOD_PER_BODY: Duration = Duration::from_micros(200);
+/// A picture that nobody waits for is sent in stretches of so many numbers.
+const STRETCH: usize = 1 << 22;
 
 /// Draws samples as they come.
 pub struct Viewer {
@@ -28,17 +30,19 @@ pub struct Viewer {
     picture: Arc<Picture>,
     columns: Columns,
     longest: usize,
+    /// `None` where nobody waits for the picture.
+    period: Option<Duration>,
     sent: Instant,
     bounds: Bounds,
-    /// Whether the eye has been placed.
-    placed: bool,
+    /// Whether anything has been drawn.
+    begun: bool,
     /// Whether the eye may be placed again at the end: in a file, where nobody has moved it yet.
     replace: bool,
     notes: Vec<String>,
 }
 
 impl Viewer {
-    /// Finds or starts the viewer, or creates the file, and draws what stands still.
+    /// Finds or starts the viewer, or creates the file.
     ///
     /// # Errors
     /// Within seconds, when there is no viewer, it cannot be started, or the file cannot be created.
@@ -64,27 +68,36 @@ impl Viewer {
         let columns = Columns::new(scene, &plots);
         let picture = Arc::new(Picture { scene: scene.clone(), plots, solids, outlines });
         let numbers_per_sample = 7 * scene.bodies.len() + 6 * scene.lines.len() + 16;
-        let mut viewer = Self {
+        let saved = matches!(sink, Sink::Save(_));
+        Ok(Self {
             link,
-            picture: picture.clone(),
+            picture,
             columns,
             longest: (STRETCH / numbers_per_sample).clamp(1, 4096),
+            period: (!saved).then(|| PERIOD + PERIOD_PER_BODY * u32::try_from(scene.bodies.len()).unwrap_or(u32::MAX)),
             sent: Instant::now(),
             bounds: Bounds::default(),
-            placed: false,
-            replace: matches!(sink, Sink::Save(_)),
+            begun: false,
+            replace: saved,
             notes,
-        };
-        viewer.tell(move |stream| picture.send(stream).map_err(|error| error.to_string()))?;
-        Ok(viewer)
+        })
+    }
+
+    /// Divides the window, places the eye so that the whole of `bounds` is seen, then draws what stands still: in this
+    /// order the viewer never shows a layout of its own first.
+    fn begin(&mut self, bounds: Bounds) -> Result<(), RecordError> {
+        self.begun = true;
+        self.place_eye(bounds)?;
+        let picture = self.picture.clone();
+        self.tell(move |stream| picture.send(stream).map_err(|error| error.to_string()))
     }
 
     /// Places the eye so that the whole of `bounds` is seen.
     fn place_eye(&mut self, bounds: Bounds) -> Result<(), RecordError> {
-        self.placed = true;
         let picture = self.picture.clone();
         self.tell(move |stream| {
-            layout::send(stream, APPLICATION, &picture.plots, &bounds).map_err(|error| error.to_string())
+            layout::send(stream, APPLICATION, &picture.scene.title, &picture.plots, &bounds)
+                .map_err(|error| error.to_string())
         })
     }
 
@@ -111,13 +124,13 @@ fn lost(what: String) -> RecordError {
 impl Recorder for Viewer {
     fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
         sample.check(&self.picture.scene)?;
-        if !self.placed {
-            let bounds = expected(&self.picture.scene, &self.picture.outlines, sample.bodies);
-            self.place_eye(bounds)?;
+        if !self.begun {
+            self.begin(expected(&self.picture.scene, &self.picture.outlines, sample.bodies))?;
         }
         self.bounds.include_bodies(&self.picture.outlines, sample.bodies);
         self.columns.push(sample, &self.picture.scene, &self.picture.plots);
-        if self.columns.len() >= self.longest || self.sent.elapsed() >= PERIOD {
+        let due = self.period.is_some_and(|period| self.sent.elapsed() >= period);
+        if due || self.columns.len() >= self.longest {
             self.send_columns()?;
         }
         Ok(())
@@ -127,8 +140,9 @@ impl Recorder for Viewer {
         if self.columns.len() > 0 {
             self.send_columns()?;
         }
-        if self.replace {
-            self.replace = false;
+        if !self.begun {
+            self.begin(self.bounds)?;
+        } else if std::mem::take(&mut self.replace) {
             self.place_eye(self.bounds)?;
         }
         self.link.finish().map_err(lost)
@@ -146,8 +160,9 @@ pub fn view(recording: &Path, sink: &Sink) -> Result<Shown, RecordError> {
     for sample in recording.samples()? {
         bounds.include_bodies(&viewer.picture.outlines, &sample?.bodies);
     }
-    viewer.place_eye(bounds)?;
+    viewer.begin(bounds)?;
     viewer.replace = false;
+    viewer.period = None;
     let mut samples = 0;
     for sample in recording.samples()? {
         viewer.sample(&sample?.borrow())?;

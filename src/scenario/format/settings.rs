@@ -22,9 +22,8 @@ pub const SIMULATE: Table = Table {
         Key::new(
             "absolute_tolerance",
             POSITIVE,
-            "Absolute tolerance beside it, in units of the scene's own length, 1 rad and the scene's time.",
+            "Absolute tolerance beside it, in units of the scene's own length, 1 rad and the scene's time; without it the same number as `tolerance`.",
         )
-        .default("the same as tolerance")
         .example("1e-8"),
         Key::new("step", POSITIVE, "Step of fixed-step methods, first step of adaptive ones.")
             .unit("s")

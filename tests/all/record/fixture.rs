@@ -165,6 +165,6 @@ fn double_link_pose(body: usize, time: f64) -> Pose {
             let sway = Translation3::new(1.5 + 0.1 * time.sin(), 0.05 * time.cos(), 1.2 + 0.3 * (4.0 * time).sin());
             Pose::from_parts(sway, turn(0.2 * (5.0 * time).sin()))
         }
-        _ => lower * down * UnitQuaternion::from_scaled_axis(Vector3::new(time.sin(), 0.0, 0.4)),
+        _ => lower * down * UnitQuaternion::from_scaled_axis(Vector3::new(0.5 * time.sin(), 0.0, 0.4)),
     }
 }

@@ -18,7 +18,7 @@ fn without_the_feature_the_error_says_so() {
 #[cfg(feature = "rerun")]
 mod with_rerun {
     use super::*;
-    use std::process::Command;
+    use std::process::{Command, Stdio};
     use stillpoint::record::view::Viewer;
     use stillpoint::record::{Outcome, RecordError, Recorder};
 
@@ -46,12 +46,52 @@ mod with_rerun {
         let rrd = folder.path().join("chain.rrd");
         let motion = Motion::chain(40);
         let mut viewer = Viewer::open(&Sink::Save(rrd.clone()), &motion.opening()).expect("open");
-        assert_eq!(viewer.notes(), ["Hinge coordinates [rad]: the first 8 of 40 are plotted"]);
+        assert_eq!(viewer.notes(), ["Hinges [rad]: the first 8 of 40 are plotted"]);
         for time in Motion::times(1.0) {
             viewer.sample(&motion.at(time).borrow()).expect("drawn");
         }
         viewer.finish(&Outcome { summary: String::new() }).expect("finished");
         verify(&rrd);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_running_motion_is_streamed_to_a_listening_viewer() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let got = folder.path().join("got.rrd");
+        let port = std::net::TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("free").port();
+        // The viewer program without a window: it writes down what it is sent.
+        let mut receiver = Command::new("rerun");
+        receiver.args(["--bind", "127.0.0.1", "--port", &port.to_string(), "--save"]).arg(&got);
+        // The program starts another one: a group of their own, to be stopped together.
+        std::os::unix::process::CommandExt::process_group(&mut receiver, 0);
+        let Ok(mut receiver) = receiver.stdout(Stdio::null()).stderr(Stdio::null()).spawn() else {
+            assert!(std::env::var_os("CI").is_none(), "the `rerun` program must be there");
+            return;
+        };
+        let motion = Motion::double_link();
+        let sink = Sink::Connect(format!("127.0.0.1:{port}"));
+        let open = || Viewer::open(&sink, &motion.opening()).ok();
+        let viewer = (0..200).find_map(|_| {
+            open().or_else(|| {
+                std::thread::sleep(Duration::from_millis(100));
+                None
+            })
+        });
+        let mut viewer = viewer.expect("it listens within 20 s");
+        for time in Motion::times(1.0) {
+            viewer.sample(&motion.at(time).borrow()).expect("drawn");
+        }
+        viewer.finish(&Outcome { summary: String::new() }).expect("all taken in");
+        // It writes what it has taken in a little later.
+        std::thread::sleep(Duration::from_secs(1));
+        Command::new("kill").args(["-KILL", "--", &format!("-{}", receiver.id())]).status().expect("stopped");
+        receiver.wait().expect("ended");
+        let print = Command::new("rerun").args(["rrd", "print"]).arg(&got).output().expect("run");
+        let print = String::from_utf8_lossy(&print.stdout);
+        for part in ["/world/upper - ", "/springs/left", "/energy/kinetic", "Blueprint"] {
+            assert!(print.contains(part), "no {part} in {print}");
+        }
     }
 
     #[test]

@@ -1,0 +1,266 @@
+//! The compiled tree: hinges taken apart into elementary ones, welds merged.
+
+use super::build::Place;
+use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProperties};
+use super::link::{Joint, Link};
+use super::problem::{Element, Problem};
+use super::{Body, Coordinate, End, Force, Hinge, Law, Model};
+use crate::spatial::{Pose, Sym3};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+/// The compiled tree while it grows.
+pub(super) struct Tree<'a> {
+    description: &'a Description,
+    links: Vec<Link>,
+    bodies: Vec<Option<Body>>,
+    coordinates: Vec<Coordinate>,
+    start_position: Vec<f64>,
+    start_velocity: Vec<f64>,
+}
+
+impl<'a> Tree<'a> {
+    pub(super) fn new(description: &'a Description) -> Self {
+        Self {
+            description,
+            links: vec![Link::ground()],
+            bodies: vec![None; description.bodies.len()],
+            coordinates: Vec::new(),
+            start_position: Vec::new(),
+            start_velocity: Vec::new(),
+        }
+    }
+
+    /// The link a body is part of and where it stands on it; the ground for `None`.
+    fn carrier(&self, body: Option<usize>) -> (usize, Pose) {
+        match body.and_then(|body| self.bodies[body].as_ref()) {
+            Some(body) => (body.link, body.link_from_body),
+            None => (0, Pose::identity()),
+        }
+    }
+
+    pub(super) fn grow(&mut self, index: usize, parent: Option<usize>, at: Vector3<f64>) {
+        let given = &self.description.bodies[index];
+        let parent_from_hinge = Isometry3::from_parts(Translation3::from(at), given.hinge.frame);
+        let (carrier, link_from_parent) = self.carrier(parent);
+        let base = link_from_parent * parent_from_hinge;
+        let hinge = Hinge {
+            kind: given.hinge.kind,
+            parent_from_hinge,
+            position: self.start_position.len(),
+            velocity: self.start_velocity.len(),
+            lock: given.hinge.lock,
+        };
+        let joints = elementary(&given.hinge.kind, &given.hinge.rest);
+        let (link, link_from_body) = match joints.is_empty() {
+            true => (carrier, base),
+            false => (self.add_links(index, carrier, &base, &joints), Pose::identity()),
+        };
+        if !joints.is_empty() {
+            self.add_coordinates(index);
+        }
+        weld(&mut self.links[link], &given.mass, &link_from_body);
+        self.bodies[index] = Some(Body {
+            name: given.name.clone(),
+            parent,
+            link,
+            link_from_body,
+            mass: given.mass,
+            markers: given.markers.clone(),
+            shapes: given.shapes.clone(),
+            hinge,
+        });
+    }
+
+    /// One link per elementary joint; only the first sits away from its parent's root marker.
+    fn add_links(&mut self, body: usize, carrier: usize, base: &Pose, joints: &[Joint]) -> usize {
+        let (mut position, mut velocity) = (self.start_position.len(), self.start_velocity.len());
+        let mut parent = carrier;
+        for (step, joint) in joints.iter().enumerate() {
+            let first = step == 0;
+            let link = Link {
+                parent,
+                joint: *joint,
+                offset: if first { base.translation.vector } else { Vector3::zeros() },
+                turn: if first { *base.rotation.to_rotation_matrix().matrix() } else { Matrix3::identity() },
+                position,
+                velocity,
+                body,
+                ..Link::ground()
+            };
+            let (positions, velocities) = joint.counts();
+            position += positions;
+            velocity += velocities;
+            parent = self.links.len();
+            self.links.push(link);
+        }
+        parent
+    }
+
+    fn add_coordinates(&mut self, body: usize) {
+        let hinge = &self.description.bodies[body].hinge;
+        let (positions, velocities) = hinge.kind.counts();
+        let value = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);
+        // A list of rest positions of a hinge with a quaternion is longer than its velocities; the quaternion itself
+        // is kept in the ball's joint.
+        let scalars = if positions == velocities { positions } else { positions - 4 };
+        for i in 0..velocities {
+            self.coordinates.push(Coordinate {
+                body,
+                stiffness: value(&hinge.stiffness, i),
+                damping: value(&hinge.damping, i),
+                rest: if i < scalars { value(&hinge.rest, i) } else { 0.0 },
+                armature: value(&hinge.armature, i),
+                force: value(&hinge.force, i),
+                lock: hinge.lock,
+            });
+            self.start_velocity.push(value(&hinge.velocity, i));
+        }
+        for i in 0..positions {
+            let identity = if i == scalars && positions != velocities { 1.0 } else { 0.0 };
+            let given = hinge.position.get(i).copied().unwrap_or(identity);
+            self.start_position.push(given);
+        }
+        if positions != velocities {
+            let at = self.start_position.len() - 4;
+            let unit = quaternion(&self.start_position[at..]);
+            self.start_position[at..].copy_from_slice(&[unit.w, unit.i, unit.j, unit.k]);
+        }
+    }
+
+    /// Where every subtree ends.
+    pub(super) fn close(&mut self) {
+        for index in 0..self.links.len() {
+            self.links[index].subtree_end = index + 1;
+        }
+        for index in (1..self.links.len()).rev() {
+            let (end, parent) = (self.links[index].subtree_end, self.links[index].parent);
+            self.links[parent].subtree_end = self.links[parent].subtree_end.max(end);
+        }
+    }
+
+    /// Hinges on which nothing with inertia hangs: their acceleration is not determined.
+    pub(super) fn massless_subtrees(&self) -> Vec<Problem> {
+        let mut carried: Vec<bool> = self.links.iter().map(|link| !link.is_massless()).collect();
+        let mut problems = Vec::new();
+        for index in (1..self.links.len()).rev() {
+            let link = &self.links[index];
+            let undetermined = |body: &Body| {
+                let range = body.hinge.velocity..body.hinge.velocity + body.hinge.kind.counts().1;
+                body.link == index && self.coordinates[range].iter().any(|c| c.armature == 0.0)
+            };
+            if carried[index] {
+                carried[link.parent] = true;
+            } else if self.bodies[link.body].as_ref().is_some_and(undetermined) {
+                let name = &self.description.bodies[link.body].name;
+                problems.push(Problem {
+                    element: Element::Body(link.body),
+                    field: "mass".to_owned(),
+                    message: format!(
+                        "neither `{name}` nor anything it carries has mass: its hinge would be undetermined"
+                    ),
+                    help: Some("give it a mass, weld it with a fixed hinge, or give the hinge an armature".to_owned()),
+                });
+            }
+        }
+        problems.reverse();
+        problems
+    }
+
+    pub(super) fn finish(self, places: &[Vec<Place>]) -> Model {
+        let end = |place: &Place| {
+            let (link, link_from_body) = self.carrier(place.0);
+            End {
+                link,
+                body: place.0,
+                point: link_from_body * nalgebra::Point3::from(place.1) - nalgebra::Point3::origin(),
+            }
+        };
+        let turn = |place: &Place| self.carrier(place.0).1.rotation;
+        let forces = self.description.forces.iter().zip(places).map(|(force, places)| Force {
+            name: force.name.clone(),
+            law: compile_force(&force.kind, places, &end, &turn),
+        });
+        let forces = forces.collect();
+        Model {
+            title: self.description.title.clone(),
+            gravity: self.description.gravity,
+            forces,
+            bodies: self.bodies.iter().flatten().cloned().collect(),
+            links: self.links,
+            coordinates: self.coordinates,
+            start_position: self.start_position,
+            start_velocity: self.start_velocity,
+        }
+    }
+}
+
+fn compile_force(
+    kind: &ForceKind,
+    places: &[Place],
+    end: &impl Fn(&Place) -> End,
+    turn: &impl Fn(&Place) -> UnitQuaternion<f64>,
+) -> Law {
+    match kind {
+        ForceKind::Spring { stiffness, length, damping, .. } => Law::Spring {
+            ends: [end(&places[0]), end(&places[1])],
+            stiffness: *stiffness,
+            length: *length,
+            damping: *damping,
+        },
+        ForceKind::Bushing { frame, stiffness: k, damping: c, .. } => Law::Bushing {
+            ends: [end(&places[0]), end(&places[1])],
+            frames: [turn(&places[0]) * frame, turn(&places[1]) * frame],
+            stiffness: Vector3::new(k[0], k[1], k[2]),
+            turn_stiffness: Vector3::new(k[3], k[4], k[5]),
+            damping: Vector3::new(c[0], c[1], c[2]),
+            turn_damping: Vector3::new(c[3], c[4], c[5]),
+        },
+        ForceKind::Load { force, torque, axes: LoadAxes::Inertial, .. } => {
+            Law::DeadLoad { on: end(&places[0]), force: *force, torque: *torque }
+        }
+        ForceKind::Load { force, torque, axes: LoadAxes::Body, .. } => {
+            let link_from_body = turn(&places[0]);
+            Law::FollowerLoad { on: end(&places[0]), force: link_from_body * force, torque: link_from_body * torque }
+        }
+    }
+}
+
+/// A hinge taken apart, outboard order (the table in [`HingeKind`]).
+fn elementary(kind: &HingeKind, rest: &[f64]) -> Vec<Joint> {
+    let turn = |axis: &Vector3<f64>| Joint::Turn { axis: axis.normalize() };
+    let slide = |axis: &Vector3<f64>| Joint::Slide { axis: axis.normalize() };
+    let ball = |rest: &[f64]| Joint::Ball { rest: quaternion(rest) };
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    match kind {
+        HingeKind::Fixed => vec![],
+        HingeKind::Revolute { axis } => vec![turn(axis)],
+        HingeKind::Prismatic { axis } => vec![slide(axis)],
+        HingeKind::Cylindrical { axis } => vec![slide(axis), turn(axis)],
+        HingeKind::Universal { axes } => vec![turn(&axes[0]), turn(&axes[1])],
+        HingeKind::Planar => vec![slide(&x), slide(&y), turn(&z)],
+        HingeKind::Spherical => vec![ball(rest)],
+        HingeKind::Free => vec![slide(&x), slide(&y), slide(&z), ball(rest.get(3..).unwrap_or(&[]))],
+    }
+}
+
+/// The unit quaternion of four numbers w, x, y, z; the identity of none.
+fn quaternion(list: &[f64]) -> UnitQuaternion<f64> {
+    match list {
+        [w, x, y, z] => UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)),
+        _ => UnitQuaternion::identity(),
+    }
+}
+
+/// Adds a body's mass to the link it is welded to.
+fn weld(link: &mut Link, mass: &MassProperties, link_from_body: &Pose) {
+    if mass.mass == 0.0 {
+        return;
+    }
+    let center = link_from_body * nalgebra::Point3::from(mass.center) - nalgebra::Point3::origin();
+    let turn = link_from_body.rotation.to_rotation_matrix();
+    let about_center = Sym3::symmetric_part(&mass.inertia).turned(turn.matrix());
+    let total = link.mass + mass.mass;
+    link.center = (link.mass * link.center + mass.mass * center) / total;
+    link.mass = total;
+    link.inertia += about_center + Sym3::steiner(mass.mass, center);
+}

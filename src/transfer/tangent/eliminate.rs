@@ -1,0 +1,136 @@
+//! The elimination of one hinge.
+
+use super::blocks::{Blocks, Column, TURN, apply};
+use super::hinge::Hinge;
+use crate::motion::variation::LinkVariation;
+use crate::spatial::{Sym3, Wrench};
+use nalgebra::{Matrix3, Vector3};
+
+/// What is left of a hinge with one coordinate.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct One {
+    pub(super) w: Wrench,
+    pub(super) row: [Vector3<f64>; 6],
+    /// `D⁻¹`.
+    pub(super) inverse: f64,
+}
+
+/// What is left of a ball, inertial axes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Three {
+    pub(super) w: Column,
+    pub(super) row: [Matrix3<f64>; 6],
+    /// `D⁻¹`.
+    pub(super) inverse: Matrix3<f64>,
+}
+
+/// Eqs. (4) and (6) for one coordinate: `across ← Xᵀ S T − w D⁻¹ row`.
+pub(super) fn eliminate_one(
+    hinge: &Hinge,
+    own: &Blocks,
+    across: &mut Blocks,
+    f: &Wrench,
+    kappa: f64,
+) -> Option<(One, NegativeAxes)> {
+    let (n, d, slides) = (hinge.axis, &hinge.arm, hinge.slides);
+    let reach = hinge.reach_one(own);
+    let D = kappa + if slides { n.dot(&reach.force) } else { n.dot(&reach.moment) };
+    if D == 0.0 || D.is_nan() {
+        return None;
+    }
+    // Zero for a coordinate that is held.
+    let inverse = 1.0 / D;
+    // The row of Xᵀ S T: the shift leaves forces as they are, and takes d × force off the moments.
+    let mut row = across.map(|column| match slides {
+        true => column.force.tr_mul(&n),
+        false => (column.moment - d.cross_matrix() * column.force).tr_mul(&n),
+    });
+    row[TURN] += if slides { n.cross(&f.force) } else { n.cross(&f.moment) };
+    let mut w = reach.shifted(*d);
+    if slides {
+        w.moment += n.cross(&f.force);
+    }
+    for (column, row) in across.iter_mut().zip(&row) {
+        column.force -= (inverse * w.force) * row.transpose();
+        column.moment -= (inverse * w.moment) * row.transpose();
+    }
+    let negative = if D < 0.0 { NegativeAxes::one(n) } else { NegativeAxes::default() };
+    Some((One { w, row, inverse }, negative))
+}
+
+/// Eqs. (4) and (6) for a ball, in inertial axes; `kappa` likewise.
+pub(super) fn eliminate_ball(
+    hinge: &Hinge,
+    own: &Blocks,
+    across: &mut Blocks,
+    f: &Wrench,
+    kappa: &Matrix3<f64>,
+    held: bool,
+) -> Result<(Three, NegativeAxes), Vector3<f64>> {
+    let d = &hinge.arm;
+    let mut reach = Column::default();
+    for axis in 0..3 {
+        let mut h = LinkVariation::default();
+        hinge.add_ball(&mut h, &Vector3::ith(axis, 1.0));
+        let wrench = apply(own, &h);
+        reach.force.set_column(axis, &wrench.force);
+        reach.moment.set_column(axis, &wrench.moment);
+    }
+    let turned = f.moment.cross_matrix();
+    let D = reach.moment + turned + kappa;
+    let inverse = match held {
+        true => Matrix3::zeros(),
+        false => D
+            .try_inverse()
+            .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
+            .ok_or(hinge.turn.column(0).into_owned())?,
+    };
+    let mut row = across.map(|column| column.moment - d.cross_matrix() * column.force);
+    row[TURN] += turned;
+    reach.shift(d);
+    let weighted = Column { force: reach.force * inverse, moment: reach.moment * inverse };
+    for (column, row) in across.iter_mut().zip(&row) {
+        column.force -= weighted.force * row;
+        column.moment -= weighted.moment * row;
+    }
+    let negative = if held { NegativeAxes::default() } else { NegativeAxes::of(&D) };
+    Ok((Three { w: reach, row, inverse }, negative))
+}
+
+/// The directions in which one hinge's pivot is negative: at most three, no memory asked for.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct NegativeAxes {
+    axes: [Vector3<f64>; 3],
+    count: usize,
+}
+
+impl NegativeAxes {
+    fn one(axis: Vector3<f64>) -> Self {
+        Self { axes: [axis, Vector3::zeros(), Vector3::zeros()], count: 1 }
+    }
+
+    /// Eigenvectors of negative eigenvalues of the symmetric part; none for a positive definite one.
+    fn of(D: &Matrix3<f64>) -> Self {
+        let part = Sym3::symmetric_part(D);
+        if part.inverse().is_some_and(|(_, pivots)| pivots.min() > 0.0) {
+            return Self::default();
+        }
+        let eigen = part.matrix().symmetric_eigen();
+        let mut found = Self::default();
+        for i in 0..3 {
+            if eigen.eigenvalues[i] < 0.0 {
+                found.axes[found.count] = eigen.eigenvectors.column(i).into_owned();
+                found.count += 1;
+            }
+        }
+        found
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    pub(super) fn first(&self) -> Option<&Vector3<f64>> {
+        self.axes[..self.count].first()
+    }
+}

@@ -1,0 +1,138 @@
+//! One hinge at the point of the tangent.
+
+use super::At;
+use super::blocks::{Blocks, apply};
+use crate::model::{Joint, Link};
+use crate::motion::variation::LinkVariation;
+use crate::spatial::Wrench;
+use nalgebra::{Matrix3, Vector3};
+
+/// One hinge at the point of the tangent: `T` and `h` of eq. (2).
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Hinge {
+    pub(super) slides: bool,
+    pub(super) turn: Matrix3<f64>,
+    pub(super) axis: Vector3<f64>,
+    pub(super) arm: Vector3<f64>,
+    /// Angular velocity and acceleration of the parent.
+    w: Vector3<f64>,
+    dw: Vector3<f64>,
+    /// Relative motion: turning and its rate, sliding and its rate.
+    spin: Vector3<f64>,
+    spin_rate: Vector3<f64>,
+    slip: Vector3<f64>,
+    slip_rate: Vector3<f64>,
+    c1: f64,
+    c2: f64,
+}
+
+impl Hinge {
+    pub(super) fn new(link: &Link, at: &At<'_>, index: usize) -> Self {
+        let own = &at.motion.links[index];
+        let zero = Vector3::zeros();
+        let first = link.velocity;
+        let (spin, spin_rate, slip, slip_rate) = match link.joint {
+            Joint::None => (zero, zero, zero, zero),
+            Joint::Turn { .. } => (own.relative, own.axis * at.hinge[first], zero, zero),
+            Joint::Slide { .. } => (zero, zero, own.relative, own.axis * at.hinge[first]),
+            Joint::Ball { .. } => {
+                let local = Vector3::new(at.hinge[first], at.hinge[first + 1], at.hinge[first + 2]);
+                (own.relative, own.turn * local, zero, zero)
+            }
+        };
+        Self {
+            slides: matches!(link.joint, Joint::Slide { .. }),
+            turn: own.turn,
+            axis: own.axis,
+            arm: own.arm,
+            w: at.motion.links[link.parent].angular_velocity,
+            dw: at.balance.accelerations[link.parent].angular,
+            spin,
+            spin_rate,
+            slip,
+            slip_rate,
+            c1: at.c1,
+            c2: at.c2,
+        }
+    }
+
+    /// `S ← Xᵀ S T`.
+    pub(super) fn compose(&self, S: &mut Blocks, dynamic: bool) {
+        let d = &self.arm;
+        let [mut turn, position, mut rate, velocity, mut turn_acceleration, acceleration] = *S;
+        turn.minus_cross(&position, d);
+        if dynamic {
+            let (W, D) = (self.w.cross_matrix(), d.cross_matrix());
+            let swing = self.w.cross(d);
+            let swinging = W * D + self.slip.cross_matrix();
+            turn.minus_cross(&rate, &self.spin);
+            turn.minus(&velocity, &swinging);
+            turn.minus(&turn_acceleration, &(self.spin_rate.cross_matrix() + W * self.spin.cross_matrix()));
+            let by_turn =
+                self.dw.cross_matrix() * D + W * (swinging + self.slip.cross_matrix()) + self.slip_rate.cross_matrix();
+            turn.minus(&acceleration, &by_turn);
+            rate.minus_cross(&velocity, d);
+            rate.minus_cross(&turn_acceleration, &self.spin);
+            rate.minus(&acceleration, &((swing + 2.0 * self.slip).cross_matrix() + W * D));
+            turn_acceleration.minus_cross(&acceleration, d);
+        }
+        *S = [turn, position, rate, velocity, turn_acceleration, acceleration];
+        for column in S.iter_mut() {
+            column.shift(d);
+        }
+    }
+
+    /// `S h` for one coordinate.
+    pub(super) fn reach_one(&self, S: &Blocks) -> Wrench {
+        let mut h = LinkVariation::default();
+        self.add_one(&mut h, 1.0);
+        apply(S, &h)
+    }
+
+    /// `z += h δq` for one coordinate.
+    pub(super) fn add_one(&self, z: &mut LinkVariation, step: f64) {
+        let (c1, c2) = (self.c1, self.c2);
+        let n = self.axis * step;
+        let wn = self.w.cross(&n);
+        if self.slides {
+            z.position += n;
+            z.velocity += c1 * n + wn;
+            z.acceleration += c2 * n + self.dw.cross(&n) + self.w.cross(&(wn + 2.0 * c1 * n));
+        } else {
+            z.turn += n;
+            z.angular_velocity += c1 * n;
+            z.angular_acceleration += c2 * n + c1 * wn;
+        }
+    }
+
+    /// `z += h φ` for a ball turned by `φ`, inertial axes.
+    pub(super) fn add_ball(&self, z: &mut LinkVariation, phi: &Vector3<f64>) {
+        let spin = self.c1 * phi + phi.cross(&self.spin);
+        z.turn += phi;
+        z.angular_velocity += spin;
+        z.angular_acceleration += self.c2 * phi + phi.cross(&self.spin_rate) + self.w.cross(&spin);
+    }
+
+    /// `T z_P`.
+    pub(super) fn carry(&self, p: &LinkVariation, dynamic: bool) -> LinkVariation {
+        let d = &self.arm;
+        let arm = p.turn.cross(d);
+        let mut z = LinkVariation { turn: p.turn, position: p.position + arm, ..LinkVariation::default() };
+        if dynamic {
+            let (w, dw) = (self.w, p.angular_velocity);
+            let (spin, slip) = (p.turn.cross(&self.spin), p.turn.cross(&self.slip));
+            let swing = dw.cross(d) + w.cross(&arm);
+            z.angular_velocity = dw + spin;
+            z.velocity = p.velocity + swing + slip;
+            z.angular_acceleration =
+                p.angular_acceleration + p.turn.cross(&self.spin_rate) + dw.cross(&self.spin) + w.cross(&spin);
+            z.acceleration = p.acceleration
+                + p.angular_acceleration.cross(d)
+                + self.dw.cross(&arm)
+                + dw.cross(&(w.cross(d) + 2.0 * self.slip))
+                + w.cross(&(swing + 2.0 * slip))
+                + p.turn.cross(&self.slip_rate);
+        }
+        z
+    }
+}

@@ -1,0 +1,137 @@
+//! The structure, checked: which module may know which, where foreign crates are used, how long a file may be.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Module → the modules of ours that it may import. Dependencies point one way: no module stands below itself.
+const MAY_IMPORT: [(&str, &[&str]); 13] = [
+    ("suggest", &[]),
+    ("spatial", &[]),
+    ("integrate", &[]),
+    ("model", &["spatial", "suggest"]),
+    ("motion", &["model", "spatial"]),
+    ("forces", &["model", "motion", "spatial"]),
+    ("transfer", &["model", "motion", "spatial"]),
+    ("dynamics", &["model", "motion", "forces", "transfer", "spatial"]),
+    ("statics", &["model", "dynamics", "transfer", "spatial"]),
+    ("record", &["spatial"]),
+    ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
+    ("scenario", &["model", "simulate", "statics", "record", "suggest"]),
+    ("cli", &["model", "dynamics", "statics", "integrate", "record", "simulate", "scenario", "spatial"]),
+];
+
+/// Foreign crate → the modules that may name it.
+const FOREIGN: [(&str, &[&str]); 9] = [
+    ("toml", &["scenario"]),
+    ("annotate_snippets", &["scenario"]),
+    ("mcap", &["record"]),
+    ("foxglove", &["record"]),
+    ("rerun", &["record"]),
+    ("clap", &["cli"]),
+    ("indicatif", &["cli"]),
+    ("ctrlc", &["cli"]),
+    ("faer", &["dynamics", "statics", "simulate"]),
+];
+
+/// A file longer than this is more than one can hold in the head.
+const MOST_LINES: usize = 450;
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Every source file with its top module and its text without comments.
+fn files() -> Vec<(String, PathBuf, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    sources(&root, &mut found);
+    let code =
+        |text: String| text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+    found
+        .into_iter()
+        .map(|path| {
+            let inner = path.strip_prefix(&root).unwrap();
+            let module = inner.iter().next().unwrap().to_str().unwrap().trim_end_matches(".rs").to_owned();
+            let text = code(fs::read_to_string(&path).unwrap());
+            (module, path, text)
+        })
+        .filter(|(module, ..)| module != "lib" && module != "main")
+        .collect()
+}
+
+/// The names that follow `crate::` in a text, also within `use crate::{…}`.
+fn imports(text: &str) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for (at, _) in text.match_indices("crate::") {
+        let rest = &text[at + "crate::".len()..];
+        let list = match rest.strip_prefix('{') {
+            Some(inner) => inner.split('}').next().unwrap_or(""),
+            None => rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or(""),
+        };
+        for part in list.split(',') {
+            let name: String = part.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            if name.chars().next().is_some_and(char::is_lowercase) {
+                names.insert(name);
+            }
+        }
+    }
+    names
+}
+
+#[test]
+fn dependencies_between_modules_point_one_way() {
+    let known: BTreeSet<&str> = MAY_IMPORT.iter().map(|(module, _)| *module).collect();
+    for (module, path, text) in files() {
+        let (_, allowed) = MAY_IMPORT
+            .iter()
+            .find(|(name, _)| *name == module)
+            .unwrap_or_else(|| panic!("{}: a new module needs its line in MAY_IMPORT", path.display()));
+        for name in imports(&text) {
+            let fine = name == module || !known.contains(name.as_str()) || allowed.contains(&name.as_str());
+            assert!(fine, "{}: `{module}` must not import `{name}`", path.display());
+        }
+    }
+    // One way: an order exists in which every module imports only earlier ones.
+    let mut placed: BTreeSet<&str> = BTreeSet::new();
+    while placed.len() < MAY_IMPORT.len() {
+        let next = MAY_IMPORT
+            .iter()
+            .find(|(module, needs)| !placed.contains(module) && needs.iter().all(|need| placed.contains(need)));
+        placed.insert(next.expect("the table of modules has a cycle").0);
+    }
+}
+
+#[test]
+fn foreign_crates_stay_where_they_belong() {
+    for (module, path, text) in files() {
+        for (name, homes) in FOREIGN {
+            let used = text.contains(&format!("use {name}::")) || text.contains(&format!(" {name}::"));
+            assert!(!used || homes.contains(&module.as_str()), "{}: `{name}` belongs in {homes:?}", path.display());
+        }
+    }
+}
+
+#[test]
+fn only_the_command_line_prints() {
+    for (module, path, text) in files() {
+        for call in ["println!", "eprintln!", "print!(", "eprint!(", "dbg!(", "std::process::exit"] {
+            assert!(module == "cli" || !text.contains(call), "{}: {call} outside cli", path.display());
+        }
+    }
+}
+
+#[test]
+fn files_can_be_held_in_the_head() {
+    for (_, path, text) in files() {
+        let lines = text.lines().count();
+        assert!(lines <= MOST_LINES, "{}: {lines} lines", path.display());
+    }
+}

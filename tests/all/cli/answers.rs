@@ -1,0 +1,100 @@
+//! Exit codes and what is said with them.
+
+use super::{BRICK, Bench, shipped};
+
+#[test]
+fn what_goes_well_ends_with_0() {
+    let bench = Bench::new();
+    let pendulum = shipped("pendulum");
+    for command in ["run", "statics", "rest", "inspect", "check"] {
+        let answer = bench.call(&[command, &pendulum]).code(0);
+        assert!(answer.err.is_empty() && !answer.out.is_empty(), "{command}: {answer:#?}");
+    }
+    let help = bench.call(&["--help"]).code(0);
+    for command in ["run", "statics", "rest", "inspect", "view", "check", "schema"] {
+        assert!(help.out.contains(&format!("\n  {command} ")), "{command} is not in the help");
+        assert!(bench.call(&[command, "--help"]).code(0).out.contains("Usage:"));
+    }
+    assert!(bench.call(&["--version"]).code(0).out.contains(env!("CARGO_PKG_VERSION")));
+    let schema: serde_json::Value = serde_json::from_str(&bench.call(&["schema"]).code(0).out).expect("JSON");
+    assert!(schema["properties"]["body"].is_object());
+}
+
+#[test]
+fn wrong_calls_end_with_2() {
+    let bench = Bench::new();
+    let pencil = shipped("pencil");
+    for (arguments, said) in [
+        (&["run"][..], "<SCENARIO>"),
+        (&[], "Usage:"),
+        (&["fly", &pencil], "fly"),
+        (&["run", &pencil, "--fast"], "--fast"),
+        (&["run", &pencil, "--set", "nonsense"], "write a path and a value"),
+        (&["run", &pencil, "--set", "pencil.mas=3"], "did you mean `mass`?"),
+        (&["run", &pencil, "--set", "pen.mass=3"], "pencil"),
+        (&["run", "nothing.toml"], "no scenario `nothing.toml`"),
+        (&["statics", "."], "is a folder"),
+        (
+            &["view", "nothing.mcap"],
+            if cfg!(feature = "rerun") { "nothing.mcap" } else { "without the `rerun` feature" },
+        ),
+    ] {
+        let answer = bench.call(arguments).code(2);
+        assert!(answer.out.is_empty() && answer.err.contains(said), "{arguments:?}: {answer:#?}");
+        assert_eq!(answer.err.matches("error:").count().min(1), usize::from(!arguments.is_empty()), "{answer:#?}");
+    }
+    assert!(bench.names().is_empty(), "{:?}", bench.names());
+}
+
+#[test]
+fn a_body_without_support_is_named_with_the_direction_it_falls_in() {
+    let bench = Bench::new();
+    bench.write("brick.toml", BRICK);
+    let answer = bench.call(&["run", "brick.toml"]).code(1);
+    assert!(answer.out.contains("no equilibrium"), "{answer:#?}");
+    assert!(answer.out.contains("`brick`") && answer.out.contains("along [0.000, 0.000, 1.000]"), "{answer:#?}");
+    assert!(answer.err.contains("nothing was simulated"), "{answer:#?}");
+    assert_eq!(bench.names(), ["brick.toml"], "no recording of a run that did not start");
+    for command in ["statics", "rest", "run"] {
+        let answer = bench.call(&[command, "brick.toml", "--json"]).code(1);
+        assert!(answer.json().to_string().contains("nothing balances"), "{answer:#?}");
+    }
+}
+
+#[test]
+fn an_unstable_equilibrium_is_taken_left_or_refused_as_wanted() {
+    let bench = Bench::new();
+    let pencil = shipped("pencil");
+    let statics = |changes: &[&str]| {
+        let set: Vec<&str> = changes.iter().flat_map(|change| ["--set", change]).collect();
+        bench.call(&[&["statics", &pencil, "--json"], &set[..]].concat())
+    };
+    let any = statics(&[]).code(0).json();
+    assert_eq!(
+        (&any["stability"], &any["unstable_directions"], &any["converged"]),
+        (&"unstable".into(), &1.into(), &true.into())
+    );
+    let stable = statics(&["statics.want=stable"]).code(0).json();
+    assert_eq!(stable["stability"], "stable");
+    assert!(stable["notes"].to_string().contains("left an unstable equilibrium"), "{stable}");
+    let refused = statics(&["statics.want=stable", "statics.method=newton"]).code(1).json();
+    assert_eq!((&refused["stability"], &refused["converged"]), (&"unstable".into(), &false.into()));
+    let rest = bench.call(&["rest", &pencil]).code(1);
+    assert!(rest.out.contains("not at rest") && rest.out.contains("predicted 9.168"), "{rest:#?}");
+    let run = bench.call(&["run", &pencil]).code(0);
+    assert!(run.err.contains("unstable"), "a run that starts there says so: {run:#?}");
+}
+
+#[test]
+fn check_counts_what_is_wrong_in_every_file() {
+    let bench = Bench::new();
+    bench.write("good.toml", BRICK);
+    bench.write("bad.toml", BRICK.replace("mass", "mas"));
+    let answer = bench.call(&["check", "good.toml", "bad.toml", "--json"]).code(2);
+    let said = answer.json();
+    assert_eq!(said["valid"], false);
+    assert_eq!(said["scenarios"][0]["valid"], true);
+    assert_eq!(said["scenarios"][1]["valid"], false);
+    assert!(answer.err.contains("bad.toml:3:1") && !answer.err.contains("good.toml"), "{answer:#?}");
+    assert_eq!(bench.call(&["check", "good.toml"]).code(0).out, "good.toml: fine\n");
+}

@@ -1,0 +1,99 @@
+//! Runs that do not reach their end.
+
+use super::{Bench, shipped};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use stillpoint::record::{OwnedSample, Recording};
+
+/// A run that takes far longer than the test: the chain falls from the horizontal for a thousand seconds.
+fn long_run(bench: &Bench) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_stillpoint"))
+        .args(["run", &shipped("hanging_chain"), "--out", "run.mcap", "--json"])
+        .args(["--set", "simulate.start=given", "--set", "simulate.duration=1000", "--set", "record.rate=1000"])
+        .current_dir(bench.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts")
+}
+
+fn samples(recording: &Recording) -> Vec<OwnedSample> {
+    recording.samples().expect("samples").map(|sample| sample.expect("a sample")).collect()
+}
+
+/// Waits until the file holds more than its description.
+fn wait_for_samples(path: &Path) {
+    let begun = Instant::now();
+    while Recording::open(path).map_or(0, |recording| samples(&recording).len()) == 0 {
+        assert!(begun.elapsed() < Duration::from_secs(30), "nothing was flushed");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_run_in_good_order() {
+    let bench = Bench::new();
+    let child = long_run(&bench);
+    wait_for_samples(&bench.path().join("run.mcap.partial"));
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(sent.success());
+    let output = child.wait_with_output().expect("an end");
+    assert_eq!(output.status.code(), Some(130));
+    let run: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    assert_eq!(run["interrupted"], true);
+    assert_eq!(bench.names(), ["run.mcap"]);
+    let recording = Recording::open(&bench.path().join("run.mcap")).expect("a recording");
+    assert!(recording.complete);
+    let last = samples(&recording).last().expect("samples").time;
+    let end = run["end_time"].as_f64().expect("a time");
+    // All samples that were due are there: the next one is due after the end.
+    assert!(last <= end && end < last + 2e-3, "{last} {end}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_run_leaves_all_but_about_its_last_second() {
+    let bench = Bench::new();
+    let mut child = long_run(&bench);
+    let partial = bench.path().join("run.mcap.partial");
+    wait_for_samples(&partial);
+    std::thread::sleep(Duration::from_millis(700));
+    child.kill().expect("killed");
+    child.wait().expect("an end");
+    let flushed = std::fs::metadata(&partial).and_then(|file| file.modified()).expect("a time");
+    // A chunk is flushed every half second; twice that for a busy machine.
+    assert!(flushed.elapsed().expect("a time") < Duration::from_millis(1500));
+    assert_eq!(bench.names(), ["run.mcap.partial"]);
+    let recording = Recording::open(&partial).expect("readable");
+    assert!(!recording.complete && recording.outcome.is_none());
+    let kept = samples(&recording);
+    assert!(kept.len() > 10);
+    for (index, sample) in kept.iter().enumerate() {
+        assert!((sample.time - index as f64 / 1000.0).abs() < 1e-12, "no gap: {} at {index}", sample.time);
+    }
+    // The next run takes the name again.
+    let again = ["run", &shipped("pencil"), "--out", "run.mcap", "--quiet"];
+    bench.call(&again).code(0);
+    assert_eq!(bench.names(), ["run.mcap"]);
+}
+
+#[test]
+fn a_cut_recording_is_shown_as_far_as_it_goes() {
+    let bench = Bench::new();
+    bench.call(&["run", &shipped("double_pendulum"), "--quiet", "--out", "whole.mcap"]).code(0);
+    let bytes = std::fs::read(bench.path().join("whole.mcap")).expect("a recording");
+    bench.write("cut.mcap", &bytes[..bytes.len() - bytes.len() / 10]);
+    let answer = bench.call(&["view", "cut.mcap", "--save", "cut.rrd"]);
+    if cfg!(feature = "rerun") {
+        let answer = answer.code(0);
+        assert!(answer.err.contains("was not finished"), "{answer:#?}");
+        assert_eq!(bench.names(), ["cut.mcap", "cut.rrd", "whole.mcap"]);
+    } else {
+        let answer = answer.code(2);
+        assert!(answer.err.contains("built without the `rerun` feature"), "{answer:#?}");
+    }
+    let kept = Recording::open(&bench.path().join("cut.mcap")).expect("readable");
+    assert!(!kept.complete);
+}

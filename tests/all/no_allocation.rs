@@ -1,0 +1,38 @@
+//! What a time step calls over and over asks for no memory: all of it belongs to the `System`.
+
+use crate::common::{Options, build, random_scene};
+use std::collections::{BTreeSet, HashSet};
+use std::mem::discriminant;
+use stillpoint::dynamics::System;
+
+/// Counted on this thread, from the first call after construction on, over a scene with all eight kinds of hinges and
+/// all three kinds of forces (loads of both kinds of axes).
+#[test]
+fn evaluating_a_system_allocates_nothing() {
+    let description = random_scene(17, &Options { bodies: 40, springs: true, welds: true });
+    let kinds: BTreeSet<&str> = description.bodies.iter().map(|body| body.hinge.kind.name()).collect();
+    assert_eq!(kinds.len(), 8, "{kinds:?}");
+    let model = build(&description);
+    let laws: HashSet<_> = model.forces.iter().map(|force| discriminant(&force.law)).collect();
+    assert_eq!(laws.len(), 4);
+    let (q, v) = (&model.start_position, &model.start_velocity);
+    let (mut a, mut residual, mut x, mut inertia) = (v.clone(), v.clone(), v.clone(), v.clone());
+    let mut system = System::new(&model);
+    let mut count = |name: &str, call: &mut dyn FnMut(&mut System<'_>)| {
+        let counted = allocation_counter::measure(|| call(&mut system));
+        assert_eq!(counted.count_total, 0, "{name}: {counted:?}");
+    };
+    count("accelerations", &mut |system| system.accelerations(q, v, &mut a).unwrap());
+    count("solve_mass", &mut |system| system.solve_mass(v, &mut x));
+    count("articulated_inertia", &mut |system| system.articulated_inertia(&mut inertia));
+    count("residual", &mut |system| system.residual(q, v, v, &mut residual).unwrap());
+    count("energies", &mut |system| assert!(system.energies(q, v).kinetic > 0.0));
+    count("powers", &mut |system| assert!(system.powers(q, v).dissipated > 0.0));
+}
+
+/// The counter counts.
+#[test]
+fn an_allocation_would_be_seen() {
+    let counted = allocation_counter::measure(|| drop(std::hint::black_box(vec![0.0; 7])));
+    assert_eq!((counted.count_total, counted.bytes_total), (1, 56));
+}

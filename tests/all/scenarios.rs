@@ -1,0 +1,417 @@
+//! The shipped scenarios: every one runs, and each makes good one physical claim that is worked out here, apart from
+//! the program.
+
+use crate::common::build;
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::path::PathBuf;
+use stillpoint::model::Model;
+use stillpoint::record::{Memory, Opening, OwnedSample};
+use stillpoint::scenario::{Override, Scenario, load_with};
+use stillpoint::simulate::{self, Start, State, Summary, run};
+use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
+
+const G: f64 = 9.80665;
+
+/// The scenario files, by name, as they stand in the folder: a new one cannot be forgotten.
+pub(crate) fn names() -> Vec<String> {
+    let folder = std::fs::read_dir(folder()).expect("the folder of scenarios");
+    let paths = folder.map(|entry| entry.expect("an entry").path());
+    let toml = paths.filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    let mut names: Vec<String> =
+        toml.map(|path| path.file_stem().expect("a name").to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenarios")
+}
+
+pub(crate) fn file(name: &str) -> PathBuf {
+    folder().join(format!("{name}.toml"))
+}
+
+pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Model) {
+    let changes: Vec<Override> = changes.iter().map(|text| Override::parse(text).expect("a change")).collect();
+    let scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
+    let model = build(&scenario.description);
+    (scenario, model)
+}
+
+pub(crate) fn found(scenario: &Scenario, model: &Model) -> Equilibrium {
+    let found = equilibrium(model, &scenario.statics, &model.start_position).expect("statics");
+    assert!(found.converged, "{:?}", found.notes);
+    found
+}
+
+/// Runs as the program does; all samples.
+fn simulated(scenario: &Scenario, model: &Model) -> (Summary, Vec<OwnedSample>) {
+    let start = match scenario.simulate.start {
+        Start::Given => State { position: model.start_position.clone(), velocity: model.start_velocity.clone() },
+        Start::Equilibrium => {
+            State { position: found(scenario, model).position, velocity: vec![0.0; model.velocity_count()] }
+        }
+    };
+    let scene = simulate::scene(model);
+    let mut memory = Memory::new(&Opening { scene: &scene, scenario: &scenario.text, statics: None });
+    let summary = run(model, &scenario.simulate, scenario.record.rate, &start, &mut memory, &mut |_, _| true)
+        .unwrap_or_else(|error| panic!("{}: {error}", scenario.name));
+    (summary, memory.samples)
+}
+
+/// The coordinates of one hinge.
+fn coordinates<'a>(model: &Model, position: &'a [f64], body: &str) -> &'a [f64] {
+    let hinge = &model.bodies[model.body(body).expect("a body")].hinge;
+    &position[hinge.position..hinge.position + hinge.kind.counts().0]
+}
+
+fn near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "found {found}, expected {expected} within {tolerance:e}");
+}
+
+#[test]
+fn every_scenario_loads_without_warnings_and_keeps_its_energy() {
+    let names = names();
+    assert!(names.len() >= 12, "{names:?}");
+    for name in &names {
+        let (scenario, model) = shipped(name, &["simulate.duration=2"]);
+        assert!(scenario.warnings.is_empty(), "{name}: {}", scenario.warnings);
+        assert!(!model.title.is_empty() && !scenario.text.starts_with("title"), "{name}: no title or no story");
+        let (summary, samples) = simulated(&scenario, &model);
+        assert_eq!(summary.end_time, 2.0, "{name}");
+        assert_eq!(samples.len(), 1 + (2.0 * scenario.record.rate) as usize, "{name}");
+        // The tolerances of the files are 1e-9 and smaller per step of error; some hundred steps add up.
+        let size = summary.energy_start.abs().max(model.total_mass() * G * model.length_scale());
+        assert!(summary.energy_drift < 1e-7 * size, "{name}: drift {:e} of {size}", summary.energy_drift);
+    }
+}
+
+#[test]
+fn the_scenarios_show_every_hinge_and_every_force() {
+    let texts: String = names().iter().map(|name| std::fs::read_to_string(file(name)).expect("a file")).collect();
+    for feature in [
+        "\"fixed\"",
+        "\"revolute\"",
+        "\"prismatic\"",
+        "\"cylindrical\"",
+        "\"universal\"",
+        "\"planar\"",
+        "\"spherical\"",
+        "\"free\"",
+        "\"spring\"",
+        "\"bushing\"",
+        "\"load\"",
+        "axes = \"body\"",
+        "density",
+        "repeat",
+        "next",
+        "armature",
+        "damping",
+        "rest = ",
+        "lock = true",
+        "rpy",
+        "want = \"any\"",
+        "box",
+        "cylinder",
+        "capsule",
+        "sphere",
+    ] {
+        assert!(texts.contains(feature), "no scenario shows {feature}");
+    }
+}
+
+/// K(k) by the arithmetic–geometric mean.
+fn complete_elliptic_integral(modulus: f64) -> f64 {
+    let (mut a, mut b) = (1.0, (1.0 - modulus * modulus).sqrt());
+    for _ in 0..8 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    FRAC_PI_2 / a
+}
+
+/// Times at which the first coordinate passes zero upwards, by linear interpolation.
+fn upward_passes(samples: &[OwnedSample]) -> Vec<f64> {
+    let passes = samples.windows(2).filter(|pair| pair[0].positions[0] < 0.0 && pair[1].positions[0] >= 0.0);
+    let between = |pair: &[OwnedSample]| {
+        let (a, b) = (pair[0].positions[0], pair[1].positions[0]);
+        pair[0].time + (pair[1].time - pair[0].time) * a / (a - b)
+    };
+    passes.map(between).collect()
+}
+
+#[test]
+fn pendulum_swings_with_the_period_of_the_elliptic_integral() {
+    let (scenario, model) = shipped("pendulum", &["record.rate=1000"]);
+    let (_, samples) = simulated(&scenario, &model);
+    let passes = upward_passes(&samples);
+    let swings = passes.len() - 1;
+    let period = (passes[swings] - passes[0]) / swings as f64;
+    // Rod of 1 m: J/(m g c) = (1/3)/(g/2).
+    let slow = (1.0 / 3.0 / (0.5 * G)).sqrt();
+    let expected = 4.0 * slow * complete_elliptic_integral((PI / 6.0).sin());
+    // The angle bends by (θ' Ω²) h²/8 ≈ 1e-8 rad between samples where it passes zero at 3.5 rad/s.
+    near(period, expected, 1e-7);
+    assert!(expected > 1.07 * TAU * slow, "60 degrees are no small angle");
+}
+
+#[test]
+fn chain_hangs_straight_down_and_its_lowest_frequency_is_that_of_bernoulli() {
+    let (scenario, model) = shipped("hanging_chain", &[]);
+    let equilibrium = found(&scenario, &model);
+    near(equilibrium.position[0], FRAC_PI_2, 1e-12);
+    assert!(equilibrium.position[1..].iter().all(|angle| angle.abs() < 1e-12), "round-off of 5 m of chain");
+    // A heavy string of length L: f = j₀ √(g/L) / 4π, j₀ the first zero of the Bessel function J₀. A chain of n links
+    // that ends in a free link differs by a part in n².
+    let bernoulli = 2.404_825_557_695_773 * (G / 5.0_f64).sqrt() / (2.0 * TAU);
+    let modes = &equilibrium.stability.expect("a verdict").modes;
+    near(modes[0].frequency_hz / bernoulli, 1.0, 1e-4);
+}
+
+/// Accelerations of two equal uniform rods of 0.5 m, angles from the vertical: Lagrange's equations by hand.
+fn double_pendulum(y: [f64; 4]) -> [f64; 4] {
+    let [one, two, fast_one, fast_two] = y;
+    let (sine, cosine) = (one - two).sin_cos();
+    let right = [
+        -0.5 * sine * fast_two * fast_two - 1.5 * G / 0.5 * one.sin(),
+        0.5 * sine * fast_one * fast_one - 0.5 * G / 0.5 * two.sin(),
+    ];
+    let (a, b, c) = (4.0 / 3.0, 0.5 * cosine, 1.0 / 3.0);
+    let determinant = a * c - b * b;
+    let first = (c * right[0] - b * right[1]) / determinant;
+    [fast_one, fast_two, first, (a * right[1] - b * right[0]) / determinant]
+}
+
+/// Classical Runge–Kutta from rest, angles after `time`.
+fn thrown(mut y: [f64; 4], time: f64) -> [f64; 2] {
+    let step = 1e-4;
+    let add = |y: [f64; 4], k: [f64; 4], h: f64| std::array::from_fn(|i| y[i] + h * k[i]);
+    for _ in 0..(time / step).round() as usize {
+        let a = double_pendulum(y);
+        let b = double_pendulum(add(y, a, 0.5 * step));
+        let c = double_pendulum(add(y, b, 0.5 * step));
+        let d = double_pendulum(add(y, c, step));
+        y = std::array::from_fn(|i| y[i] + step / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+    }
+    [y[0], y[1]]
+}
+
+#[test]
+fn double_pendulum_runs_part_exponentially() {
+    let offset = 1e-8;
+    let apart = |time: f64| {
+        let at = |lower: f64| {
+            let (given, duration) = (format!("lower.position={lower:e}"), format!("simulate.duration={time}"));
+            let (scenario, model) = shipped(
+                "double_pendulum",
+                &[&given, &duration, "simulate.tolerance=1e-13", "simulate.absolute_tolerance=1e-13"],
+            );
+            let position = simulated(&scenario, &model).0.state.position;
+            [position[0], position[0] + position[1]]
+        };
+        let (program, ours) =
+            ([at(0.0), at(offset)], [0.0, offset].map(|x| thrown([FRAC_PI_2, FRAC_PI_2 + x, 0.0, 0.0], time)));
+        // Errors of 1e-12 grow as the offset does: 1e-4 of what the two runs are apart, with room for accumulation.
+        let size = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let (distance, expected) = (size(program[0], program[1]), size(ours[0], ours[1]));
+        near(distance / expected, 1.0, 1e-2);
+        distance
+    };
+    let [early, late] = [2.0, 8.0].map(apart);
+    // Growth in proportion to time would be a factor of four; this is some powers of ten.
+    assert!(late > 100.0 * early && late < 0.1, "{early:e} {late:e}");
+}
+
+#[test]
+fn pencil_falls_as_fast_as_its_eigenvalue_says() {
+    // A slender pencil on its tip: λ² = m g c / J, J about the tip.
+    let (mass, center, inertia): (f64, f64, f64) = (0.006, 0.0875, 1.53125e-5);
+    let rate = (mass * G * center / (inertia + mass * center * center)).sqrt();
+    let (scenario, model) = shipped("pencil", &[]);
+    let equilibrium = found(&scenario, &model);
+    let stability = equilibrium.stability.expect("a verdict");
+    assert_eq!(stability.verdict, Verdict::Unstable);
+    // Round-off of some products.
+    near(stability.modes[0].growth_rate, rate, 1e-12 * rate);
+    let thrown =
+        ["simulate.start=given", "pencil.position=1e-6", "simulate.duration=0.8", "simulate.absolute_tolerance=1e-14"];
+    let (scenario, model) = shipped("pencil", &thrown);
+    let (_, samples) = simulated(&scenario, &model);
+    let last = samples.last().expect("a sample");
+    // Let go from rest: θ₀ cosh λ t; nonlinear terms are θ²/6 < 1e-6 of it.
+    near(last.positions[0] / (1e-6 * (rate * last.time).cosh()), 1.0, 1e-6);
+}
+
+/// Where something hangs: masses and centres in space of a body and all that hangs on it.
+fn carried(model: &Model, equilibrium: &Equilibrium, body: usize) -> (f64, Vector3<f64>) {
+    let mut mass = 0.0;
+    let mut moment = Vector3::zeros();
+    for (index, one) in model.bodies.iter().enumerate() {
+        let mut above = Some(index);
+        while let Some(now) = above
+            && now != body
+        {
+            above = model.bodies[now].parent;
+        }
+        if above.is_some() {
+            mass += one.mass.mass;
+            moment += one.mass.mass * (equilibrium.poses[index] * Point3::from(one.mass.center)).coords;
+        }
+    }
+    (mass, moment / mass)
+}
+
+#[test]
+fn calder_mobile_balances_every_arm() {
+    let (scenario, model) = shipped("calder_mobile", &[]);
+    let equilibrium = found(&scenario, &model);
+    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, Verdict::Stable);
+    for (index, body) in model.bodies.iter().enumerate() {
+        let hook = equilibrium.poses[index].translation.vector;
+        let (mass, center) = carried(&model, &equilibrium, index);
+        // All that hangs there has its weight right below the hook: moments about the two level axes cancel.
+        assert!((center - hook).xy().norm() < 1e-12, "{}: {:?}", body.name, center - hook);
+        assert!(center.z < hook.z, "{}", body.name);
+        let reaction = equilibrium.reactions[index].force;
+        assert!((reaction - Vector3::new(0.0, 0.0, mass * G)).norm() < 1e-10, "{}: {reaction:?}", body.name);
+    }
+    let tilt = |name: &str| {
+        let pose = &equilibrium.poses[model.body(name).expect("an arm")];
+        (pose * Vector3::x()).z.asin()
+    };
+    let arms = ["long_arm", "left_arm", "right_arm", "small_arm"].map(tilt);
+    assert!(arms.iter().all(|tilt| tilt.abs() > 0.05 && tilt.abs() < 0.4), "unequal, and pleasant: {arms:?}");
+}
+
+#[test]
+fn machine_on_mounts_sinks_by_weight_over_stiffness() {
+    let (scenario, model) = shipped("machine_on_mounts", &[]);
+    let equilibrium = found(&scenario, &model);
+    let motor = 2700.0 * PI * 0.09 * 0.09 * 0.3;
+    let (mass, stiffness) = (160.0 + motor, 4.0 * 150.0e3 + 2.0 * 50.0e3);
+    let position = coordinates(&model, &equilibrium.position, "machine");
+    near(position[2], 0.1 - mass * G / stiffness, 1e-12);
+    assert!(
+        position[..2].iter().chain(&position[4..]).all(|x| x.abs() < 1e-12),
+        "upright, in the middle: {position:?}"
+    );
+    let modes = &equilibrium.stability.expect("a verdict").modes;
+    assert_eq!(modes.len(), 6);
+    let bounce = (stiffness / mass).sqrt() / TAU;
+    // The coil springs stand upright and the mounts are symmetric: bouncing is a mode of its own.
+    let closest = modes.iter().map(|mode| (mode.frequency_hz - bounce).abs()).fold(f64::INFINITY, f64::min);
+    assert!(closest < 1e-9 * bounce, "{bounce} Hz is not among {modes:?}");
+}
+
+#[test]
+fn spinning_top_precesses_at_the_rate_of_the_gyroscopic_formula() {
+    let (scenario, model) = shipped("spinning_top", &[]);
+    let (_, samples) = simulated(&scenario, &model);
+    let (mass, center, spin, lean) = (0.2, 0.045, 150.0, 20.0_f64.to_radians());
+    let (polar, across) = (1.8e-4, 1.1e-4 + mass * center * center);
+    // Steady precession: A Ω² cos θ − C ω Ω + m g c = 0, the slow root.
+    let (a, b, c) = (across * lean.cos(), polar * spin, mass * G * center);
+    let rate = 2.0 * c / (b + (b * b - 4.0 * a * c).sqrt());
+    assert!((rate / (c / b) - 1.0) < 0.1, "close to the formula of the fast top, m g c / C ω");
+    for sample in samples.iter().step_by(100) {
+        let p = coordinates(&model, &sample.positions, "top");
+        let turn = UnitQuaternion::new_normalize(Quaternion::new(p[0], p[1], p[2], p[3]));
+        let axis = turn * Vector3::z();
+        let angle = rate * sample.time;
+        let expected = Vector3::new(lean.sin() * angle.cos(), lean.sin() * angle.sin(), lean.cos());
+        // A tolerance of 1e-10 per step, some thousand steps, and growth in proportion to time.
+        assert!((axis - expected).norm() < 1e-6, "at {} s: {axis:?}, expected {expected:?}", sample.time);
+    }
+}
+
+#[test]
+fn gyroscope_stays_level_and_turns_at_weight_times_arm_over_spin() {
+    let (scenario, model) = shipped("gyroscope_in_gimbals", &[]);
+    let (_, samples) = simulated(&scenario, &model);
+    let rate = 0.1 * G * 0.15 / (0.001 * 200.0);
+    for sample in &samples {
+        // A tolerance of 1e-10 per step and some thousand steps.
+        near(coordinates(&model, &sample.positions, "inner_ring")[0], 0.0, 1e-7);
+        near(coordinates(&model, &sample.positions, "outer_ring")[0], rate * sample.time, 1e-6);
+    }
+    let without = ["weight.mass=0", "outer_ring.velocity=0", "inner_ring.velocity=0.01"];
+    let (scenario, model) = shipped("gyroscope_in_gimbals", &without);
+    let (_, samples) = simulated(&scenario, &model);
+    let astray = samples.iter().map(|s| coordinates(&model, &s.positions, "inner_ring")[0].abs()).fold(0.0, f64::max);
+    // Without the weight a push nods it by J ω₀ / (C Ω) at most, J some thousandths of kg m²: it does not go astray.
+    assert!(astray < 0.01 * 0.004 / (0.001 * 200.0), "{astray}");
+}
+
+#[test]
+fn spring_arm_needs_no_lock_to_keep_its_direction() {
+    let (scenario, model) = shipped("spring_arm", &[]);
+    let equilibrium = found(&scenario, &model);
+    let (name, held) = &equilibrium.holding[0];
+    assert_eq!((equilibrium.holding.len(), name.as_str()), (1, "`column`"));
+    // All forces are in one plane with the column's axis; round-off of 100 N at 1 m.
+    assert!(held.abs() < 1e-12, "{held:e}");
+    let reach = |name: &str| equilibrium.poses[model.body(name).expect("a body")].translation.vector;
+    let (elbow, lamp) = (reach("forearm"), reach("lamp"));
+    for point in [elbow, lamp] {
+        near(point.y.atan2(point.x), 0.6, 1e-12);
+    }
+    // The springs do lift the arm: it reaches out, about level, by more than its upper half.
+    assert!(lamp.xy().norm() > 0.9 && (lamp.z - 0.7).abs() < 0.2, "{lamp:?}");
+    // The column carries the lot: its own weight, the arm's and the bag's, less what the ceiling spring lifts.
+    let bracket = equilibrium.poses[model.body("upper_arm").expect("a body")] * Point3::new(0.3, 0.0, 0.0);
+    let stretch = Point3::new(0.0, 0.0, 1.3) - bracket;
+    let lift = 330.0 * (stretch.norm() - 0.3) * stretch.z / stretch.norm();
+    let floor = equilibrium.reactions[model.body("column").expect("a body")].force.z;
+    near(floor, model.total_mass() * G + 5.0 - lift, 1e-10);
+}
+
+#[test]
+fn fan_holds_its_arm_where_weight_and_thrust_cancel() {
+    let (scenario, model) = shipped("fan_pendulum", &[]);
+    let equilibrium = found(&scenario, &model);
+    assert_eq!(equilibrium.stability.as_ref().expect("a verdict").verdict, Verdict::Stable);
+    // F l = (m_arm c + m_fan l) g sin θ, the thrust always across the arm.
+    let angle = (4.0 * 0.8 / ((0.4 * 0.4 + 0.6 * 0.8) * G)).asin();
+    near(equilibrium.position[0], angle, 1e-12);
+}
+
+#[test]
+fn caster_table_stands_where_the_pulls_of_its_ropes_cancel() {
+    let (scenario, model) = shipped("caster_table", &[]);
+    let equilibrium = found(&scenario, &model);
+    let p = coordinates(&model, &equilibrium.position, "table");
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), p[2]);
+    let table = Isometry3::from_parts(Translation3::new(p[0], p[1], 0.72), turn);
+    let ropes = [
+        ([0.0, 1.6], [0.0, 0.38], 120.0, 0.9),
+        ([-1.8, -1.2], [-0.58, -0.38], 90.0, 1.0),
+        ([1.8, -1.2], [0.58, -0.38], 90.0, 1.0),
+    ];
+    let edge = table * Point3::new(0.6, 0.1, 0.0);
+    let push = Vector3::new(-15.0, 5.0, 0.0);
+    let (mut force, mut moment) = (push, edge.coords.cross(&push));
+    for (wall, corner, stiffness, length) in ropes {
+        let at = table * Point3::new(corner[0], corner[1], 0.0);
+        let away = Point3::new(wall[0], wall[1], 0.72) - at;
+        let pull = away.normalize() * stiffness * (away.norm() - length);
+        force += pull;
+        moment += at.coords.cross(&pull);
+    }
+    // Round-off of 50 N at 1 m.
+    assert!(force.norm() < 1e-11 && moment.z.abs() < 1e-11, "{force:?} {moment:?}");
+    assert!(push.norm() > 10.0 && p.iter().all(|x| x.abs() < 0.2), "pushed aside, not away: {p:?}");
+}
+
+#[test]
+fn collar_slides_until_the_spring_carries_its_weight_and_turns_its_arm_down() {
+    let (scenario, model) = shipped("collar_on_a_rod", &[]);
+    let equilibrium = found(&scenario, &model);
+    let p = coordinates(&model, &equilibrium.position, "collar");
+    // Along a rod that slants by 30 degrees; relaxed at 1 m.
+    near(p[0], 1.0 - 2.0 * G * 0.5 / 60.0, 1e-12);
+    let pose = &equilibrium.poses[model.body("collar").expect("a body")];
+    let arm = pose * Vector3::x();
+    let rod = pose * Vector3::z();
+    // Of all directions across the rod the arm takes the lowest one.
+    near(arm.z, -(1.0 - rod.z * rod.z).sqrt(), 1e-12);
+}
