@@ -53,9 +53,16 @@ pub(super) fn heading(model: &Model, name: &str) -> String {
     )
 }
 
-/// Two digits for what should be small: `7.3e-10`, `0`.
+/// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.
 pub(super) fn small(x: f64) -> String {
-    if x == 0.0 { "0".to_owned() } else { format!("{x:.1e}") }
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e4).contains(&size) => {
+            let digits = (1.0 - size.log10().floor()).max(0.0) as usize;
+            format!("{x:.digits$}")
+        }
+        _ => format!("{x:.1e}"),
+    }
 }
 
 /// Zero where a number is round-off beside others of size `scale`.
