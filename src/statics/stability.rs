@@ -95,6 +95,9 @@ pub fn classify(
         true => undamped_modes(model, free, &linear, unstable, neutral),
         false => unsymmetric_modes(model, free, &linear),
     };
+    if conservative && unstable + neutral == 0 && free.len() == rest.len() {
+        sharpen(&mut modes, system, q, &symmetric(&linear.stiffness))?;
+    }
     if model.has_damping() && conservative {
         grow(&mut modes, &linear, unstable);
     }
@@ -254,6 +257,31 @@ fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> V
 fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
     let n = shape.len();
     (0..n).map(|row| (0..n).map(|j| mass[(row, j)] * shape[j]).sum()).collect()
+}
+
+/// High frequencies from the reduction, which keeps light bodies beside heavy ones that a mass matrix in hinge
+/// coordinates loses: the eigenvalues of `Lᵀ M⁻¹ L` with `K = L Lᵀ`, whose errors are `ε λ_max`.
+fn sharpen(modes: &mut [Mode], system: &mut System<'_>, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
+    let n = stiffness.nrows();
+    let Ok(factor) = stiffness.llt(Side::Lower) else { return Ok(()) };
+    let lower = factor.L();
+    let (mut column, mut unit) = (vec![0.0; n], vec![0.0; n]);
+    system.accelerations(q, &unit.clone(), &mut column)?;
+    let mut inverse = Mat::zeros(n, n);
+    for j in 0..n {
+        unit[j] = 1.0;
+        system.solve_mass(&unit, &mut column);
+        unit[j] = 0.0;
+        (0..n).for_each(|i| inverse[(i, j)] = column[i]);
+    }
+    let product = symmetric(&(lower.transpose() * inverse * lower));
+    let Ok(values) = product.self_adjoint_eigenvalues(Side::Lower) else { return Ok(()) };
+    let lowest = modes.first().map_or(0.0, |mode| std::f64::consts::TAU * mode.frequency_hz);
+    let middle = lowest * values[n - 1].max(0.0).sqrt();
+    for (mode, value) in modes.iter_mut().zip(values).filter(|(_, value)| *value > middle) {
+        mode.frequency_hz = value.sqrt() / std::f64::consts::TAU;
+    }
+    Ok(())
 }
 
 /// With damping the growth rates are those of the damped motion.

@@ -14,6 +14,7 @@ mod integrators;
 mod no_allocation;
 mod oracle;
 mod record;
+mod reference;
 mod rest;
 mod scenario;
 mod scenarios;
