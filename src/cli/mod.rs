@@ -68,7 +68,7 @@ enum Command {
     Rest(rest::Arguments),
     /// Say what the model is, and its accelerations at the given state; runs nothing
     ///
-    /// Example: stillpoint inspect scenarios/pendulum.toml --set bob.position=0.5
+    /// Example: stillpoint inspect scenarios/pendulum.toml --set rod.position=0.5
     Inspect(inspect::Arguments),
     /// Show a recording in the Rerun viewer
     ///

@@ -6,6 +6,7 @@ use super::stability::{Stability, Verdict, classify};
 use super::{Settings, Want, newton, trust_region};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
+use crate::model::problem::number;
 use crate::spatial::{Pose, Wrench};
 use nalgebra::Vector3;
 
@@ -59,11 +60,13 @@ pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<
     let first = Place::at(&mut landscape, start.to_vec())?;
     let mut notes = Vec::new();
     let guess = first.clone();
-    let (place, stage) = search(&mut landscape, settings, first, &mut history, &mut notes)?;
+    let (mut place, stage) = search(&mut landscape, settings, first, &mut history, &mut notes)?;
     if !place.is_balanced() {
         // Where the search ran away, what is missing shows best where it started.
-        let fell = notes.iter().any(|note| note.contains(FELL));
-        notes.push(unbalanced(&mut landscape, if fell { &guess } else { &place }));
+        if notes.iter().any(|note| note.contains(FELL)) {
+            place = guess;
+        }
+        notes.push(unbalanced(&mut landscape, &place));
     }
     certify(landscape, settings, place, stage, history, notes)
 }
@@ -85,7 +88,7 @@ fn search(
         let place = newton::run(landscape, first, history)?;
         return Ok((polish(landscape, place, history)?, "newton"));
     }
-    let (exact, start) = (first.is_exact(), first.q.clone());
+    let (exact, start, potential) = (first.is_exact(), first.q.clone(), landscape.potential(&first.q));
     let outcome = trust_region::run(landscape, first, history)?;
     for coordinates in &outcome.left {
         let names: Vec<String> =
@@ -94,7 +97,10 @@ fn search(
         notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
     }
     if outcome.fell {
-        notes.push(format!("{FELL}: there is no equilibrium downhill of the guess"));
+        let drop = number(potential - landscape.potential(&outcome.place.q));
+        notes.push(format!(
+            "{FELL}: the search gave up {drop} J below the guess, there is no equilibrium downhill of it"
+        ));
     }
     if exact && history.is_empty() {
         return Ok((outcome.place, "start"));
@@ -128,13 +134,14 @@ fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
     let (_, largest) = place.residual();
     let Some(worst) = unresisted(landscape, place).or(largest) else { return "no residual".to_owned() };
     let relative = place.force[worst].abs() / place.scales.force[worst];
+    let share = if relative >= 0.01 { format!("{:.0} %", 100.0 * relative) } else { format!("{relative:.1e}") };
     let (model, coordinate) = (landscape.model(), landscape.free[worst]);
-    let size = place.force[worst];
+    let size = number(place.force[worst]);
     let unit = if super::landscape::slides(model)[coordinate] { "N" } else { "N m" };
     let direction = direction(landscape, coordinate);
     let towards = direction.map_or(String::new(), |d| format!(" along [{:.3}, {:.3}, {:.3}]", d.x, d.y, d.z));
     format!(
-        "nothing balances {size:.6e} {unit} in {}{towards} ({relative:.1e} of the forces there): \
+        "nothing balances {size} {unit} in {}{towards} ({share} of the forces there): \
          a spring, a load or a lock is missing, or the guess is too far away",
         model.label(coordinate)
     )
