@@ -1,7 +1,7 @@
 //! `statics`: the equilibrium and what it is.
 
 use super::{Common, Exit, compare, json, output, scene, text};
-use crate::statics::{Equilibrium, Method, Settings, equilibrium};
+use crate::statics::{Equilibrium, Method, equilibrium};
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -59,17 +59,8 @@ pub(super) fn find(
     scenario: &crate::scenario::Scenario,
     model: &crate::model::Model,
 ) -> anyhow::Result<(Equilibrium, Duration)> {
-    find_with(scenario, model, &scenario.statics)
-}
-
-/// The same with settings of one's own.
-pub(super) fn find_with(
-    scenario: &crate::scenario::Scenario,
-    model: &crate::model::Model,
-    settings: &Settings,
-) -> anyhow::Result<(Equilibrium, Duration)> {
     let before = Instant::now();
-    let found = equilibrium(model, settings, &model.start_position)
+    let found = equilibrium(model, &scenario.statics, &model.start_position)
         .with_context(|| format!("{}: statics cannot start", scenario.name))?;
     Ok((found, before.elapsed()))
 }

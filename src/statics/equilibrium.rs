@@ -71,6 +71,19 @@ struct Effort {
 /// # Errors
 /// Where the system cannot be evaluated at the guess: a singular hinge, a number that is not finite.
 pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<Equilibrium, Fault> {
+    equilibrium_observed(model, settings, start, &mut || {})
+}
+
+/// The same; `searched` is called between the search and the certificate, for whoever holds a clock.
+///
+/// # Errors
+/// As [`equilibrium`].
+pub fn equilibrium_observed(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    searched: &mut dyn FnMut(),
+) -> Result<Equilibrium, Fault> {
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
     let mut history = Vec::new();
@@ -84,8 +97,8 @@ pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<
             (place, Effort { stage, ..Effort::default() })
         }
     };
-    let balanced = place.is_balanced();
-    if !balanced {
+    searched();
+    if !place.is_balanced() {
         notes.push(unbalanced(&mut landscape, &place));
     }
     certify(landscape, settings, place, effort, history, notes)
@@ -257,7 +270,8 @@ fn by_body(model: &Model, reactions: &[Wrench]) -> Vec<Wrench> {
     if reactions.is_empty() {
         return Vec::new();
     }
-    let own = |(index, body): (usize, &crate::model::Body)| match body.link != 0 && model.links[body.link].body == index {
+    let own = |(index, body): (usize, &crate::model::Body)| match body.link != 0 && model.links[body.link].body == index
+    {
         true => reactions[body.link],
         false => Wrench::ZERO,
     };

@@ -24,6 +24,6 @@ mod stiffness;
 mod subspace;
 mod trust_region;
 
-pub use equilibrium::{Equilibrium, equilibrium};
+pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed};
 pub use settings::{Method, Settings, Want};
 pub use stability::{Mode, Stability, Verdict};

@@ -17,3 +17,4 @@ mod record;
 mod rest;
 mod scenario;
 mod scenarios;
+mod statics_methods;

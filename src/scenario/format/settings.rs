@@ -52,9 +52,7 @@ pub const STATICS: Table = Table {
     types: &[],
     keys: &[
         Key::new("want", Kind::Choice(WANTS), "Which equilibrium.").default("\"stable\"").example("\"stable\""),
-        Key::new("method", Kind::Choice(METHODS), "How it is found.")
-            .default("\"auto\"")
-            .example("\"newton\""),
+        Key::new("method", Kind::Choice(METHODS), "How it is found.").default("\"auto\"").example("\"newton\""),
         Key::new("path", Kind::Refused("equilibrium paths cannot be followed by this version"), "Follows a parameter."),
     ],
 };

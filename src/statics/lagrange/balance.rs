@@ -40,7 +40,12 @@ pub(super) fn hinges(model: &Model, poses: &Poses) -> Vec<[Wrench; 2]> {
 }
 
 /// What the constraints pass to each link and to its parent.
-pub(super) fn reactions(constraints: &[Constraint], poses: &Poses, multipliers: &[f64], links: usize) -> Vec<[Wrench; 2]> {
+pub(super) fn reactions(
+    constraints: &[Constraint],
+    poses: &Poses,
+    multipliers: &[f64],
+    links: usize,
+) -> Vec<[Wrench; 2]> {
     let mut out = vec![[Wrench::ZERO; 2]; links];
     for constraint in constraints {
         for (i, (_, gradient)) in constraint.at(&poses.motion).iter().take(constraint.count()).enumerate() {

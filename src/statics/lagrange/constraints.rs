@@ -115,10 +115,9 @@ fn welded(point: Vector3<f64>, turn: Matrix3<f64>) -> Vec<Kind> {
 
 /// The link's axes stand as `turn` on the parent.
 fn parallel(turn: Matrix3<f64>) -> impl Iterator<Item = Kind> {
-    [(1, 2), (2, 0), (0, 1)].into_iter().map(move |(i, j)| Kind::Square {
-        on_parent: turn.column(i).into_owned(),
-        on_link: Vector3::ith(j, 1.0),
-    })
+    [(1, 2), (2, 0), (0, 1)]
+        .into_iter()
+        .map(move |(i, j)| Kind::Square { on_parent: turn.column(i).into_owned(), on_link: Vector3::ith(j, 1.0) })
 }
 
 /// Two unit axes across one.

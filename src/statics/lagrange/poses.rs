@@ -27,8 +27,7 @@ impl Poses {
             let at = &mut new.motion.links[index];
             let part = |first: usize| scale * Vector3::from_column_slice(&step[first..first + 3]);
             at.position += part(6 * (index - 1));
-            let mut turn =
-                Rotation3::new(part(6 * (index - 1) + 3)) * Rotation3::from_matrix_unchecked(at.turn);
+            let mut turn = Rotation3::new(part(6 * (index - 1) + 3)) * Rotation3::from_matrix_unchecked(at.turn);
             turn.renormalize();
             at.turn = turn.into_inner();
             at.center = at.turn * link.center;
@@ -42,9 +41,8 @@ impl Poses {
         for (index, link) in model.links.iter().enumerate().skip(1) {
             let (own, parent) = (&self.motion.links[index], &self.motion.links[link.parent]);
             let base = parent.turn * link.turn;
-            let relative = || {
-                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(base.transpose() * own.turn))
-            };
+            let relative =
+                || UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(base.transpose() * own.turn));
             let at = link.position;
             let (_, count) = link.joint.counts();
             if model.coordinates[link.velocity..link.velocity + count].iter().any(|c| c.lock) {
