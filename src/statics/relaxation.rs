@@ -111,7 +111,7 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
         let turns: Vec<bool> = landscape.free.iter().map(|i| !slides[*i]).collect();
         let unit: Vec<f64> = turns.iter().map(|turn| if *turn { 1.0 } else { length }).collect();
         // Neighbours in opposite directions, no two alike: nearly every mode takes part, the fastest ones most.
-        let sign = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let fastest = unit.iter().enumerate().map(|(i, unit)| sign(i) * unit / (1.0 + 0.1 * (i % 7) as f64)).collect();
         let rest = vec![0.0; held.velocity_count()];
         let full = rest.clone();
