@@ -22,7 +22,7 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 9] = [
+const FOREIGN: [(&str, &[&str]); 11] = [
     ("toml", &["scenario"]),
     ("annotate_snippets", &["scenario"]),
     ("mcap", &["record"]),
@@ -31,6 +31,8 @@ const FOREIGN: [(&str, &[&str]); 9] = [
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),
+    ("csv", &["cli"]),
+    ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics", "simulate"]),
 ];
 

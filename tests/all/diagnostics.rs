@@ -555,7 +555,7 @@ method = "lagrange"
     10 | integrator = "radau5"
        |              ^^^^^^^^
        |
-       = help: available: `auto`, `rk4`, `dopri5`, `sdirk4`
+       = help: available: `auto`, `rk4`, `dopri5`, `dop853`, `sdirk4`
 
     error: [statics]: `method` `lagrange` is not available in this version
       --> scene.toml:13:10
