@@ -20,10 +20,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PREFIX")]
     out: Option<PathBuf>,
     /// Recommend a method for this error
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-6, value_parser = positive)]
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-6, allow_negative_numbers = true, value_parser = positive)]
     error: f64,
     /// Give up a run after this many seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, value_parser = positive)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true, value_parser = positive)]
     limit: f64,
 }
 

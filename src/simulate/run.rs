@@ -2,7 +2,7 @@
 
 use super::ledger::{GAUSS, Ledger};
 use super::problem::Motion;
-use super::settings::{Integrator, Settings};
+use super::settings::{Integrator, Settings, Start as At};
 use crate::dynamics::Fault;
 use crate::integrate::{Component, Limit, Method, Options, Start, Statistics, StepError, Stepper};
 use crate::model::Model;
@@ -139,12 +139,19 @@ impl<'m> Run<'m> {
         let auto = settings.integrator == Integrator::Auto;
         let mut method = match settings.integrator {
             Integrator::Rk4 => Method::Rk4,
-            Integrator::Auto | Integrator::Dopri5 => Method::Dopri5,
+            Integrator::Dopri5 => Method::Dopri5,
             Integrator::Dop853 => Method::Dop853,
             Integrator::Sdirk4 => Method::Sdirk4,
+            // What rests has only its fastest vibrations left: a method that need not follow them takes long steps.
+            Integrator::Auto if settings.start == At::Equilibrium => Method::Sdirk4,
+            Integrator::Auto => Method::Dopri5,
         };
         if auto {
-            self.choice = Some("auto: dopri5, no stiffness was met".to_owned());
+            let choice = match method {
+                Method::Sdirk4 => "auto: sdirk4, the run starts at rest",
+                _ => "auto: dopri5, no stiffness was met",
+            };
+            self.choice = Some(choice.to_owned());
         }
         let mut time = 0.0;
         loop {

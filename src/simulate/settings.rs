@@ -42,7 +42,7 @@ pub enum Start {
 /// The time stepping methods, by their names in scenario files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Integrator {
-    /// Chosen by a stated rule.
+    /// From an equilibrium `sdirk4`, from a given state `dopri5` until it is held by stability, `sdirk4` from there.
     Auto,
     /// Classical Runge–Kutta, fixed step.
     Rk4,

@@ -58,13 +58,17 @@ pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<
     let mut history = Vec::new();
     let first = Place::at(&mut landscape, start.to_vec())?;
     let mut notes = Vec::new();
+    let guess = first.clone();
     let (place, stage) = search(&mut landscape, settings, first, &mut history, &mut notes)?;
-    let balanced = place.is_balanced();
-    if !balanced {
-        notes.push(unbalanced(&mut landscape, &place));
+    if !place.is_balanced() {
+        // Where the search ran away, what is missing shows best where it started.
+        let fell = notes.iter().any(|note| note.contains(FELL));
+        notes.push(unbalanced(&mut landscape, if fell { &guess } else { &place }));
     }
     certify(landscape, settings, place, stage, history, notes)
 }
+
+const FELL: &str = "the potential falls without end";
 
 fn search(
     landscape: &mut Landscape<'_, '_>,
@@ -90,7 +94,7 @@ fn search(
         notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
     }
     if outcome.fell {
-        notes.push("the potential falls without end: there is no equilibrium downhill of the guess".to_owned());
+        notes.push(format!("{FELL}: there is no equilibrium downhill of the guess"));
     }
     if exact && history.is_empty() {
         return Ok((outcome.place, "start"));
@@ -121,8 +125,9 @@ fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
 
 /// Names what is not balanced: hinge, body, force and direction.
 fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
-    let (relative, worst) = place.residual();
-    let Some(worst) = worst else { return "no residual".to_owned() };
+    let (_, largest) = place.residual();
+    let Some(worst) = unresisted(landscape, place).or(largest) else { return "no residual".to_owned() };
+    let relative = place.force[worst].abs() / place.scales.force[worst];
     let (model, coordinate) = (landscape.model(), landscape.free[worst]);
     let size = place.force[worst];
     let unit = if super::landscape::slides(model)[coordinate] { "N" } else { "N m" };
@@ -133,6 +138,19 @@ fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
          a spring, a load or a lock is missing, or the guess is too far away",
         model.label(coordinate)
     )
+}
+
+/// The coordinate whose force nothing resists: a shifted solve leaves it to the shift, `σ B x` with `(K + σB) x = f`,
+/// while it hands every other force to the stiffness. `None` where the stiffness resists them all.
+fn unresisted(landscape: &mut Landscape<'_, '_>, place: &Place) -> Option<usize> {
+    landscape.look(&place.q).ok()?;
+    let curvatures = place.scales.stiffness.iter().zip(&landscape.metric).map(|(k, b)| k / b);
+    let sigma = 1e-8 * curvatures.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let shift: Vec<f64> = landscape.metric.iter().map(|b| sigma * b).collect();
+    let x = landscape.newton_shifted(&place.force, &shift)?;
+    let left = |i: usize| (shift[i] * x[i]).abs() / place.scales.force[i].max(f64::MIN_POSITIVE);
+    let worst = (0..x.len()).max_by(|a, b| left(*a).total_cmp(&left(*b)))?;
+    (left(worst) > 1e-3).then_some(worst)
 }
 
 /// The axis of a turn or slide in inertial axes; of the ball's axis for a ball.

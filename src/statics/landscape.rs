@@ -21,6 +21,9 @@ pub struct Landscape<'s, 'm> {
     /// Factorizations of them.
     pub factorizations: usize,
     stiffness: Stiffness,
+    /// Which velocity coordinates are distances, and the scene's length.
+    slides: Vec<bool>,
+    length: f64,
     rest: Vec<f64>,
     full: Vec<f64>,
 }
@@ -53,7 +56,20 @@ impl<'s, 'm> Landscape<'s, 'm> {
         let conservative = model.is_conservative();
         let stiffness = Stiffness::new(model, &free);
         let (residuals, stiffnesses, factorizations) = (0, 0, 0);
-        Ok(Self { system, free, metric, conservative, residuals, stiffnesses, factorizations, stiffness, rest, full })
+        Ok(Self {
+            system,
+            free,
+            metric,
+            conservative,
+            residuals,
+            stiffnesses,
+            factorizations,
+            stiffness,
+            slides: slides(model),
+            length: model.length_scale(),
+            rest,
+            full,
+        })
     }
 
     /// The model.
@@ -161,26 +177,26 @@ impl<'s, 'm> Landscape<'s, 'm> {
         x.iter().zip(&self.metric).map(|(x, b)| b * x * x).sum::<f64>().sqrt()
     }
 
-    /// Magnitudes of the terms of the balance at `q`: a sweep of absolute values.
+    /// The unbalanced forces at `q`, and the magnitudes of the terms they are what is left of (a sweep of absolute
+    /// values).
     ///
     /// # Errors
     /// The element whose numbers are not finite.
-    pub fn scales(&mut self, q: &[f64]) -> Result<Scales, Fault> {
-        self.force(q)?;
+    pub fn forces_and_scales(&mut self, q: &[f64]) -> Result<(Vec<f64>, Scales), Fault> {
+        let force = self.force(q)?;
         let magnitudes = self.system.balance_magnitudes(q);
-        let model = self.system.model();
-        let length = model.length_scale();
+        let length = self.length;
         let pick = |of: &dyn Fn(usize) -> f64| self.free.iter().map(|i| of(*i)).collect::<Vec<f64>>();
-        let slides = slides(model);
         let stiffness = |i: usize| {
-            let per = if slides[i] { length } else { 1.0 };
+            let per = if self.slides[i] { length } else { 1.0 };
             magnitudes.force[i] / per + magnitudes.stiffness[i]
         };
-        Ok(Scales {
+        let scales = Scales {
             force: pick(&|i| magnitudes.force[i]),
             noise: pick(&|i| f64::EPSILON * magnitudes.noise[i]),
             stiffness: pick(&stiffness),
-        })
+        };
+        Ok((force, scales))
     }
 }
 

@@ -36,8 +36,7 @@ pub(super) struct Place {
 
 impl Place {
     pub(super) fn at(landscape: &mut Landscape<'_, '_>, q: Vec<f64>) -> Result<Self, Fault> {
-        let scales = landscape.scales(&q)?;
-        let force = landscape.force(&q)?;
+        let (force, scales) = landscape.forces_and_scales(&q)?;
         Ok(Self { q, force, scales })
     }
 

@@ -91,8 +91,14 @@ pub fn classify(
         true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
         false => count_by_motion(&linear),
     };
-    let mut modes = if conservative { undamped_modes(model, free, &linear, unstable, neutral) } else { Vec::new() };
-    if model.has_damping() || !conservative {
+    let mut modes = match conservative {
+        true => undamped_modes(model, free, &linear, unstable, neutral),
+        false => unsymmetric_modes(model, free, &linear),
+    };
+    if conservative && unstable + neutral == 0 && free.len() == rest.len() {
+        sharpen(&mut modes, system, q, &symmetric(&linear.stiffness))?;
+    }
+    if model.has_damping() && conservative {
         grow(&mut modes, &linear, unstable);
     }
     let verdict = verdict(unstable, neutral);
@@ -212,12 +218,70 @@ fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstabl
     (0..n)
         .map(|i| {
             let shape: Vec<f64> = (0..n).map(|row| vectors[(row, i)]).collect();
-            let momentum: Vec<f64> = (0..n).map(|row| (0..n).map(|j| linear.mass[(row, j)] * shape[j]).sum()).collect();
+            let momentum = momentum(&linear.mass, &shape);
             let shares = shares(model, free, &momentum, &shape);
             let (frequency_hz, growth_rate) = rates_of(values[i], i, unstable, neutral);
             Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
         })
         .collect()
+}
+
+/// Undamped modes where loads have no potential: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`. A complex pair is flutter:
+/// it swings and grows.
+fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<Mode> {
+    use faer::linalg::solvers::Solve;
+    let n = linear.mass.nrows();
+    let Ok(eigen) = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigen() else { return Vec::new() };
+    let value = |i: usize| eigen.S()[i];
+    let largest = (0..n).map(|i| value(i).re.hypot(value(i).im)).fold(0.0, f64::max);
+    let noise = RATE_NOISE * largest.sqrt();
+    let mut modes: Vec<Mode> = (0..n)
+        .map(|i| {
+            // s = √(−λ) with the real part that is not negative.
+            let size = value(i).re.hypot(value(i).im);
+            let growth = (0.5 * (size - value(i).re)).max(0.0).sqrt();
+            let rate = (0.5 * (size + value(i).re)).max(0.0).sqrt();
+            let shape: Vec<f64> = (0..n).map(|row| eigen.U()[(row, i)].re).collect();
+            Mode {
+                frequency_hz: if rate > noise { rate / std::f64::consts::TAU } else { 0.0 },
+                growth_rate: if growth > noise { growth } else { 0.0 },
+                shares: shares(model, free, &momentum(&linear.mass, &shape), &shape),
+                shape: scaled(&shape),
+            }
+        })
+        .collect();
+    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
+    modes
+}
+
+fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
+    let n = shape.len();
+    (0..n).map(|row| (0..n).map(|j| mass[(row, j)] * shape[j]).sum()).collect()
+}
+
+/// High frequencies from the reduction, which keeps light bodies beside heavy ones that a mass matrix in hinge
+/// coordinates loses: the eigenvalues of `Lᵀ M⁻¹ L` with `K = L Lᵀ`, whose errors are `ε λ_max`.
+fn sharpen(modes: &mut [Mode], system: &mut System<'_>, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
+    let n = stiffness.nrows();
+    let Ok(factor) = stiffness.llt(Side::Lower) else { return Ok(()) };
+    let lower = factor.L();
+    let (mut column, mut unit) = (vec![0.0; n], vec![0.0; n]);
+    system.accelerations(q, &unit.clone(), &mut column)?;
+    let mut inverse = Mat::zeros(n, n);
+    for j in 0..n {
+        unit[j] = 1.0;
+        system.solve_mass(&unit, &mut column);
+        unit[j] = 0.0;
+        (0..n).for_each(|i| inverse[(i, j)] = column[i]);
+    }
+    let product = symmetric(&(lower.transpose() * inverse * lower));
+    let Ok(values) = product.self_adjoint_eigenvalues(Side::Lower) else { return Ok(()) };
+    let lowest = modes.first().map_or(0.0, |mode| std::f64::consts::TAU * mode.frequency_hz);
+    let middle = lowest * values[n - 1].max(0.0).sqrt();
+    for (mode, value) in modes.iter_mut().zip(values).filter(|(_, value)| *value > middle) {
+        mode.frequency_hz = value.sqrt() / std::f64::consts::TAU;
+    }
+    Ok(())
 }
 
 /// With damping the growth rates are those of the damped motion.

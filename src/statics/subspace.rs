@@ -12,9 +12,9 @@ use faer::Mat;
 
 /// Modes that are wanted, and vectors that carry them: the more, the faster.
 const WANTED: usize = 8;
-const VECTORS: usize = 16;
+const VECTORS: usize = 14;
 /// Eigenvalues that change by less than this part of themselves stand still.
-const STILL: f64 = 1e-11;
+const STILL: f64 = 1e-10;
 const MOST_ITERATIONS: usize = 100;
 
 /// What sweeps alone can tell.
@@ -105,9 +105,9 @@ impl Sweeps<'_, '_> {
         }
         let count = VECTORS.min(self.free.len());
         let mut basis = start(self.free.len(), count);
+        let mut momenta: Vec<Vec<f64>> = basis.iter().map(|x| self.mass_times(x)).collect();
         let mut values = vec![f64::INFINITY; count];
         for _ in 0..MOST_ITERATIONS {
-            let momenta: Vec<Vec<f64>> = basis.iter().map(|x| self.mass_times(x)).collect();
             let images: Vec<Vec<f64>> = momenta.iter().map(|p| self.solve(p)).collect();
             let moved: Vec<Vec<f64>> = images.iter().map(|y| self.mass_times(y)).collect();
             // (K + sM) Y = M X, so the projected stiffness is Yᵀ M X.
@@ -115,6 +115,7 @@ impl Sweeps<'_, '_> {
             let mass = gram(&images, &moved);
             let Some((ritz, vectors)) = super::stability::generalized(&stiffness, &mass) else { break };
             basis = combine(&images, &vectors);
+            momenta = combine(&moved, &vectors);
             let wanted = WANTED.min(count);
             let still = (0..wanted).all(|i| (ritz[i] - values[i]).abs() <= STILL * ritz[i].abs());
             values = ritz;
@@ -123,7 +124,7 @@ impl Sweeps<'_, '_> {
             }
         }
         let wanted = WANTED.min(count);
-        let momenta = basis.iter().take(wanted).map(|x| self.mass_times(x)).collect();
+        momenta.truncate(wanted);
         Ok((values.iter().map(|value| value - s).zip(basis).take(wanted).collect(), momenta))
     }
 }

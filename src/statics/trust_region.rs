@@ -17,7 +17,8 @@ use crate::dynamics::Fault;
 const MOST_ITERATIONS: usize = 400;
 /// Trials for one step's shift.
 const MOST_SHIFTS: usize = 40;
-/// A scene that has moved this many of its own lengths downhill has no equilibrium.
+/// A scene that has moved downhill by this many of its own lengths, or of the guess's distance from where its springs
+/// are relaxed, has no equilibrium.
 const FAR: f64 = 1e6;
 
 /// How the search ended.
@@ -52,9 +53,9 @@ pub(super) fn run(
     // One radian, or one length of the scene, of every coordinate at once.
     let unit: Vec<f64> = landscape.free.iter().map(|i| if slides[*i] { length } else { 1.0 }).collect();
     let radius = landscape.size(&unit);
+    let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
     let mut search = Search { landscape, radius, potential, outcome };
-    let far = FAR * radius;
     let mut travelled = 0.0;
     for _ in 0..MOST_ITERATIONS {
         if search.outcome.place.is_balanced() {
@@ -71,6 +72,17 @@ pub(super) fn run(
         }
     }
     Ok(search.outcome)
+}
+
+/// How far turns and slides are from where their springs are relaxed (m √kg).
+fn distance_from_rest(landscape: &Landscape<'_, '_>, q: &[f64]) -> f64 {
+    let model = landscape.model();
+    let mut away = vec![0.0; model.velocity_count()];
+    for link in model.links.iter().filter(|link| link.joint.counts() == (1, 1)) {
+        away[link.velocity] = q[link.position] - model.coordinates[link.velocity].rest;
+    }
+    let away: Vec<f64> = landscape.free.iter().map(|i| away[*i]).collect();
+    landscape.size(&away)
 }
 
 /// A trial step and what the quadratic model says of it.

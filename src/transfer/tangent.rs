@@ -27,7 +27,7 @@ use crate::model::{Joint, Link, Model};
 use crate::motion::variation::{LinkAcceleration, LinkVariation};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
-use blocks::{ACCELERATION, RATE, TURN, TURN_ACCELERATION, dot, times};
+use blocks::{ACCELERATION, AT_REST, AT_REST_IN_PLACE, MOVING, RATE, TURN, TURN_ACCELERATION, dot, times};
 use eliminate::{NegativeAxes, One, Three, eliminate_ball, eliminate_one};
 use hinge::Hinge;
 use nalgebra::{Matrix3, Vector3};
@@ -67,8 +67,8 @@ pub struct Tangent {
     z: Vec<LinkVariation>,
     /// Negative pivots.
     negative: usize,
-    /// Whether velocities or accelerations take part.
-    dynamic: bool,
+    /// How much of `z` takes part.
+    reach: usize,
 }
 
 /// What is left of a hinge after its elimination; balls are kept apart, by index, for being three times as large.
@@ -101,7 +101,7 @@ impl Tangent {
             u: vec![Vector3::zeros(); n],
             z: vec![LinkVariation::default(); n],
             negative: 0,
-            dynamic: false,
+            reach: MOVING,
         }
     }
 
@@ -117,19 +117,29 @@ impl Tangent {
     pub fn factorize(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
         let moving = at.motion.links.iter().any(|link| link.angular_velocity != Vector3::zeros());
         let accelerating = at.hinge.iter().any(|a| *a != 0.0);
-        self.dynamic = at.c1 != 0.0 || at.c2 != 0.0 || moving || accelerating;
+        self.reach = match (at.c1 != 0.0 || at.c2 != 0.0 || moving || accelerating, at.applied.is_empty()) {
+            (true, _) => MOVING,
+            (false, false) => AT_REST_IN_PLACE,
+            (false, true) => AT_REST,
+        };
         self.negative = 0;
+        match self.reach {
+            AT_REST => self.inward::<AT_REST>(model, at, definite),
+            AT_REST_IN_PLACE => self.inward::<AT_REST_IN_PLACE>(model, at, definite),
+            _ => self.inward::<MOVING>(model, at, definite),
+        }
+    }
+
+    fn inward<const N: usize>(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
         for index in 1..model.links.len() {
-            self.S[index] = body(
-                &model.links[index],
-                &at.motion.links[index],
-                &at.balance.accelerations[index],
-                &model.gravity,
-                self.dynamic,
-            );
+            let (link, own) = (&model.links[index], &at.motion.links[index]);
+            self.S[index][..N].fill(Column::default());
+            if !link.is_massless() {
+                body::<N>(link, own, &at.balance.accelerations[index], &model.gravity, &mut self.S[index]);
+            }
         }
         for (link, blocks) in at.applied {
-            for (sum, block) in self.S[*link].iter_mut().zip(blocks) {
+            for (sum, block) in self.S[*link].iter_mut().zip(blocks).take(N) {
                 sum.force -= block.force;
                 sum.moment -= block.moment;
             }
@@ -137,13 +147,14 @@ impl Tangent {
         let mut balls = at.ball_springs.iter().rev().peekable();
         for index in (1..model.links.len()).rev() {
             let spring = balls.next_if(|(link, _)| *link == index).map(|(_, spring)| *spring);
-            self.eliminate(model, at, index, spring, definite)?;
+            self.eliminate::<N>(model, at, index, spring, definite)?;
         }
         Ok(())
     }
 
     /// One hinge; the breakdown where its pivot does not do.
-    fn eliminate(
+    #[inline]
+    fn eliminate<const N: usize>(
         &mut self,
         model: &Model,
         at: &At<'_>,
@@ -154,9 +165,9 @@ impl Tangent {
         let link = &model.links[index];
         let hinge = Hinge::new(link, at, index);
         self.at[index] = hinge;
-        let own = self.S[index];
+        let own: [Column; N] = std::array::from_fn(|i| self.S[index][i]);
         let mut across = own;
-        hinge.compose(&mut across, self.dynamic);
+        hinge.compose(&mut across);
         let f = &at.balance.reactions[index];
         let (first, d) = (link.velocity, hinge.arm);
         let negative = match &mut self.hinges[index] {
@@ -212,9 +223,12 @@ impl Tangent {
             }
         }
         self.z[root] = z;
-        for index in root + 1..model.links[root].subtree_end {
-            self.u[index] = Vector3::zeros();
-            self.step_outward(model, index, x);
+        let outboard = root + 1..model.links[root].subtree_end;
+        self.u[outboard.clone()].fill(Vector3::zeros());
+        match self.reach {
+            AT_REST => self.outward::<AT_REST>(model, outboard, x),
+            AT_REST_IN_PLACE => self.outward::<AT_REST_IN_PLACE>(model, outboard, x),
+            _ => self.outward::<MOVING>(model, outboard, x),
         }
     }
 
@@ -243,34 +257,37 @@ impl Tangent {
             }
             self.e[link.parent] += passed;
         }
-        for index in 1..model.links.len() {
-            self.step_outward(model, index, x);
+        match self.reach {
+            AT_REST => self.outward::<AT_REST>(model, 1..model.links.len(), x),
+            AT_REST_IN_PLACE => self.outward::<AT_REST_IN_PLACE>(model, 1..model.links.len(), x),
+            _ => self.outward::<MOVING>(model, 1..model.links.len(), x),
         }
     }
 
-    /// Eqs. (5) and (2) for one hinge.
-    #[inline]
-    fn step_outward(&mut self, model: &Model, index: usize, x: &mut [f64]) {
-        let link = &model.links[index];
-        let parent = self.z[link.parent];
-        let hinge = &self.at[index];
-        let mut z = hinge.carry(&parent, self.dynamic);
-        match &self.hinges[index] {
-            Eliminated::None => {}
-            Eliminated::One(One { row, inverse, .. }) => {
-                let step = inverse * (self.u[index].x - dot(row, &parent, self.dynamic));
-                x[link.velocity] = step;
-                hinge.add_one(&mut z, step);
+    /// Root → tips: eqs. (5) and (2).
+    fn outward<const N: usize>(&mut self, model: &Model, range: std::ops::Range<usize>, x: &mut [f64]) {
+        for index in range {
+            let link = &model.links[index];
+            let parent = &self.z[link.parent];
+            let hinge = &self.at[index];
+            let mut z = hinge.carry::<N>(parent);
+            match &self.hinges[index] {
+                Eliminated::None => {}
+                Eliminated::One(One { row, inverse, .. }) => {
+                    let step = inverse * (self.u[index].x - dot::<N>(row, parent));
+                    x[link.velocity] = step;
+                    hinge.add_one(&mut z, step);
+                }
+                Eliminated::Three(ball) => {
+                    let Three { row, inverse, .. } = &self.balls[*ball];
+                    let step = inverse * (self.u[index] - times::<N>(row, parent));
+                    let local = hinge.turn.tr_mul(&step);
+                    x[link.velocity..link.velocity + 3].copy_from_slice(local.as_slice());
+                    hinge.add_ball(&mut z, &step);
+                }
             }
-            Eliminated::Three(ball) => {
-                let Three { row, inverse, .. } = &self.balls[*ball];
-                let step = inverse * (self.u[index] - times(row, &parent, self.dynamic));
-                let local = hinge.turn.tr_mul(&step);
-                x[link.velocity..link.velocity + 3].copy_from_slice(local.as_slice());
-                hinge.add_ball(&mut z, &step);
-            }
+            self.z[index] = z;
         }
-        self.z[index] = z;
     }
 }
 
@@ -290,17 +307,16 @@ fn kind_of(balls: &mut usize, link: &Link) -> Option<Eliminated> {
     })
 }
 
-/// `S` of eq. (1): the variation of the body's wrench (see [`super::variation`] for the terms).
-fn body(link: &Link, at: &LinkMotion, a: &LinkAcceleration, gravity: &Vector3<f64>, dynamic: bool) -> Blocks {
-    let mut S = Blocks::default();
-    if link.is_massless() {
-        return S;
-    }
+/// `S` of eq. (1): the variation of the body's wrench (see [`super::variation`] for the terms). `S` is zero before.
+#[inline]
+fn body<const N: usize>(link: &Link, at: &LinkMotion, a: &LinkAcceleration, gravity: &Vector3<f64>, S: &mut Blocks) {
     let (m, c, w) = (link.mass, at.center, at.angular_velocity);
     let C = c.cross_matrix();
-    S[TURN].moment = m * (a.linear - gravity).cross_matrix() * C;
-    if !dynamic {
-        return S;
+    // [b]× [c]× = c bᵀ − (b·c) 1
+    let b = m * (a.linear - gravity);
+    S[TURN].moment = c * b.transpose() - Matrix3::from_diagonal_element(b.dot(&c));
+    if N < MOVING {
+        return;
     }
     let (W, J) = (w.cross_matrix(), at.inertia.matrix());
     let varied = |y: Vector3<f64>| J * y.cross_matrix() - (at.inertia * y).cross_matrix();
@@ -310,5 +326,4 @@ fn body(link: &Link, at: &LinkMotion, a: &LinkAcceleration, gravity: &Vector3<f6
     S[RATE].moment = W * J - (at.inertia * w).cross_matrix();
     S[TURN_ACCELERATION] = Column { force: -m * C, moment: J };
     S[ACCELERATION] = Column { force: m * Matrix3::identity(), moment: m * C };
-    S
 }

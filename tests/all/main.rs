@@ -15,6 +15,8 @@ mod no_allocation;
 mod oracle;
 mod precision;
 mod record;
+mod reference;
 mod rest;
 mod scenario;
 mod scenarios;
+mod statics;

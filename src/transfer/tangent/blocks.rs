@@ -19,6 +19,13 @@ pub struct Column {
     pub moment: Matrix3<f64>,
 }
 
+/// How much of `z` takes part: the turn alone (at rest, no force depends on places), turn and place (at rest), or all.
+pub(super) const AT_REST: usize = 1;
+/// With forces that depend on places.
+pub(super) const AT_REST_IN_PLACE: usize = 2;
+/// Velocities and accelerations too.
+pub(super) const MOVING: usize = 6;
+
 /// How the wrench at a root marker varies with the marker's state: the blocks of `S`, 6×18.
 pub type Blocks = [Column; 6];
 
@@ -63,23 +70,24 @@ fn blocks(z: &LinkVariation) -> [Vector3<f64>; 6] {
 
 /// `S z`.
 #[inline]
-pub(super) fn apply(S: &Blocks, z: &LinkVariation) -> Wrench {
+pub(super) fn apply<const N: usize>(S: &[Column; N], z: &LinkVariation) -> Wrench {
+    let z = blocks(z);
     let mut sum = Wrench::ZERO;
-    for (column, z) in S.iter().zip(blocks(z)) {
-        sum.force += column.force * z;
-        sum.moment += column.moment * z;
+    for i in 0..N {
+        sum.force += S[i].force * z[i];
+        sum.moment += S[i].moment * z[i];
     }
     sum
 }
 
 #[inline]
-pub(super) fn dot(row: &[Vector3<f64>; 6], z: &LinkVariation, dynamic: bool) -> f64 {
-    let count = if dynamic { 6 } else { 2 };
-    row.iter().zip(blocks(z)).take(count).map(|(row, z)| row.dot(&z)).sum()
+pub(super) fn dot<const N: usize>(row: &[Vector3<f64>; 6], z: &LinkVariation) -> f64 {
+    let z = blocks(z);
+    (0..N).map(|i| row[i].dot(&z[i])).sum()
 }
 
 #[inline]
-pub(super) fn times(row: &[Matrix3<f64>; 6], z: &LinkVariation, dynamic: bool) -> Vector3<f64> {
-    let count = if dynamic { 6 } else { 2 };
-    row.iter().zip(blocks(z)).take(count).map(|(row, z)| row * z).sum()
+pub(super) fn times<const N: usize>(row: &[Matrix3<f64>; 6], z: &LinkVariation) -> Vector3<f64> {
+    let z = blocks(z);
+    (0..N).map(|i| row[i] * z[i]).sum()
 }

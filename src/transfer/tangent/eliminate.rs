@@ -1,6 +1,6 @@
 //! The elimination of one hinge.
 
-use super::blocks::{Blocks, Column, TURN, apply};
+use super::blocks::{Column, TURN, apply};
 use super::hinge::Hinge;
 use crate::motion::variation::LinkVariation;
 use crate::spatial::{Sym3, Wrench};
@@ -25,10 +25,11 @@ pub(super) struct Three {
 }
 
 /// Eqs. (4) and (6) for one coordinate: `across ← Xᵀ S T − w D⁻¹ row`.
-pub(super) fn eliminate_one(
+#[inline]
+pub(super) fn eliminate_one<const N: usize>(
     hinge: &Hinge,
-    own: &Blocks,
-    across: &mut Blocks,
+    own: &[Column; N],
+    across: &mut [Column; N],
     f: &Wrench,
     kappa: f64,
 ) -> Option<(One, NegativeAxes)> {
@@ -41,28 +42,34 @@ pub(super) fn eliminate_one(
     // Zero for a coordinate that is held.
     let inverse = 1.0 / D;
     // The row of Xᵀ S T: the shift leaves forces as they are, and takes d × force off the moments.
-    let mut row = across.map(|column| match slides {
-        true => column.force.tr_mul(&n),
-        false => (column.moment - d.cross_matrix() * column.force).tr_mul(&n),
-    });
+    let mut row = [Vector3::zeros(); 6];
+    // nᵀ (moment − [d]× force) = nᵀ moment + (d × n)ᵀ force
+    let across_arm = d.cross(&n);
+    for (row, column) in row.iter_mut().zip(across.iter()) {
+        *row = match slides {
+            true => column.force.tr_mul(&n),
+            false => column.moment.tr_mul(&n) + column.force.tr_mul(&across_arm),
+        };
+    }
     row[TURN] += if slides { n.cross(&f.force) } else { n.cross(&f.moment) };
     let mut w = reach.shifted(*d);
     if slides {
         w.moment += n.cross(&f.force);
     }
+    let (force, moment) = (inverse * w.force, inverse * w.moment);
     for (column, row) in across.iter_mut().zip(&row) {
-        column.force -= (inverse * w.force) * row.transpose();
-        column.moment -= (inverse * w.moment) * row.transpose();
+        column.force -= force * row.transpose();
+        column.moment -= moment * row.transpose();
     }
     let negative = if D < 0.0 { NegativeAxes::one(n) } else { NegativeAxes::default() };
     Some((One { w, row, inverse }, negative))
 }
 
 /// Eqs. (4) and (6) for a ball, in inertial axes; `kappa` likewise.
-pub(super) fn eliminate_ball(
+pub(super) fn eliminate_ball<const N: usize>(
     hinge: &Hinge,
-    own: &Blocks,
-    across: &mut Blocks,
+    own: &[Column; N],
+    across: &mut [Column; N],
     f: &Wrench,
     kappa: &Matrix3<f64>,
     held: bool,
@@ -85,7 +92,10 @@ pub(super) fn eliminate_ball(
             .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
             .ok_or(hinge.turn.column(0).into_owned())?,
     };
-    let mut row = across.map(|column| column.moment - d.cross_matrix() * column.force);
+    let mut row = [Matrix3::zeros(); 6];
+    for (row, column) in row.iter_mut().zip(across.iter()) {
+        *row = column.moment - d.cross_matrix() * column.force;
+    }
     row[TURN] += turned;
     reach.shift(d);
     let weighted = Column { force: reach.force * inverse, moment: reach.moment * inverse };

@@ -1,7 +1,7 @@
 //! One hinge at the point of the tangent.
 
 use super::At;
-use super::blocks::{Blocks, apply};
+use super::blocks::{Column, MOVING, TURN, apply};
 use crate::model::{Joint, Link};
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
@@ -57,33 +57,41 @@ impl Hinge {
     }
 
     /// `S ← Xᵀ S T`.
-    pub(super) fn compose(&self, S: &mut Blocks, dynamic: bool) {
+    #[inline]
+    pub(super) fn compose<const N: usize>(&self, S: &mut [Column; N]) {
         let d = &self.arm;
-        let [mut turn, position, mut rate, velocity, mut turn_acceleration, acceleration] = *S;
-        turn.minus_cross(&position, d);
-        if dynamic {
-            let (W, D) = (self.w.cross_matrix(), d.cross_matrix());
-            let swing = self.w.cross(d);
-            let swinging = W * D + self.slip.cross_matrix();
-            turn.minus_cross(&rate, &self.spin);
-            turn.minus(&velocity, &swinging);
-            turn.minus(&turn_acceleration, &(self.spin_rate.cross_matrix() + W * self.spin.cross_matrix()));
-            let by_turn =
-                self.dw.cross_matrix() * D + W * (swinging + self.slip.cross_matrix()) + self.slip_rate.cross_matrix();
-            turn.minus(&acceleration, &by_turn);
-            rate.minus_cross(&velocity, d);
-            rate.minus_cross(&turn_acceleration, &self.spin);
-            rate.minus(&acceleration, &((swing + 2.0 * self.slip).cross_matrix() + W * D));
-            turn_acceleration.minus_cross(&acceleration, d);
+        if N > 1 {
+            let position = S[1];
+            S[TURN].minus_cross(&position, d);
         }
-        *S = [turn, position, rate, velocity, turn_acceleration, acceleration];
+        if N == MOVING {
+            self.compose_moving(S);
+        }
         for column in S.iter_mut() {
             column.shift(d);
         }
     }
 
+    /// What velocities and accelerations add to `S T`.
+    fn compose_moving<const N: usize>(&self, S: &mut [Column; N]) {
+        let (d, W, D) = (&self.arm, self.w.cross_matrix(), self.arm.cross_matrix());
+        let swing = self.w.cross(d);
+        let swinging = W * D + self.slip.cross_matrix();
+        let [rate, velocity, turn_acceleration, acceleration] = [S[2], S[3], S[4], S[5]];
+        S[TURN].minus_cross(&rate, &self.spin);
+        S[TURN].minus(&velocity, &swinging);
+        S[TURN].minus(&turn_acceleration, &(self.spin_rate.cross_matrix() + W * self.spin.cross_matrix()));
+        let by_turn =
+            self.dw.cross_matrix() * D + W * (swinging + self.slip.cross_matrix()) + self.slip_rate.cross_matrix();
+        S[TURN].minus(&acceleration, &by_turn);
+        S[2].minus_cross(&velocity, d);
+        S[2].minus_cross(&turn_acceleration, &self.spin);
+        S[2].minus(&acceleration, &((swing + 2.0 * self.slip).cross_matrix() + W * D));
+        S[4].minus_cross(&acceleration, d);
+    }
+
     /// `S h` for one coordinate.
-    pub(super) fn reach_one(&self, S: &Blocks) -> Wrench {
+    pub(super) fn reach_one<const N: usize>(&self, S: &[Column; N]) -> Wrench {
         let mut h = LinkVariation::default();
         self.add_one(&mut h, 1.0);
         apply(S, &h)
@@ -114,11 +122,12 @@ impl Hinge {
     }
 
     /// `T z_P`.
-    pub(super) fn carry(&self, p: &LinkVariation, dynamic: bool) -> LinkVariation {
+    #[inline]
+    pub(super) fn carry<const N: usize>(&self, p: &LinkVariation) -> LinkVariation {
         let d = &self.arm;
         let arm = p.turn.cross(d);
         let mut z = LinkVariation { turn: p.turn, position: p.position + arm, ..LinkVariation::default() };
-        if dynamic {
+        if N == MOVING {
             let (w, dw) = (self.w, p.angular_velocity);
             let (spin, slip) = (p.turn.cross(&self.spin), p.turn.cross(&self.slip));
             let swing = dw.cross(d) + w.cross(&arm);

@@ -1,8 +1,7 @@
 //! Files that were cut, damaged, or are something else.
 
-use super::fixture::{Motion, OUTCOME, record};
-use std::path::Path;
-use stillpoint::record::{Outcome, OwnedSample, RecordError, Recorder, Recording, RecordingFile};
+use super::fixture::{Motion, record};
+use stillpoint::record::{OwnedSample, RecordError, Recorder, Recording, RecordingFile};
 
 #[test]
 fn a_file_cut_anywhere_gives_a_prefix() {
@@ -107,33 +106,23 @@ fn a_disk_that_fills_up_in_the_middle_leaves_what_was_flushed() {
     // A limit on the size of files stands for the disk. It belongs to the process, so it needs one of its own.
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("swing.mcap");
-    let test = std::env::current_exe().expect("this test");
+    let program = env!("CARGO_BIN_EXE_stillpoint");
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/double_pendulum.toml");
     let script = format!(
-        "trap '' XFSZ; ulimit -f 512; exec '{}' --exact record::damage::writes_until_the_disk_is_full --ignored --nocapture",
-        test.display()
+        "trap '' XFSZ; ulimit -f 512; exec '{program}' run '{scenario}' --set simulate.duration=1000 --out '{}'",
+        path.display()
     );
-    let run = std::process::Command::new("bash").args(["-c", &script]).env("RECORDING", &path).output().expect("run");
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let run = std::process::Command::new("bash").args(["-c", &script]).output().expect("run");
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert_eq!(run.status.code(), Some(2), "{said}");
+    assert!(said.contains("swing.mcap.partial") && said.contains("too large"), "{said}");
+    assert!(!path.exists(), "no recording under the final name");
     let recording = Recording::open(&folder.path().join("swing.mcap.partial")).expect("readable");
     assert!(!recording.complete);
     let read = samples(&recording);
     assert!(read.len() > 100, "{} samples", read.len());
-    let motion = Motion::double_link();
-    assert!(read.iter().enumerate().all(|(k, sample)| *sample == motion.at(k as f64 / 100.0)));
-}
-
-#[test]
-#[ignore = "run by the test above, in a process whose files may not grow"]
-fn writes_until_the_disk_is_full() {
-    let path = std::env::var_os("RECORDING").expect("started by another test");
-    let motion = Motion::double_link();
-    let file = RecordingFile::create(Path::new(&path)).expect("created");
-    let mut writer = file.begin(&motion.opening()).expect("begun");
-    let error = Motion::times(1e4).find_map(|time| writer.sample(&motion.at(time).borrow()).err());
-    let error = error.expect("the disk is full at last").to_string();
-    assert!(error.contains("swing.mcap.partial") && error.contains("too large"), "{error}");
-    assert!(writer.sample(&motion.at(0.0).borrow()).is_err(), "no more samples after a failure");
-    writer.finish(&Outcome { summary: OUTCOME.into() }).expect("nothing left to do");
+    let due = |k: usize| k as f64 / 100.0;
+    assert!(read.iter().enumerate().all(|(k, sample)| sample.time == due(k)), "no gaps");
 }
 
 #[test]
