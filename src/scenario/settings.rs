@@ -15,6 +15,7 @@ pub(super) fn simulate(scenario: &Reader<'_>) -> Simulate {
     settings.integrator = match table.text("integrator") {
         Some("rk4") => Integrator::Rk4,
         Some("dopri5") => Integrator::Dopri5,
+        Some("dop853") => Integrator::Dop853,
         Some("sdirk4") => Integrator::Sdirk4,
         _ => Integrator::Auto,
     };

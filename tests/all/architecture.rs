@@ -23,7 +23,7 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 9] = [
+const FOREIGN: [(&str, &[&str]); 11] = [
     ("toml", &["scenario"]),
     ("annotate_snippets", &["scenario"]),
     ("mcap", &["record"]),
@@ -32,6 +32,8 @@ const FOREIGN: [(&str, &[&str]); 9] = [
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),
+    ("csv", &["cli"]),
+    ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics", "simulate"]),
 ];
 

@@ -552,7 +552,7 @@ integrator = "radau5"
     10 | integrator = "radau5"
        |              ^^^^^^^^
        |
-       = help: available: `auto`, `rk4`, `dopri5`, `sdirk4`
+       = help: available: `auto`, `rk4`, `dopri5`, `dop853`, `sdirk4`
 
     scene.toml: 3 errors
     "#);

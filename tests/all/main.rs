@@ -13,6 +13,7 @@ mod identities;
 mod integrators;
 mod no_allocation;
 mod oracle;
+mod precision;
 mod record;
 mod reference;
 mod rest;

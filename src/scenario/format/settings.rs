@@ -40,10 +40,11 @@ const INTEGRATORS: &[(&str, &str)] = &[
     ("auto", "Chosen by a stated rule."),
     ("rk4", "Classical Runge–Kutta, fixed step."),
     ("dopri5", "Dormand–Prince 5(4), adaptive."),
+    ("dop853", "Dormand–Prince 8(5,3), adaptive, for tight tolerances."),
     ("sdirk4", "L-stable, stiffly accurate, order 4, adaptive."),
 ];
 
-const LATER_INTEGRATORS: &[&str] = &["dop853", "radau5", "generalized-alpha", "gauss"];
+const LATER_INTEGRATORS: &[&str] = &["radau5", "generalized-alpha", "gauss"];
 
 /// `(statics)`
 pub const STATICS: Table = Table {
