@@ -1,4 +1,83 @@
-//! A multibody simulator that starts at rest.
+//! A multibody simulator that starts at rest: it finds the static equilibrium of a scene of rigid bodies, hinges and
+//! springs, proves what kind of equilibrium it is, and simulates from there. Statics and dynamics come from one
+//! method, the reduced transfer matrix method, in a time proportional to the number of bodies.
+//!
+//! ```text
+//!  scenarios/*.toml
+//!       │  scenario::load            text → checked description; every problem with line and caret
+//!       ▼
+//!    Description ── Model::build ──► Model (immutable)          settings of simulate, statics, record
+//!       │
+//!       │            ┌───────────── statics::equilibrium ──► start, with its certificate
+//!       ▼            │
+//!    dynamics::System = forces (wrenches) ─► transfer (accelerations, reactions, tangent)
+//!       │
+//!       ▼
+//!    simulate::run (the time loop) ◄─ integrate::Method         ─► record::Recorder ─► MCAP │ Rerun │ memory
+//!       ▼
+//!    cli                             reports, JSON, exit codes
+//! ```
+//!
+//! # A pendulum in code
+//!
+//! ```
+//! use nalgebra::{Matrix3, Vector3};
+//! use stillpoint::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties};
+//! use stillpoint::model::Model;
+//! use stillpoint::record::{Memory, Opening};
+//! use stillpoint::{simulate, statics};
+//!
+//! // A thin rod of 1 m and 1 kg, hinged at its upper end; the guess is a radian away from where it hangs.
+//! let inertia = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)) / 12.0;
+//! let mass = MassProperties { mass: 1.0, center: Vector3::new(0.0, 0.0, -0.5), inertia };
+//! let mut hinge = HingeDescription::new(HingeKind::Revolute { axis: Vector3::y() });
+//! hinge.position = vec![1.0];
+//! let rod = BodyDescription { name: "rod".into(), mass, markers: vec![], shapes: vec![], hinge };
+//! let scene = Description { bodies: vec![rod], ..Description::default() };
+//! let model = Model::build(&scene).map_err(|problems| format!("{problems:?}"))?;
+//!
+//! // Where it rests, what kind of rest that is, and how it swings: ω² = 3 g / (2 l).
+//! let rest = statics::equilibrium(&model, &statics::Settings::default(), &model.start_position)?;
+//! let stability = rest.stability.as_ref().ok_or("no equilibrium")?;
+//! let omega = (1.5 * 9.80665_f64).sqrt();
+//! assert!(rest.converged && rest.position[0].abs() < 1e-12);
+//! assert_eq!(stability.verdict, statics::Verdict::Stable);
+//! assert!((stability.modes[0].frequency_hz - omega / std::f64::consts::TAU).abs() < 1e-9);
+//!
+//! // Pushed a little aside and let go: after half a period it is on the other side.
+//! let start = simulate::State { position: vec![1e-3], velocity: vec![0.0] };
+//! let settings = simulate::Settings { duration: std::f64::consts::PI / omega, ..Default::default() };
+//! let picture = simulate::scene(&model);
+//! let mut samples = Memory::new(&Opening { scene: &picture, scenario: "", statics: None });
+//! let end = simulate::run(&model, &settings, 100.0, &start, &mut samples, &mut |_, _| true)?;
+//! assert!((end.state.position[0] + 1e-3).abs() < 1e-8);
+//! assert_eq!(samples.samples.len(), end.samples);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A scene from a file is one call away: [`scenario::load`] gives the same [`Description`](model::Description) and the
+//! settings beside it.
+//!
+//! # Modules, in reading order
+//!
+//! | module | its one job |
+//! |---|---|
+//! | [`spatial`] | mechanics of one rigid body: wrenches, symmetric tensors, rotation vectors |
+//! | [`model`] | what is simulated: a plain description, checked and compiled into a tree of links |
+//! | [`motion`] | where every link is and how fast it moves |
+//! | [`forces`] | springs, bushings, loads, hinge springs |
+//! | [`transfer`] | the core: accelerations, reactions and tangents in O(n) |
+//! | [`dynamics`] | `System`, a model with its forces: the one place where those two meet |
+//! | [`statics`] | the equilibrium and its certificate: residual, stability, modes |
+//! | [`integrate`] | time stepping; knows nothing of mechanics |
+//! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
+//! | [`simulate`] | the time loop, the energy ledger, the rest proof |
+//! | [`scenario`] | scenario files: the only place that knows TOML |
+//! | [`cli`] | the program: the only place that prints |
+//! | [`suggest`] | “did you mean …?” |
+//!
+//! SI units and radians everywhere; `world_from_body` is a pose that takes body axes to inertial ones; quaternions are
+//! w, x, y, z. Errors name the element, the value and what is allowed.
 
 pub mod cli;
 pub mod dynamics;

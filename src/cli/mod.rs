@@ -1,6 +1,7 @@
 //! The command line: the only place that prints.
 
 mod check;
+mod compare;
 mod inspect;
 mod json;
 mod output;
@@ -73,7 +74,7 @@ enum Command {
     Precision(precision::Arguments),
     /// Say what the model is, and its accelerations at the given state; runs nothing
     ///
-    /// Example: stillpoint inspect scenarios/pendulum.toml --set bob.position=0.5
+    /// Example: stillpoint inspect scenarios/pendulum.toml --set rod.position=0.5
     Inspect(inspect::Arguments),
     /// Show a recording in the Rerun viewer
     ///

@@ -81,7 +81,10 @@ pub(super) fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyh
     }
     for (name, force) in found.holding.iter().filter(|(_, force)| force.abs() > 1e-9) {
         if !common.quiet {
-            output::warning(&format!("the lock of {name} held {force:.6e}; it is released at the start of the run"));
+            output::warning(&format!(
+                "the lock of {name} held {} N or N m; it is released at the start of the run",
+                text::number(*force)
+            ));
         }
     }
     Ok(Some((State { position: found.position, velocity: vec![0.0; model.velocity_count()] }, value)))

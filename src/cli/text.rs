@@ -3,6 +3,7 @@
 use super::output::bold;
 use crate::integrate::Method;
 use crate::model::Model;
+pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
 use crate::statics::Equilibrium;
 use std::fmt::Write;
@@ -53,26 +54,16 @@ pub(super) fn heading(model: &Model, name: &str) -> String {
     )
 }
 
-/// Six significant digits without trailing zeros.
-pub(super) fn number(x: f64) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    let size = x.abs().log10().floor();
-    if !(-4.0..7.0).contains(&size) {
-        return format!("{x:.5e}");
-    }
-    let digits = (5.0 - size).max(0.0) as usize;
-    let text = format!("{x:.digits$}");
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
-/// Two digits for what should be small: `7.3e-10`, `0`.
+/// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.
 pub(super) fn small(x: f64) -> String {
-    if x == 0.0 { "0".to_owned() } else { format!("{x:.1e}") }
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e4).contains(&size) => {
+            let digits = (1.0 - size.log10().floor()).max(0.0) as usize;
+            format!("{x:.digits$}")
+        }
+        _ => format!("{x:.1e}"),
+    }
 }
 
 /// Zero where a number is round-off beside others of size `scale`.
@@ -122,7 +113,12 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         }
         more(&mut out, stability.modes.len());
     }
-    pose(&mut out, model, &found.position, if found.balanced { "pose" } else { "last pose" });
+    let title = match found.balanced {
+        true => "pose",
+        false if found.position == model.start_position => "the guess",
+        false => "last pose",
+    };
+    pose(&mut out, model, &found.position, title);
     let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
     for (name, force) in &found.holding {
         let held = match without_noise(*force, weight) {

@@ -42,7 +42,7 @@ pub struct System<'m> {
 pub enum Fault {
     /// A hinge that nothing with inertia resists.
     #[error(
-        "the hinge of `{body}` has no inertia to accelerate in this position: pivot {pivot:.3e} (a point mass on its own axis, or a gimbal lock?)"
+        "the hinge of `{body}` has no inertia to accelerate in this position: pivot {pivot} (a point mass on its own axis, which needs `inertia`, or a gimbal lock?)"
     )]
     Singular {
         /// Body.

@@ -3,7 +3,7 @@
 use super::description::{
     BodyDescription, Description, ForceDescription, ForceKind, GROUND, HingeKind, MassProperties, Point,
 };
-use super::problem::{Element, Problem};
+use super::problem::{Element, Problem, number};
 use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
 
 /// How far principal moments may break the triangle inequality, and a matrix symmetry, by rounding: one part in 10⁹.
@@ -78,7 +78,7 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
     let mut moments: Vec<f64> = SymmetricEigen::new(mass.inertia).eigenvalues.iter().copied().collect();
     moments.sort_by(f64::total_cmp);
     let (small, middle, large) = (moments[0], moments[1], moments[2]);
-    let shown = format!("principal moments {small:.6e}, {middle:.6e}, {large:.6e} kg m²");
+    let shown = format!("principal moments {}, {}, {} kg m²", number(small), number(middle), number(large));
     if small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
         found.add(element, "inertia", format!("the inertia of `{name}` has a negative principal moment: {shown}"), "");
     } else if large > (small + middle) * (1.0 + TRIANGLE_SLACK) {

@@ -26,6 +26,27 @@ pub enum Element {
     Force(usize),
 }
 
+/// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.
+pub fn number(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let size = x.abs().log10().floor();
+    if !(-4.0..7.0).contains(&size) {
+        let shown = format!("{x:.5e}");
+        return match shown.split_once('e') {
+            Some((digits, power)) => format!("{}e{power}", without_zeros(digits)),
+            None => shown,
+        };
+    }
+    let digits = (5.0 - size).max(0.0) as usize;
+    without_zeros(&format!("{x:.digits$}")).to_owned()
+}
+
+fn without_zeros(digits: &str) -> &str {
+    if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
+}
+
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.message)?;
@@ -33,5 +54,16 @@ impl fmt::Display for Problem {
             Some(help) => write!(f, " ({help})"),
             None => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number;
+
+    #[test]
+    fn numbers_are_as_short_as_they_can_be() {
+        let shown = [-9.80665, 0.1, 100.0, 2.5e-9, 1.0 / 3.0, 123456789.0, -0.0, f64::NAN].map(number);
+        assert_eq!(shown, ["-9.80665", "0.1", "100", "2.5e-9", "0.333333", "1.23457e8", "0", "NaN"]);
     }
 }

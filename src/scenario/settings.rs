@@ -34,11 +34,8 @@ pub(super) fn statics(scenario: &Reader<'_>) -> Statics {
         Some("stable") => settings.want = Want::Stable,
         _ => {}
     }
-    match table.text("method") {
-        Some("newton") => settings.method = Method::Newton,
-        Some("auto") => settings.method = Method::Auto,
-        _ => {}
-    }
+    let named = |method: &Method| Some(method.name()) == table.text("method");
+    settings.method = Method::ALL.into_iter().find(named).unwrap_or(settings.method);
     settings
 }
 

@@ -14,7 +14,8 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("forces", &["model", "motion", "spatial"]),
     ("transfer", &["model", "motion", "spatial"]),
     ("dynamics", &["model", "motion", "forces", "transfer", "spatial"]),
-    ("statics", &["model", "dynamics", "transfer", "spatial"]),
+    // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
+    ("statics", &["model", "motion", "forces", "dynamics", "transfer", "spatial"]),
     ("record", &["spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     ("scenario", &["model", "simulate", "statics", "record", "suggest"]),

@@ -531,9 +531,6 @@ type = "revolute"
 
 [simulate]
 integrator = "radau5"
-
-[statics]
-method = "lagrange"
 "#
     .trim_start();
     insta::assert_snapshot!(said(text, &[]), @r#"
@@ -557,15 +554,7 @@ method = "lagrange"
        |
        = help: available: `auto`, `rk4`, `dopri5`, `dop853`, `sdirk4`
 
-    error: [statics]: `method` `lagrange` is not available in this version
-      --> scene.toml:13:10
-       |
-    13 | method = "lagrange"
-       |          ^^^^^^^^^^
-       |
-       = help: available: `auto`, `newton`
-
-    scene.toml: 4 errors
+    scene.toml: 3 errors
     "#);
 }
 

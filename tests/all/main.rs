@@ -20,3 +20,4 @@ mod rest;
 mod scenario;
 mod scenarios;
 mod statics;
+mod statics_methods;

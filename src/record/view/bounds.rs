@@ -1,7 +1,7 @@
 //! How much room a motion takes.
 
 use crate::record::Scene;
-use crate::record::scene::BodyPicture;
+use crate::record::scene::{BodyPicture, LinePicture};
 use crate::record::solids::{Form, Solid};
 use crate::spatial::Pose;
 use nalgebra::{Point3, Vector3};
@@ -34,6 +34,14 @@ impl Bounds {
             for (point, radius) in &outline.points {
                 self.include(&(pose * point).coords, *radius);
             }
+        }
+    }
+
+    /// Grows to hold the ends of springs at one instant.
+    pub(super) fn include_lines(&mut self, lines: &[LinePicture], poses: &[Pose]) {
+        for (body, point) in lines.iter().flat_map(|line| &line.ends) {
+            let pose = body.and_then(|body| poses.get(body)).copied().unwrap_or_default();
+            self.include(&(pose * Point3::from(*point)).coords, 0.0);
         }
     }
 
@@ -104,6 +112,7 @@ impl Outline {
 pub(super) fn expected(scene: &Scene, outlines: &[Outline], poses: &[Pose]) -> Bounds {
     let mut bounds = Bounds::default();
     bounds.include_bodies(outlines, poses);
+    bounds.include_lines(&scene.lines, poses);
     let order = outward(scene);
     let reach = tree_reaches(scene, outlines, &order);
     let normals = plane_normals(scene, poses, &order);

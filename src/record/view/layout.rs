@@ -17,8 +17,9 @@ use rerun::{Color, EntityPath, RecordingStream, RecordingStreamBuilder, Recordin
 
 /// Shares of the window's width: the bodies, the plots.
 const SHARES: [f32; 2] = [3.0, 2.0];
-const BACKGROUND: Color = Color(rerun::Rgba32::from_rgb(27, 30, 35));
-const GRID: Color = Color(rerun::Rgba32::from_rgb(62, 67, 75));
+/// Light, as paper: wires, rods and frames are usually dark.
+const BACKGROUND: Color = Color(rerun::Rgba32::from_rgb(224, 228, 233));
+const GRID: Color = Color(rerun::Rgba32::from_rgb(190, 196, 204));
 
 /// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, the plots on the right, those of one
 /// group behind each other.

@@ -5,7 +5,7 @@ use super::columns::quaternion;
 use super::curves::Plot;
 use crate::record::Scene;
 use crate::record::solids::{Form, Solid, palette};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use rerun::{
     Arrows3D, Asset3D, Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, EntityPathPart, FillMode,
     InstancePoses3D, LineStrips3D, MediaType, Radius, RecordingStream, RecordingStreamResult, SeriesLines,
@@ -26,13 +26,14 @@ impl Picture {
         stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
         for (body, solids) in self.scene.bodies.iter().zip(&self.solids) {
             for (index, solid) in solids.iter().enumerate() {
-                let path = path(&["world", &body.name, &format!("solid_{index}")]);
-                send_solid(stream, path, solid)?;
+                let name = format!("solid_{index}");
+                send_core(stream, path(&["world", &body.name, &name, "core"]), solid)?;
+                send_solid(stream, path(&["world", &body.name, &name]), solid)?;
             }
         }
         self.send_hinges(stream)?;
         for line in &self.scene.lines {
-            let looks = LineStrips3D::update_fields().with_colors([SPRING]).with_radii([Radius::new_ui_points(1.5)]);
+            let looks = LineStrips3D::update_fields().with_colors([SPRING]).with_radii([Radius::new_ui_points(2.0)]);
             stream.log_static(spring_path(&line.name), &looks)?;
         }
         for plot in self.plots.iter().flatten() {
@@ -49,7 +50,7 @@ impl Picture {
 
     /// Hinge axes as short arrows, together for each parent, in whose axes they stay.
     fn send_hinges(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
-        let length = 0.25 * self.body_size();
+        let length = 0.2 * self.body_size();
         let parents = (0..self.scene.bodies.len()).map(Some).chain([None]);
         for parent in parents {
             let mut origins = Vec::new();
@@ -82,8 +83,23 @@ impl Picture {
     }
 }
 
-const SPRING: Color = Color(rerun::Rgba32::from_rgb(196, 190, 160));
-const HINGE: Color = Color(rerun::Rgba32::from_rgb(236, 214, 140));
+/// Length over radius from which a rod is thin.
+const THIN: f64 = 40.0;
+const SPRING: Color = Color(rerun::Rgba32::from_rgb(96, 104, 72));
+const HINGE: Color = Color(rerun::Rgba32::from_rgb(214, 160, 48));
+
+/// A rod many times longer than thick is also drawn as a line of fixed width: from afar nothing else is left of a wire.
+fn send_core(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> RecordingStreamResult<()> {
+    match &solid.form {
+        Form::Cylinder { radius, length } | Form::Capsule { radius, length } if *length > THIN * radius => {
+            let end = |side: f64| (solid.pose * Point3::new(0.0, 0.0, 0.5 * side * length)).coords;
+            let line = LineStrips3D::new([[point(&end(-1.0)), point(&end(1.0))]]);
+            let looks = line.with_radii([Radius::new_ui_points(0.75)]).with_colors([color(solid.color)]);
+            stream.log_static(path, &looks)
+        }
+        _ => Ok(()),
+    }
+}
 
 fn send_solid(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> RecordingStreamResult<()> {
     let colors = [color(solid.color)];

@@ -128,6 +128,7 @@ impl Recorder for Viewer {
             self.begin(expected(&self.picture.scene, &self.picture.outlines, sample.bodies))?;
         }
         self.bounds.include_bodies(&self.picture.outlines, sample.bodies);
+        self.bounds.include_lines(&self.picture.scene.lines, sample.bodies);
         self.columns.push(sample, &self.picture.scene, &self.picture.plots);
         let due = self.period.is_some_and(|period| self.sent.elapsed() >= period);
         if due || self.columns.len() >= self.longest {
@@ -158,7 +159,9 @@ pub fn view(recording: &Path, sink: &Sink) -> Result<Shown, RecordError> {
     let mut viewer = Viewer::with_scene(sink, &recording.scene)?;
     let mut bounds = Bounds::default();
     for sample in recording.samples()? {
-        bounds.include_bodies(&viewer.picture.outlines, &sample?.bodies);
+        let bodies = sample?.bodies;
+        bounds.include_bodies(&viewer.picture.outlines, &bodies);
+        bounds.include_lines(&viewer.picture.scene.lines, &bodies);
     }
     viewer.begin(bounds)?;
     viewer.replace = false;
