@@ -1,9 +1,11 @@
 //! The command line: the only place that prints.
 
 mod check;
+mod compare;
 mod inspect;
 mod json;
 mod output;
+mod precision;
 mod rest;
 mod run;
 mod scene;
@@ -66,6 +68,10 @@ enum Command {
     ///
     /// Example: stillpoint rest scenarios/machine_on_mounts.toml
     Rest(rest::Arguments),
+    /// Measure speed against error: every integrator over tolerances or steps; table, CSV and plot
+    ///
+    /// Example: stillpoint precision scenarios/double_pendulum.toml --set simulate.duration=3 --error 1e-6
+    Precision(precision::Arguments),
     /// Say what the model is, and its accelerations at the given state; runs nothing
     ///
     /// Example: stillpoint inspect scenarios/pendulum.toml --set rod.position=0.5
@@ -112,6 +118,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::main(&arguments),
         Command::Statics(arguments) => statics::main(&arguments),
         Command::Rest(arguments) => rest::main(&arguments),
+        Command::Precision(arguments) => precision::main(&arguments),
         Command::Inspect(arguments) => inspect::main(&arguments),
         Command::View(arguments) => view::main(&arguments),
         Command::Check(arguments) => check::main(&arguments),

@@ -95,13 +95,28 @@ impl Progress {
     }
 
     pub(super) fn at(&mut self, time: f64) {
-        if self.drawn.elapsed() < Duration::from_millis(50) {
-            return;
+        if self.is_due() {
+            let speed = time / self.started.elapsed().as_secs_f64();
+            self.bar.set_position((1000.0 * time / self.end) as u64);
+            let speed = super::text::times(speed);
+            self.bar.set_message(format!("{time:.2} of {} s simulated, {speed} real time", self.end));
         }
-        self.drawn = Instant::now();
-        let speed = time / self.started.elapsed().as_secs_f64();
-        self.bar.set_position((1000.0 * time / self.end) as u64);
-        self.bar.set_message(format!("{time:.2} of {} s simulated, {} real time", self.end, super::text::times(speed)));
+    }
+
+    /// The part of the end that is done, without a time.
+    pub(super) fn part(&mut self, part: f64) {
+        if self.is_due() {
+            self.bar.set_position((1000.0 * part) as u64);
+            self.bar.set_message(format!("{:.0} % of the runs", 100.0 * part));
+        }
+    }
+
+    fn is_due(&mut self) -> bool {
+        let due = self.drawn.elapsed() >= Duration::from_millis(50);
+        if due {
+            self.drawn = Instant::now();
+        }
+        due
     }
 }
 

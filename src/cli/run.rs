@@ -56,7 +56,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 }
 
 /// The state to start from and what is said of it in JSON; `None` where there is no equilibrium to start from.
-fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyhow::Result<Option<(State, Value)>> {
+pub(super) fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyhow::Result<Option<(State, Value)>> {
     if scenario.simulate.start == Start::Given {
         let state = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
         return Ok(Some((state, json!("given"))));

@@ -1,31 +1,45 @@
 //! `statics`: the equilibrium and what it is.
 
-use super::{Common, Exit, json, output, scene, text};
-use crate::statics::{Equilibrium, equilibrium};
+use super::{Common, Exit, compare, json, output, scene, text};
+use crate::statics::{Equilibrium, Method, equilibrium};
 use anyhow::Context;
 use clap::Args;
-use std::path::PathBuf;
+use clap::builder::PossibleValuesParser;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// Write the result there as JSON
+    /// How to find it, whatever the file says
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::name)))]
+    method: Option<String>,
+    /// Find it by every method from the same guess, and print what each needed and how far their answers are apart
+    #[arg(long, conflicts_with = "method")]
+    compare: bool,
+    /// Write the result there as JSON; with `--compare` the table, as PATH.csv and PATH.json
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (scenario, model) = match scene::load(common)? {
+    let (mut scenario, model) = match scene::load(common)? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    if let Some(name) = &arguments.method {
+        let named = Method::ALL.into_iter().find(|method| method.name() == name);
+        scenario.statics.method = named.unwrap_or_default();
+    }
+    if arguments.compare {
+        return compare::main(&scenario, &model, common, arguments.out.as_deref());
+    }
     let (found, wall) = find(&scenario, &model)?;
     let result = json::statics(&model, &found, wall.as_secs_f64());
     if let Some(path) = &arguments.out {
-        std::fs::write(path, format!("{result:#}\n")).with_context(|| format!("cannot write `{}`", path.display()))?;
+        write(path, &format!("{result:#}\n"))?;
     }
     if common.json {
         output::print(&result.to_string())?;
@@ -34,6 +48,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&text::statics(&model, &found, wall))?;
     }
     Ok(if found.converged { Exit::Done } else { Exit::No })
+}
+
+pub(super) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text).with_context(|| format!("cannot write `{}`", path.display()))
 }
 
 /// The equilibrium and the time it took.

@@ -18,6 +18,7 @@ pub(super) fn method(method: Method) -> &'static str {
     match method {
         Method::Rk4 => "rk4",
         Method::Dopri5 => "dopri5",
+        Method::Dop853 => "dop853",
         Method::Sdirk4 => "sdirk4",
     }
 }

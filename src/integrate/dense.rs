@@ -4,7 +4,7 @@
 //! Hairer, Nørsett, Wanner, *Solving ODEs I*, II.6,
 //!
 //! ```text
-//! x(θ) = r₀ + θ (r₁ + (1 − θ) (r₂ + θ (r₃ + (1 − θ) r₄)))
+//! x(θ) = r₀ + θ (r₁ + (1 − θ) (r₂ + θ (r₃ + (1 − θ) (r₄ + …))))
 //! ```
 //!
 //! with `r₀ = x₀` and `r₁ = x₁ − x₀`, so that both ends are met whatever the rest is.
@@ -14,20 +14,31 @@ use crate::integrate::rates::weighted_sum;
 /// Coefficients of the last step's interpolant.
 #[derive(Debug)]
 pub(crate) struct Dense {
-    /// `r₀ … r₄`, each as long as the state.
-    coefficients: [Vec<f64>; 5],
+    /// `r₀, r₁, …`, four or more, each as long as the state.
+    coefficients: Vec<Vec<f64>>,
 }
+
+/// Terms of a cubic.
+const CUBIC: usize = 4;
 
 impl Dense {
     /// The interpolant that stays at `state`.
     pub(crate) fn at_rest(state: &[f64]) -> Self {
-        let zeros = || vec![0.0; state.len()];
-        Self { coefficients: [state.to_vec(), zeros(), zeros(), zeros(), zeros()] }
+        let mut coefficients = vec![vec![0.0; state.len()]; CUBIC];
+        coefficients[0].copy_from_slice(state);
+        Self { coefficients }
     }
 
-    /// The cubic through both ends with the rates there: local error `O(h⁴)`.
+    /// Makes room for `count` terms above the cubic.
+    pub(crate) fn with_higher_terms(&mut self, count: usize) {
+        let size = self.coefficients[0].len();
+        self.coefficients.resize(CUBIC + count, vec![0.0; size]);
+    }
+
+    /// The cubic through both ends with the rates there: local error `O(h⁴)`. Higher terms become zero.
     pub(crate) fn hermite(&mut self, step: f64, ends: [&[f64]; 2], rates: [&[f64]; 2]) {
-        let [r0, r1, r2, r3, _] = &mut self.coefficients;
+        let [r0, r1, r2, r3, higher @ ..] = &mut self.coefficients[..] else { return };
+        higher.iter_mut().for_each(|term| term.fill(0.0));
         for i in 0..r0.len() {
             r0[i] = ends[0][i];
             r1[i] = ends[1][i] - ends[0][i];
@@ -36,14 +47,16 @@ impl Dense {
         }
     }
 
-    /// Raises the Hermite cubic to degree 4 with `r₄ = step Σ weights_j rates_j`.
-    pub(crate) fn quartic_term(&mut self, step: f64, weights: &[f64], rates: &[Vec<f64>]) {
-        weighted_sum(&mut self.coefficients[4], step, weights, rates);
+    /// Raises the Hermite cubic by one degree per row of weights: `r_{4+i} = step Σ_j weights_ij rates_j`.
+    pub(crate) fn higher_terms(&mut self, step: f64, weights: &[&[f64]], rates: &[Vec<f64>]) {
+        for (term, weights) in self.coefficients[CUBIC..].iter_mut().zip(weights) {
+            weighted_sum(term, step, weights, rates);
+        }
     }
 
     /// The cubic `x₀ + … + θ² h Σ squares_j k_j + θ³ h Σ cubes_j k_j`, its linear term such that it ends at `ends(1)`.
     pub(crate) fn cubic(&mut self, step: f64, ends: [&[f64]; 2], squares: &[f64], cubes: &[f64], rates: &[Vec<f64>]) {
-        let [r0, r1, r2, r3, _] = &mut self.coefficients;
+        let [r0, r1, r2, r3, ..] = &mut self.coefficients[..] else { return };
         weighted_sum(r2, -step, squares, rates);
         weighted_sum(r3, -step, cubes, rates);
         for i in 0..r0.len() {
@@ -55,11 +68,12 @@ impl Dense {
 
     /// `values ← x(θ)` for the components from `first` on.
     pub(crate) fn evaluate(&self, theta: f64, first: usize, values: &mut [f64]) {
-        let [r0, r1, r2, r3, r4] = &self.coefficients;
-        let rest = 1.0 - theta;
-        for (offset, value) in values.iter_mut().enumerate() {
-            let i = first + offset;
-            *value = r0[i] + theta * (r1[i] + rest * (r2[i] + theta * (r3[i] + rest * r4[i])));
+        values.fill(0.0);
+        for (index, term) in self.coefficients.iter().enumerate().rev() {
+            let factor = if index % 2 == 0 { theta } else { 1.0 - theta };
+            for (value, term) in values.iter_mut().zip(&term[first..]) {
+                *value = term + factor * *value;
+            }
         }
     }
 }

@@ -50,6 +50,16 @@ pub enum StepError {
         /// What to try.
         advice: &'static str,
     },
+    /// The state between the ends of a step that was made cannot be found.
+    #[error("no state between t = {from} s and t = {to} s: {limit}")]
+    Between {
+        /// Where the step starts, in s.
+        from: f64,
+        /// Where the step ends, in s.
+        to: f64,
+        /// What is wrong there.
+        limit: Limit,
+    },
     /// The step became so small that time stands still.
     #[error("the step from t = {time} s shrank to {step:.3e} s, too small to go on: {limit}")]
     Underflow {
@@ -70,7 +80,10 @@ impl StepError {
     /// What stopped the run, where it is more than a wrong setting.
     pub fn limit(&self) -> Option<&Limit> {
         match self {
-            Self::Start { limit, .. } | Self::Fixed { limit, .. } | Self::Underflow { limit, .. } => Some(limit),
+            Self::Start { limit, .. }
+            | Self::Fixed { limit, .. }
+            | Self::Between { limit, .. }
+            | Self::Underflow { limit, .. } => Some(limit),
             Self::Option { .. } | Self::NoStep | Self::Size { .. } => None,
         }
     }

@@ -8,6 +8,7 @@
 //! |---|---|---|---|
 //! | [`Rk4`] | 4 | fixed | comparison with other programs, equally spaced results |
 //! | [`Dopri5`] | 5 | adaptive | smooth systems that are not stiff |
+//! | [`Dop853`] | 8 | adaptive | the same at tight tolerances |
 //! | [`Sdirk4`] | 4 | adaptive | stiff systems: hard springs, strong dampers, light parts |
 //!
 //! One error norm (the largest weighted component), one step controller and one dense output serve
@@ -49,8 +50,10 @@ pub mod problem;
 
 mod control;
 mod dense;
+mod dop853;
 mod dopri5;
 mod error;
+mod explicit;
 mod newton;
 mod norm;
 mod options;
@@ -64,6 +67,7 @@ mod statistics;
 mod stepper;
 mod tableau;
 
+pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use error::{Component, Limit, StepError};
 pub use options::{Options, Start};

@@ -74,16 +74,19 @@ impl Progress {
         &self.state[self.position_count..]
     }
 
-    /// The state at `time` inside the last step; a time outside is taken as the nearer end.
-    ///
-    /// Quaternions come normalised. At both ends the result is the state itself.
-    pub fn interpolate<P: Problem>(&self, problem: &P, time: f64, q: &mut [f64], v: &mut [f64]) {
+    /// The length of the last step, in s; 0 before the first.
+    pub(crate) fn last_step(&self) -> f64 {
+        self.time - self.previous_time
+    }
+
+    /// The dense output of the last step, as far as it is made; see [`Stepper::interpolate`](crate::integrate::Stepper).
+    pub(crate) fn interpolate<P: Problem>(&self, problem: &P, time: f64, q: &mut [f64], v: &mut [f64]) {
         if time >= self.time {
             q.copy_from_slice(self.position());
             v.copy_from_slice(self.velocity());
             return;
         }
-        let theta = ((time - self.previous_time) / (self.time - self.previous_time)).max(0.0);
+        let theta = ((time - self.previous_time) / self.last_step()).max(0.0);
         self.dense.evaluate(theta, 0, q);
         self.dense.evaluate(theta, self.position_count, v);
         problem.normalize(q);

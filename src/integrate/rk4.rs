@@ -22,6 +22,7 @@
 use crate::integrate::{
     control::{Controller, Trial},
     error::{Limit, StepError},
+    explicit::ADVICE,
     options::{Options, Start},
     problem::Problem,
     progress::Progress,
@@ -29,9 +30,6 @@ use crate::integrate::{
     stepper::Stepper,
     tableau::rk4::{A, B, C},
 };
-
-const ADVICE: &str =
-    "beyond the stability limit of an explicit method numbers grow without bound: shorten the step, or try sdirk4";
 
 /// The classical Runge–Kutta method, order 4, fixed step. Four evaluations per step and one for the start.
 #[derive(Debug)]

@@ -1,6 +1,7 @@
 //! What a time loop sees of a method.
 
 use crate::integrate::{
+    dop853::Dop853,
     dopri5::Dopri5,
     error::StepError,
     options::{Options, Start},
@@ -58,9 +59,15 @@ pub trait Stepper<P: Problem> {
         self.progress().velocity()
     }
 
-    /// The state at `time` inside the last step, see [`Progress::interpolate`].
-    fn interpolate(&self, problem: &P, time: f64, q: &mut [f64], v: &mut [f64]) {
+    /// The state at `time` inside the last step; a time outside is taken as the nearer end.
+    ///
+    /// Quaternions come normalised. At both ends the result is the state itself.
+    ///
+    /// # Errors
+    /// [`StepError::Between`] where the method has to evaluate the system between the ends and cannot.
+    fn interpolate(&mut self, problem: &mut P, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {
         self.progress().interpolate(problem, time, q, v);
+        Ok(())
     }
 
     /// What the run has cost so far.
@@ -76,11 +83,21 @@ pub enum Method {
     Rk4,
     /// [`Dopri5`]: Dormand–Prince 5(4), adaptive.
     Dopri5,
+    /// [`Dop853`]: Dormand–Prince 8(5,3), adaptive.
+    Dop853,
     /// [`Sdirk4`]: L-stable diagonally implicit Runge–Kutta 4(3), adaptive.
     Sdirk4,
 }
 
 impl Method {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Rk4, Self::Dopri5, Self::Dop853, Self::Sdirk4];
+
+    /// Whether the step has to be given and stays the same.
+    pub fn needs_step(self) -> bool {
+        matches!(self, Self::Rk4)
+    }
+
     /// Starts a run with this method.
     ///
     /// # Errors
@@ -94,6 +111,7 @@ impl Method {
         Ok(match self {
             Self::Rk4 => Box::new(Rk4::new(problem, options, start)?),
             Self::Dopri5 => Box::new(Dopri5::new(problem, options, start)?),
+            Self::Dop853 => Box::new(Dop853::new(problem, options, start)?),
             Self::Sdirk4 => Box::new(Sdirk4::new(problem, options, start)?),
         })
     }

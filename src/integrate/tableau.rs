@@ -35,6 +35,8 @@ pub(crate) mod dopri5 {
     ];
 }
 
+pub(crate) mod dop853;
+
 /// L-stable, stiffly accurate SDIRK 4(3) with γ = 1/4: Hairer, Wanner, *Solving ODEs II*, IV.6, Table 6.5.
 ///
 /// The diagonal `GAMMA` is not listed in `A`.
@@ -68,26 +70,44 @@ pub(crate) mod sdirk4 {
 mod tests {
     use super::*;
 
-    /// Left and right sides of the order conditions of Hairer, Nørsett, Wanner, *Solving ODEs I*, II.2, Table 2.2,
-    /// order by order, for the weights `b` at the end `theta` of the step.
-    fn defects(rows: &[Vec<f64>], b: &[f64], theta: f64) -> Vec<(u32, f64)> {
-        let n = b.len();
-        let apply = |x: &[f64]| -> Vec<f64> { rows.iter().map(|row| dot(row, x)).collect() };
-        let times = |x: &[f64], y: &[f64]| -> Vec<f64> { x.iter().zip(y).map(|(x, y)| x * y).collect() };
-        let one = vec![1.0; n];
-        let c = apply(&one);
-        let (cc, ac) = (times(&c, &c), apply(&c));
-        let trees = [
-            (1, one, 1.0),
-            (2, c.clone(), 2.0),
-            (3, cc.clone(), 3.0),
-            (3, ac.clone(), 6.0),
-            (4, times(&c, &cc), 4.0),
-            (4, times(&c, &ac), 8.0),
-            (4, apply(&cc), 12.0),
-            (4, apply(&ac), 24.0),
-        ];
-        trees.iter().map(|(order, phi, gamma)| (*order, dot(b, phi) - theta.powi(*order as i32) / gamma)).collect()
+    /// A rooted tree of the order conditions of Hairer, Nørsett, Wanner, *Solving ODEs I*, II.2.
+    struct Tree {
+        order: u32,
+        gamma: f64,
+        /// `Φ_i` of every stage.
+        phi: Vec<f64>,
+    }
+
+    /// All trees up to `order` for a method with these rows. A tree is a root and a multiset of trees on it, listed here
+    /// with indices that do not rise.
+    fn trees(rows: &[Vec<f64>], order: u32) -> Vec<Tree> {
+        let mut all: Vec<Tree> = Vec::new();
+        for order in 1..=order {
+            let mut found = Vec::new();
+            let bare = Tree { order: 1, gamma: f64::from(order), phi: vec![1.0; rows.len()] };
+            graft(rows, &all, all.len(), bare, order, &mut found);
+            all.append(&mut found);
+        }
+        all
+    }
+
+    /// Grafts trees of `all` before `end` onto `tree`, in every way that gives `order`.
+    fn graft(rows: &[Vec<f64>], all: &[Tree], end: usize, tree: Tree, order: u32, found: &mut Vec<Tree>) {
+        if tree.order == order {
+            found.push(tree);
+            return;
+        }
+        for (index, branch) in all[..end].iter().enumerate().filter(|(_, branch)| tree.order + branch.order <= order) {
+            let phi = rows.iter().zip(&tree.phi).map(|(row, phi)| phi * dot(row, &branch.phi)).collect();
+            let grown = Tree { order: tree.order + branch.order, gamma: tree.gamma * branch.gamma, phi };
+            graft(rows, all, index + 1, grown, order, found);
+        }
+    }
+
+    /// Order and defect of every condition up to `order`, for the weights `b` at the part `theta` of the step.
+    fn defects(rows: &[Vec<f64>], b: &[f64], theta: f64, order: u32) -> Vec<(u32, f64)> {
+        let defect = |tree: &Tree| (tree.order, dot(b, &tree.phi) - theta.powi(tree.order as i32) / tree.gamma);
+        trees(rows, order).iter().map(defect).collect()
     }
 
     fn dot(x: &[f64], y: &[f64]) -> f64 {
@@ -106,11 +126,24 @@ mod tests {
         rows.iter().enumerate().map(fill).collect()
     }
 
-    /// All conditions up to `order` hold to rounding: a sum of a dozen terms up to 20.
-    fn assert_order(order: u32, defects: &[(u32, f64)]) {
-        for (of, defect) in defects.iter().filter(|(of, _)| *of <= order) {
+    /// All conditions up to `order` hold to rounding: sums of a dozen terms up to 20.
+    fn assert_order(order: u32, rows: &[Vec<f64>], b: &[f64], theta: f64) {
+        for (of, defect) in defects(rows, b, theta, order) {
             assert!(defect.abs() < 1e-13, "condition of order {of} off by {defect:e}");
         }
+    }
+
+    /// Some condition of `order` is missed by more than `least`.
+    fn misses(order: u32, rows: &[Vec<f64>], b: &[f64], least: f64) -> bool {
+        defects(rows, b, 1.0, order).iter().any(|(of, defect)| *of == order && defect.abs() > least)
+    }
+
+    #[test]
+    fn there_are_as_many_trees_as_the_book_says() {
+        // Hairer, Nørsett, Wanner, *Solving ODEs I*, II.2, Table 2.1.
+        let trees = trees(&[vec![0.0]], 8);
+        let count = |order| trees.iter().filter(|tree| tree.order == order).count();
+        assert_eq!((1..=8).map(count).collect::<Vec<_>>(), [1, 1, 2, 4, 9, 20, 48, 115]);
     }
 
     fn minus(b: &[f64], e: &[f64]) -> Vec<f64> {
@@ -119,15 +152,17 @@ mod tests {
 
     #[test]
     fn rk4_has_order_4() {
-        assert_order(4, &defects(&full(&rk4::A, 0.0), &rk4::B, 1.0));
+        assert_order(4, &full(&rk4::A, 0.0), &rk4::B, 1.0);
     }
 
     #[test]
-    fn dopri5_and_its_estimate_have_order_4_at_least() {
+    fn dopri5_has_order_5_and_its_estimate_order_4() {
         let rows = full(&dopri5::A, 0.0);
         let step = rows[6].clone();
-        assert_order(4, &defects(&rows, &step, 1.0));
-        assert_order(4, &defects(&rows, &minus(&step, &dopri5::E), 1.0));
+        assert_order(5, &rows, &step, 1.0);
+        let embedded = minus(&step, &dopri5::E);
+        assert_order(4, &rows, &embedded, 1.0);
+        assert!(misses(5, &rows, &embedded, 1e-4) && misses(6, &rows, &step, 1e-4));
     }
 
     #[test]
@@ -142,7 +177,41 @@ mod tests {
                 theta * (r1 + (1.0 - theta) * (r2 + theta * (r3 + (1.0 - theta) * dopri5::DENSE[i])))
             };
             let weights: Vec<f64> = (0..7).map(weight).collect();
-            assert_order(4, &defects(&rows, &weights, theta));
+            assert_order(4, &rows, &weights, theta);
+        }
+    }
+
+    #[test]
+    fn dop853_has_order_8_and_its_estimates_orders_5_and_3() {
+        let rows = full(&dop853::A, 0.0);
+        let step = rows[12].clone();
+        let padded = |short: &[f64]| [short, &[0.0; 4]].concat();
+        let (better, poorer) = (minus(&step, &padded(&dop853::E5)), minus(&step, &padded(&dop853::E3)));
+        assert_order(8, &rows, &step, 1.0);
+        assert_order(5, &rows, &better, 1.0);
+        assert_order(3, &rows, &poorer, 1.0);
+        assert!(misses(9, &rows, &step, 1e-8) && misses(6, &rows, &better, 1e-5) && misses(4, &rows, &poorer, 1e-4));
+        for (row, c) in rows.iter().zip(dop853::C) {
+            assert!((row.iter().sum::<f64>() - c).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn dop853_between_its_ends_has_order_7() {
+        let rows = full(&dop853::A, 0.0);
+        for theta in [0.2, 0.5, 0.9] {
+            // The nested form of `dense.rs`, as above.
+            let weight = |i: usize| {
+                let r1 = rows[12][i];
+                let r2 = f64::from(u8::from(i == 0)) - r1;
+                let r3 = r1 - f64::from(u8::from(i == 12)) - r2;
+                let [r4, r5, r6, r7] = dop853::DENSE.map(|row| row[i]);
+                let rest = 1.0 - theta;
+                let high = r4 + theta * (r5 + rest * (r6 + theta * r7));
+                theta * (r1 + rest * (r2 + theta * (r3 + rest * high)))
+            };
+            let weights: Vec<f64> = (0..16).map(weight).collect();
+            assert_order(7, &rows, &weights, theta);
         }
     }
 
@@ -151,9 +220,9 @@ mod tests {
         let rows = full(&sdirk4::A, sdirk4::GAMMA);
         let step = rows[4].clone();
         let embedded = minus(&step, &sdirk4::E);
-        assert_order(4, &defects(&rows, &step, 1.0));
-        assert_order(3, &defects(&rows, &embedded, 1.0));
-        assert!(defects(&rows, &embedded, 1.0).iter().any(|(order, defect)| *order == 4 && defect.abs() > 1e-3));
+        assert_order(4, &rows, &step, 1.0);
+        assert_order(3, &rows, &embedded, 1.0);
+        assert!(misses(4, &rows, &embedded, 1e-3));
         let published = [59.0 / 48.0, -17.0 / 96.0, 225.0 / 32.0, -85.0 / 12.0, 0.0];
         assert!(minus(&embedded, &published).iter().all(|off| off.abs() < 1e-14));
     }
@@ -172,7 +241,7 @@ mod tests {
         for theta in [0.2_f64, 0.5, 0.9, 1.0] {
             let weight = |i: usize| theta * (linear[i] + theta * (squares[i] + theta * cubes[i]));
             let weights: Vec<f64> = (0..5).map(weight).collect();
-            assert_order(3, &defects(&rows, &weights, theta));
+            assert_order(3, &rows, &weights, theta);
         }
         for i in 0..5 {
             let slope = linear[i] + 2.0 * squares[i] + 3.0 * cubes[i];

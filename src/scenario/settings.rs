@@ -15,6 +15,7 @@ pub(super) fn simulate(scenario: &Reader<'_>) -> Simulate {
     settings.integrator = match table.text("integrator") {
         Some("rk4") => Integrator::Rk4,
         Some("dopri5") => Integrator::Dopri5,
+        Some("dop853") => Integrator::Dop853,
         Some("sdirk4") => Integrator::Sdirk4,
         _ => Integrator::Auto,
     };
@@ -33,11 +34,8 @@ pub(super) fn statics(scenario: &Reader<'_>) -> Statics {
         Some("stable") => settings.want = Want::Stable,
         _ => {}
     }
-    match table.text("method") {
-        Some("newton") => settings.method = Method::Newton,
-        Some("auto") => settings.method = Method::Auto,
-        _ => {}
-    }
+    let named = |method: &Method| Some(method.name()) == table.text("method");
+    settings.method = Method::ALL.into_iter().find(named).unwrap_or(settings.method);
     settings
 }
 

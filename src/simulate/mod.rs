@@ -1,6 +1,7 @@
 //! Runs: a model stepped through time, recorded, and checked to stay where it rests.
 
 mod ledger;
+pub mod precision;
 pub mod problem;
 pub mod rest;
 mod run;

@@ -4,7 +4,7 @@ use super::ledger::{GAUSS, Ledger};
 use super::problem::Motion;
 use super::settings::{Integrator, Settings, Start as At};
 use crate::dynamics::Fault;
-use crate::integrate::{Component, Limit, Method, Options, Problem, Start, Statistics, StepError, Stepper};
+use crate::integrate::{Component, Limit, Method, Options, Start, Statistics, StepError, Stepper};
 use crate::model::Model;
 use crate::record::{RecordError, Recorder, Sample};
 use crate::spatial::{Pose, Wrench};
@@ -140,6 +140,7 @@ impl<'m> Run<'m> {
         let mut method = match settings.integrator {
             Integrator::Rk4 => Method::Rk4,
             Integrator::Dopri5 => Method::Dopri5,
+            Integrator::Dop853 => Method::Dop853,
             Integrator::Sdirk4 => Method::Sdirk4,
             // What rests has only its fastest vibrations left: a method that need not follow them takes long steps.
             Integrator::Auto if settings.start == At::Equilibrium => Method::Sdirk4,
@@ -160,7 +161,7 @@ impl<'m> Run<'m> {
             let mut stopped = false;
             while !stepper.finished() && !switch && !stopped {
                 self.step(motion, stepper.as_mut())?;
-                self.sampler.up_to(motion, &self.ledger, stepper.as_ref(), recorder)?;
+                self.sampler.up_to(motion, &self.ledger, stepper.as_mut(), recorder)?;
                 stopped = !go_on(stepper.time(), &self.state);
                 switch = auto && method == Method::Dopri5 && stepper.stability_limited();
             }
@@ -201,7 +202,7 @@ impl<'m> Run<'m> {
         if self.ledger.flows() {
             let (from, length) = (stepper.previous_time(), stepper.time() - stepper.previous_time());
             for (node, weight) in GAUSS {
-                self.sampler.interpolate(motion, stepper, from + node * length);
+                self.sampler.interpolate(motion, stepper, from + node * length)?;
                 let State { position, velocity } = &self.sampler.state;
                 let powers = motion.system().powers(position, velocity);
                 self.ledger.add(&powers, weight * length);
@@ -242,9 +243,14 @@ impl Sampler {
         }
     }
 
-    fn interpolate<'m>(&mut self, motion: &Motion<'m>, stepper: &dyn Stepper<Motion<'m>>, time: f64) {
-        stepper.interpolate(motion, time, &mut self.state.position, &mut self.state.velocity);
-        motion.normalize(&mut self.state.position);
+    fn interpolate<'m>(
+        &mut self,
+        motion: &mut Motion<'m>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+        time: f64,
+    ) -> Result<(), RunError> {
+        let State { position, velocity } = &mut self.state;
+        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.system().model(), &error))
     }
 
     /// Every sample due within the last step.
@@ -252,7 +258,7 @@ impl Sampler {
         &mut self,
         motion: &mut Motion<'m>,
         ledger: &Ledger,
-        stepper: &dyn Stepper<Motion<'m>>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
         loop {
@@ -261,7 +267,7 @@ impl Sampler {
             if due > stepper.time() {
                 return Ok(());
             }
-            self.interpolate(motion, stepper, due);
+            self.interpolate(motion, stepper, due)?;
             let state = self.state.clone();
             self.sample(motion, ledger, due, &state, recorder)?;
             self.next += 1;
@@ -312,7 +318,7 @@ fn add(sum: &mut Statistics, part: &Statistics) {
 }
 
 /// The error with the hinge's name in place of an index.
-fn named(model: &Model, error: &StepError) -> RunError {
+pub(super) fn named(model: &Model, error: &StepError) -> RunError {
     let text = error.to_string();
     let component = match error.limit() {
         Some(Limit::ErrorEstimate(component) | Limit::NotFinite(component)) => *component,

@@ -48,6 +48,8 @@ pub enum Integrator {
     Rk4,
     /// Dormand–Prince 5(4), adaptive.
     Dopri5,
+    /// Dormand–Prince 8(5,3), adaptive.
+    Dop853,
     /// L-stable, stiffly accurate, order 4, adaptive.
     Sdirk4,
 }

@@ -3,7 +3,7 @@
 use super::landscape::Landscape;
 use super::search::{Iteration, Place, polish};
 use super::stability::{Stability, Verdict, classify};
-use super::{Settings, Want, newton, trust_region};
+use super::{Method, Settings, Want, lagrange, newton, relaxation, trust_region};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
@@ -17,16 +17,21 @@ pub struct Equilibrium {
     pub converged: bool,
     /// Whether the residual proves an equilibrium of any kind.
     pub balanced: bool,
-    /// `newton`: the method of the differentiated transfer equations.
+    /// `newton` (the method of the differentiated transfer equations), `relaxation` or `lagrange`.
     pub method: &'static str,
-    /// The stage that won: `start` (nothing to do), `newton` or `trust region`.
+    /// The stage that won: `start` (nothing to do), `newton` or `trust region`; `relaxation`; `newton` or
+    /// `pseudo-transient` in maximal coordinates.
     pub stage: &'static str,
-    /// Steps of all stages.
+    /// Steps of all stages; time steps of a relaxation.
     pub iterations: usize,
-    /// Sweeps of the static balance.
+    /// Static balances: sweeps, and for `lagrange` also evaluations in maximal coordinates.
     pub force_evaluations: usize,
+    /// Accelerations computed by a relaxation.
+    pub acceleration_evaluations: usize,
     /// Stiffness matrices assembled.
     pub stiffness_evaluations: usize,
+    /// Matrices, or tangents by sweeps, factorized.
+    pub factorizations: usize,
     /// Largest hinge acceleration at rest (m/s², rad/s²), locked hinges held.
     pub residual_acceleration: f64,
     /// Largest unbalanced hinge force (N, N m), locked hinges left out.
@@ -45,8 +50,21 @@ pub struct Equilibrium {
     pub holding: Vec<(String, f64)>,
     /// What a person should know: saddles that were left, what is unbalanced.
     pub notes: Vec<String>,
-    /// Every step.
+    /// For `lagrange`: what its multipliers say of [`Equilibrium::reactions`]; empty for the others.
+    pub multiplier_reactions: Vec<Wrench>,
+    /// Every step; of a relaxation every new start from rest.
     pub history: Vec<Iteration>,
+}
+
+/// What a search did, apart from what the landscape counts.
+#[derive(Debug, Clone, Default)]
+struct Effort {
+    stage: &'static str,
+    steps: Option<usize>,
+    accelerations: usize,
+    forces: usize,
+    factorizations: usize,
+    reactions: Vec<Wrench>,
 }
 
 /// Finds the equilibrium from the guess `start`.
@@ -54,13 +72,34 @@ pub struct Equilibrium {
 /// # Errors
 /// Where the system cannot be evaluated at the guess: a singular hinge, a number that is not finite.
 pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<Equilibrium, Fault> {
+    equilibrium_observed(model, settings, start, &mut || {})
+}
+
+/// The same; `searched` is called between the search and the certificate, for whoever holds a clock.
+///
+/// # Errors
+/// As [`equilibrium`].
+pub fn equilibrium_observed(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    searched: &mut dyn FnMut(),
+) -> Result<Equilibrium, Fault> {
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
     let mut history = Vec::new();
     let first = Place::at(&mut landscape, start.to_vec())?;
     let mut notes = Vec::new();
     let guess = first.clone();
-    let (mut place, stage) = search(&mut landscape, settings, first, &mut history, &mut notes)?;
+    let (mut place, effort) = match settings.method {
+        Method::Relaxation => relax(&mut landscape, first, &mut history, &mut notes)?,
+        Method::Lagrange => multiply(&mut landscape, first, &mut history, &mut notes)?,
+        Method::Auto | Method::Newton => {
+            let (place, stage) = search(&mut landscape, settings, first, &mut history, &mut notes)?;
+            (place, Effort { stage, ..Effort::default() })
+        }
+    };
+    searched();
     if !place.is_balanced() {
         // Where the search ran away, what is missing shows best where it started.
         if notes.iter().any(|note| note.contains(FELL)) {
@@ -68,7 +107,31 @@ pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<
         }
         notes.push(unbalanced(&mut landscape, &place));
     }
-    certify(landscape, settings, place, stage, history, notes)
+    certify(landscape, settings, place, effort, history, notes)
+}
+
+fn relax(
+    landscape: &mut Landscape<'_, '_>,
+    first: Place,
+    history: &mut Vec<Iteration>,
+    notes: &mut Vec<String>,
+) -> Result<(Place, Effort), Fault> {
+    let outcome = relaxation::run(landscape, first, history)?;
+    notes.extend(outcome.note.map(str::to_owned));
+    let (steps, accelerations) = (Some(outcome.steps), outcome.accelerations);
+    Ok((outcome.place, Effort { stage: "relaxation", steps, accelerations, ..Effort::default() }))
+}
+
+fn multiply(
+    landscape: &mut Landscape<'_, '_>,
+    first: Place,
+    history: &mut Vec<Iteration>,
+    notes: &mut Vec<String>,
+) -> Result<(Place, Effort), Fault> {
+    let outcome = lagrange::run(landscape, first, history)?;
+    notes.extend(outcome.note.map(str::to_owned));
+    let lagrange::Outcome { place, stage, reactions, force_evaluations: forces, factorizations, .. } = outcome;
+    Ok((place, Effort { stage, forces, factorizations, reactions, ..Effort::default() }))
 }
 
 const FELL: &str = "the potential falls without end";
@@ -176,13 +239,14 @@ fn certify(
     mut landscape: Landscape<'_, '_>,
     settings: &Settings,
     place: Place,
-    stage: &'static str,
+    effort: Effort,
     history: Vec<Iteration>,
     mut notes: Vec<String>,
 ) -> Result<Equilibrium, Fault> {
     let model = landscape.model();
     let (free, conservative) = (landscape.free.clone(), landscape.conservative);
-    let (force_evaluations, stiffness_evaluations) = (landscape.residuals, landscape.stiffnesses);
+    let (force_evaluations, stiffness_evaluations) = (landscape.residuals + effort.forces, landscape.stiffnesses);
+    let factorizations = landscape.factorizations + effort.factorizations;
     let system = landscape.system();
     let rest = vec![0.0; model.velocity_count()];
     let mut residual = rest.clone();
@@ -206,10 +270,12 @@ fn certify(
     Ok(Equilibrium {
         converged: balanced && kind,
         balanced,
-        method: "newton",
-        stage,
-        iterations: history.len(),
+        method: if settings.method == Method::Auto { "newton" } else { settings.method.name() },
+        stage: effort.stage,
+        iterations: effort.steps.unwrap_or(history.len()),
         force_evaluations,
+        acceleration_evaluations: effort.accelerations,
+        factorizations,
         stiffness_evaluations,
         residual_acceleration,
         residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
@@ -220,8 +286,22 @@ fn certify(
         stability,
         holding,
         notes,
+        multiplier_reactions: by_body(model, &effort.reactions),
         history,
     })
+}
+
+/// Reactions of the links that carry a named hinge, by body; welded bodies have none.
+fn by_body(model: &Model, reactions: &[Wrench]) -> Vec<Wrench> {
+    if reactions.is_empty() {
+        return Vec::new();
+    }
+    let own = |(index, body): (usize, &crate::model::Body)| match body.link != 0 && model.links[body.link].body == index
+    {
+        true => reactions[body.link],
+        false => Wrench::ZERO,
+    };
+    model.bodies.iter().enumerate().map(own).collect()
 }
 
 /// Largest hinge acceleration at rest with locked hinges held.

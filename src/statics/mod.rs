@@ -6,12 +6,17 @@
 //! | stable | no | Newton with line search; the verdict says what was found |
 //! | any | either | Newton with line search: the nearest equilibrium, whatever it is |
 //!
-//! Each ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
+//! Two baselines stand beside it, to compare with: `relaxation` (explicit motion with kinetic damping) and `lagrange`
+//! (maximal coordinates with multipliers). Neither uses the tangent of the tree, nor the steps that the others end with.
+//!
+//! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
 pub mod equilibrium;
+mod lagrange;
 pub mod landscape;
 mod linear;
 mod newton;
+mod relaxation;
 pub mod search;
 pub mod settings;
 pub mod stability;
@@ -19,6 +24,6 @@ mod stiffness;
 mod subspace;
 mod trust_region;
 
-pub use equilibrium::{Equilibrium, equilibrium};
+pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed};
 pub use settings::{Method, Settings, Want};
 pub use stability::{Mode, Stability, Verdict};

@@ -27,4 +27,23 @@ pub enum Method {
     Auto,
     /// Newton on the differentiated transfer equations alone.
     Newton,
+    /// Dynamic relaxation: an explicit motion with kinetic damping.
+    Relaxation,
+    /// Lagrange's equations of the first kind in maximal coordinates.
+    Lagrange,
+}
+
+impl Method {
+    /// All methods, the cascade first.
+    pub const ALL: [Self; 4] = [Self::Auto, Self::Newton, Self::Relaxation, Self::Lagrange];
+
+    /// The name in scenario files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Newton => "newton",
+            Self::Relaxation => "relaxation",
+            Self::Lagrange => "lagrange",
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! The transfer relations of one body and one hinge, as named blocks.
 
+use crate::model::Link;
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkAcceleration;
 use crate::spatial::{Sym3, Wrench};
@@ -63,6 +64,19 @@ impl Reduced {
         self.fm += Matrix3::new(m11, m12, m13, m21, m22, m23, m31, m32, m33);
         self.ff += *a;
     }
+}
+
+/// The moment of [`bias`] in link axes. There the inertia is known to the last digit, and a slender body's small moment
+/// of inertia is not drowned in the round-off of its large ones: `ω × J ω` as differences of moments of inertia.
+#[inline]
+pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion) -> Vector3<f64> {
+    let (w, g, j) = (at.turn.tr_mul(&at.angular_velocity), at.turn.tr_mul(gravity), &link.inertia);
+    let gyroscopic = Vector3::new(
+        (j.zz - j.yy) * w.y * w.z + j.yz * (w.y * w.y - w.z * w.z) + w.x * (j.xz * w.y - j.xy * w.z),
+        (j.xx - j.zz) * w.z * w.x + j.xz * (w.z * w.z - w.x * w.x) + w.y * (j.xy * w.z - j.yz * w.x),
+        (j.yy - j.xx) * w.x * w.y + j.xy * (w.x * w.x - w.y * w.y) + w.z * (j.yz * w.x - j.xz * w.y),
+    );
+    gyroscopic - link.mass * link.center.cross(&g)
 }
 
 /// `b` of eq. (1) with gravity: the wrench at the root marker that the body's velocities and weight ask for.

@@ -1,6 +1,6 @@
 //! The reduction: a factorization of the tree, and solutions with it.
 
-use super::element::Reduced;
+use super::element::{Reduced, bias, moment_in_link_axes};
 use super::{LinkAcceleration, accelerate, along, inboard};
 use crate::model::{Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion};
@@ -37,6 +37,12 @@ enum Pivot {
     },
     /// A ball, `H` being the moment part in inertial axes: `S H = [fm; mm]` and `D⁻¹`.
     Three {
+        fm: Matrix3<f64>,
+        mm: Sym3,
+        inverse: Sym3,
+    },
+    /// A ball that carries nothing but its own body: `D⁻¹` in link axes, where it is exact.
+    Leaf {
         fm: Matrix3<f64>,
         mm: Sym3,
         inverse: Sym3,
@@ -87,8 +93,8 @@ impl Reduction {
         }
         for index in (1..model.links.len()).rev() {
             let (link, at) = (&model.links[index], &motion.links[index]);
-            let (pivot, across) =
-                eliminate(model, link, at, &self.S[index]).map_err(|pivot| Singular { link: index, pivot })?;
+            let (pivot, across) = eliminate(model, link, at, &self.S[index], link.subtree_end == index + 1)
+                .map_err(|pivot| Singular { link: index, pivot })?;
             self.hinges[index] = pivot;
             self.across[index] = across;
             self.S[link.parent].add_shifted(&across, &at.arm);
@@ -112,7 +118,7 @@ impl Reduction {
         for index in (1..model.links.len()).rev() {
             let (link, at) = (&model.links[index], &motion.links[index]);
             let mut e = self.e[index];
-            let bias = LinkAcceleration { linear: at.bias, angular: at.angular_bias };
+            let gamma = LinkAcceleration { linear: at.bias, angular: at.angular_bias };
             match &self.hinges[index] {
                 Pivot::None => {}
                 Pivot::One { SH, inverse } => {
@@ -127,9 +133,15 @@ impl Reduction {
                     let step = *inverse * u;
                     e += Wrench { force: fm * step, moment: *mm * step };
                 }
+                Pivot::Leaf { fm, mm, inverse } => {
+                    let u = three(load.tau, link.velocity) - leaf_moment(model, link, at, &e, load.with_bias);
+                    self.u[index] = u;
+                    let step = at.turn * (*inverse * u);
+                    e += Wrench { force: fm * step, moment: *mm * step };
+                }
             }
             if load.with_bias {
-                e += self.across[index].times(&bias);
+                e += self.across[index].times(&gamma);
             }
             self.e[link.parent] += e.shifted(at.arm);
         }
@@ -150,6 +162,12 @@ impl Reduction {
                 Pivot::Three { fm, mm, inverse } => {
                     let resisted = fm.tr_mul(&a.linear) + *mm * a.angular;
                     let relative = at.turn.tr_mul(&(*inverse * (self.u[index] - resisted)));
+                    hinge[link.velocity..link.velocity + 3].copy_from_slice(relative.as_slice());
+                }
+                Pivot::Leaf { inverse, .. } => {
+                    let (linear, angular) = (at.turn.tr_mul(&a.linear), at.turn.tr_mul(&a.angular));
+                    let resisted = link.mass * link.center.cross(&linear) + link.inertia * angular;
+                    let relative = *inverse * (self.u[index] - resisted);
                     hinge[link.velocity..link.velocity + 3].copy_from_slice(relative.as_slice());
                 }
             }
@@ -177,7 +195,7 @@ impl Reduction {
             match &self.hinges[index] {
                 Pivot::None => {}
                 Pivot::One { inverse, .. } => out[first] = 1.0 / inverse,
-                Pivot::Three { mm, .. } => {
+                Pivot::Three { mm, .. } | Pivot::Leaf { mm, .. } => {
                     for i in 0..3 {
                         let axis = at.turn.column(i).into_owned();
                         out[first + i] = axis.dot(&(*mm * axis)) + model.coordinates[first + i].armature;
@@ -190,12 +208,12 @@ impl Reduction {
 
 /// Eq. (5) for one hinge; on failure the pivot that is not positive.
 #[inline]
-fn eliminate(model: &Model, link: &Link, at: &LinkMotion, S: &Reduced) -> Result<(Pivot, Reduced), f64> {
+fn eliminate(model: &Model, link: &Link, at: &LinkMotion, S: &Reduced, leaf: bool) -> Result<(Pivot, Reduced), f64> {
     let (SH, seen) = match link.joint {
         Joint::None => return Ok((Pivot::None, *S)),
         Joint::Turn { .. } => (Wrench { force: S.fm * at.axis, moment: S.mm * at.axis }, S.mm.trace()),
         Joint::Slide { .. } => (Wrench { force: S.ff * at.axis, moment: S.fm.tr_mul(&at.axis) }, S.ff.trace()),
-        Joint::Ball { .. } => return eliminate_ball(model, link, at, S),
+        Joint::Ball { .. } => return eliminate_ball(model, link, at, S, leaf),
     };
     let D = along(&link.joint, &at.axis, &SH) + model.coordinates[link.velocity].armature;
     if !(D > SINGULAR * seen && D.is_finite()) {
@@ -209,18 +227,27 @@ fn eliminate(model: &Model, link: &Link, at: &LinkMotion, S: &Reduced) -> Result
 
 /// Eq. (5) for a ball. Without armature `S' H = 0` holds identically, so those blocks are set, not computed.
 #[inline]
-fn eliminate_ball(model: &Model, link: &Link, at: &LinkMotion, S: &Reduced) -> Result<(Pivot, Reduced), f64> {
+fn eliminate_ball(
+    model: &Model,
+    link: &Link,
+    at: &LinkMotion,
+    S: &Reduced,
+    leaf: bool,
+) -> Result<(Pivot, Reduced), f64> {
     let armature = [0, 1, 2].map(|i| model.coordinates[link.velocity + i].armature);
     let rotor = match armature {
         [0.0, 0.0, 0.0] => Sym3::ZERO,
         _ => Sym3::diagonal(Vector3::from(armature)).turned(&at.turn),
     };
-    let D = S.mm + rotor;
-    let (inverse, pivots) = D.inverse().ok_or(0.0)?;
+    // A leaf's pivot in link axes, then turned: a slender body's smallest moment keeps its digits.
+    let own = link.inertia + Sym3::diagonal(Vector3::from(armature));
+    let D = if leaf { own } else { S.mm + rotor };
+    let (in_its_axes, pivots) = D.inverse().ok_or(0.0)?;
     let least = pivots.min();
     if !(least > SINGULAR * D.trace()) {
         return Err(least);
     }
+    let inverse = if leaf { in_its_axes.turned(&at.turn) } else { in_its_axes };
     let weighted = S.fm * inverse.matrix();
     let mut across = Reduced { ff: S.ff, ..Reduced::default() };
     let taken = weighted * S.fm.transpose();
@@ -232,7 +259,21 @@ fn eliminate_ball(model: &Model, link: &Link, at: &LinkMotion, S: &Reduced) -> R
         across.fm = weighted * full;
         across.mm = rotor + Sym3::symmetric_part(&-(full * inverse.matrix() * full));
     }
-    Ok((Pivot::Three { fm: S.fm, mm: S.mm, inverse }, across))
+    let pivot = match leaf {
+        true => Pivot::Leaf { fm: S.fm, mm: S.mm, inverse: in_its_axes },
+        false => Pivot::Three { fm: S.fm, mm: S.mm, inverse },
+    };
+    Ok((pivot, across))
+}
+
+/// `e` of a leaf's moments in link axes: its own terms computed there, and what is applied beside them turned there.
+#[inline]
+fn leaf_moment(model: &Model, link: &Link, at: &LinkMotion, e: &Wrench, with_bias: bool) -> Vector3<f64> {
+    if !with_bias {
+        return at.turn.tr_mul(&e.moment);
+    }
+    let own = bias(link.mass, &model.gravity, at).moment;
+    moment_in_link_axes(link, &model.gravity, at) + at.turn.tr_mul(&(e.moment - own))
 }
 
 #[inline]

@@ -14,7 +14,8 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("forces", &["model", "motion", "spatial"]),
     ("transfer", &["model", "motion", "spatial"]),
     ("dynamics", &["model", "motion", "forces", "transfer", "spatial"]),
-    ("statics", &["model", "dynamics", "transfer", "spatial"]),
+    // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
+    ("statics", &["model", "motion", "forces", "dynamics", "transfer", "spatial"]),
     ("record", &["spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     ("scenario", &["model", "simulate", "statics", "record", "suggest"]),
@@ -22,7 +23,7 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 9] = [
+const FOREIGN: [(&str, &[&str]); 11] = [
     ("toml", &["scenario"]),
     ("annotate_snippets", &["scenario"]),
     ("mcap", &["record"]),
@@ -31,6 +32,8 @@ const FOREIGN: [(&str, &[&str]); 9] = [
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),
+    ("csv", &["cli"]),
+    ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics", "simulate"]),
 ];
 

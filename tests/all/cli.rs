@@ -5,6 +5,7 @@ mod damage;
 mod interrupt;
 mod keys;
 mod output;
+mod precision;
 
 use crate::scenarios::file;
 use assert_cmd::Command;

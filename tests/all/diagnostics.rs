@@ -531,9 +531,6 @@ type = "revolute"
 
 [simulate]
 integrator = "radau5"
-
-[statics]
-method = "lagrange"
 "#
     .trim_start();
     insta::assert_snapshot!(said(text, &[]), @r#"
@@ -555,17 +552,9 @@ method = "lagrange"
     10 | integrator = "radau5"
        |              ^^^^^^^^
        |
-       = help: available: `auto`, `rk4`, `dopri5`, `sdirk4`
+       = help: available: `auto`, `rk4`, `dopri5`, `dop853`, `sdirk4`
 
-    error: [statics]: `method` `lagrange` is not available in this version
-      --> scene.toml:13:10
-       |
-    13 | method = "lagrange"
-       |          ^^^^^^^^^^
-       |
-       = help: available: `auto`, `newton`
-
-    scene.toml: 4 errors
+    scene.toml: 3 errors
     "#);
 }
 

@@ -8,7 +8,7 @@ mod stiff;
 
 use stillpoint::integrate::{ImplicitProblem, Method, Options, Start, Stepper};
 
-const METHODS: [Method; 3] = [Method::Rk4, Method::Dopri5, Method::Sdirk4];
+const METHODS: [Method; Method::ALL.len()] = Method::ALL;
 
 /// A finished run.
 fn run<P: ImplicitProblem>(

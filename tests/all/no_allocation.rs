@@ -4,6 +4,8 @@ use crate::common::{Options, build, random_scene};
 use std::collections::{BTreeSet, HashSet};
 use std::mem::discriminant;
 use stillpoint::dynamics::System;
+use stillpoint::integrate::{Method, Options as Settings, Start};
+use stillpoint::simulate::problem::Motion;
 
 /// Counted on this thread, from the first call after construction on, over a scene with all eight kinds of hinges and
 /// all three kinds of forces (loads of both kinds of axes).
@@ -28,6 +30,33 @@ fn evaluating_a_system_allocates_nothing() {
     count("residual", &mut |system| system.residual(q, v, v, &mut residual).unwrap());
     count("energies", &mut |system| assert!(system.energies(q, v).kinetic > 0.0));
     count("powers", &mut |system| assert!(system.powers(q, v).dissipated > 0.0));
+}
+
+/// Steps of every method, after the first ones; dense output included.
+#[test]
+fn stepping_allocates_nothing() {
+    let model = build(&random_scene(17, &Options { bodies: 40, springs: false, welds: true }));
+    for method in Method::ALL {
+        let mut motion = Motion::new(&model);
+        let start = Start {
+            time: 0.0,
+            position: &model.start_position,
+            velocity: &model.start_velocity,
+            end: model.time_scale(),
+        };
+        let settings = Settings { step: method.needs_step().then_some(1e-3 * start.end), ..Settings::default() };
+        let mut stepper = method.start(&mut motion, &settings, start).unwrap();
+        let (mut q, mut v) = (start.position.to_vec(), start.velocity.to_vec());
+        stepper.step(&mut motion).unwrap();
+        let counted = allocation_counter::measure(|| {
+            for _ in 0..5 {
+                stepper.step(&mut motion).unwrap();
+                let middle = 0.5 * (stepper.previous_time() + stepper.time());
+                stepper.interpolate(&mut motion, middle, &mut q, &mut v).unwrap();
+            }
+        });
+        assert_eq!(counted.count_total, 0, "{method:?}: {counted:?}");
+    }
 }
 
 /// The counter counts.

@@ -40,10 +40,11 @@ const INTEGRATORS: &[(&str, &str)] = &[
     ("auto", "Chosen by a stated rule."),
     ("rk4", "Classical Runge–Kutta, fixed step."),
     ("dopri5", "Dormand–Prince 5(4), adaptive."),
+    ("dop853", "Dormand–Prince 8(5,3), adaptive, for tight tolerances."),
     ("sdirk4", "L-stable, stiffly accurate, order 4, adaptive."),
 ];
 
-const LATER_INTEGRATORS: &[&str] = &["dop853", "radau5", "generalized-alpha", "gauss"];
+const LATER_INTEGRATORS: &[&str] = &["radau5", "generalized-alpha", "gauss"];
 
 /// `(statics)`
 pub const STATICS: Table = Table {
@@ -52,9 +53,7 @@ pub const STATICS: Table = Table {
     types: &[],
     keys: &[
         Key::new("want", Kind::Choice(WANTS), "Which equilibrium.").default("\"stable\"").example("\"stable\""),
-        Key::new("method", Kind::Planned(METHODS, LATER_METHODS), "How it is found.")
-            .default("\"auto\"")
-            .example("\"newton\""),
+        Key::new("method", Kind::Choice(METHODS), "How it is found.").default("\"auto\"").example("\"newton\""),
         Key::new("path", Kind::Refused("equilibrium paths cannot be followed by this version"), "Follows a parameter."),
     ],
 };
@@ -64,10 +63,12 @@ const WANTS: &[(&str, &str)] = &[
     ("any", "The nearest one, whatever it is, and what it is."),
 ];
 
-const METHODS: &[(&str, &str)] =
-    &[("auto", "The cascade."), ("newton", "Newton on the differentiated transfer equations alone.")];
-
-const LATER_METHODS: &[&str] = &["relaxation", "lagrange"];
+const METHODS: &[(&str, &str)] = &[
+    ("auto", "The cascade."),
+    ("newton", "Newton on the differentiated transfer equations alone."),
+    ("relaxation", "Dynamic relaxation: an explicit motion with kinetic damping, to compare with."),
+    ("lagrange", "Newton in maximal coordinates with Lagrange multipliers, to compare with."),
+];
 
 /// `[record]`
 pub const RECORD: Table = Table {

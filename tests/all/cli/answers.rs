@@ -11,7 +11,7 @@ fn what_goes_well_ends_with_0() {
         assert!(answer.err.is_empty() && !answer.out.is_empty(), "{command}: {answer:#?}");
     }
     let help = bench.call(&["--help"]).code(0);
-    for command in ["run", "statics", "rest", "inspect", "view", "check", "schema"] {
+    for command in ["run", "statics", "rest", "precision", "inspect", "view", "check", "schema"] {
         assert!(help.out.contains(&format!("\n  {command} ")), "{command} is not in the help");
         assert!(bench.call(&[command, "--help"]).code(0).out.contains("Usage:"));
     }

@@ -7,7 +7,7 @@ use stillpoint::integrate::{ImplicitProblem, Method, Options, Start, Statistics,
 use super::problems::{Body, Scalar};
 use super::{METHODS, adaptive, distance, fixed, run};
 
-const ADAPTIVE: [Method; 2] = [Method::Dopri5, Method::Sdirk4];
+const ADAPTIVE: [Method; 3] = [Method::Dopri5, Method::Dop853, Method::Sdirk4];
 /// `q = cos t`.
 const RELEASED: Start<'_> = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 10.0 };
 const TUMBLING: Start<'_> =
@@ -123,6 +123,26 @@ fn no_step_is_longer_than_the_longest_allowed() {
 }
 
 #[test]
+fn dop853_pays_for_dense_output_once_in_a_step_that_is_looked_into() {
+    let mut problem = oscillator();
+    let mut stepper = Method::Dop853.start(&mut problem, &adaptive(1e-9), RELEASED).expect("the run starts");
+    let evaluations = |stepper: &dyn Stepper<Scalar>| stepper.statistics().acceleration_evaluations;
+    let (mut q, mut v) = ([0.0], [0.0]);
+    for _ in 0..3 {
+        stepper.step(&mut problem).expect("the step is made");
+        let before = evaluations(&*stepper);
+        stepper.interpolate(&mut problem, stepper.time(), &mut q, &mut v).expect("the end");
+        assert_eq!(evaluations(&*stepper), before);
+        for part in [0.1, 0.5, 0.8] {
+            let time = stepper.time() + (part - 1.0) * (stepper.time() - stepper.previous_time());
+            stepper.interpolate(&mut problem, time, &mut q, &mut v).expect("a state");
+            assert_eq!(evaluations(&*stepper), before + 3);
+            assert!(distance(&[q[0], v[0]], &[time.cos(), -time.sin()]) < 1e-8);
+        }
+    }
+}
+
+#[test]
 fn runs_cost_what_they_did() {
     let mut table = String::new();
     for method in METHODS {
@@ -138,6 +158,8 @@ fn runs_cost_what_they_did() {
     Rk4 body: steps 200, rejected 0, accelerations 801, residuals 0, jacobians 0, solves 0, iterations 0
     Dopri5 oscillator: steps 45, rejected 0, accelerations 272, residuals 0, jacobians 0, solves 0, iterations 0
     Dopri5 body: steps 43, rejected 2, accelerations 272, residuals 0, jacobians 0, solves 0, iterations 0
+    Dop853 oscillator: steps 14, rejected 0, accelerations 170, residuals 0, jacobians 0, solves 0, iterations 0
+    Dop853 body: steps 18, rejected 2, accelerations 242, residuals 0, jacobians 0, solves 0, iterations 0
     Sdirk4 oscillator: steps 120, rejected 0, accelerations 2, residuals 840, jacobians 6, solves 840, iterations 720
     Sdirk4 body: steps 103, rejected 0, accelerations 2, residuals 1092, jacobians 31, solves 1092, iterations 989
     ");

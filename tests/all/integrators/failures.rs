@@ -37,7 +37,7 @@ fn a_rate_that_stops_being_finite_on_the_way() {
     let problem = || Scalar::oscillator(0.0, 0.0, |t| if t > 0.5 { f64::INFINITY } else { 0.0 });
     let fixed = failure(Method::Rk4, &mut problem(), &fixed(0.25)).to_string();
     insta::assert_snapshot!(fixed, @"the fixed step of 0.25 s from t = 0.5 s fails: v[0] or its rate is not a finite number; beyond the stability limit of an explicit method numbers grow without bound: shorten the step, or try sdirk4");
-    for method in [Method::Dopri5, Method::Sdirk4] {
+    for method in [Method::Dopri5, Method::Dop853, Method::Sdirk4] {
         let error = failure(method, &mut problem(), &adaptive(1e-6));
         let StepError::Underflow { time, limit, .. } = error else { panic!("{error}") };
         assert_eq!(limit, Limit::NotFinite(Component::Velocity(0)));
@@ -63,7 +63,7 @@ fn an_adaptive_explicit_step_held_by_stability_to_the_end() {
 
 #[test]
 fn a_solution_that_leaves_to_infinity() {
-    for method in [Method::Dopri5, Method::Sdirk4] {
+    for method in [Method::Dopri5, Method::Dop853, Method::Sdirk4] {
         // v = 1 / (1 − 2 t)
         let mut problem = Scalar::new(|_, _, v| 2.0 * v * v, |_, _, v| (0.0, 4.0 * v));
         let error = failure(method, &mut problem, &adaptive(1e-6));
@@ -130,7 +130,7 @@ fn a_failure_of_the_system_keeps_its_own_words() {
         let error = failure(method, &mut Blocked, &fixed(0.2));
         assert!(error.to_string().contains("hinge `lid` is blocked"), "{error}");
     }
-    for method in [Method::Dopri5, Method::Sdirk4] {
+    for method in [Method::Dopri5, Method::Dop853, Method::Sdirk4] {
         let error = failure(method, &mut Blocked, &adaptive(1e-6));
         let StepError::Underflow { time, limit, .. } = error else { panic!("{error}") };
         assert_eq!(limit.to_string(), "hinge `lid` is blocked");

@@ -1,0 +1,203 @@
+//! Hinges as constraints between the poses of two links, with their gradients and second derivatives.
+//!
+//! ```text
+//! s, o   hinge point on the parent P;   D = r − r_P;   u, a carried by P, b carried by the link; inertial axes
+//! coincide  g = D − s          unit multiplier: force e on the link, −e and moment e × s on P     (three rows)
+//! across    g = u·(D − o)      u on the link, −u and u × D on P
+//! square    g = a·b            moments b × a on the link, a × b on P
+//! ```
+//!
+//! | hinge | constraints |
+//! |---|---|
+//! | turn about n | coincide; square for n against the two axes across it |
+//! | slide along n | across for the two axes; square for three pairs of axes |
+//! | ball | coincide |
+//!
+//! A locked hinge is one without freedom: coincide, and square for three pairs.
+
+use super::entries::{Entries, Part};
+use crate::model::{Joint, Link, Model};
+use crate::motion::{Motion, hinge_from_link};
+use crate::spatial::Wrench;
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+
+/// One constraint: three rows for `Coincide`, else one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Constraint {
+    pub(super) link: usize,
+    pub(super) parent: usize,
+    /// First row, from the first constraint on.
+    pub(super) row: usize,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    /// The point of the parent that the root marker sits on, parent axes.
+    Coincide { point: Vector3<f64> },
+    /// Axis and hinge point, parent axes.
+    Across { axis: Vector3<f64>, point: Vector3<f64> },
+    /// One axis of the parent and one of the link, each in its own axes.
+    Square { on_parent: Vector3<f64>, on_link: Vector3<f64> },
+}
+
+/// What a multiplier of size one does: `force` and `on_link` to the link, `−force` and `on_parent` to the parent. The
+/// same numbers are the gradient with respect to displacements and small turns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gradient {
+    pub(super) force: Vector3<f64>,
+    pub(super) on_link: Vector3<f64>,
+    pub(super) on_parent: Vector3<f64>,
+}
+
+impl Gradient {
+    pub(super) fn on_link(&self, size: f64) -> Wrench {
+        Wrench { force: size * self.force, moment: size * self.on_link }
+    }
+
+    pub(super) fn on_parent(&self, size: f64) -> Wrench {
+        Wrench { force: -size * self.force, moment: size * self.on_parent }
+    }
+
+    /// The blocks that are not zero by kind: link, part, row vector.
+    pub(super) fn blocks(&self, link: usize, parent: usize) -> [(usize, Part, Vector3<f64>); 4] {
+        [
+            (link, Part::Place, self.force),
+            (link, Part::Turn, self.on_link),
+            (parent, Part::Place, -self.force),
+            (parent, Part::Turn, self.on_parent),
+        ]
+    }
+}
+
+/// All constraints of a tree with locked hinges held at `q`, and the number of their rows.
+pub(super) fn of_model(model: &Model, q: &[f64]) -> (Vec<Constraint>, usize) {
+    let (mut list, mut row) = (Vec::new(), 0);
+    for (index, link) in model.links.iter().enumerate().skip(1) {
+        for kind in of_link(model, link, q) {
+            list.push(Constraint { link: index, parent: link.parent, row, kind });
+            row += if matches!(kind, Kind::Coincide { .. }) { 3 } else { 1 };
+        }
+    }
+    (list, row)
+}
+
+fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
+    let point = link.offset;
+    let (_, count) = link.joint.counts();
+    let locked = model.coordinates[link.velocity..link.velocity + count].iter().any(|c| c.lock);
+    match link.joint {
+        Joint::None => welded(point, link.turn),
+        Joint::Turn { axis } if locked => {
+            let turn = Rotation3::from_axis_angle(&Unit::new_normalize(axis), q[link.position]);
+            welded(point, link.turn * turn.matrix())
+        }
+        Joint::Slide { axis } if locked => welded(point + q[link.position] * (link.turn * axis), link.turn),
+        Joint::Ball { .. } if locked => {
+            welded(point, link.turn * hinge_from_link(&q[link.position..link.position + 4]))
+        }
+        Joint::Turn { axis } => {
+            let square = |across| Kind::Square { on_parent: link.turn * across, on_link: axis };
+            let [first, second] = across(&axis);
+            vec![Kind::Coincide { point }, square(first), square(second)]
+        }
+        Joint::Slide { axis } => {
+            let of = |axis: Vector3<f64>| Kind::Across { axis: link.turn * axis, point };
+            across(&axis).into_iter().map(of).chain(parallel(link.turn)).collect()
+        }
+        Joint::Ball { .. } => vec![Kind::Coincide { point }],
+    }
+}
+
+fn welded(point: Vector3<f64>, turn: Matrix3<f64>) -> Vec<Kind> {
+    std::iter::once(Kind::Coincide { point }).chain(parallel(turn)).collect()
+}
+
+/// The link's axes stand as `turn` on the parent.
+fn parallel(turn: Matrix3<f64>) -> impl Iterator<Item = Kind> {
+    [(1, 2), (2, 0), (0, 1)]
+        .into_iter()
+        .map(move |(i, j)| Kind::Square { on_parent: turn.column(i).into_owned(), on_link: Vector3::ith(j, 1.0) })
+}
+
+/// Two unit axes across one.
+fn across(axis: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let first = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
+    [first, axis.cross(&first)]
+}
+
+impl Constraint {
+    /// Number of rows.
+    pub(super) fn count(&self) -> usize {
+        if matches!(self.kind, Kind::Coincide { .. }) { 3 } else { 1 }
+    }
+
+    /// Whether the gap is a length, else the cosine of an angle.
+    pub(super) fn is_length(&self) -> bool {
+        !matches!(self.kind, Kind::Square { .. })
+    }
+
+    /// The gaps, `count` of them (m, rad), and their gradients.
+    pub(super) fn at(&self, motion: &Motion) -> [(f64, Gradient); 3] {
+        let (link, parent) = (&motion.links[self.link], &motion.links[self.parent]);
+        let zero = Vector3::zeros();
+        let between = link.position - parent.position;
+        match self.kind {
+            Kind::Coincide { point } => {
+                let arm = parent.turn * point;
+                [0, 1, 2].map(|i| {
+                    let unit = Vector3::ith(i, 1.0);
+                    let gradient = Gradient { force: unit, on_link: zero, on_parent: unit.cross(&arm) };
+                    (between[i] - arm[i], gradient)
+                })
+            }
+            Kind::Across { axis, point } => {
+                let u = parent.turn * axis;
+                let gradient = Gradient { force: u, on_link: zero, on_parent: u.cross(&between) };
+                [(u.dot(&between) - axis.dot(&point), gradient); 3]
+            }
+            Kind::Square { on_parent, on_link } => {
+                let (a, b) = (parent.turn * on_parent, link.turn * on_link);
+                let moment = a.cross(&b);
+                [(a.dot(&b), Gradient { force: zero, on_link: -moment, on_parent: moment }); 3]
+            }
+        }
+    }
+
+    /// The geometric stiffness: how the forces of fixed multipliers vary with the poses.
+    pub(super) fn vary(&self, motion: &Motion, multipliers: &[f64], entries: &mut Entries) {
+        let (link, parent) = (&motion.links[self.link], &motion.links[self.parent]);
+        let (i, p) = (self.link, self.parent);
+        match self.kind {
+            Kind::Coincide { point } => {
+                let arm = (parent.turn * point).cross_matrix();
+                let force = Vector3::from_column_slice(&multipliers[self.row..self.row + 3]);
+                entries.add((p, Part::Turn), (p, Part::Turn), &(-force.cross_matrix() * arm));
+            }
+            Kind::Across { axis, .. } => {
+                axial(motion, (i, p), parent.turn * axis, multipliers[self.row], entries);
+            }
+            Kind::Square { on_parent, on_link } => {
+                let (a, b) = ((parent.turn * on_parent).cross_matrix(), (link.turn * on_link).cross_matrix());
+                let size = multipliers[self.row];
+                let (by_parent, by_link) = (size * (b * a), size * (a * b));
+                entries.add((p, Part::Turn), (p, Part::Turn), &by_parent);
+                entries.add((p, Part::Turn), (i, Part::Turn), &-by_link);
+                entries.add((i, Part::Turn), (p, Part::Turn), &-by_parent);
+                entries.add((i, Part::Turn), (i, Part::Turn), &by_link);
+            }
+        }
+    }
+}
+
+/// How a force of fixed size along an axis carried by the parent varies with the poses.
+pub(super) fn axial(motion: &Motion, ends: (usize, usize), u: Vector3<f64>, size: f64, entries: &mut Entries) {
+    let (i, p) = ends;
+    let between = motion.links[i].position - motion.links[p].position;
+    let force = size * u.cross_matrix();
+    entries.add((i, Part::Place), (p, Part::Turn), &-force);
+    entries.add((p, Part::Place), (p, Part::Turn), &force);
+    entries.add((p, Part::Turn), (p, Part::Turn), &(between.cross_matrix() * force));
+    entries.add((p, Part::Turn), (i, Part::Place), &force);
+    entries.add((p, Part::Turn), (p, Part::Place), &-force);
+}

@@ -1,0 +1,69 @@
+//! Work and precision as the library measures them.
+
+use crate::scenarios::shipped;
+use std::time::Duration;
+use stillpoint::integrate::Method;
+use stillpoint::model::Model;
+use stillpoint::simulate::State;
+use stillpoint::simulate::precision::{Plan, Setting, Study, precision};
+
+fn measure(model: &Model, plan: &Plan, stop_after: f64) -> Option<Study> {
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    precision(model, &start, plan, &mut |part| part < stop_after).expect("a reference")
+}
+
+fn thrown_pendulum() -> (Model, Plan) {
+    let (_, model) = shipped("double_pendulum", &[]);
+    let plan = Plan::new(&model, 0.5, Duration::from_secs(20));
+    (model, plan)
+}
+
+#[test]
+fn the_error_falls_with_the_tolerance_and_with_the_step_of_every_method() {
+    let (model, plan) = thrown_pendulum();
+    let study = measure(&model, &plan, 2.0).expect("nobody stopped it");
+    assert!(!study.interrupted);
+    // Two references at 1e-13 over half a second.
+    assert!(study.agreement.state < 1e-11 && study.agreement.energy < 1e-11, "{:?}", study.agreement);
+    for method in Method::ALL {
+        let mine: Vec<_> = study.points.iter().filter(|point| point.method == method).collect();
+        assert_eq!(mine.len(), 10);
+        let error = |i: usize| mine[i].outcome.as_ref().expect("a measured point").state;
+        // Nine decades of tolerance, or nine halvings at order four.
+        assert!(error(9) < 1e-6 * error(0), "{method:?}: {:e} and {:e}", error(0), error(9));
+        assert!(mine[9].statistics.steps > mine[0].statistics.steps && mine[9].wall > Duration::ZERO);
+        assert_eq!(method.needs_step(), matches!(mine[0].setting, Setting::Step(_)));
+    }
+    let fit = study.recommend(1e-6).expect("a point");
+    assert!(fit.outcome.as_ref().is_ok_and(|errors| errors.state <= 1e-6));
+    let faster = study.points.iter().filter(|point| point.wall < fit.wall);
+    assert!(faster.into_iter().all(|point| point.outcome.as_ref().is_ok_and(|errors| errors.state > 1e-6)));
+    assert!(study.recommend(1e-30).is_none());
+}
+
+#[test]
+fn runs_that_fail_or_take_too_long_are_kept_and_say_why() {
+    let (model, plan) = thrown_pendulum();
+    let hasty = Plan { limit: Duration::ZERO, methods: vec![Method::Sdirk4], ..plan.clone() };
+    let study = measure(&model, &hasty, 2.0).expect("nobody stopped it");
+    assert_eq!(study.points.len(), 10);
+    assert_eq!(study.points[9].outcome, Err("given up after 0 s".to_owned()));
+    assert!(study.recommend(1.0).is_none_or(|point| point.outcome.is_ok()));
+
+    // Steps far beyond the stability of an explicit method, on a stiff hinge.
+    let (_, stiff) = shipped("double_pendulum", &["lower.stiffness=1e6"]);
+    let coarse = Plan { steps: vec![0.05], methods: vec![Method::Rk4], ..plan };
+    let study = measure(&stiff, &coarse, 2.0).expect("nobody stopped it");
+    let why = study.points[0].outcome.as_ref().expect_err("it must diverge");
+    assert!(why.contains("try sdirk4") || why.contains("not a finite number"), "{why}");
+}
+
+#[test]
+fn what_is_done_is_kept_when_it_is_stopped() {
+    let (model, plan) = thrown_pendulum();
+    let study = measure(&model, &plan, 0.5).expect("points before the stop");
+    assert!(study.interrupted);
+    // Half of forty points and two references are 21 runs; the last of them is stopped when it gets there.
+    assert_eq!(study.points.len(), 18);
+    assert!(measure(&model, &plan, 0.0).is_none(), "nothing to compare with");
+}
