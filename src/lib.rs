@@ -1,6 +1,6 @@
 //! A multibody simulator that starts at rest: it finds the static equilibrium of a scene of rigid bodies, hinges and
 //! springs, proves what kind of equilibrium it is, and simulates from there. Statics and dynamics come from one
-//! method, the reduced transfer matrix method, in a time proportional to the number of bodies.
+//! method, the reduced transfer matrix method, whose sweeps take a time proportional to the number of bodies.
 //!
 //! ```text
 //!  scenarios/*.toml
