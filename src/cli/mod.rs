@@ -68,7 +68,7 @@ enum Command {
     ///
     /// Example: stillpoint rest scenarios/machine_on_mounts.toml
     Rest(rest::Arguments),
-    /// Measure speed against error: every integrator over tolerances or steps; table, CSV and plot
+    /// Measure what every integrator costs for the error it makes: table, CSV and plot
     ///
     /// Example: stillpoint precision scenarios/double_pendulum.toml --set simulate.duration=3 --error 1e-6
     Precision(precision::Arguments),

@@ -103,13 +103,14 @@ fn a_full_disk_is_an_error_with_the_file_named_and_no_panic() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_disk_that_fills_up_in_the_middle_leaves_what_was_flushed() {
-    // A limit on the size of files stands for the disk. It belongs to the process, so it needs one of its own.
+    // A limit on the size of files (4 MiB, some chunks) stands for the disk. It belongs to the process, so it needs one
+    // of its own.
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("swing.mcap");
     let program = env!("CARGO_BIN_EXE_stillpoint");
     let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/double_pendulum.toml");
     let script = format!(
-        "trap '' XFSZ; ulimit -f 512; exec '{program}' run '{scenario}' --set simulate.duration=1000 --out '{}'",
+        "trap '' XFSZ; ulimit -f 4096; exec '{program}' run '{scenario}' --set simulate.duration=1000 --out '{}'",
         path.display()
     );
     let run = std::process::Command::new("bash").args(["-c", &script]).output().expect("run");
