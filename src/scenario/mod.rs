@@ -41,12 +41,14 @@ mod settings;
 mod shape;
 mod sources;
 mod spans;
+pub mod start;
 mod syntax;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use overrides::{Override, OverrideError};
 pub use read::{LARGEST_FILE, LoadError};
 pub use schema::schema;
+pub use start::{Started, load_start};
 
 use crate::model::{Description, Model, Problem};
 use crate::{record, simulate, statics};

@@ -1,7 +1,7 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
 use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
-use crate::integrate::{Failure, ImplicitProblem, Problem};
+use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{Joint, Model};
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
@@ -14,12 +14,12 @@ pub struct Motion<'m> {
     tangent: Tangent,
 }
 
-/// The factorized tangent of an implicit step.
+/// The factorized tangents of an implicit step, one per slot.
 enum Tangent {
     /// In O(n), by sweeps.
-    Sweep(Box<TangentSolver>),
+    Sweep(Vec<TangentSolver>),
     /// Dense: where a force between two bodies couples what the tree does not.
-    Dense(Option<PartialPivLu<f64>>),
+    Dense(Vec<Option<PartialPivLu<f64>>>),
 }
 
 impl From<Fault> for Failure {
@@ -41,16 +41,26 @@ impl<'m> Motion<'m> {
             }
         }
         let tangent = match TangentSolver::covers(model) {
-            true => Tangent::Sweep(Box::new(TangentSolver::new(model))),
-            false => Tangent::Dense(None),
+            true => Tangent::Sweep(Vec::new()),
+            false => Tangent::Dense(Vec::new()),
         };
         Self { system: System::new(model), position_scales, velocity_scales, tangent }
     }
 
-    /// The system, for what is recorded between steps.
-    pub fn system(&mut self) -> &mut System<'m> {
-        &mut self.system
+    /// The system at a time (s), for what is recorded between steps.
+    pub fn at(&mut self, time: f64) -> &mut System<'m> {
+        at_time(&mut self.system, time)
     }
+
+    /// The model.
+    pub fn model(&self) -> &'m Model {
+        self.system.model()
+    }
+}
+
+/// The one way from a time to the system; nothing in a system depends on time yet.
+fn at_time<'a, 'm>(system: &'a mut System<'m>, _time: f64) -> &'a mut System<'m> {
+    system
 }
 
 /// `½ p ∘ (0, ω)`: the rate of a quaternion from the angular velocity in the axes it leads from.
@@ -72,8 +82,8 @@ impl Problem for Motion<'_> {
         self.system.model().velocity_count()
     }
 
-    fn acceleration(&mut self, _time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.system.accelerations(q, v, a)?)
+    fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
+        Ok(self.at(time).accelerations(q, v, a)?)
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
@@ -124,41 +134,54 @@ impl ImplicitProblem for Motion<'_> {
         }
     }
 
-    fn residual(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.system.residual(q, v, a, r)?)
+    fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        Ok(self.at(time).residual(q, v, a, r)?)
     }
 
-    fn factorize(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], c1: f64, c2: f64) -> Result<(), Failure> {
+    fn reserve(&mut self, slots: usize) {
+        let model = self.system.model();
         match &mut self.tangent {
-            Tangent::Sweep(solver) => {
+            Tangent::Sweep(solvers) if solvers.len() < slots => {
+                solvers.resize_with(slots, || TangentSolver::new(model))
+            }
+            Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || None),
+            Tangent::Sweep(_) | Tangent::Dense(_) => {}
+        }
+    }
+
+    fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
+        let Point { time, q, v, a } = at;
+        let system = at_time(&mut self.system, time);
+        match &mut self.tangent {
+            Tangent::Sweep(solvers) => {
                 let with = Coefficients { c1, c2, ..Coefficients::default() };
-                if !self.system.factorize_tangent(solver, q, v, a, &with)? {
+                if !system.factorize_tangent(&mut solvers[slot], q, v, a, &with)? {
                     return Err(Failure { message: "the tangent of the implicit step is singular".to_owned() });
                 }
             }
-            Tangent::Dense(factor) => {
-                let linear = self.system.linearize(q, v, a)?;
+            Tangent::Dense(factors) => {
+                let linear = system.linearize(q, v, a)?;
                 let n = a.len();
                 let tangent = Mat::from_fn(n, n, |i, j| {
                     linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)]
                 });
-                *factor = Some(tangent.partial_piv_lu());
+                factors[slot] = Some(tangent.partial_piv_lu());
             }
         }
         Ok(())
     }
 
-    fn solve(&mut self, rhs: &mut [f64]) {
+    fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
         match &mut self.tangent {
-            Tangent::Sweep(solver) => solver.solve(self.system.model(), rhs),
-            Tangent::Dense(Some(factor)) => {
+            Tangent::Sweep(solvers) => solvers[slot].solve(self.system.model(), rhs),
+            Tangent::Dense(factors) => {
+                let Some(factor) = &factors[slot] else { return rhs.fill(f64::NAN) };
                 let mut x = Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]);
                 factor.solve_in_place(&mut x);
                 for (i, value) in rhs.iter_mut().enumerate() {
                     *value = x[(i, 0)];
                 }
             }
-            Tangent::Dense(None) => rhs.fill(f64::NAN),
         }
     }
 }

@@ -84,7 +84,7 @@ pub fn run(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
 ) -> Result<Summary, RunError> {
     let mut motion = Motion::new(model);
-    let energies = motion.system().energies(&start.position, &start.velocity);
+    let energies = motion.at(0.0).energies(&start.position, &start.velocity);
     let mut run = Run {
         model,
         ledger: Ledger::new(model, energies),
@@ -97,9 +97,9 @@ pub fn run(
     };
     run.sampler.sample(&mut motion, &run.ledger, 0.0, start, recorder)?;
     let end_time = run.go(&mut motion, settings, recorder, go_on)?;
-    let now = motion.system().energies(&run.state.position, &run.state.velocity);
+    let now = motion.at(end_time).energies(&run.state.position, &run.state.velocity);
     let mut poses = Vec::new();
-    motion.system().poses(&mut poses);
+    motion.at(end_time).poses(&mut poses);
     Ok(Summary {
         end_time,
         interrupted: end_time < settings.duration,
@@ -202,13 +202,14 @@ impl<'m> Run<'m> {
         if self.ledger.flows() {
             let (from, length) = (stepper.previous_time(), stepper.time() - stepper.previous_time());
             for (node, weight) in GAUSS {
-                self.sampler.interpolate(motion, stepper, from + node * length)?;
+                let time = from + node * length;
+                self.sampler.interpolate(motion, stepper, time)?;
                 let State { position, velocity } = &self.sampler.state;
-                let powers = motion.system().powers(position, velocity);
+                let powers = motion.at(time).powers(position, velocity);
                 self.ledger.add(&powers, weight * length);
             }
         }
-        self.ledger.close_step(motion.system(), &self.state.position, &self.state.velocity);
+        self.ledger.close_step(motion.at(stepper.time()), &self.state.position, &self.state.velocity);
         Ok(())
     }
 }
@@ -250,7 +251,7 @@ impl Sampler {
         time: f64,
     ) -> Result<(), RunError> {
         let State { position, velocity } = &mut self.state;
-        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.system().model(), &error))
+        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))
     }
 
     /// Every sample due within the last step.
@@ -285,7 +286,7 @@ impl Sampler {
         state: &State,
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
-        let system = motion.system();
+        let system = motion.at(time);
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         system.accelerations(q, v, &mut self.accelerations).map_err(fault)?;
