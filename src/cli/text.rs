@@ -42,6 +42,15 @@ pub(super) fn duration(wall: Duration) -> String {
     }
 }
 
+/// A cost in the unit that suits it.
+pub(super) fn nanoseconds(cost: f64) -> String {
+    match cost {
+        c if c < 1e4 => format!("{c:.0} ns"),
+        c if c < 1e7 => format!("{:.1} µs", c * 1e-3),
+        c => format!("{:.1} ms", c * 1e-6),
+    }
+}
+
 /// Title and size of a scene.
 pub(super) fn heading(model: &Model, name: &str) -> String {
     let title = if model.title.is_empty() { name } else { &model.title };
