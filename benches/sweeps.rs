@@ -64,7 +64,7 @@ fn accelerations(c: &mut Criterion) {
             });
         });
     };
-    for n in [1, 10, 100, 1000, 10_000] {
+    for n in [1, 10, 100, 1000, 10_000, 100_000] {
         measure("chain", &chain(n));
     }
     for n in [10, 100] {
@@ -93,7 +93,7 @@ fn tangent(c: &mut Criterion) {
             });
         });
     };
-    for n in [1, 10, 100, 1000] {
+    for n in [1, 10, 100, 1000, 10_000, 100_000] {
         measure("chain", &chain(n));
     }
     measure("spherical chain", &spherical_chain(100));

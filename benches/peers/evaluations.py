@@ -88,6 +88,44 @@ def ratio(a, b):
     return f"{a.min / b.min:.2f} / {a.median / b.median:.2f}" if a and b else "–"
 
 
+def goal(text, most, models, part, whole):
+    """A row: for how many of the models the minimum of `part` is at most `most` times that of `whole`."""
+    ratios = {model: part[model].min / whole[model].min for model in models if part.get(model) and whole.get(model)}
+    if not ratios:
+        return None
+    missed = {model: x for model, x in ratios.items() if not x <= most}
+    worst = max(ratios, key=ratios.get)
+    names = ", ".join(f"{model} ({x:.2f})" for model, x in missed.items())
+    return [text, f"{len(ratios) - len(missed)} of {len(ratios)}", f"{ratios[worst]:.2f} ({worst})", names]
+
+
+def goals(ready, times):
+    """What we mean to reach, and where we do not."""
+    of = lambda quantity: {model: t for (model, name), t in times.items() if name == quantity}  # noqa: E731
+    ours, derivatives = of("stillpoint acceleration"), of("pinocchio aba_derivatives")
+    world, mujoco = of("pinocchio aba_world"), of("mujoco smooth")
+    peers = {model: min(world[model], mujoco[model], key=lambda t: t.min) for model in world}
+    everything = [model.name for model, _, _ in ready]
+    small = [model.name for model, _, _ in ready if model.freedom <= 100]
+    many = [model.name for model, _, _ in ready if model.freedom >= 5]
+    tangent = of("stillpoint tangent_solve")
+    rows = [
+        goal("an acceleration in half the time of the faster peer", 0.5, everything, ours, peers),
+        goal(
+            "the Jacobian in the time of Pinocchio's, up to 100 dof", 1, small, of("stillpoint jacobian"), derivatives
+        ),
+        goal("a tangent solve in less than Pinocchio's derivatives, from 5 dof", 1, many, tangent, derivatives),
+        goal("a tangent solve in 5 accelerations at 10 links", 5, ["chain10"], tangent, ours),
+        goal("a tangent solve in 4 accelerations at 1000 links", 4, ["chain1000"], tangent, ours),
+    ]
+    return report.Table(
+        "Goals",
+        "Ratios of minima.",
+        ["goal", "met by", "worst ratio", "missed by"],
+        [row for row in rows if row],
+    )
+
+
 def microseconds(times):
     return f"{times.min / 1e3:.3g} / {times.median / 1e3:.3g}" if times else "–"
 
@@ -121,6 +159,7 @@ def tables(ready, checks, times):
         keys = ("to_local", "to_world", "to_mujoco", "residual", "residual_local", "residual_world")
         agreement.append([model.name, model.freedom, *(f"{found[key]:.0e}" for key in keys)])
     return [
+        goals(ready, times),
         report.Table(
             "Accelerations",
             "Microseconds for one evaluation, minimum / median. The ratio is ours to the faster of Pinocchio's `aba` "
