@@ -1,6 +1,6 @@
 //! Paths: an equilibrium followed while one number of the scene moves, around folds, with all that happens on the way.
 //!
-//! Every branch is a [curve](mod@curve) in positions and parameter. Between two of its points
+//! Every branch is a curve in positions and parameter. Between two of its points
 //!
 //! - the parameter turns back: a **fold**, where the tangent's parameter part passes zero;
 //! - the number of negative directions changes without that: a **bifurcation**, where the stiffness of one direction

@@ -90,11 +90,13 @@ pub(in super::super) struct Curve<'f> {
     pub metric: Metric,
     /// Why the last correction failed.
     pub reason: String,
+    /// Whether corrections go on until nothing is gained: what is located asks for the last digits.
+    sharp: bool,
 }
 
 impl<'f> Curve<'f> {
     pub(in super::super) fn new(family: &'f mut dyn Family, metric: Metric) -> Self {
-        Self { family, metric, reason: String::new() }
+        Self { family, metric, reason: String::new(), sharp: false }
     }
 
     /// The solution nearest to a guess within the plane across `normal`.
@@ -111,7 +113,8 @@ impl<'f> Curve<'f> {
             };
             let (residual, _) = look.place.residual();
             let better = residual < 0.5 * before;
-            if look.place.is_round_off() || (look.place.is_balanced() && !better) {
+            let done = if self.sharp { residual == 0.0 } else { look.place.is_round_off() };
+            if done || (look.place.is_balanced() && !better) {
                 let along = Direction { x: look.slope, parameter: 1.0 };
                 let mut ahead = self.metric.unit(&along)?;
                 if self.metric.dot(&ahead, normal) < 0.0 {
@@ -165,6 +168,7 @@ impl<'f> Curve<'f> {
     ) -> Option<(f64, Point)> {
         let [mut low, mut high] = ends;
         let mut best: Option<(f64, Point, f64)> = None;
+        self.sharp = true;
         for _ in 0..60 {
             let mut s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
             let (least, most) = (low.0.min(high.0), low.0.max(high.0));
