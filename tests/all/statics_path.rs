@@ -224,9 +224,9 @@ fn a_held_hinge_is_moved_through_its_range() {
     }
 }
 
-/// A pendulum with a motor: hanging and upright are one curve, closed by turning once around.
+/// A pendulum with a motor: hanging and upright are one curve, and the motor can hold it no further than level.
 #[test]
-fn a_path_that_comes_back_is_closed() {
+fn a_path_ends_where_it_leaves_its_range_again() {
     let path = followed(
         "[statics.path]\nparameter = \"bob.force\"\nfrom = 0\nto = 20\n[[body]]\nname = \"bob\"\nmass = 1\n\
          center = [0, 0, -1]\nhinge = { type = \"revolute\", axis = [0, 1, 0], position = 0.1 }\n",
@@ -238,11 +238,6 @@ fn a_path_that_comes_back_is_closed() {
     let last = path.branches[0].points.last().expect("points");
     assert_eq!((path.branches[0].end.clone(), last.parameter), (End::Range, 0.0));
     near(last.position[0], PI, 1e-12);
-    let both = followed(
-        "[statics.path]\nparameter = \"bob.force\"\nfrom = -12\nto = 12\n[[body]]\nname = \"bob\"\nmass = 1\ncenter = \
-         [0, 0, -1]\nhinge = { type = \"revolute\", axis = [0, 1, 0], position = 0.1, stiffness = 3 }\n",
-    );
-    assert_eq!(both.branches[0].end, End::Range);
 }
 
 #[test]

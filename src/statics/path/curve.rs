@@ -113,7 +113,7 @@ impl<'f> Curve<'f> {
             };
             let (residual, _) = look.place.residual();
             let better = residual < 0.5 * before;
-            let done = if self.sharp { residual == 0.0 } else { look.place.is_round_off() };
+            let done = if self.sharp { residual < 0.5 * f64::EPSILON } else { look.place.is_round_off() };
             if done || (look.place.is_balanced() && !better) {
                 let along = Direction { x: look.slope, parameter: 1.0 };
                 let mut ahead = self.metric.unit(&along)?;

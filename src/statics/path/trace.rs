@@ -98,7 +98,9 @@ impl<'a> Tracer<'a> {
                 self.push(&mut branch, &one.point, count, arclength + one.s, one.event, one.wanted)?;
             }
             if leaves {
-                branch.end = End::Range;
+                let reached = branch.points.last().is_some_and(|last| self.ends_range(last.parameter));
+                let lost = || End::Lost("the end of the range cannot be met".to_owned());
+                branch.end = if reached { End::Range } else { lost() };
                 break;
             }
             arclength += step;
@@ -116,6 +118,12 @@ impl<'a> Tracer<'a> {
             }
         }
         Ok(branch)
+    }
+
+    /// Whether a value of the parameter is an end of its range.
+    fn ends_range(&self, parameter: f64) -> bool {
+        let near = 1e-9 * self.moving.metric().range;
+        [self.settings.from, self.settings.to].iter().any(|end| (end - parameter).abs() <= near)
     }
 
     fn curve_step(&mut self, from: &Point, step: f64) -> Result<Point, String> {
