@@ -215,7 +215,7 @@ impl<'a> Moving<'a> {
             let (at, first) = (link.position, link.velocity);
             match link.joint {
                 Joint::None => {}
-                Joint::Turn { .. } | Joint::Slide { .. } => all[first] = to[at] - from[at],
+                Joint::Turn | Joint::Slide { .. } => all[first] = to[at] - from[at],
                 Joint::Ball { .. } => {
                     let unit = crate::motion::unit_quaternion;
                     let turn = rotation_vector(&(unit(&from[at..at + 4]).inverse() * unit(&to[at..at + 4])));
