@@ -42,7 +42,9 @@ const SLOW: f64 = 0.3;
 /// A factorization serves steps that differ from its own by this fraction: the rounding of time, no more.
 const STEP_BAND: f64 = 1e-3;
 /// Corrections below this many roundings of the state are none.
-const ROUNDINGS: f64 = 8.0;
+pub(crate) const ROUNDINGS: f64 = 8.0;
+/// Corrections that stall below this many times that are what the rounding of the residual leaves.
+const STALLED: f64 = 32.0;
 
 /// The iteration matrix, what is known of its quality, and buffers.
 #[derive(Debug)]
@@ -156,7 +158,7 @@ impl Newton {
             place(problem, stage, acceleration, state);
 
             let rounding = ROUNDINGS * norm.rounding(state);
-            let correction = Correction { size, before, rounding, target: self.fraction };
+            let correction = Correction { size, before, rounding, target: self.fraction.max(rounding) };
             if factorization.converged(correction, MAX_ITERATIONS - iteration)? {
                 return Ok(());
             }
@@ -189,6 +191,10 @@ impl Factorization {
         if size <= rounding {
             return Ok(true);
         }
+        // It no longer shrinks, and is about as small as the rounding of the residual makes it.
+        if size <= STALLED * rounding && before.is_some_and(|before| size > 0.5 * before) {
+            return Ok(true);
+        }
         self.slow |= before.is_some_and(|before| size > SLOW * before);
         // That of another stage is trusted a little less.
         let trust = if before.is_some() { 1.0 } else { 0.8 };
@@ -210,7 +216,7 @@ impl Factorization {
 }
 
 /// `state ← (q, v)` of the stage with this acceleration.
-fn place<P: ImplicitProblem>(problem: &P, stage: Stage<'_>, acceleration: &[f64], state: &mut [f64]) {
+pub(crate) fn place<P: ImplicitProblem>(problem: &P, stage: Stage<'_>, acceleration: &[f64], state: &mut [f64]) {
     let position_count = problem.position_count();
     let (known_q, known_v) = stage.known.split_at(position_count);
     let (q, v) = state.split_at_mut(position_count);
