@@ -7,16 +7,20 @@ use anyhow::Context;
 use clap::Args;
 use nalgebra::Vector3;
 use serde_json::json;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Look at the pose, velocities and inputs of this file, as `statics --save` writes it
+    #[arg(long, value_name = "START.toml")]
+    start: Option<PathBuf>,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (scenario, model) = match scene::load(common)? {
+    let (scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };

@@ -1,7 +1,9 @@
 //! `statics`: the equilibrium and what it is.
 
 use super::{Common, Exit, compare, json, output, scene, text};
-use crate::statics::{Equilibrium, Method, equilibrium};
+use crate::model::{Description, Model, Parameter};
+use crate::scenario::{Scenario, start};
+use crate::statics::{Equilibrium, Method, equilibrium, hold};
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -18,6 +20,12 @@ pub(super) struct Arguments {
     /// Find it by every method from the same guess, and print what each needed and how far their answers are apart
     #[arg(long, conflicts_with = "method")]
     compare: bool,
+    /// Begin the search at the pose of this file, as `--save` writes it
+    #[arg(long, value_name = "START.toml")]
+    start: Option<PathBuf>,
+    /// Write the equilibrium there, for `--start` of other commands; nothing where none is found
+    #[arg(long, value_name = "START.toml", conflicts_with = "compare")]
+    save: Option<PathBuf>,
     /// Write the result there as JSON; with `--compare` the table, as PATH.csv and PATH.json
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -25,7 +33,7 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (mut scenario, model) = match scene::load(common)? {
+    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
@@ -34,12 +42,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         scenario.statics.method = named.unwrap_or_default();
     }
     if arguments.compare {
+        anyhow::ensure!(scenario.unknown.is_empty(), "there is one method for `statics.unknown`: nothing to compare");
         return compare::main(&scenario, &model, common, arguments.out.as_deref());
     }
-    let (found, wall) = find(&scenario, &model)?;
+    let (found, wall) = find(&mut scenario, &mut model)?;
     let result = json::statics(&model, &found, wall.as_secs_f64());
     if let Some(path) = &arguments.out {
         write(path, &format!("{result:#}\n"))?;
+    }
+    if let Some(path) = arguments.save.as_deref().filter(|_| found.converged) {
+        let rest = vec![0.0; model.velocity_count()];
+        write(path, &start::text(&model, &found.position, &rest, &inputs(&scenario.description, &found)))?;
     }
     if common.json {
         output::print(&result.to_string())?;
@@ -54,13 +67,28 @@ pub(super) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     std::fs::write(path, text).with_context(|| format!("cannot write `{}`", path.display()))
 }
 
-/// The equilibrium and the time it took.
-pub(super) fn find(
-    scenario: &crate::scenario::Scenario,
-    model: &crate::model::Model,
-) -> anyhow::Result<(Equilibrium, Duration)> {
+/// The equilibrium and the time it took. Where inputs are unknown, scene and model get those that were found.
+pub(super) fn find(scenario: &mut Scenario, model: &mut Model) -> anyhow::Result<(Equilibrium, Duration)> {
     let before = Instant::now();
-    let found = equilibrium(model, &scenario.statics, &model.start_position)
-        .with_context(|| format!("{}: statics cannot start", scenario.name))?;
+    let context = || format!("{}: statics cannot start", scenario.name);
+    let found = match scenario.unknown.is_empty() {
+        true => equilibrium(model, &scenario.statics, &model.start_position).with_context(context)?,
+        false => {
+            let pose = &model.start_position;
+            let held = hold(&scenario.description, &scenario.unknown, pose, &scenario.statics).with_context(context)?;
+            (scenario.description, *model) = (held.description, held.model);
+            held.found
+        }
+    };
     Ok((found, before.elapsed()))
+}
+
+/// What holds the pose beside the scenario file: motor forces that are not zero, and what was unknown.
+fn inputs(description: &Description, found: &Equilibrium) -> Vec<(String, f64)> {
+    let motors = Parameter::find(description, "hinge.force").unwrap_or_default();
+    let motors = motors.iter().map(|one| (one.address.clone(), one.value(description)));
+    let other = |(address, force): &(String, f64)| {
+        *force != 0.0 && !found.unknowns.iter().any(|(unknown, _)| unknown == address)
+    };
+    motors.filter(other).chain(found.unknowns.iter().cloned()).collect()
 }

@@ -32,6 +32,15 @@ pub(super) fn duration(wall: Duration) -> String {
     }
 }
 
+/// A cost in the unit that suits it.
+pub(super) fn nanoseconds(cost: f64) -> String {
+    match cost {
+        c if c < 1e4 => format!("{c:.0} ns"),
+        c if c < 1e7 => format!("{:.1} µs", c * 1e-3),
+        c => format!("{:.1} ms", c * 1e-6),
+    }
+}
+
 /// Title and size of a scene.
 pub(super) fn heading(model: &Model, name: &str) -> String {
     let title = if model.title.is_empty() { name } else { &model.title };
@@ -74,6 +83,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     };
     let stage = match found.stage {
         "start" => "the guess is one already".to_owned(),
+        "inverse" => "of the given pose".to_owned(),
         stage => format!("{} steps, {stage}", found.iterations),
     };
     let _ = writeln!(out, "{} ({stage}, {})", bold(&verdict), duration(wall));
@@ -103,8 +113,13 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         }
         more(&mut out, stability.modes.len());
     }
+    for (line, (name, value)) in found.unknowns.iter().enumerate() {
+        let head = if line == 0 { "inputs" } else { "" };
+        let _ = writeln!(out, "  {head:<12} {name} = {}", number(*value));
+    }
     let title = match found.balanced {
         true => "pose",
+        false if found.method == "inverse" => "given pose",
         false if found.position == model.start_position => "the guess",
         false => "last pose",
     };

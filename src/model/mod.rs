@@ -9,12 +9,14 @@ mod build;
 mod check;
 pub mod description;
 mod link;
+pub mod parameter;
 pub mod problem;
 pub mod shape;
 mod tree;
 
 pub use description::Description;
 pub use link::{Joint, Link};
+pub use parameter::Parameter;
 pub use problem::{Element, Problem};
 
 use crate::spatial::Pose;

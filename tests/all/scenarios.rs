@@ -9,7 +9,7 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening, OwnedSample};
 use stillpoint::scenario::{Override, Scenario, load_with};
 use stillpoint::simulate::{self, Start, State, Summary, run};
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, Verdict, equilibrium, hold};
 
 const G: f64 = 9.80665;
 
@@ -34,8 +34,14 @@ pub(crate) fn file(name: &str) -> PathBuf {
 
 pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Model) {
     let changes: Vec<Override> = changes.iter().map(|text| Override::parse(text).expect("a change")).collect();
-    let scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
-    let model = build(&scenario.description);
+    let mut scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
+    let mut model = build(&scenario.description);
+    if !scenario.unknown.is_empty() {
+        let pose = model.start_position.clone();
+        let held = hold(&scenario.description, &scenario.unknown, &pose, &scenario.statics).expect("statics");
+        assert!(held.found.converged, "{:?}", held.found.notes);
+        (scenario.description, model) = (held.description, held.model);
+    }
     (scenario, model)
 }
 
@@ -153,6 +159,34 @@ fn pendulum_swings_with_the_period_of_the_elliptic_integral() {
     // The angle bends by (θ' Ω²) h²/8 ≈ 1e-8 rad between samples where it passes zero at 3.5 rad/s.
     near(period, expected, 1e-7);
     assert!(expected > 1.07 * TAU * slow, "60 degrees are no small angle");
+}
+
+/// The inputs of the crane by the moments of its weights about the hinges, worked out by hand.
+#[test]
+fn crane_is_held_by_the_moments_of_its_weights() {
+    let (scenario, model) = shipped("crane_held", &[]);
+    let (boom, jib) = (0.9_f64, 0.9_f64 - 0.5);
+    // Masses of the boxes, and how far out along its own member each one stands.
+    let masses = [1500.0 * 3.0 * 0.25 * 0.25, 1500.0 * 2.0 * 0.18 * 0.18, 2000.0 * 1.5 * 0.1 * 0.1, 250.0];
+    let along_jib = [1.0, 0.5 + 0.8 + 0.75, 0.5 + 0.8 + 1.5];
+    let about_elbow: f64 = (0..3).map(|i| masses[i + 1] * G * along_jib[i] * jib.cos()).sum();
+    let outboard: f64 = masses[1..].iter().sum::<f64>() * G;
+    let about_shoulder = about_elbow + (masses[0] * 1.5 * G + outboard * 3.0) * boom.cos();
+    // The strut pushes from the foot to the lug: its arm is that of its line about the shoulder.
+    let lug = [0.9 * boom.cos() + 0.1 * boom.sin(), 0.9 * boom.sin() - 0.1 * boom.cos()];
+    let foot = [0.3, -1.5];
+    let line = [lug[0] - foot[0], lug[1] - foot[1]];
+    let length = line[0].hypot(line[1]);
+    let arm = (lug[0] * line[1] - lug[1] * line[0]) / length;
+    let value = |address: &str| {
+        let one = &stillpoint::model::Parameter::find(&scenario.description, address).expect("an address")[0];
+        one.value(&scenario.description)
+    };
+    // Twelve digits of numbers worked out with some ten roundings.
+    near(value("jib.force"), about_elbow, 1e-12 * about_shoulder);
+    near(value("telescope.force"), (masses[2] + masses[3]) * G * jib.sin(), 1e-12 * about_shoulder);
+    near(value("strut.length"), length + about_shoulder / arm / 2.0e6, 1e-12);
+    assert_eq!(found(&scenario, &model).position, model.start_position, "the pose is the one that was given");
 }
 
 #[test]

@@ -4,11 +4,13 @@ mod body;
 mod force;
 mod hinge;
 mod settings;
+mod start;
 
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::HINGE;
 pub use settings::{RECORD, SIMULATE, STATICS};
+pub use start::START;
 
 use super::fields::{Key, Kind, Range, Table};
 
