@@ -157,7 +157,7 @@ pub fn precision(
     let runs = REFERENCES[0].len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();
     let mut bench = Bench { model, start, plan, motion: Motion::new(model), runs, done: 0, go_on };
     let methods = bench.references();
-    let Some((references, tolerance)) = bench.reference_runs(methods)? else { return Ok(None) };
+    let Some(References { runs: references, tolerance }) = bench.reference_runs(methods)? else { return Ok(None) };
     let agreement = bench.compare(&references[0], &references[1]);
     let mut study = Study { references: methods, tolerance, agreement, points: Vec::new(), interrupted: false };
     for &method in &plan.methods {
@@ -201,6 +201,12 @@ impl Pace {
         let factor = (self.last.as_secs_f64() / self.before.as_secs_f64()).clamp(1.0, 10.0);
         Duration::try_from_secs_f64(factor * self.last.as_secs_f64()).ok()
     }
+}
+
+/// The looks of both reference runs, and their tolerance.
+struct References {
+    runs: Vec<Vec<Look>>,
+    tolerance: f64,
 }
 
 /// The state and energy at a look.
@@ -247,7 +253,7 @@ impl<'a> Bench<'a, '_> {
     }
 
     /// The runs to compare with, and their tolerance; `None` where they were stopped from outside.
-    fn reference_runs(&mut self, methods: [Method; 2]) -> Result<Option<(Vec<Vec<Look>>, f64)>, RunError> {
+    fn reference_runs(&mut self, methods: [Method; 2]) -> Result<Option<References>, RunError> {
         let limit = REFERENCE_TIMES * self.plan.limit.max(Duration::from_secs(1));
         let mut why = RunError::Step("the reference runs take too long: shorten the run or allow more time".to_owned());
         for tolerance in REFERENCE_TOLERANCES {
@@ -265,7 +271,7 @@ impl<'a> Bench<'a, '_> {
             }
             if runs.len() == methods.len() {
                 self.done += runs.len();
-                return Ok(Some((runs, tolerance)));
+                return Ok(Some(References { runs, tolerance }));
             }
         }
         Err(why)
