@@ -21,8 +21,8 @@ pub(super) fn order(method: Method) -> i32 {
 fn coarse_step(method: Method) -> f64 {
     match order(method) {
         ..=2 => 0.02,
-        ..=5 => 0.1,
-        ..=8 => 0.5,
+        3..=5 => 0.1,
+        6..=8 => 0.5,
         _ => 0.7,
     }
 }
