@@ -17,7 +17,7 @@
 //! **Reuse**: `K` is kept over stages and steps while the step is the same and each correction is at most 0.3 of the one
 //! before; otherwise it is renewed before the next step.
 //!
-//! **Stopping**: with the contraction `θ = ‖Δ‖ / ‖Δ_before‖` the error left is about `θ/(1−θ) ‖Δ‖`. It must be below the
+//! **Stopping**: with the contraction `θ` of the last two corrections the error left is about `θ/(1−θ) ‖Δ‖`. It must be below the
 //! fraction `κ = min(1/200, √tolerance)` of the step's tolerance, in the norm of the error estimate. Two reasons: the
 //! table's coefficients carry a stage's error into the result up to 50-fold (`a₅₃/γ`, `a₅₄/γ`); and these errors all have
 //! the same sign, so they add up over the steps, of which a tight tolerance makes many. The first correction of a stage
@@ -36,7 +36,7 @@ use crate::integrate::{
 const LARGEST_FRACTION: f64 = 0.005;
 /// All stages share one factorization.
 pub(crate) const SLOT: usize = 0;
-const MAX_ITERATIONS: u32 = 10;
+const MAX_ITERATIONS: u32 = 12;
 /// A factorization that contracts worse is renewed.
 const SLOW: f64 = 0.3;
 /// A factorization serves steps that differ from its own by this fraction: the rounding of time, no more.
@@ -64,7 +64,7 @@ struct Factorization {
     step: f64,
     /// Made at the start of the step now tried.
     fresh: bool,
-    /// Contraction last seen in this step.
+    /// Contraction last seen in this step, over two corrections where there are three.
     contraction: Option<f64>,
     slow: bool,
 }
@@ -143,7 +143,7 @@ impl Newton {
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
         let factorization = self.factorization.as_mut().ok_or(Limit::Newton)?;
-        let mut before = None;
+        let mut before = [None; 2];
         place(problem, stage, acceleration, state);
         for iteration in 1..=MAX_ITERATIONS {
             evaluate(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
@@ -162,18 +162,18 @@ impl Newton {
             if factorization.converged(correction, MAX_ITERATIONS - iteration)? {
                 return Ok(());
             }
-            before = Some(size);
+            before = [Some(size), before[0]];
         }
         Err(Limit::Newton)
     }
 }
 
-/// The size of a correction, of the one before in the same stage, of corrections that are rounding, and of the error
+/// The size of a correction, of the two before in the same stage (the last first), of corrections that are rounding, and of the error
 /// that may be left.
 #[derive(Debug, Clone, Copy)]
 struct Correction {
     size: f64,
-    before: Option<f64>,
+    before: [Option<f64>; 2],
     rounding: f64,
     target: f64,
 }
@@ -181,12 +181,13 @@ struct Correction {
 impl Factorization {
     /// Whether the iteration may stop after this correction, `left` being the iterations that remain.
     fn converged(&mut self, correction: Correction, left: u32) -> Result<bool, Limit> {
-        let Correction { size, before, rounding, target } = correction;
+        let Correction { size, before: [before, second], rounding, target } = correction;
         if !size.is_finite() {
             return Err(Limit::Newton);
         }
         if let Some(before) = before {
-            self.contraction = Some(size / before);
+            // A single quotient of a hinge tree swings between large and small.
+            self.contraction = Some(second.map_or(size / before, |second| (size / second).sqrt()));
         }
         if size <= rounding {
             return Ok(true);
@@ -195,7 +196,7 @@ impl Factorization {
         if size <= STALLED * rounding && before.is_some_and(|before| size > 0.5 * before) {
             return Ok(true);
         }
-        self.slow |= before.is_some_and(|before| size > SLOW * before);
+        self.slow |= before.is_some() && self.contraction.is_some_and(|contraction| contraction > SLOW);
         // That of another stage is trusted a little less.
         let trust = if before.is_some() { 1.0 } else { 0.8 };
         let Some(contraction) = self.contraction.map(|seen| seen.max(f64::EPSILON).powf(trust)) else {
@@ -204,7 +205,8 @@ impl Factorization {
         if contraction < 1.0 {
             let remaining = contraction / (1.0 - contraction) * size;
             let reachable = remaining * contraction.powi(left as i32) <= target;
-            return if reachable { Ok(remaining <= target) } else { Err(Limit::Newton) };
+            // One quotient is too poor a witness to give up on.
+            return if reachable || second.is_none() { Ok(remaining <= target) } else { Err(Limit::Newton) };
         }
         // No progress: rounding of the residual, harmless where the correction is already below the target.
         match before {
