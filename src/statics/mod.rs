@@ -19,6 +19,7 @@ mod lagrange;
 pub mod landscape;
 mod linear;
 mod newton;
+pub mod path;
 mod relaxation;
 pub mod search;
 pub mod settings;

@@ -22,4 +22,5 @@ mod scenarios;
 mod statics;
 mod statics_inverse;
 mod statics_methods;
+mod statics_path;
 mod statics_start;

@@ -1,7 +1,7 @@
 //! What is asked of a run.
 
 use super::super::fields::{Key, Kind, Range, Table};
-use super::POSITIVE;
+use super::{NUMBER, POSITIVE};
 
 const TOLERANCE: Kind = Kind::Number(Range::Between(1e-14, 1.0));
 
@@ -69,7 +69,46 @@ pub const STATICS: Table = Table {
             "Inverse statics: the pose is given, and these numbers of the scene are found so that they hold it.",
         )
         .example("[\"upper.force\", \"strut.length\"]"),
-        Key::new("path", Kind::Refused("equilibrium paths cannot be followed by this version"), "Follows a parameter."),
+        Key::new("path", Kind::Table(&PATH), "Follows the equilibrium while one number of the scene moves.")
+            .example("{ parameter = \"tip.force[2]\", to = -20.0 }"),
+    ],
+};
+
+/// `[statics.path]`
+pub const PATH: Table = Table {
+    name: "path",
+    doc: "Follows the equilibrium while one number of the scene moves over a range, around folds.",
+    types: &[],
+    keys: &[
+        Key::new("parameter", Kind::Text, "Address of the number that moves.").required().example("\"tip.force[2]\""),
+        Key::new(
+            "from",
+            NUMBER,
+            "Where the path starts, in units of the parameter; without it the number in the file.",
+        )
+        .example("0.0"),
+        Key::new("to", NUMBER, "The other end of the range.").required().example("-20.0"),
+        Key::new("at", Kind::List(&NUMBER, &[]), "Values of the parameter at which points are wanted.")
+            .example("[-5.0, -10.0]"),
+        Key::new(
+            "step",
+            Kind::Number(Range::Between(1e-4, 1.0)),
+            "Largest step: 1 is the whole range, or a radian or a length of every coordinate.",
+        )
+        .default("0.02")
+        .example("0.01"),
+        Key::new("points", Kind::Integer(Range::Between(2.0, 1e6)), "Most points of a branch.")
+            .default("1000")
+            .example("1000"),
+        Key::new("branches", Kind::Flag, "Whether branches that leave at bifurcations are followed too.")
+            .default("true")
+            .example("false"),
+        Key::new(
+            "coordinate",
+            Kind::Text,
+            "The hinge coordinate that is drawn against the parameter; without it the one that moves most.",
+        )
+        .example("\"tip.position\""),
     ],
 };
 
