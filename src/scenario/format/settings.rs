@@ -15,7 +15,7 @@ pub const SIMULATE: Table = Table {
             .default("\"equilibrium\"")
             .example("\"given\""),
         Key::new("duration", POSITIVE, "Simulated time.").unit("s").default("10.0").example("10.0"),
-        Key::new("integrator", Kind::Planned(INTEGRATORS, LATER_INTEGRATORS), "The time stepping method.")
+        Key::new("integrator", Kind::Choice(INTEGRATORS), "The time stepping method.")
             .default("\"auto\"")
             .example("\"dopri5\""),
         Key::new("tolerance", TOLERANCE, "Relative tolerance of adaptive methods.").default("1e-8").example("1e-8"),
@@ -25,6 +25,13 @@ pub const SIMULATE: Table = Table {
             "Absolute tolerance beside it, in units of the scene's own length, 1 rad and the scene's time; without it the same number as `tolerance`.",
         )
         .example("1e-8"),
+        Key::new(
+            "rho_infinity",
+            Kind::Number(Range::Between(0.0, 1.0)),
+            "For `generalized-alpha`: the part of motions far faster than the step that a step leaves.",
+        )
+        .default("0.8")
+        .example("0.8"),
         Key::new("step", POSITIVE, "Step of fixed-step methods, first step of adaptive ones.")
             .unit("s")
             .example("1e-3"),
@@ -41,10 +48,12 @@ const INTEGRATORS: &[(&str, &str)] = &[
     ("rk4", "Classical Runge–Kutta, fixed step."),
     ("dopri5", "Dormand–Prince 5(4), adaptive."),
     ("dop853", "Dormand–Prince 8(5,3), adaptive, for tight tolerances."),
-    ("sdirk4", "L-stable, stiffly accurate, order 4, adaptive."),
+    ("sdirk4", "L-stable, stiffly accurate, order 4, adaptive: stiff scenes."),
+    ("radau5", "Radau IIA, order 5, adaptive: stiff scenes."),
+    ("radau9", "Radau IIA, order 9, adaptive: stiff scenes at tight tolerances."),
+    ("generalized-alpha", "Order 2, adaptive; `rho_infinity` says how much of what is too fast for the step lives on."),
+    ("gauss", "Symmetric, order 6, fixed step: long runs without dissipation."),
 ];
-
-const LATER_INTEGRATORS: &[&str] = &["radau5", "generalized-alpha", "gauss"];
 
 /// `(statics)`
 pub const STATICS: Table = Table {

@@ -7,6 +7,7 @@ mod follower;
 mod pendulums;
 mod scene;
 mod several_equilibria;
+mod speed;
 mod springs;
 mod stiff;
 mod tensegrity;
