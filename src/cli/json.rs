@@ -50,6 +50,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "method": found.method,
         "stage": found.stage,
         "iterations": found.iterations,
+        "stages": found.stages.iter().map(stage).collect::<Vec<_>>(),
         "force_evaluations": found.force_evaluations,
         "acceleration_evaluations": found.acceleration_evaluations,
         "stiffness_evaluations": found.stiffness_evaluations,
@@ -72,6 +73,17 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
     })
 }
 
+fn stage(stage: &crate::statics::Stage) -> Value {
+    json!({
+        "name": stage.name,
+        "iterations": stage.iterations,
+        "force_evaluations": stage.force_evaluations,
+        "factorizations": stage.factorizations,
+        "relative_residual": stage.relative_residual,
+        "balanced": stage.balanced,
+    })
+}
+
 fn mode(mode: &crate::statics::Mode) -> Value {
     json!({
         "frequency_hz": mode.frequency_hz,
@@ -82,7 +94,7 @@ fn mode(mode: &crate::statics::Mode) -> Value {
 
 pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
     let State { position, velocity } = &summary.state;
-    let integrators: Vec<&str> = summary.integrators.iter().map(|method| super::text::method(*method)).collect();
+    let integrators: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
     json!({
         "scenario": scenario,

@@ -1,7 +1,6 @@
 //! Reports for people.
 
 use super::output::bold;
-use crate::integrate::Method;
 use crate::model::Model;
 pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
@@ -13,15 +12,6 @@ use std::time::Duration;
 const MOST_LINES: usize = 8;
 /// What is left of a sum of numbers of size one that should cancel.
 const ROUND_OFF: f64 = 1e-12;
-
-pub(super) fn method(method: Method) -> &'static str {
-    match method {
-        Method::Rk4 => "rk4",
-        Method::Dopri5 => "dopri5",
-        Method::Dop853 => "dop853",
-        Method::Sdirk4 => "sdirk4",
-    }
-}
 
 /// `3 bodies`, `1 body`.
 pub(super) fn count(n: usize, one: &str, many: &str) -> String {
@@ -127,6 +117,21 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         let head = if line == 0 { "inputs" } else { "" };
         let _ = writeln!(out, "  {head:<12} {name} = {}", number(*value));
     }
+    if found.stages.len() > 1 {
+        for (line, stage) in found.stages.iter().enumerate() {
+            let head = if line == 0 { "stages" } else { "" };
+            let ended = if stage.balanced { "balanced" } else { "failed" };
+            let _ = writeln!(
+                out,
+                "  {head:<12} {:<12} {}, {}, {}: {ended} at {}",
+                stage.name,
+                count(stage.iterations, "step", "steps"),
+                count(stage.force_evaluations, "balance", "balances"),
+                count(stage.factorizations, "factorization", "factorizations"),
+                small(stage.relative_residual)
+            );
+        }
+    }
     let title = match found.balanced {
         true => "pose",
         false if found.method == "inverse" => "given pose",
@@ -182,7 +187,7 @@ fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
 /// The end of a run.
 pub(super) fn run(summary: &Summary, recording: &str) -> String {
     let mut out = String::new();
-    let methods: Vec<&str> = summary.integrators.iter().map(|m| method(*m)).collect();
+    let methods: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
     let state = if summary.interrupted { "stopped at" } else { "simulated" };
     let speed = summary.end_time / summary.wall.as_secs_f64().max(1e-9);

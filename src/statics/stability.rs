@@ -156,7 +156,7 @@ fn symmetric(m: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
 }
 
-fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
+pub(super) fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
     let largest = magnitude.iter().fold(0.0_f64, |m, x| m.max(*x));
     let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest.max(f64::MIN_POSITIVE) };
     let n = magnitude.len();
@@ -188,7 +188,7 @@ fn rates(linear: &Linearization) -> Vec<faer::c64> {
 /// root of the machine precision.
 const RATE_NOISE: f64 = 1e-7;
 
-fn count_by_motion(linear: &Linearization) -> (usize, usize) {
+pub(super) fn count_by_motion(linear: &Linearization) -> (usize, usize) {
     let values = rates(linear);
     let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.re.hypot(x.im)));
     let limit = RATE_NOISE * largest;

@@ -528,9 +528,6 @@ hinge = { type = "free", friction = 0.1 }
 
 [[loop]]
 type = "revolute"
-
-[simulate]
-integrator = "radau5"
 "#
     .trim_start();
     insta::assert_snapshot!(said(text, &[]), @r#"
@@ -546,15 +543,7 @@ integrator = "radau5"
     6 | [[loop]]
       |   ^^^^
 
-    error: [simulate]: `integrator` `radau5` is not available in this version
-      --> scene.toml:10:14
-       |
-    10 | integrator = "radau5"
-       |              ^^^^^^^^
-       |
-       = help: available: `auto`, `rk4`, `dopri5`, `dop853`, `sdirk4`
-
-    scene.toml: 3 errors
+    scene.toml: 2 errors
     "#);
 }
 

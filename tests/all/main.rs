@@ -20,6 +20,8 @@ mod rest;
 mod scenario;
 mod scenarios;
 mod statics;
+mod statics_cascade;
 mod statics_inverse;
 mod statics_methods;
+mod statics_path;
 mod statics_start;
