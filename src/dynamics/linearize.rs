@@ -75,14 +75,6 @@ impl System<'_> {
         Ok((by_position, by_velocity))
     }
 
-    /// `product ← M x` at the position of the last [`System::residual`], in O(n).
-    pub fn mass_times(&mut self, a: &[f64], x: &[f64], product: &mut [f64]) {
-        let by = Direction { acceleration: x, ..Direction::default() };
-        self.variation.outward(self.model, &self.motion, &self.balance, a, &by);
-        self.variation.inward(self.model, &self.motion, &self.balance, &by, product);
-        self.variation.clear(0..self.model.links.len());
-    }
-
     /// One matrix, column by column; [`System::residual`] must have been called at this state.
     fn columns(&mut self, q: &[f64], a: &[f64], of: Of) -> Mat<f64> {
         let n = self.model.velocity_count();

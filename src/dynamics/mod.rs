@@ -14,6 +14,7 @@ use crate::model::{Joint, Model};
 use crate::motion::Motion;
 use crate::spatial::{Pose, Wrench};
 use crate::transfer::balance::Balance;
+pub use crate::transfer::mass::MassAction;
 use crate::transfer::reduce::{Load, Reduction, Singular};
 use crate::transfer::variation::Variation;
 use nalgebra::Vector3;
@@ -139,6 +140,11 @@ impl<'m> System<'m> {
     pub fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) {
         let load = Load { applied: &[], tau: rhs };
         self.reduction.solve(self.model, &self.motion, &load, x);
+    }
+
+    /// `product ← M x` at the position of the last evaluation, in O(n).
+    pub fn mass_times(&self, action: &mut MassAction, x: &[f64], product: &mut [f64]) {
+        action.times(self.model, &self.motion, x, product);
     }
 
     /// The inertia that each velocity coordinate sees while everything outboard moves freely (kg, kg m²), of the last

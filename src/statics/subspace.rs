@@ -7,7 +7,7 @@
 //! `s ≥ 0` is the smallest shift of a coarse ladder with K + sM positive definite: zero at a stable equilibrium.
 
 use super::stability::NEUTRAL;
-use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
+use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
 use faer::Mat;
 
 /// Modes that are wanted, and vectors that carry them: the more, the faster.
@@ -36,6 +36,7 @@ struct Sweeps<'s, 'm> {
     free: &'s [usize],
     full: Vec<f64>,
     product: Vec<f64>,
+    mass: MassAction,
 }
 
 /// Counts and lowest modes at `q`; the model's forces must be covered by the sweep.
@@ -45,8 +46,9 @@ pub(super) fn lowest(system: &mut System<'_>, q: &[f64], free: &[usize], magnitu
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
     let solver = TangentSolver::new(model);
-    let zero = vec![0.0; n];
-    let mut sweeps = Sweeps { system, solver, q, rest: zero.clone(), shift, free, full: zero.clone(), product: zero };
+    let (zero, mass) = (vec![0.0; n], MassAction::new(model));
+    let mut sweeps =
+        Sweeps { system, solver, q, rest: zero.clone(), shift, free, full: zero.clone(), product: zero, mass };
     let unstable = sweeps.negative(magnitude, NEUTRAL)?;
     let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
     let (modes, momenta) = sweeps.iterate(neutral)?;
@@ -88,7 +90,7 @@ impl Sweeps<'_, '_> {
         for (i, value) in self.free.iter().zip(x) {
             self.full[*i] = *value;
         }
-        self.system.mass_times(&self.rest, &self.full, &mut self.product);
+        self.system.mass_times(&mut self.mass, &self.full, &mut self.product);
         self.free.iter().map(|i| self.product[*i]).collect()
     }
 

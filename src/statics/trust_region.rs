@@ -17,6 +17,9 @@ use crate::dynamics::Fault;
 const MOST_ITERATIONS: usize = 400;
 /// Trials for one step's shift.
 const MOST_SHIFTS: usize = 40;
+/// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
+/// next to nothing a long chain crumples, and takes four times as long to unfold.
+const WORTH: f64 = 0.1;
 /// A scene that has moved downhill by this many of its own lengths, or of the guess's distance from where its springs
 /// are relaxed, has no equilibrium.
 const FAR: f64 = 1e6;
@@ -38,6 +41,8 @@ struct Search<'l, 's, 'm> {
     /// Δ (m √kg).
     radius: f64,
     potential: f64,
+    /// The shift of the last step: where the search for the next one starts.
+    shift: f64,
     outcome: Outcome,
 }
 
@@ -55,7 +60,7 @@ pub(super) fn run(
     let radius = landscape.size(&unit);
     let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
-    let mut search = Search { landscape, radius, potential, outcome };
+    let mut search = Search { landscape, radius, potential, shift: 0.0, outcome };
     let mut travelled = 0.0;
     for _ in 0..MOST_ITERATIONS {
         if search.outcome.place.is_balanced() {
@@ -127,7 +132,7 @@ impl Search<'_, '_, '_> {
         } else if ratio > 0.75 && trial.shift > 0.0 {
             self.radius *= 2.5;
         }
-        if !(ratio > 1e-4) {
+        if !(ratio > WORTH) {
             return Ok(None);
         }
         let next = match Place::at(self.landscape, q) {
@@ -147,13 +152,15 @@ impl Search<'_, '_, '_> {
     fn within_radius(&mut self) -> Option<Trial> {
         let (metric, force, radius) = (self.landscape.metric.clone(), &self.outcome.place.force, self.radius);
         let typical = force.iter().zip(&metric).map(|(f, b)| f * f / b).sum::<f64>().sqrt() / radius;
-        let (mut low, mut high, mut shift) = (0.0_f64, f64::INFINITY, 0.0);
+        let (mut low, mut high, mut shift) = (0.0_f64, f64::INFINITY, self.shift);
+        let mut least = f64::INFINITY;
         let between = |low: f64, high: f64| match high.is_finite() {
             true => (low.max(1e-6 * high) * high).sqrt(),
             false => (4.0 * low).max(1e-3 * typical),
         };
         let mut best = None;
         for _ in 0..MOST_SHIFTS {
+            least = least.min(shift);
             if !self.landscape.factorize(shift) {
                 low = low.max(shift);
                 shift = between(low, high);
@@ -183,8 +190,14 @@ impl Search<'_, '_, '_> {
             let y = self.landscape.solve(&weighted);
             let slope: f64 = weighted.iter().zip(&y).map(|(w, y)| w * y).sum();
             let new = shift + (size / radius - 1.0) * size * size / slope;
-            shift = if low < new && new < high { new } else { between(low, high) };
+            shift = match low < new && new < high {
+                true => new,
+                // The region may hold the whole Newton step.
+                false if new <= 0.0 && least > 0.0 => 0.0,
+                false => between(low, high),
+            };
         }
+        self.shift = best.as_ref().map_or(self.shift, |trial: &Trial| trial.shift);
         best
     }
 

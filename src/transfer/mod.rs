@@ -33,6 +33,7 @@
 
 pub mod balance;
 pub mod element;
+pub mod mass;
 mod plan;
 pub mod reduce;
 pub mod tangent;

@@ -205,3 +205,21 @@ fn symmetric_tangent_counts_negative_eigenvalues() {
         }
     }
 }
+
+/// The action of the mass matrix is that of the dense one, column by column the same tree.
+#[test]
+fn mass_action_is_that_of_the_dense_matrix() {
+    use stillpoint::dynamics::MassAction;
+    for (seed, options) in scenes() {
+        let model = build(&random_scene(seed, &options));
+        let n = model.velocity_count();
+        let (x, rest) = (Random::new(seed + 4000).list(n, -1.0, 1.0), vec![0.0; n]);
+        let mut system = System::new(&model);
+        let mass = system.linearize(&model.start_position, &rest, &rest).unwrap().mass;
+        let expected: Vec<f64> = (0..n).map(|i| (0..n).map(|j| mass[(i, j)] * x[j]).sum()).collect();
+        let mut product = rest;
+        system.mass_times(&mut MassAction::new(&model), &x, &mut product);
+        // Round-off of sums over thirteen bodies.
+        assert!(relative_difference(&product, &expected) < 1e-13, "seed {seed}");
+    }
+}

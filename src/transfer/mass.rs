@@ -1,0 +1,50 @@
+//! The action of the mass matrix: hinge forces for hinge accelerations alone, without weight, velocities or forces.
+
+use super::{LinkAcceleration, accelerate, along, inboard};
+use crate::model::{Joint, Model};
+use crate::motion::Motion;
+use crate::spatial::Wrench;
+
+/// Scratch for `M x`.
+#[derive(Debug, Clone)]
+pub struct MassAction {
+    a: Vec<LinkAcceleration>,
+    f: Vec<Wrench>,
+}
+
+impl MassAction {
+    /// Room for a model's links.
+    pub fn new(model: &Model) -> Self {
+        let n = model.links.len();
+        Self { a: vec![LinkAcceleration::default(); n], f: vec![Wrench::ZERO; n] }
+    }
+
+    /// `product ← M x`, armatures included: eq. (2) root → tips, eq. (1) tips → root, without their velocity terms.
+    pub fn times(&mut self, model: &Model, motion: &Motion, x: &[f64], product: &mut [f64]) {
+        self.f[0] = Wrench::ZERO;
+        for index in 1..model.links.len() {
+            let (link, at) = (&model.links[index], &motion.links[index]);
+            let mut a = inboard(at, &self.a[link.parent], false);
+            accelerate(link, at, x, &mut a);
+            let force = link.mass * (a.linear + a.angular.cross(&at.center));
+            let moment = link.mass * at.center.cross(&a.linear) + at.inertia * a.angular;
+            self.a[index] = a;
+            self.f[index] = Wrench { force, moment };
+        }
+        for index in (1..model.links.len()).rev() {
+            let (link, at) = (&model.links[index], &motion.links[index]);
+            let f = self.f[index];
+            match link.joint {
+                Joint::None => {}
+                Joint::Turn | Joint::Slide { .. } => product[link.velocity] = along(&link.joint, &at.axis, &f),
+                Joint::Ball { .. } => {
+                    product[link.velocity..link.velocity + 3].copy_from_slice(at.turn.tr_mul(&f.moment).as_slice());
+                }
+            }
+            self.f[link.parent] += f.shifted(at.arm);
+        }
+        for ((product, coordinate), x) in product.iter_mut().zip(&model.coordinates).zip(x) {
+            *product += coordinate.armature * x;
+        }
+    }
+}
