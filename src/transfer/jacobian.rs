@@ -1,8 +1,8 @@
-//! The Jacobians of the hinge accelerations, ∂q̈/∂q and ∂q̈/∂q̇, of a tree without force elements between or on bodies.
+//! The Jacobians of the hinge accelerations, ∂q̈/∂q and ∂q̈/∂q̇, of a tree without force elements.
 //!
-//! What varies with one hinge coordinate `j` is the subtree it carries, and as one rigid body at first: every link `k`
-//! there moves with `H_j`, and what is left of its variation is the same for all of them (Carpentier & Mansard 2018;
-//! Singh, Russo & Wensing 2022). The variation of the force that body `k` asks for is
+//! A hinge coordinate `j` moves the subtree it carries as one rigid body, by `H_j`. Seen from that body, what is left of
+//! the variation of every link `k` in it are two fields that are the same for all of them (Carpentier & Mansard 2018;
+//! Singh, Russo & Wensing 2022), and the wrench that its body asks for varies by
 //!
 //! ```text
 //! (J1) δf_k = M_k α + 2B_k β  (+ H_j ×* f_k, by which forces turn with the bodies)
@@ -37,6 +37,11 @@
 //! them O(n²), without allocation.
 //!
 //! Velocities are taken relative to the first body of the branch: a scene that moves as a whole loses no digits.
+//!
+//! Precision: nothing is carried to a distant common point and no mass matrix is factorized, so the error does not grow
+//! with the condition of a long chain's mass matrix but with that of single pivots. Relative to the largest entry it is
+//! some hundred ε, and about ε J_max/J_min where balls carry bodies as slender as that (one step of refinement
+//! corrects chains of 10 and of 100 balls by so much).
 
 mod cause;
 mod lanes;

@@ -28,11 +28,13 @@ impl Cause {
     }
 }
 
-/// By position and by velocity, for a turn about an axis through the root marker; `at` has its velocity relative to
-/// the reference. What the parent's acceleration field is there follows from that of the marker itself:
+/// By position and by velocity, for a turn about the axis `n` through the root marker; `at` has its velocity relative to
+/// the reference. At the marker the fields of the parent are `V_P = [v; ω_P]` and `A_P = [r̈ − g − ω_P × v; ω̇_P]`, with
+/// `r̈` and `v` of the marker itself, so that by the Jacobi identity
 ///
 /// ```text
-/// A_P × H = [(r̈ − ω×v − g) × n;  ω̇_P × n],   V_P × (V_P × H) + …  gives  α = [(r̈ − g) × n + 2 v × w;  ω̇_P × n + ω_P × w]
+/// ∂q_j    w = ω_P × n,   α = [(r̈ − g) × n + 2 v × w;  ω̇_P × n + ω_P × w]
+/// ∂q̇_j    w = n,         α = [2 v × n;  (ω_P + ω) × n]
 /// ```
 pub(super) fn of_turn(
     axis: &Vector3<f64>,
@@ -66,7 +68,12 @@ pub(super) fn of_turn(
     [by_position, by_velocity]
 }
 
-/// The same for a slide, which turns nothing.
+/// The same for a slide along `n`, which turns nothing: `w = 0`, and `α` has no angular part.
+///
+/// ```text
+/// ∂q_j    α = ω̇_P × n + ω_P × (ω_P × n)
+/// ∂q̇_j    α = 2 ω_P × n
+/// ```
 pub(super) fn of_slide(
     axis: &Vector3<f64>,
     motion: &Motion,
