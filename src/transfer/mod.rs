@@ -35,6 +35,7 @@
 pub mod balance;
 pub mod element;
 pub mod jacobian;
+mod plan;
 pub mod reduce;
 pub mod tangent;
 pub mod variation;
