@@ -2,7 +2,7 @@
 
 use super::stopwatch::{Cost, time};
 use super::{Common, Exit, Memory, output, scene, text};
-use crate::dynamics::{Coefficients, System, TangentSolver};
+use crate::dynamics::{AccelerationJacobians, Coefficients, Fault, System, TangentSolver};
 use crate::integrate::{Method, Options, Start};
 use crate::model::Model;
 use crate::simulate::problem::Motion;
@@ -19,6 +19,94 @@ const MOST_DENSE: usize = 2000;
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Call one routine only, `--calls` times, and time nothing: for profilers that count for themselves
+    #[arg(long, value_enum, value_name = "ROUTINE", requires = "calls")]
+    only: Option<Routine>,
+    /// How often `--only` calls it
+    #[arg(long, requires = "only")]
+    calls: Option<usize>,
+}
+
+/// What is measured.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Routine {
+    /// One evaluation of the accelerations
+    Acceleration,
+    /// Both dense Jacobians of the accelerations
+    Jacobian,
+    /// The tangent of an implicit step, factorized and solved once
+    TangentSolve,
+    /// The stiffness at rest, factorized and solved once
+    StaticStep,
+}
+
+/// The routines with all they need.
+struct Routines<'m> {
+    system: System<'m>,
+    /// None where a force element reaches too far for the sweep.
+    solver: Option<TangentSolver>,
+    jacobians: Option<AccelerationJacobians>,
+    rest: Vec<f64>,
+    a: Vec<f64>,
+    x: Vec<f64>,
+}
+
+impl<'m> Routines<'m> {
+    fn new(model: &'m Model) -> anyhow::Result<Self> {
+        let mut routines = Self {
+            system: System::new(model),
+            solver: TangentSolver::covers(model).then(|| TangentSolver::new(model)),
+            jacobians: None,
+            rest: vec![0.0; model.velocity_count()],
+            a: model.start_velocity.clone(),
+            x: model.start_velocity.clone(),
+        };
+        routines.system.accelerations(&model.start_position, &model.start_velocity, &mut routines.a)?;
+        Ok(routines)
+    }
+
+    /// Whether the scene has the routine.
+    fn prepare(&mut self, routine: Routine) -> bool {
+        let model = self.system.model();
+        match routine {
+            Routine::Acceleration => true,
+            Routine::Jacobian if model.velocity_count() > MOST_DENSE => false,
+            Routine::Jacobian => {
+                self.jacobians.get_or_insert_with(|| AccelerationJacobians::new(model));
+                true
+            }
+            Routine::TangentSolve | Routine::StaticStep => self.solver.is_some(),
+        }
+    }
+
+    /// Calls a routine that [`Routines::prepare`] said the scene has.
+    fn call(&mut self, routine: Routine) -> Result<bool, Fault> {
+        let model = self.system.model();
+        let (q, v) = (&model.start_position, &model.start_velocity);
+        // A step well within what happens in the scene, as an implicit method takes it.
+        let rate = 100.0 / model.time_scale();
+        let implicit = Coefficients { c1: rate, c2: rate * rate, ..Coefficients::default() };
+        let (v, a, with) = match (routine, &mut self.jacobians, &mut self.solver) {
+            (Routine::Acceleration, ..) => {
+                return self.system.accelerations(q, v, &mut self.x).map(|()| true);
+            }
+            (Routine::Jacobian, Some(jacobians), _) => {
+                return self.system.acceleration_jacobians_into(q, v, jacobians).map(|()| true);
+            }
+            (Routine::TangentSolve, _, Some(_)) => (v, &self.a, implicit),
+            (Routine::StaticStep, _, Some(_)) => (&self.rest, &self.rest, Coefficients::default()),
+            _ => return Ok(false),
+        };
+        let Some(solver) = &mut self.solver else { return Ok(false) };
+        let regular = self.system.factorize_tangent(solver, q, v, a, &with)?;
+        self.x.fill(1.0);
+        solver.solve(model, &mut self.x);
+        Ok(regular)
+    }
+
+    fn cost(&mut self, routine: Routine) -> Option<Cost> {
+        self.prepare(routine).then(|| time(|| self.call(routine)))
+    }
 }
 
 /// What was measured.
@@ -38,6 +126,19 @@ pub(super) fn main(arguments: &Arguments, memory: fn() -> Memory) -> anyhow::Res
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    if let (Some(routine), Some(calls)) = (arguments.only, arguments.calls) {
+        let mut routines = Routines::new(&model)?;
+        if !routines.prepare(routine) {
+            anyhow::bail!(
+                "{}: this scene is too large for the dense Jacobians, or has forces that reach further than the sweep of the tangent",
+                scenario.name
+            );
+        }
+        for _ in 0..calls {
+            routines.call(routine)?;
+        }
+        return Ok(Exit::Done);
+    }
     let costs = measure(&scenario, &model, memory).with_context(|| format!("{}: cannot measure", scenario.name))?;
     if common.json {
         let cost = |cost: Option<Cost>| cost.map_or(serde_json::Value::Null, Cost::json);
@@ -61,44 +162,15 @@ pub(super) fn main(arguments: &Arguments, memory: fn() -> Memory) -> anyhow::Res
 }
 
 fn measure(scenario: &crate::scenario::Scenario, model: &Model, memory: fn() -> Memory) -> anyhow::Result<Costs> {
-    let (q, v) = (&model.start_position, &model.start_velocity);
     let before = memory().bytes;
     let copy = model.clone();
-    let mut system = System::new(model);
-    let mut solver = TangentSolver::covers(model).then(|| TangentSolver::new(model));
+    let mut routines = Routines::new(model)?;
     let bytes = memory().bytes.saturating_sub(before);
     drop(copy);
-
-    let mut a = v.clone();
-    system.accelerations(q, v, &mut a)?;
-    let acceleration = time(|| system.accelerations(q, v, &mut a));
-    let jacobian = match model.velocity_count() <= MOST_DENSE {
-        true => Some(time(|| system.acceleration_jacobians(q, v))),
-        false => None,
-    };
-    // A step well within what happens in the scene, as an implicit method takes it.
-    let rate = 100.0 / model.time_scale();
-    let with = Coefficients { c1: rate, c2: rate * rate, ..Coefficients::default() };
-    let rest = vec![0.0; v.len()];
-    let mut x = v.clone();
-    let mut tangent_solve = None;
-    let mut static_step = None;
-    if let Some(solver) = &mut solver {
-        tangent_solve = Some(time(|| {
-            let regular = system.factorize_tangent(solver, q, v, &a, &with);
-            x.fill(1.0);
-            solver.solve(model, &mut x);
-            regular
-        }));
-        static_step = Some(time(|| {
-            let regular = system.factorize_tangent(solver, q, &rest, &rest, &Coefficients::default());
-            x.fill(1.0);
-            solver.solve(model, &mut x);
-            regular
-        }));
-    }
-    equilibrium(model, &scenario.statics, q)?;
-    let statics = time(|| equilibrium(model, &scenario.statics, q));
+    let acceleration = time(|| routines.call(Routine::Acceleration));
+    let [jacobian, tangent_solve, static_step] =
+        [Routine::Jacobian, Routine::TangentSolve, Routine::StaticStep].map(|routine| routines.cost(routine));
+    let statics = time(|| equilibrium(model, &scenario.statics, &model.start_position));
     Ok(Costs {
         acceleration,
         jacobian,

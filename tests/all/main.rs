@@ -10,6 +10,7 @@ mod derivatives;
 mod diagnostics;
 mod faults;
 mod identities;
+mod instructions;
 mod integrators;
 mod no_allocation;
 mod oracle;
