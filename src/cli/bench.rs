@@ -43,7 +43,7 @@ enum Routine {
 /// The routines with all they need.
 struct Routines<'m> {
     system: System<'m>,
-    /// None where a force element reaches too far for the sweep.
+    /// None where too many force elements reach too far for the sweep.
     solver: Option<TangentSolver>,
     jacobians: Option<AccelerationJacobians>,
     rest: Vec<f64>,
@@ -55,7 +55,7 @@ impl<'m> Routines<'m> {
     fn new(model: &'m Model) -> anyhow::Result<Self> {
         let mut routines = Self {
             system: System::new(model),
-            solver: TangentSolver::covers(model).then(|| TangentSolver::new(model)),
+            solver: (!TangentSolver::is_for_dense(model)).then(|| TangentSolver::new(model)),
             jacobians: None,
             rest: vec![0.0; model.velocity_count()],
             a: model.start_velocity.clone(),

@@ -1,6 +1,7 @@
 //! A model with its forces: accelerations, residuals, their derivatives and energies of a state. The only place where
 //! `forces` and `transfer` meet.
 
+mod border;
 mod jacobian;
 mod linearize;
 mod magnitudes;

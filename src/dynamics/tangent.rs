@@ -1,5 +1,6 @@
 //! The tangent of a system with its forces: gathers what the sweep of [`crate::transfer::tangent`] needs.
 
+use super::border::{Border, UNKNOWNS};
 use super::{Fault, System};
 use crate::forces;
 use crate::model::{Joint, Law, Model};
@@ -18,6 +19,9 @@ pub struct TangentSolver {
     coupled: Vec<(usize, Coupling)>,
     ball_springs: Vec<(usize, Matrix3<f64>)>,
     unit: Vec<LinkVariation>,
+    /// Elements that reach further, by their index among the forces.
+    far: Vec<Option<usize>>,
+    border: Border,
 }
 
 /// Coefficients of a tangent.
@@ -38,6 +42,17 @@ pub struct Coefficients<'a> {
 impl TangentSolver {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
+        let mut links = Vec::new();
+        let mut far = Vec::with_capacity(model.forces.len());
+        for force in &model.forces {
+            far.push(match force.law.ends() {
+                [a, b] if !is_near(model, &force.law) => {
+                    links.push([a.link, b.link]);
+                    Some(links.len() - 1)
+                }
+                _ => None,
+            });
+        }
         Self {
             tangent: Tangent::new(model),
             diagonal: vec![0.0; model.velocity_count()],
@@ -46,17 +61,30 @@ impl TangentSolver {
             coupled: Vec::with_capacity(2 * model.forces.len()),
             ball_springs: Vec::with_capacity(model.links.len()),
             unit: vec![LinkVariation::default(); model.links.len()],
+            far,
+            border: Border::new(model, links),
         }
     }
 
-    /// Whether the sweep covers every force of a model: none reaches further than from a link to its parent.
+    /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent.
+    /// Others cost a dozen more right sides each in [`TangentSolver::solve`], and the count of negative pivots leaves
+    /// them out.
     pub fn covers(model: &Model) -> bool {
         model.forces.iter().all(|force| is_near(model, &force.law))
+    }
+
+    /// Whether the dense tangent is cheaper: far elements bring more unknowns than the scene has.
+    pub fn is_for_dense(model: &Model) -> bool {
+        let far = model.forces.iter().filter(|force| !is_near(model, &force.law)).count();
+        UNKNOWNS * far > model.velocity_count()
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
     pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
         self.tangent.solve(model, x);
+        if !self.border.links.is_empty() {
+            self.border.complete(&self.tangent, x);
+        }
     }
 
     /// A direction of negative curvature after a factorization that broke down at `link` for not being definite.
@@ -93,7 +121,8 @@ impl System<'_> {
         }
         self.gather_springs(solver, q, with.symmetric);
         self.gather_forces(solver);
-        Ok(self.factorize_shifted(solver, a, with).is_ok())
+        let regular = self.factorize_shifted(solver, a, with).is_ok();
+        Ok(regular && (solver.border.links.is_empty() || solver.border.factorize(self.model, &mut solver.tangent)))
     }
 
     /// Factorizes again with another shift; positions, velocities, forces and `c₁`, `c₂` as in the last call of
@@ -153,7 +182,7 @@ impl System<'_> {
     fn gather_forces(&self, solver: &mut TangentSolver) {
         solver.applied.clear();
         solver.coupled.clear();
-        for force in &self.model.forces {
+        for (force, far) in self.model.forces.iter().zip(&solver.far) {
             let ends = force.law.ends();
             for (end, link) in ends.iter().map(|end| end.link).enumerate() {
                 if link == 0 || (end == 1 && link == ends[0].link) {
@@ -161,14 +190,17 @@ impl System<'_> {
                 }
                 let blocks = self.blocks(&force.law, link, &mut solver.unit);
                 let mut own = Applied::default();
-                for (felt, block) in ends.iter().zip(&blocks) {
-                    match felt.link {
-                        0 => {}
-                        at if at == link => add(&mut own, block),
-                        far if far < link => {
+                for (other, (felt, block)) in ends.iter().zip(&blocks).enumerate() {
+                    match (felt.link, far) {
+                        (0, _) => {}
+                        (at, _) if at == link => add(&mut own, block),
+                        (_, Some(element)) => solver.border.felt[*element][other] = *block,
+                        (parent, None) if parent < link => {
                             solver.coupled.push((link, Coupling { on_parent: *block, ..Coupling::default() }));
                         }
-                        far => solver.coupled.push((far, Coupling { by_parent: *block, ..Coupling::default() })),
+                        (child, None) => {
+                            solver.coupled.push((child, Coupling { by_parent: *block, ..Coupling::default() }));
+                        }
                     }
                 }
                 solver.applied.push((link, own));

@@ -18,7 +18,7 @@ pub struct Motion<'m> {
 enum Tangent {
     /// In O(n), by sweeps.
     Sweep(Vec<TangentSolver>),
-    /// Dense: where a force between two bodies couples what the tree does not.
+    /// Dense: where more forces reach across the tree than it has coordinates.
     Dense(Vec<Option<PartialPivLu<f64>>>),
 }
 
@@ -40,7 +40,7 @@ impl<'m> Motion<'m> {
                 velocity_scales[link.velocity] = length / time;
             }
         }
-        let tangent = match TangentSolver::covers(model) {
+        let tangent = match !TangentSolver::is_for_dense(model) {
             true => Tangent::Sweep(Vec::new()),
             false => Tangent::Dense(Vec::new()),
         };

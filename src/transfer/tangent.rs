@@ -258,7 +258,20 @@ impl Tangent {
 
     /// Eqs. (5) and (6) for one right side, in place.
     pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
+        self.solve_loaded(model, None, x);
+    }
+
+    /// The varied state of a link in the last solution.
+    pub fn variation(&self, link: usize) -> &LinkVariation {
+        &self.z[link]
+    }
+
+    /// As [`Tangent::solve`], with a wrench on one link beside the hinge forces.
+    pub fn solve_loaded(&mut self, model: &Model, load: Option<(usize, Wrench)>, x: &mut [f64]) {
         self.e.fill(Wrench::ZERO);
+        if let Some((link, wrench)) = load {
+            self.e[link] = Wrench::ZERO - wrench;
+        }
         for index in (1..model.links.len()).rev() {
             let (link, own) = (&model.links[index], &self.at[index]);
             let e = self.e[index];

@@ -179,13 +179,16 @@ fn jacobians_do_not_depend_on_a_common_velocity() {
 fn tangent_sweep_solves_the_dense_tangent() {
     use faer::linalg::solvers::Solve;
     use stillpoint::dynamics::{Coefficients, TangentSolver};
-    let mut coupled = 0;
-    for (seed, options) in scenes() {
-        let model = build(&neighbourly(seed, &options));
-        if !TangentSolver::covers(&model) {
-            continue;
+    let (mut coupled, mut far) = (0, 0);
+    let both = |(seed, options)| [(seed, random_scene(seed, &options)), (seed, neighbourly(seed, &options))];
+    for (seed, description) in scenes().flat_map(both) {
+        let model = build(&description);
+        let between = model.forces.iter().filter(|force| force.law.ends().iter().all(|end| end.link != 0)).count();
+        if TangentSolver::covers(&model) {
+            coupled += between;
+        } else {
+            far += between;
         }
-        coupled += model.forces.iter().filter(|force| force.law.ends().iter().all(|end| end.link != 0)).count();
         let n = model.velocity_count();
         let mut random = Random::new(seed + 2000);
         let (a, rhs) = (random.list(n, -3.0, 3.0), random.list(n, -1.0, 1.0));
@@ -213,7 +216,7 @@ fn tangent_sweep_solves_the_dense_tangent() {
             assert!(error < 1e-6, "seed {seed} c1 {c1} c2 {c2}: {error}");
         }
     }
-    assert!(coupled > 50, "only {coupled} force elements between bodies");
+    assert!(coupled > 50 && far > 50, "only {coupled} and {far} force elements between bodies");
 }
 
 /// A random scene whose forces between bodies are between a body and its parent, some of them two.

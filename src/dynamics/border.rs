@@ -1,0 +1,141 @@
+//! Force elements between links that are far apart, beside the tangent sweep: a few more right sides and a small dense
+//! system (bordering, Woodbury).
+//!
+//! ```text
+//! T x = rhs + W y,   y = A z(x)          T: the tangent without what one end feels when the other moves
+//! x = x₀ + X y,      (1 − A Z) y = A z₀   X, Z: responses to unit wrenches at the ends, six of them each
+//! ```
+
+use crate::model::Model;
+use crate::motion::variation::LinkVariation;
+use crate::spatial::Wrench;
+use crate::transfer::tangent::{Applied, Tangent};
+use nalgebra::Vector3;
+
+/// Unknowns of one element: a wrench at each end.
+pub(super) const UNKNOWNS: usize = 12;
+
+/// The far elements of a model, and the small system that joins them to the sweep.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Border {
+    /// Links of both ends, by element.
+    pub(super) links: Vec<[usize; 2]>,
+    /// What each end feels when the other moves, by element.
+    pub(super) felt: Vec<[Applied; 2]>,
+    /// `X`, one row of velocities for each unknown.
+    responses: Vec<f64>,
+    /// `1 − A Z`, factorized in place by rows, and the order of its rows.
+    small: Vec<f64>,
+    order: Vec<usize>,
+    /// Right side and solution.
+    y: Vec<f64>,
+    swapped: Vec<f64>,
+}
+
+impl Border {
+    /// Room for the elements between the given links.
+    pub(super) fn new(model: &Model, links: Vec<[usize; 2]>) -> Self {
+        let m = UNKNOWNS * links.len();
+        Self {
+            felt: vec![<[Applied; 2]>::default(); links.len()],
+            links,
+            responses: vec![0.0; m * model.velocity_count()],
+            small: vec![0.0; m * m],
+            order: (0..m).collect(),
+            y: vec![0.0; m],
+            swapped: vec![0.0; m],
+        }
+    }
+
+    fn len(&self) -> usize {
+        UNKNOWNS * self.links.len()
+    }
+
+    /// After a factorization of the sweep: responses to unit wrenches, and the small system. False where it is singular.
+    pub(super) fn factorize(&mut self, model: &Model, tangent: &mut Tangent) -> bool {
+        let (m, n) = (self.len(), model.velocity_count());
+        for column in 0..m {
+            let (element, end, axis) = (column / UNKNOWNS, column % UNKNOWNS / 6, column % 6);
+            let response = &mut self.responses[column * n..(column + 1) * n];
+            response.fill(0.0);
+            tangent.solve_loaded(model, Some((self.links[element][end], unit(axis))), response);
+            self.feel(tangent);
+            for row in 0..m {
+                self.small[row * m + column] = f64::from(u8::from(row == column)) - self.y[row];
+            }
+        }
+        self.eliminate()
+    }
+
+    /// `y ← A z` of the last solution.
+    fn feel(&mut self, tangent: &Tangent) {
+        for (element, (links, felt)) in self.links.iter().zip(&self.felt).enumerate() {
+            for end in 0..2 {
+                let wrench = times(&felt[end], tangent.variation(links[1 - end]));
+                let at = UNKNOWNS * element + 6 * end;
+                self.y[at..at + 3].copy_from_slice(wrench.force.as_slice());
+                self.y[at + 3..at + 6].copy_from_slice(wrench.moment.as_slice());
+            }
+        }
+    }
+
+    /// Gaussian elimination with row pivoting: the library's factorizations ask for memory at every call.
+    fn eliminate(&mut self) -> bool {
+        let m = self.len();
+        self.order.iter_mut().enumerate().for_each(|(i, row)| *row = i);
+        for k in 0..m {
+            let size = |i: &usize| self.small[self.order[*i] * m + k].abs();
+            let Some(best) = (k..m).max_by(|i, j| size(i).total_cmp(&size(j))) else { return false };
+            self.order.swap(k, best);
+            let top = self.order[k] * m;
+            let pivot = self.small[top + k];
+            if pivot == 0.0 || !pivot.is_finite() {
+                return false;
+            }
+            for i in k + 1..m {
+                let row = self.order[i] * m;
+                let factor = self.small[row + k] / pivot;
+                self.small[row + k] = factor;
+                for j in k + 1..m {
+                    self.small[row + j] -= factor * self.small[top + j];
+                }
+            }
+        }
+        true
+    }
+
+    /// Completes a solution `x₀` of the sweep.
+    pub(super) fn complete(&mut self, tangent: &Tangent, x: &mut [f64]) {
+        let m = self.len();
+        self.feel(tangent);
+        for (i, row) in self.order.iter().enumerate() {
+            let known: f64 = (0..i).map(|j| self.small[row * m + j] * self.swapped[j]).sum();
+            self.swapped[i] = self.y[*row] - known;
+        }
+        for i in (0..m).rev() {
+            let row = self.order[i] * m;
+            let known: f64 = (i + 1..m).map(|j| self.small[row + j] * self.swapped[j]).sum();
+            self.swapped[i] = (self.swapped[i] - known) / self.small[row + i];
+        }
+        for (y, response) in self.swapped.iter().zip(self.responses.chunks_exact(x.len().max(1))) {
+            x.iter_mut().zip(response).for_each(|(x, response)| *x += y * response);
+        }
+    }
+}
+
+fn unit(axis: usize) -> Wrench {
+    match axis {
+        0..3 => Wrench { force: Vector3::ith(axis, 1.0), ..Wrench::ZERO },
+        _ => Wrench { moment: Vector3::ith(axis - 3, 1.0), ..Wrench::ZERO },
+    }
+}
+
+/// What an element feels when a link moves.
+fn times(felt: &Applied, z: &LinkVariation) -> Wrench {
+    let parts = [z.turn, z.position, z.angular_velocity, z.velocity];
+    let mut sum = Wrench::ZERO;
+    for (block, part) in felt.iter().zip(parts) {
+        sum += Wrench { force: block.force * part, moment: block.moment * part };
+    }
+    sum
+}
