@@ -51,6 +51,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "method": found.method,
         "stage": found.stage,
         "iterations": found.iterations,
+        "stages": found.stages.iter().map(stage).collect::<Vec<_>>(),
         "force_evaluations": found.force_evaluations,
         "acceleration_evaluations": found.acceleration_evaluations,
         "stiffness_evaluations": found.stiffness_evaluations,
@@ -70,6 +71,17 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
+    })
+}
+
+fn stage(stage: &crate::statics::Stage) -> Value {
+    json!({
+        "name": stage.name,
+        "iterations": stage.iterations,
+        "force_evaluations": stage.force_evaluations,
+        "factorizations": stage.factorizations,
+        "relative_residual": stage.relative_residual,
+        "balanced": stage.balanced,
     })
 }
 

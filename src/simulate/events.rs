@@ -1,6 +1,6 @@
 //! Events: numbers that change sign as a scene moves, found on the dense output of a step.
 //!
-//! Every function is looked at [`LOOKS`] times in a step, so that a coordinate which goes there and back within one is
+//! Every function is looked at five times in a step, so that a coordinate which goes there and back within one is
 //! seen where it stays long enough; between two looks of different sign the time is found by bisection to 10⁻¹² of
 //! itself. How exact that is in the motion itself is a matter of the step's tolerance.
 //!

@@ -729,5 +729,31 @@ hinge = { type = "spherical", limits = [-1, 1] }
 hinge = "bobb"
 "#
     .trim_start();
-    insta::assert_snapshot!(said(text, &[]), @"");
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: a stop with `stiffness` has no `restitution`
+     --> scene.toml:4:86
+      |
+    4 | hinge = { type = "prismatic", axis = [0, 0, 1], limits = { low = 0, stiffness = 5.0, restitution = 0.5 } }
+      |                                                                                      ^^^^^^^^^^^
+      |
+      = help: a stop is rigid, with `restitution`, or compliant, with `stiffness` and `damping`
+
+    error: the spherical hinge of `ball` has no coordinate 0 that can be limited
+     --> scene.toml:9:40
+      |
+    9 | hinge = { type = "spherical", limits = [-1, 1] }
+      |                                        ^^^^^^^
+      |
+      = help: angles and distances can; the numbers of a quaternion cannot
+
+    error: there is no body `bobb`
+      --> scene.toml:12:9
+       |
+    12 | hinge = "bobb"
+       |         ^^^^^^
+       |
+       = help: did you mean `bob`?
+
+    scene.toml: 3 errors
+    "#);
 }
