@@ -23,5 +23,6 @@ mod statics;
 mod statics_cascade;
 mod statics_inverse;
 mod statics_methods;
+mod statics_modes;
 mod statics_path;
 mod statics_start;
