@@ -6,6 +6,9 @@ use std::time::{Duration, Instant};
 
 /// Loops timed.
 const REPETITIONS: usize = 15;
+/// Loops timed where they take longer together than this.
+const FEWEST: usize = 3;
+const LONG: Duration = Duration::from_secs(2);
 /// Length of one loop: far above the resolution of the clock, short enough to fall between interruptions.
 const LOOP: Duration = Duration::from_millis(8);
 
@@ -32,14 +35,15 @@ pub(super) fn time<T>(mut call: impl FnMut() -> T) -> Cost {
         black_box(call());
         calls += 1;
     }
-    let mut loops = [0.0; REPETITIONS];
-    for each in &mut loops {
+    let mut loops = Vec::with_capacity(REPETITIONS);
+    let begun = Instant::now();
+    while loops.len() < REPETITIONS && (loops.len() < FEWEST || begun.elapsed() < LONG) {
         let start = Instant::now();
         for _ in 0..calls {
             black_box(call());
         }
-        *each = start.elapsed().as_nanos() as f64 / f64::from(calls);
+        loops.push(start.elapsed().as_nanos() as f64 / f64::from(calls));
     }
     loops.sort_by(f64::total_cmp);
-    Cost { min: loops[0], median: loops[REPETITIONS / 2] }
+    Cost { min: loops[0], median: loops[loops.len() / 2] }
 }
