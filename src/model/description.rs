@@ -3,6 +3,7 @@
 //! SI units and radians throughout. Nothing here is resolved: parents and markers are still names, so that code and
 //! scenario files go through the same checks.
 
+use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 use super::shape::Shape;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -20,11 +21,25 @@ pub struct Description {
     pub bodies: Vec<BodyDescription>,
     /// Springs, bushings and loads.
     pub forces: Vec<ForceDescription>,
+    /// What closes kinematic loops.
+    pub loops: Vec<LoopDescription>,
+    /// Coordinates with a given motion.
+    pub drives: Vec<DriveDescription>,
+    /// Coordinates in a fixed ratio.
+    pub gears: Vec<GearDescription>,
 }
 
 impl Default for Description {
     fn default() -> Self {
-        Self { title: String::new(), gravity: Vector3::new(0.0, 0.0, -9.80665), bodies: Vec::new(), forces: Vec::new() }
+        Self {
+            title: String::new(),
+            gravity: Vector3::new(0.0, 0.0, -9.80665),
+            bodies: Vec::new(),
+            forces: Vec::new(),
+            loops: Vec::new(),
+            drives: Vec::new(),
+            gears: Vec::new(),
+        }
     }
 }
 

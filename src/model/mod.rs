@@ -7,12 +7,16 @@
 
 mod build;
 mod check;
+mod couple;
+pub mod couplings;
 pub mod description;
 mod link;
+pub mod prescribed;
 pub mod problem;
 pub mod shape;
 mod tree;
 
+pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use link::{Joint, Link};
 pub use problem::{Element, Problem};
@@ -37,6 +41,15 @@ pub struct Model {
     pub coordinates: Vec<Coordinate>,
     /// Springs, bushings and loads.
     pub forces: Vec<Force>,
+    /// What closes kinematic loops.
+    pub loops: Vec<Loop>,
+    /// Coordinates with a given motion.
+    pub drives: Vec<Drive>,
+    /// Coordinates in a fixed ratio.
+    pub gears: Vec<Gear>,
+    /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by
+    /// `constraint::assemble`).
+    pub independent_rows: Option<Vec<bool>>,
     /// Start or guess: hinge coordinates, `position_count` numbers.
     pub start_position: Vec<f64>,
     /// Start velocities, `velocity_count` numbers.
@@ -194,6 +207,11 @@ impl Model {
     /// Number of hinge velocities: the degrees of freedom of the tree.
     pub fn velocity_count(&self) -> usize {
         self.start_velocity.len()
+    }
+
+    /// Whether loops, drives or gears tie coordinates together.
+    pub fn is_constrained(&self) -> bool {
+        !(self.loops.is_empty() && self.drives.is_empty() && self.gears.is_empty())
     }
 
     /// Index of a body by name.

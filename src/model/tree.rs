@@ -1,6 +1,7 @@
 //! The compiled tree: hinges taken apart into elementary ones, welds merged.
 
 use super::build::Place;
+use super::couple::couple;
 use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProperties};
 use super::link::{Joint, Link};
 use super::problem::{Element, Problem};
@@ -166,7 +167,7 @@ impl<'a> Tree<'a> {
         problems
     }
 
-    pub(super) fn finish(self, places: &[Vec<Place>]) -> Model {
+    pub(super) fn finish(self, places: &[Vec<Place>], loops: &[[Place; 2]]) -> Result<Model, Vec<Problem>> {
         let end = |place: &Place| {
             let (link, link_from_body) = self.carrier(place.0);
             End {
@@ -181,15 +182,24 @@ impl<'a> Tree<'a> {
             law: compile_force(&force.kind, places, &end, &turn),
         });
         let forces = forces.collect();
-        Model {
+        let mut model = Model {
             title: self.description.title.clone(),
             gravity: self.description.gravity,
             forces,
+            loops: Vec::new(),
+            drives: Vec::new(),
+            gears: Vec::new(),
+            independent_rows: None,
             bodies: self.bodies.iter().flatten().cloned().collect(),
-            links: self.links,
-            coordinates: self.coordinates,
-            start_position: self.start_position,
-            start_velocity: self.start_velocity,
+            links: self.links.clone(),
+            coordinates: self.coordinates.clone(),
+            start_position: self.start_position.clone(),
+            start_velocity: self.start_velocity.clone(),
+        };
+        let carrier = |place: &Place| (end(place), turn(place));
+        match couple(self.description, loops, &carrier, &mut model) {
+            problems if problems.is_empty() => Ok(model),
+            problems => Err(problems),
         }
     }
 }

@@ -176,6 +176,43 @@ impl Reduction {
         }
     }
 
+    /// Eq. (6) at one hinge for a load without velocity terms: takes `e` across it and gives `u` and `D⁻¹ u` (of a ball
+    /// three numbers, else the first). Over the way from a loaded link to the root these are the only ones that are not
+    /// zero, and `bᵀ M⁻¹ c = Σ uᵦ · D⁻¹ u꜀` for any two loads: small systems of loads need no outward sweep.
+    #[inline]
+    pub fn pass(
+        &self,
+        model: &Model,
+        motion: &Motion,
+        index: usize,
+        tau: f64,
+        e: &mut Wrench,
+    ) -> (Vector3<f64>, Vector3<f64>) {
+        let (link, at) = (&model.links[index], &motion.links[index]);
+        match &self.hinges[index] {
+            Pivot::None => (Vector3::zeros(), Vector3::zeros()),
+            Pivot::One { SH, inverse } => {
+                let u = tau - along(&link.joint, &at.axis, e);
+                let step = inverse * u;
+                *e += Wrench { force: step * SH.force, moment: step * SH.moment };
+                (Vector3::new(u, 0.0, 0.0), Vector3::new(step, 0.0, 0.0))
+            }
+            Pivot::Three { fm, mm, inverse } => {
+                let u = -e.moment;
+                let step = *inverse * u;
+                *e += Wrench { force: fm * step, moment: *mm * step };
+                (u, step)
+            }
+            Pivot::Leaf { fm, mm, inverse } => {
+                let u = -at.turn.tr_mul(&e.moment);
+                let own = *inverse * u;
+                let step = at.turn * own;
+                *e += Wrench { force: fm * step, moment: *mm * step };
+                (u, own)
+            }
+        }
+    }
+
     /// Accelerations of all links in the last solution.
     pub fn accelerations(&self) -> &[LinkAcceleration] {
         &self.a

@@ -1,11 +1,13 @@
 //! The scenario format, declared: every table, key, unit, range, default and sentence, said once.
 
 mod body;
+mod couplings;
 mod force;
 mod hinge;
 mod settings;
 
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
+pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::HINGE;
 pub use settings::{RECORD, SIMULATE, STATICS};
@@ -37,8 +39,8 @@ pub const SCENARIO: Table = Table {
         Key::new("record", Kind::Table(&RECORD), "The recording.").example("{ rate = 100.0 }"),
         Key::new("body", Kind::List(&Kind::Table(&BODY), &[]), "The bodies, in any order.").required(),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings and loads."),
-        Key::new("loop", Kind::Refused("closed loops cannot be simulated by this version"), "Closes a kinematic loop."),
-        Key::new("drive", Kind::Refused("drives cannot be simulated by this version"), "Prescribes a motion."),
-        Key::new("gear", Kind::Refused("gears cannot be simulated by this version"), "Couples coordinates."),
+        Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
+        Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
+        Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),
     ],
 };
