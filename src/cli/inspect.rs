@@ -1,22 +1,27 @@
 //! `inspect`: what the model is, and its accelerations at the given state.
 
 use super::{Common, Exit, json, output, scene, text};
+use crate::constraint;
 use crate::dynamics::System;
 use crate::model::Model;
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use nalgebra::Vector3;
 use serde_json::json;
+use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Look at the pose, velocities and inputs of this file, as `statics --save` writes it
+    #[arg(long, value_name = "START.toml")]
+    start: Option<PathBuf>,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (scenario, model) = match scene::load(common)? {
+    let (scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
@@ -27,12 +32,16 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         .accelerations(q, v, &mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
     let energies = system.energies(q, v);
+    let assembly = constraint::assemble(&mut model.clone())
+        .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
     let center = center_of_mass(&model, &system);
     if common.json {
         let result = json!({
             "bodies": model.bodies.len(),
-            "degrees_of_freedom": model.velocity_count(),
-            "loops": 0,
+            "degrees_of_freedom": assembly.degrees_of_freedom,
+            "loops": model.loops.len(),
+            "redundant": json::redundant(&assembly),
+            "gap": assembly.gap,
             "total_mass": model.total_mass(),
             "center_of_mass": [center.x, center.y, center.z],
             "kinetic_energy": energies.kinetic,
@@ -53,6 +62,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         text::number(energies.kinetic),
         text::number(energies.potential)
     ))?;
+    for line in text::couplings(&assembly) {
+        output::print(&format!("  {line}"))?;
+    }
     output::print(&table(&model, &accelerations))?;
     Ok(Exit::Done)
 }

@@ -1,5 +1,6 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
+use crate::constraint::Assembly;
 use crate::model::Model;
 use crate::simulate::{State, Summary};
 use crate::spatial::{Pose, Wrench};
@@ -20,6 +21,12 @@ pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Val
         }
     }
     Value::Object(map)
+}
+
+/// Loops and gears with redundant rows.
+pub(super) fn redundant(assembly: &Assembly) -> Value {
+    let one = |(name, redundant, rows): &(String, usize, usize)| json!({ "element": name, "redundant": redundant, "rows": rows });
+    Value::Array(assembly.redundant.iter().map(one).collect())
 }
 
 pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
@@ -99,7 +106,7 @@ pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, 
         "energy_start": summary.energy_start,
         "energy_end": summary.energy_end,
         "energy_drift": summary.energy_drift,
-        "constraint_error": 0.0,
+        "constraint_error": summary.constraint_error,
         "samples": summary.samples,
         "final": {
             "positions": by_hinge(model, position, true),

@@ -1,5 +1,6 @@
 //! The command line: the only place that prints.
 
+mod bench;
 mod check;
 mod compare;
 mod inspect;
@@ -10,6 +11,7 @@ mod rest;
 mod run;
 mod scene;
 mod statics;
+mod stopwatch;
 mod text;
 mod view;
 
@@ -76,6 +78,10 @@ enum Command {
     ///
     /// Example: stillpoint inspect scenarios/pendulum.toml --set rod.position=0.5
     Inspect(inspect::Arguments),
+    /// Measure what this scene's own routines cost: acceleration, Jacobian, tangent, statics, memory
+    ///
+    /// Example: stillpoint bench scenarios/hanging_chain.toml --json
+    Bench(bench::Arguments),
     /// Show a recording in the Rerun viewer
     ///
     /// Example: stillpoint view hanging_chain.mcap --save hanging_chain.rrd
@@ -104,8 +110,17 @@ struct Common {
     quiet: bool,
 }
 
-/// Runs the program with the arguments it was called with.
-pub fn main() -> ExitCode {
+/// What the program has asked of its allocator since it started.
+#[derive(Debug, Clone, Copy)]
+pub struct Memory {
+    /// Requests for memory.
+    pub allocations: usize,
+    /// Bytes in use.
+    pub bytes: usize,
+}
+
+/// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator.
+pub fn main(memory: fn() -> Memory) -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -120,6 +135,7 @@ pub fn main() -> ExitCode {
         Command::Rest(arguments) => rest::main(&arguments),
         Command::Precision(arguments) => precision::main(&arguments),
         Command::Inspect(arguments) => inspect::main(&arguments),
+        Command::Bench(arguments) => bench::main(&arguments, memory),
         Command::View(arguments) => view::main(&arguments),
         Command::Check(arguments) => check::main(&arguments),
         Command::Schema => output::print(&format!("{:#}", crate::scenario::schema())).map(|()| Exit::Done),

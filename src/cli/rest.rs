@@ -13,6 +13,9 @@ use std::path::PathBuf;
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Prove it for the pose and inputs of this file, as `statics --save` writes it
+    #[arg(long, value_name = "START.toml")]
+    start: Option<PathBuf>,
     /// Record the proof there
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -21,10 +24,13 @@ pub(super) struct Arguments {
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     let interrupt = Interrupt::install()?;
-    let (scenario, model) = match scene::load(common)? {
+    let (scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    if arguments.start.is_some() && model.start_velocity.iter().any(|v| *v != 0.0) {
+        anyhow::bail!("the start file gives velocities that are not zero: what moves is not at rest");
+    }
     let file = arguments.out.as_deref().map(RecordingFile::create).transpose()?;
     let (found, wall) = statics::find(&scenario, &model)?;
     let statics = json::statics(&model, &found, wall.as_secs_f64());

@@ -15,6 +15,9 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    /// Start at the pose, velocities and inputs of this file, as `statics --save` writes it
+    #[arg(long, value_name = "START.toml")]
+    start: Option<PathBuf>,
     /// Where the recording goes; default: the scenario's name with .mcap in this folder
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -32,16 +35,23 @@ pub(super) struct Arguments {
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     let interrupt = Interrupt::install()?;
-    let (scenario, model) = match scene::load(common)? {
+    let (mut scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    // A file without velocities is a start at rest, and the method is chosen for that.
+    let moves = model.start_velocity.iter().any(|v| *v != 0.0);
+    if arguments.start.is_some() {
+        scenario.simulate.start = if moves { Start::Given } else { Start::Equilibrium };
+    }
     let path = recording_path(arguments.out.as_deref(), &common.scenario);
     let file = RecordingFile::create(&path)?;
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
     }
-    let Some((start, found)) = start(common, &scenario, &model)? else { return Ok(Exit::No) };
+    let from_file = || Some((given(&model), json!("given")));
+    let started = if arguments.start.is_some() { from_file() } else { start(common, &scenario, &model)? };
+    let Some((start, found)) = started else { return Ok(Exit::No) };
 
     let still = simulate::scene(&model);
     let found_text = found.to_string();
@@ -51,15 +61,15 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     for sink in sinks(arguments) {
         recorder = add_viewer(recorder, &sink, &opening, common.quiet)?;
     }
-    let run = Run { common, scenario: &scenario, model: &model, path: &path, interrupt };
+    let run =
+        Run { common, scenario: &scenario, model: &model, path: &path, from: arguments.start.as_deref(), interrupt };
     run.go(&start, found, recorder)
 }
 
 /// The state to start from and what is said of it in JSON; `None` where there is no equilibrium to start from.
 pub(super) fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyhow::Result<Option<(State, Value)>> {
     if scenario.simulate.start == Start::Given {
-        let state = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
-        return Ok(Some((state, json!("given"))));
+        return Ok(Some((given(model), json!("given"))));
     }
     let (found, wall) = statics::find(scenario, model)?;
     let value = json::statics(model, &found, wall.as_secs_f64());
@@ -88,6 +98,10 @@ pub(super) fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyh
         }
     }
     Ok(Some((State { position: found.position, velocity: vec![0.0; model.velocity_count()] }, value)))
+}
+
+fn given(model: &Model) -> State {
+    State { position: model.start_position.clone(), velocity: model.start_velocity.clone() }
 }
 
 /// `scenarios/arm.toml` → `arm.mcap`.
@@ -128,6 +142,8 @@ struct Run<'a> {
     scenario: &'a Scenario,
     model: &'a Model,
     path: &'a Path,
+    /// The start file.
+    from: Option<&'a Path>,
     interrupt: Interrupt,
 }
 
@@ -157,7 +173,10 @@ impl Run<'_> {
                 return Ok(Exit::No);
             }
         };
-        let result = json::run(self.model, &self.scenario.name, &path, found, &summary);
+        let mut result = json::run(self.model, &self.scenario.name, &path, found, &summary);
+        if let Some(from) = self.from {
+            result["start_file"] = json!(from.display().to_string());
+        }
         recorder.finish(&Outcome { summary: result.to_string() })?;
         for lost in recorder.take_lost() {
             output::warning(&format!("{lost}\nthe recording is not affected"));

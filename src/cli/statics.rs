@@ -1,6 +1,9 @@
 //! `statics`: the equilibrium and what it is.
 
 use super::{Common, Exit, compare, json, output, scene, text};
+use crate::model::Parameter;
+use crate::model::description::Description;
+use crate::scenario::start;
 use crate::statics::{Equilibrium, Method, equilibrium};
 use anyhow::Context;
 use clap::Args;
@@ -18,6 +21,12 @@ pub(super) struct Arguments {
     /// Find it by every method from the same guess, and print what each needed and how far their answers are apart
     #[arg(long, conflicts_with = "method")]
     compare: bool,
+    /// Begin the search at the pose of this file, as `--save` writes it
+    #[arg(long, value_name = "START.toml")]
+    start: Option<PathBuf>,
+    /// Write the equilibrium there, for `--start` of other commands; nothing where none is found
+    #[arg(long, value_name = "START.toml", conflicts_with = "compare")]
+    save: Option<PathBuf>,
     /// Write the result there as JSON; with `--compare` the table, as PATH.csv and PATH.json
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -25,7 +34,7 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (mut scenario, model) = match scene::load(common)? {
+    let (mut scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
@@ -40,6 +49,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let result = json::statics(&model, &found, wall.as_secs_f64());
     if let Some(path) = &arguments.out {
         write(path, &format!("{result:#}\n"))?;
+    }
+    if let Some(path) = arguments.save.as_deref().filter(|_| found.converged) {
+        let rest = vec![0.0; model.velocity_count()];
+        write(path, &start::text(&model, &found.position, &rest, &motors(&scenario.description)))?;
     }
     if common.json {
         output::print(&result.to_string())?;
@@ -63,4 +76,10 @@ pub(super) fn find(
     let found = equilibrium(model, &scenario.statics, &model.start_position)
         .with_context(|| format!("{}: statics cannot start", scenario.name))?;
     Ok((found, before.elapsed()))
+}
+
+/// The motor forces that are not zero: address and value.
+fn motors(description: &Description) -> Vec<(String, f64)> {
+    let all = Parameter::find(description, "hinge.force").unwrap_or_default();
+    all.iter().map(|one| (one.address.clone(), one.value(description))).filter(|(_, force)| *force != 0.0).collect()
 }

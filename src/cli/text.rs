@@ -1,6 +1,7 @@
 //! Reports for people.
 
 use super::output::bold;
+use crate::constraint::Assembly;
 use crate::integrate::Method;
 use crate::model::Model;
 pub(super) use crate::model::problem::number;
@@ -42,6 +43,15 @@ pub(super) fn duration(wall: Duration) -> String {
     }
 }
 
+/// A cost in the unit that suits it.
+pub(super) fn nanoseconds(cost: f64) -> String {
+    match cost {
+        c if c < 1e4 => format!("{c:.0} ns"),
+        c if c < 1e7 => format!("{:.1} µs", c * 1e-3),
+        c => format!("{:.1} ms", c * 1e-6),
+    }
+}
+
 /// Title and size of a scene.
 pub(super) fn heading(model: &Model, name: &str) -> String {
     let title = if model.title.is_empty() { name } else { &model.title };
@@ -49,9 +59,17 @@ pub(super) fn heading(model: &Model, name: &str) -> String {
         "{}\n  {}, {}, {} kg",
         bold(title),
         count(model.bodies.len(), "body", "bodies"),
-        count(model.velocity_count(), "degree of freedom", "degrees of freedom"),
+        count(model.degrees_of_freedom(), "degree of freedom", "degrees of freedom"),
         number(model.total_mass())
     )
+}
+
+/// What is said of loops, drives and gears.
+pub(super) fn couplings(assembly: &Assembly) -> Vec<String> {
+    let redundant = |(name, redundant, rows): &(String, usize, usize)| {
+        format!("{name}: {redundant} of {rows} rows redundant, its reactions and those around it are not unique")
+    };
+    assembly.redundant.iter().map(redundant).collect()
 }
 
 /// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.

@@ -303,7 +303,7 @@ fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
             }
         }
     }
-    super::close::displace(model, q, &step);
+    crate::motion::displace(model, q, &step);
 }
 
 /// The largest change of a coordinate (rad, or part of the scene's length).

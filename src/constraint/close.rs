@@ -9,11 +9,10 @@
 
 use super::{Constraints, Held, Rate};
 use crate::model::{Joint, Model};
-use crate::motion::Motion;
+use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
 use crate::transfer::reduce::{Load, Singular};
 use crate::transfer::Reduction;
-use nalgebra::{UnitQuaternion, Vector3};
 
 /// Gaps below this part of the scene's length are round-off.
 pub(crate) const ROUND_OFF: f64 = 1e-14;
@@ -73,9 +72,7 @@ impl<'m> Closing<'m> {
 
     /// Where the widest gap of the last placement is.
     pub(super) fn widest(&self) -> OpenGap {
-        let (gap, row) = self.rows.largest(&self.motion, Rate::Gap, true);
-        let element = row.and_then(|row| self.rows.element_of(row)).map_or(String::new(), |e| e.name.clone());
-        OpenGap { element, gap }
+        self.rows.widest(&self.motion)
     }
 
     /// Closes the gaps from `q`, to round-off where that is possible; gives the widest gap left.
@@ -144,7 +141,7 @@ impl<'m> Closing<'m> {
         self.rows.solve(&self.motion, rate);
         self.loads.fill(Wrench::ZERO);
         self.tau.fill(0.0);
-        self.rows.add_loads(&mut self.loads, &mut self.tau);
+        self.rows.add_loads(-1.0, &mut self.loads, &mut self.tau);
         let load = Load { wrenches: &self.loads, with_bias: false, tau: &self.tau };
         self.reduction.solve(self.model, &self.motion, &load, &mut self.step);
     }
@@ -166,23 +163,5 @@ impl<'m> Closing<'m> {
     fn squares(&self) -> f64 {
         let rows = self.rows.placed.iter().zip(&self.rows.weights);
         rows.map(|(placed, weight)| (weight * placed.gap).powi(2)).sum()
-    }
-}
-
-/// `q ← q ⊞ step`: plain coordinates add, balls turn by the rotation vector in link axes.
-pub(super) fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
-    for link in &model.links {
-        match link.joint {
-            Joint::None => {}
-            Joint::Turn { .. } | Joint::Slide { .. } => q[link.position] += step[link.velocity],
-            Joint::Ball { .. } => {
-                let at = &mut q[link.position..link.position + 4];
-                let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);
-                if turn != Vector3::zeros() {
-                    let new = crate::motion::unit_quaternion(at) * UnitQuaternion::from_scaled_axis(turn);
-                    at.copy_from_slice(&[new.w, new.i, new.j, new.k]);
-                }
-            }
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! A symmetric positive definite matrix whose rows start where their first neighbour stands: `L D Lᵀ` in place.
 
-/// A pivot below this part of its diagonal entry is round-off: its row hangs on the others where it is factorized.
-const DEPENDENT: f64 = 1e-13;
+/// A pivot below this part of its row's size is round-off: there the row hangs on the others.
+const DEPENDENT: f64 = 1e-14;
 
 /// The lower half of a symmetric matrix, each row from its first entry to the diagonal.
 #[derive(Debug, Clone, Default)]
@@ -13,7 +13,7 @@ pub(super) struct Envelope {
     entries: Vec<f64>,
     /// `1/D`; 0 for a dependent row, whose unknown is then zero.
     inverse: Vec<f64>,
-    /// The smallest pivot, relative to its diagonal entry.
+    /// The smallest pivot, relative to the size of its row.
     smallest: f64,
 }
 
@@ -44,8 +44,8 @@ impl Envelope {
         if column < self.first[row] { 0.0 } else { self.entries[self.start[row] + column - self.first[row]] }
     }
 
-    /// `A = L D Lᵀ`.
-    pub(super) fn factorize(&mut self) {
+    /// `A = L D Lᵀ`; `sizes` are what the pivots are compared with.
+    pub(super) fn factorize(&mut self, sizes: &[f64]) {
         self.smallest = 1.0;
         for row in 0..self.first.len() {
             let (first, at) = (self.first[row], self.start[row]);
@@ -56,17 +56,16 @@ impl Envelope {
                 let dot = dot(&self.entries[mine..mine + length], &self.entries[other..other + length]);
                 self.entries[at + column - first] -= dot;
             }
-            let full = self.entries[at + row - first];
-            let mut pivot = full;
+            let mut pivot = self.entries[at + row - first];
             for column in first..row {
                 let g = self.entries[at + column - first];
                 let l = g * self.inverse[column];
                 pivot -= g * l;
                 self.entries[at + column - first] = l;
             }
-            let dependent = !(pivot > DEPENDENT * full);
+            let dependent = !(pivot > DEPENDENT * sizes[row]);
             self.inverse[row] = if dependent { 0.0 } else { 1.0 / pivot };
-            self.smallest = self.smallest.min(pivot / full);
+            self.smallest = self.smallest.min((pivot / sizes[row]).max(0.0));
         }
     }
 
@@ -88,8 +87,8 @@ impl Envelope {
         }
     }
 
-    /// The smallest pivot of the last factorization relative to its diagonal entry: how near the rows are to hanging on
-    /// each other.
+    /// The smallest pivot of the last factorization relative to the size of its row: how near the rows are to hanging
+    /// on each other.
     pub(super) fn smallest_pivot(&self) -> f64 {
         self.smallest
     }
@@ -117,7 +116,7 @@ mod tests {
         }
         let x = [1.0, -2.0, 0.5, 3.0, -1.0];
         let mut product: Vec<f64> = (0..5).map(|i| (0..5).map(|j| matrix.get(i, j) * x[j]).sum()).collect();
-        matrix.factorize();
+        matrix.factorize(&[4.0; 5]);
         matrix.solve(&mut product);
         for (found, x) in product.iter().zip(x) {
             assert!((found - x).abs() < 1e-14, "{product:?}");
@@ -131,7 +130,7 @@ mod tests {
         for (row, column) in [(0, 0), (1, 0), (1, 1)] {
             *matrix.entry(row, column) = 2.0;
         }
-        matrix.factorize();
+        matrix.factorize(&[2.0; 2]);
         let mut x = [3.0, 3.0];
         matrix.solve(&mut x);
         assert_eq!(x, [1.5, 0.0]);

@@ -38,6 +38,7 @@ use plan::Plan;
 use row::{Ends, Placed, Rule, place_motion, power};
 pub use assembly::{Assembly, assemble};
 pub use close::OpenGap;
+pub(crate) use close::ROUND_OFF;
 use rows::Held;
 pub use rows::{Element, Owner};
 
@@ -59,6 +60,8 @@ pub struct Constraints {
     /// `e` along one way.
     passed: Vec<Wrench>,
     unknowns: Vec<f64>,
+    /// What the pivots of the unknowns are compared with.
+    sizes: Vec<f64>,
     /// Multipliers of all rows (N or N m).
     multipliers: Vec<f64>,
     /// (s)
@@ -95,6 +98,7 @@ impl Constraints {
             matrix: Envelope::default(),
             pushes: Vec::new(),
             unknowns: Vec::new(),
+            sizes: Vec::new(),
             time: 0.0,
         };
         all.keep(|_| true);
@@ -123,6 +127,7 @@ impl Constraints {
         self.matrix = Envelope::new(self.plan.first_columns.clone());
         self.pushes = vec![[Vector3::zeros(); 2]; self.plan.pushes];
         self.unknowns = vec![0.0; self.plan.unknowns];
+        self.sizes = vec![0.0; self.plan.unknowns];
     }
 
     /// The time at which drives are looked at (s).
@@ -143,6 +148,12 @@ impl Constraints {
     /// The multipliers of the last solution, one per row: what each row pushes with (N or N m). Zero for rows left out.
     pub fn multipliers(&self) -> &[f64] {
         &self.multipliers
+    }
+
+    /// Sine of the smallest angle between a row and those before it at the last factorization, in the metric of the
+    /// inertia: 0 in a singular position.
+    pub(crate) fn clearance(&self) -> f64 {
+        self.matrix.smallest_pivot().sqrt()
     }
 
     /// Number of rows that are solved for.
@@ -181,6 +192,7 @@ impl Constraints {
     /// to the diagonal in units of the largest entry.
     pub(crate) fn factorize(&mut self, model: &Model, motion: &Motion, reduction: &Reduction, damping: f64) {
         self.assemble(model, motion, reduction);
+        self.size_rows();
         if damping > 0.0 {
             let weight = |row: usize| self.weights[row] * self.weights[row];
             let rows: Vec<usize> = self.plan.rows().collect();
@@ -190,7 +202,21 @@ impl Constraints {
                 *self.matrix.entry(i, i) += shift / weight(*row);
             }
         }
-        self.matrix.factorize();
+        self.matrix.factorize(&self.sizes);
+    }
+
+    /// What the pivots of rows are compared with: the largest entry of the same element, angles as lengths.
+    fn size_rows(&mut self) {
+        for group in &self.plan.groups {
+            let weighted = group.rows.iter().enumerate().map(|(k, row)| {
+                let at = group.first + k;
+                self.weights[*row] * self.weights[*row] * self.matrix.get(at, at)
+            });
+            let largest = weighted.fold(0.0, f64::max);
+            for (k, row) in group.rows.iter().enumerate() {
+                self.sizes[group.first + k] = largest / (self.weights[*row] * self.weights[*row]);
+            }
+        }
     }
 
     /// Eq. (2), not factorized.
@@ -298,8 +324,8 @@ impl Constraints {
         largest
     }
 
-    /// Adds what the multipliers push to `b − applied` of the links and to the hinge forces.
-    pub(crate) fn add_loads(&self, wrenches: &mut [Wrench], tau: &mut [f64]) {
+    /// Adds what the multipliers push to the links' wrenches, `sign` times, and to the hinge forces.
+    pub(crate) fn add_loads(&self, sign: f64, wrenches: &mut [Wrench], tau: &mut [f64]) {
         for group in &self.plan.groups {
             let ends = &self.elements[group.element].ends;
             for row in &group.rows {
@@ -307,8 +333,8 @@ impl Constraints {
                 if let Some(ends) = ends {
                     for (end, w) in ends.iter().zip(&self.placed[*row].wrenches) {
                         let link = &mut wrenches[end.link];
-                        link.force -= multiplier * w.force;
-                        link.moment -= multiplier * w.moment;
+                        link.force += sign * multiplier * w.force;
+                        link.moment += sign * multiplier * w.moment;
                     }
                 }
                 if let Rule::Motion { parts } = &self.rules[*row] {
@@ -316,6 +342,28 @@ impl Constraints {
                 }
             }
         }
+    }
+
+    /// Adds what the multipliers push to the named bodies of the loops' ends, at the root markers of their links.
+    pub(crate) fn add_to_bodies(&self, wrenches: &mut [Wrench]) {
+        for group in &self.plan.groups {
+            let Some(ends) = &self.elements[group.element].ends else { continue };
+            for row in &group.rows {
+                for (end, w) in ends.iter().zip(&self.placed[*row].wrenches) {
+                    if let Some(body) = end.body {
+                        wrenches[body].force += self.multipliers[*row] * w.force;
+                        wrenches[body].moment += self.multipliers[*row] * w.moment;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where the widest gap of the last placement of all rows is.
+    pub(crate) fn widest(&self, motion: &Motion) -> OpenGap {
+        let (gap, row) = self.largest(motion, Rate::Gap, true);
+        let element = row.and_then(|row| self.element_of(row)).map_or(String::new(), |e| e.name.clone());
+        OpenGap { element, gap }
     }
 
     /// Adds how the wrenches of [`Constraints::add_loads`], taken as applied ones, vary with the links at fixed

@@ -6,7 +6,7 @@
 
 use super::close::Closing;
 use super::rows::Owner;
-use super::{Constraints, Rate};
+use super::Constraints;
 use crate::model::{Joint, Model};
 
 /// A pivot below this part of the row's own entry, and an entry below this part of the largest of its element, counts as
@@ -22,8 +22,6 @@ pub(super) struct Ranking {
     pub(super) independent: Vec<bool>,
     /// At the position itself fewer rows are independent than around it.
     pub(super) singular: bool,
-    /// Widest gap of the rows that were left out.
-    pub(super) left_open: f64,
 }
 
 /// Decides at a closed position, at the time of the drives.
@@ -35,7 +33,7 @@ pub(super) fn decide(model: &Model, q: &[f64], time: f64) -> Ranking {
     for _ in 0..2 {
         let mut near = q.to_vec();
         let step = random.step(model);
-        super::close::displace(model, &mut near, &step);
+        crate::motion::displace(model, &mut near, &step);
         let closed = matches!(closing.close(&mut near), Ok(gap) if gap <= 1e-9 * model.length_scale());
         if closed {
             let there = independent_at(model, &mut closing, &near);
@@ -46,10 +44,7 @@ pub(super) fn decide(model: &Model, q: &[f64], time: f64) -> Ranking {
     }
     let singular = count(&best) > count(&here);
     let independent = if singular { best } else { here };
-    closing.gap(q);
-    let left_out = (0..independent.len()).filter(|row| !independent[*row]);
-    let left_open = left_out.map(|row| closing.rows.weights[row] * closing.rows.placed[row].gap.abs());
-    Ranking { left_open: left_open.fold(0.0, f64::max), independent, singular }
+    Ranking { independent, singular }
 }
 
 fn count(rows: &[bool]) -> usize {
@@ -146,11 +141,6 @@ impl Constraints {
 
     fn element_index(&self, row: usize) -> usize {
         self.elements.iter().position(|element| element.rows.contains(&row)).unwrap_or(0)
-    }
-
-    /// Widest gap of all rows at the last placement of all.
-    pub(crate) fn widest_gap(&self, motion: &crate::motion::Motion) -> (f64, Option<usize>) {
-        self.largest(motion, Rate::Gap, true)
     }
 }
 

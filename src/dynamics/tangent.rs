@@ -48,9 +48,9 @@ impl TangentSolver {
         }
     }
 
-    /// Whether the sweep covers every force of a model: no element between two bodies.
+    /// Whether the sweep covers every force of a model: no element between two bodies, no loop, drive or gear.
     pub fn covers(model: &Model) -> bool {
-        !model.forces.iter().any(|force| super::linearize::reaches_far(&force.law))
+        !model.is_constrained() && !model.forces.iter().any(|force| super::linearize::reaches_far(&force.law))
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.

@@ -145,10 +145,13 @@ impl Explicit {
         loop {
             let trial = self.control.propose(&self.progress)?;
             match self.attempt(problem, trial) {
-                Ok(error) if error.value <= 1.0 || self.control.is_fixed() => {
-                    self.accept(trial, error.value);
-                    return Ok(true);
-                }
+                Ok(error) if error.value <= 1.0 || self.control.is_fixed() => match self.project(problem, trial) {
+                    Ok(()) => {
+                        self.accept(trial, error.value);
+                        return Ok(true);
+                    }
+                    Err(limit) => self.control.fail(trial, limit, &self.progress)?,
+                },
                 Ok(error) => self.control.reject(trial, error.value, self.limit(error)),
                 Err(limit) => self.control.fail(trial, limit, &self.progress)?,
             }
@@ -198,6 +201,16 @@ impl Explicit {
                 Measured { value: error.value * share, ..error }
             }
         }
+    }
+
+    /// Projects the end of the step; where that moves it, its rate is taken again.
+    fn project<P: Problem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
+        let Progress { position_count, statistics, .. } = &mut self.progress;
+        let (q, v) = self.next.split_at_mut(*position_count);
+        if problem.project(trial.time, q, v).map_err(Limit::Failure)? {
+            state_rate(problem, trial.time, &self.next, &mut self.rates[self.pair.last], statistics)?;
+        }
+        Ok(())
     }
 
     fn accept(&mut self, trial: Trial, error: f64) {

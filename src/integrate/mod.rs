@@ -71,7 +71,7 @@ pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use error::{Component, Limit, StepError};
 pub use options::{Options, Start};
-pub use problem::{Failure, ImplicitProblem, Problem};
+pub use problem::{Failure, ImplicitProblem, Point, Problem};
 pub use progress::Progress;
 pub use rk4::Rk4;
 pub use sdirk4::Sdirk4;

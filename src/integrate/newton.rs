@@ -28,12 +28,14 @@
 use crate::integrate::{
     error::{Component, Limit},
     norm::ErrorNorm,
-    problem::ImplicitProblem,
+    problem::{ImplicitProblem, Point},
     statistics::Statistics,
 };
 
 /// Largest κ.
 const LARGEST_FRACTION: f64 = 0.005;
+/// All stages share one factorization.
+pub(crate) const SLOT: usize = 0;
 const MAX_ITERATIONS: u32 = 10;
 /// A factorization that contracts worse is renewed.
 const SLOW: f64 = 0.3;
@@ -78,14 +80,6 @@ pub(crate) struct Stage<'a> {
     pub(crate) start: &'a [f64],
 }
 
-/// A point at which to linearise.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Point<'a> {
-    pub(crate) time: f64,
-    pub(crate) state: &'a [f64],
-    pub(crate) acceleration: &'a [f64],
-}
-
 impl Newton {
     pub(crate) fn new(norm: &ErrorNorm, velocity_count: usize, state_count: usize) -> Self {
         Self {
@@ -109,10 +103,9 @@ impl Newton {
             return Ok(());
         }
         self.factorization = None;
-        let (q, v) = point.state.split_at(problem.position_count());
         let c1 = 1.0 / step;
         statistics.jacobian_evaluations += 1;
-        problem.factorize(point.time, q, v, point.acceleration, c1, c1 * c1).map_err(Limit::Failure)?;
+        problem.factorize(SLOT, point, c1, c1 * c1).map_err(Limit::Failure)?;
         self.factorization = Some(Factorization { step, fresh: true, contraction: None, slow: false });
         Ok(())
     }
@@ -154,7 +147,7 @@ impl Newton {
             evaluate(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
             statistics.solves += 1;
-            problem.solve(&mut self.correction);
+            problem.solve(SLOT, &mut self.correction);
             displace(problem, state, &self.correction, factorization.step, &mut self.displacement);
             let size = norm.measure(&self.displacement, stage.start, state).value;
 

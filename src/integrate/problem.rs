@@ -23,6 +23,14 @@ pub trait Problem {
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]);
     /// Normalises the quaternions of `q`.
     fn normalize(&self, q: &mut [f64]);
+    /// Brings a state back onto what binds its coordinates beyond the quaternions' norm (closed loops); true where that
+    /// changed it. Asked once per accepted step, after [`normalize`](Self::normalize).
+    ///
+    /// # Errors
+    /// Where there is no such state nearby: the step is then tried again, shorter.
+    fn project(&mut self, _time: f64, _q: &mut [f64], _v: &mut [f64]) -> Result<bool, Failure> {
+        Ok(false)
+    }
     /// The sizes at which an absolute error counts as much as a relative one, per coordinate of `q` and of `v`:
     /// 1 rad (also for the numbers of a quaternion) and the scene's length for positions, the same per the scene's time
     /// for velocities. All above 0; the integrators take their ratio as the time in which things happen.
@@ -44,13 +52,28 @@ pub trait ImplicitProblem: Problem {
     /// # Errors
     /// Where a number is not finite.
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure>;
-    /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates).
+    /// Makes room for factorizations in the slots `0..slots`; asked once, when a method starts.
+    fn reserve(&mut self, slots: usize);
+    /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates) and keeps it in `slot`.
     ///
     /// # Errors
     /// Where it is singular.
-    fn factorize(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], c1: f64, c2: f64) -> Result<(), Failure>;
-    /// Solves with the last factorization, in place.
-    fn solve(&mut self, rhs: &mut [f64]);
+    fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure>;
+    /// Solves with the factorization last made in `slot`, in place.
+    fn solve(&mut self, slot: usize, rhs: &mut [f64]);
+}
+
+/// A point at which to linearise.
+#[derive(Debug, Clone, Copy)]
+pub struct Point<'a> {
+    /// In s.
+    pub time: f64,
+    /// Coordinates, `position_count` of them; quaternions need not be normalised.
+    pub q: &'a [f64],
+    /// Velocities, `velocity_count` of them.
+    pub v: &'a [f64],
+    /// Accelerations, `velocity_count` of them.
+    pub a: &'a [f64],
 }
 
 /// Why a system could not be evaluated.

@@ -26,6 +26,22 @@ pub(crate) fn state_rate<P: Problem>(
     require_finite(rate, position_count)
 }
 
+/// Brings the end of a step onto the manifold: quaternions to unit length, then what else binds the coordinates; true
+/// where the latter changed the state.
+///
+/// # Errors
+/// Where there is no such state nearby.
+pub(crate) fn settle<P: Problem>(
+    problem: &mut P,
+    time: f64,
+    state: &mut [f64],
+    position_count: usize,
+) -> Result<bool, Limit> {
+    let (q, v) = state.split_at_mut(position_count);
+    problem.normalize(q);
+    problem.project(time, q, v).map_err(Limit::Failure)
+}
+
 /// `sum ← start + step Σ weights_j rates_j`.
 pub(crate) fn combine(sum: &mut [f64], start: &[f64], step: f64, weights: &[f64], rates: &[Vec<f64>]) {
     sum.copy_from_slice(start);

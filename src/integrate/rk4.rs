@@ -26,7 +26,7 @@ use crate::integrate::{
     options::{Options, Start},
     problem::Problem,
     progress::Progress,
-    rates::{combine, require_finite, state_rate},
+    rates::{combine, require_finite, settle, state_rate},
     stepper::Stepper,
     tableau::rk4::{A, B, C},
 };
@@ -75,7 +75,7 @@ impl Rk4 {
             state_rate(problem, *time + C[stage] * trial.step, &self.next, &mut self.rates[stage], statistics)?;
         }
         combine(&mut self.next, state, trial.step, &B, &self.rates);
-        problem.normalize(&mut self.next[..*position_count]);
+        settle(problem, trial.time, &mut self.next, *position_count)?;
         require_finite(&self.next, *position_count)?;
         state_rate(problem, trial.time, &self.next, &mut self.end_rate, statistics)
     }

@@ -38,13 +38,13 @@
 use crate::integrate::{
     control::{Controller, Trial},
     error::{Limit, StepError},
-    newton::{Newton, Point, Stage, evaluate},
+    newton::{Newton, SLOT, Stage, evaluate},
     norm::{ErrorNorm, Measured},
     options::{Options, Start},
     predict::Predictor,
-    problem::ImplicitProblem,
+    problem::{ImplicitProblem, Point},
     progress::Progress,
-    rates::{combine, require_finite, state_rate, weighted_sum},
+    rates::{combine, require_finite, settle, state_rate, weighted_sum},
     start::first_step,
     stepper::Stepper,
     tableau::sdirk4::{A, C, CUBES, E, GAMMA, SQUARES},
@@ -84,6 +84,7 @@ impl Sdirk4 {
     /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         options.validate()?;
+        problem.reserve(SLOT + 1);
         let mut progress = Progress::new(problem, start)?;
         let norm = ErrorNorm::new(problem, options.relative, options.absolute);
         let mut rate = vec![0.0; progress.state.len()];
@@ -112,7 +113,8 @@ impl Sdirk4 {
     /// Solves the stages; gives the norm of the filtered error estimate, 0 where the step is fixed.
     fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
-        let point = Point { time: *time, state, acceleration: self.predictor.start() };
+        let (q, v) = state.split_at(*position_count);
+        let point = Point { time: *time, q, v, a: self.predictor.start() };
         let gamma_step = GAMMA * trial.step;
         self.newton.prepare(problem, point, gamma_step, statistics)?;
         for stage in 0..C.len() {
@@ -145,7 +147,7 @@ impl Sdirk4 {
         self.known.iter_mut().zip(&*error_q).for_each(|(q, error)| *q -= error);
         self.acceleration.iter_mut().zip(&*error_v).for_each(|(a, error)| *a += error / gamma_step);
         evaluate(problem, trial.time, &self.known, &self.acceleration, &mut self.filter, statistics)?;
-        problem.solve(&mut self.filter);
+        problem.solve(SLOT, &mut self.filter);
         statistics.solves += 1;
 
         let displaced = &mut self.known[..*position_count];
@@ -155,14 +157,19 @@ impl Sdirk4 {
         Ok(self.norm.measure(&self.error, state, &self.next))
     }
 
-    fn accept<P: ImplicitProblem>(&mut self, problem: &P, trial: Trial, error: f64) {
+    /// Makes the end of the step tried the state reached.
+    ///
+    /// # Errors
+    /// Where it cannot be projected.
+    fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
         let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
-        problem.normalize(&mut self.next[..*position_count]);
+        settle(problem, trial.time, &mut self.next, *position_count)?;
         dense.cubic(trial.step, [state, &self.next], &SQUARES, &CUBES, &self.rates);
         self.control.accept(trial, error, statistics.steps == 0);
         self.predictor.advance(trial.step);
         self.newton.advance();
         self.progress.advance(trial.time, &mut self.next);
+        Ok(())
     }
 }
 
@@ -170,12 +177,13 @@ impl<P: ImplicitProblem> Stepper<P> for Sdirk4 {
     fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
         while !self.progress.finished() {
             let trial = self.control.propose(&self.progress)?;
-            match self.attempt(problem, trial) {
-                Ok(error) if error.value <= 1.0 => {
-                    self.accept(problem, trial, error.value);
-                    break;
-                }
-                Ok(error) => {
+            let attempt = match self.attempt(problem, trial) {
+                Ok(error) if error.value <= 1.0 => self.accept(problem, trial, error.value).map(|()| None),
+                other => other.map(Some),
+            };
+            match attempt {
+                Ok(None) => break,
+                Ok(Some(error)) => {
                     let worst = self.progress.component(error.worst);
                     self.control.reject(trial, error.value, Limit::ErrorEstimate(worst));
                 }

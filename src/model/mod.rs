@@ -11,6 +11,7 @@ mod couple;
 pub mod couplings;
 pub mod description;
 mod link;
+pub mod parameter;
 pub mod prescribed;
 pub mod problem;
 pub mod shape;
@@ -19,6 +20,7 @@ mod tree;
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use link::{Joint, Link};
+pub use parameter::Parameter;
 pub use problem::{Element, Problem};
 
 use crate::spatial::Pose;
@@ -212,6 +214,12 @@ impl Model {
     /// Whether loops, drives or gears tie coordinates together.
     pub fn is_constrained(&self) -> bool {
         !(self.loops.is_empty() && self.drives.is_empty() && self.gears.is_empty())
+    }
+
+    /// Degrees of freedom that loops, gears and drives leave, once it is decided which of their rows are independent.
+    pub fn degrees_of_freedom(&self) -> usize {
+        let rank = self.independent_rows.as_ref().map_or(0, |rows| rows.iter().filter(|row| **row).count());
+        self.velocity_count() - rank
     }
 
     /// Index of a body by name.

@@ -42,15 +42,17 @@ mod settings;
 mod shape;
 mod sources;
 mod spans;
+pub mod start;
 mod syntax;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use overrides::{Override, OverrideError};
 pub use read::{LARGEST_FILE, LoadError};
 pub use schema::schema;
+pub use start::{Started, load_start};
 
 use crate::model::{Description, Model, Problem};
-use crate::{record, simulate, statics};
+use crate::{constraint, record, simulate, statics};
 use findings::Findings;
 use reader::Reader;
 use sources::Sources;
@@ -102,9 +104,12 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
     parse_owned(name, text.to_owned(), overrides, problems)
 }
 
-/// What the model finds wrong with a description.
+/// What the model finds wrong with a description, and what keeps its loops from closing.
 fn problems(description: &Description) -> Vec<Problem> {
-    Model::build(description).err().unwrap_or_default()
+    match Model::build(description) {
+        Ok(mut model) => constraint::assemble(&mut model).err().unwrap_or_default(),
+        Err(problems) => problems,
+    }
 }
 
 fn parse_owned(

@@ -23,7 +23,7 @@ pub(super) struct Ledger {
 
 impl Ledger {
     pub(super) fn new(model: &Model, start: Energies) -> Self {
-        let flows = model.has_damping() || !model.is_conservative();
+        let flows = model.has_damping() || !model.is_conservative() || !model.drives.is_empty();
         Self { start, work: 0.0, dissipated: 0.0, drift: 0.0, flows }
     }
 

@@ -1,7 +1,7 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
 use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
-use crate::integrate::{Failure, ImplicitProblem, Problem};
+use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{Joint, Model};
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
@@ -12,14 +12,45 @@ pub struct Motion<'m> {
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
     tangent: Tangent,
+    /// Where a run stands with respect to singular positions; `None` without loops.
+    passage: Option<Passage>,
 }
 
-/// The factorized tangent of an implicit step.
+/// How a run passes singular positions of its loops.
+///
+/// A state that is off the loops by `e` gets accelerations that are off by `e / c`, `c` being the clearance, and stages of
+/// explicit methods are off by more than their steps' errors. So where the clearance is small the accelerations are
+/// taken from the settled state: that is the same system on the loops, and as smooth beside them as the motion itself.
+struct Passage {
+    /// Steps may be asked for again, shorter: they are adaptive.
+    retries: bool,
+    /// How far from a singular position the last step ended.
+    clearance: f64,
+    /// The farthest that one has ended.
+    widest: f64,
+    /// A state to settle.
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl Passage {
+    /// Nearer than this part of the farthest is near.
+    const NEAR: f64 = 0.4;
+    /// A step that starts with at least the first clearance is not ended within the second part of it: what is left to
+    /// round-off there would be amplified most. The next step passes it.
+    const SKIP: [f64; 2] = [1e-3, 0.2];
+
+    fn is_near(&self) -> bool {
+        self.clearance < Self::NEAR * self.widest
+    }
+}
+
+/// The factorized tangents of an implicit step, one per slot.
 enum Tangent {
     /// In O(n), by sweeps.
-    Sweep(Box<TangentSolver>),
+    Sweep(Vec<TangentSolver>),
     /// Dense: where a force between two bodies couples what the tree does not.
-    Dense(Option<PartialPivLu<f64>>),
+    Dense(Vec<Option<PartialPivLu<f64>>>),
 }
 
 impl From<Fault> for Failure {
@@ -40,17 +71,42 @@ impl<'m> Motion<'m> {
                 velocity_scales[link.velocity] = length / time;
             }
         }
+        let passage = model.is_constrained().then(|| Passage {
+            retries: false,
+            clearance: 0.0,
+            widest: f64::MIN_POSITIVE,
+            position: model.start_position.clone(),
+            velocity: model.start_velocity.clone(),
+        });
         let tangent = match TangentSolver::covers(model) {
-            true => Tangent::Sweep(Box::new(TangentSolver::new(model))),
-            false => Tangent::Dense(None),
+            true => Tangent::Sweep(Vec::new()),
+            false => Tangent::Dense(Vec::new()),
         };
-        Self { system: System::new(model), position_scales, velocity_scales, tangent }
+        Self { system: System::new(model), position_scales, velocity_scales, tangent, passage }
     }
 
-    /// The system, for what is recorded between steps.
-    pub fn system(&mut self) -> &mut System<'m> {
-        &mut self.system
+    /// The system at a time (s), for what is recorded between steps.
+    pub fn at(&mut self, time: f64) -> &mut System<'m> {
+        at_time(&mut self.system, time)
     }
+
+    /// Whether steps can be asked for again, shorter.
+    pub fn set_retries(&mut self, retries: bool) {
+        if let Some(passage) = &mut self.passage {
+            passage.retries = retries;
+        }
+    }
+
+    /// The model.
+    pub fn model(&self) -> &'m Model {
+        self.system.model()
+    }
+}
+
+/// The one way from a time to the system.
+fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
+    system.set_time(time);
+    system
 }
 
 /// `½ p ∘ (0, ω)`: the rate of a quaternion from the angular velocity in the axes it leads from.
@@ -72,8 +128,18 @@ impl Problem for Motion<'_> {
         self.system.model().velocity_count()
     }
 
-    fn acceleration(&mut self, _time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.system.accelerations(q, v, a)?)
+    fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
+        match &mut self.passage {
+            Some(passage) if passage.is_near() => {
+                let Passage { position, velocity, .. } = passage;
+                position.copy_from_slice(q);
+                velocity.copy_from_slice(v);
+                let system = at_time(&mut self.system, time);
+                system.settle(position, velocity)?;
+                Ok(system.accelerations(position, velocity, a)?)
+            }
+            _ => Ok(self.at(time).accelerations(q, v, a)?),
+        }
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
@@ -97,6 +163,19 @@ impl Problem for Motion<'_> {
                 p.iter_mut().for_each(|x| *x /= norm);
             }
         }
+    }
+
+    fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {
+        let settled = self.at(time).settle(q, v)?;
+        if let Some(passage) = &mut self.passage {
+            let [far, part] = Passage::SKIP;
+            if passage.retries && passage.clearance > far && settled.clearance < part * passage.clearance {
+                return Err(Failure { message: "the step ends too near to a singular position of the loops".to_owned() });
+            }
+            passage.clearance = settled.clearance;
+            passage.widest = passage.widest.max(settled.clearance);
+        }
+        Ok(settled.moved)
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {
@@ -124,41 +203,54 @@ impl ImplicitProblem for Motion<'_> {
         }
     }
 
-    fn residual(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.system.residual(q, v, a, r)?)
+    fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
+        Ok(self.at(time).residual(q, v, a, r)?)
     }
 
-    fn factorize(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], c1: f64, c2: f64) -> Result<(), Failure> {
+    fn reserve(&mut self, slots: usize) {
+        let model = self.system.model();
         match &mut self.tangent {
-            Tangent::Sweep(solver) => {
+            Tangent::Sweep(solvers) if solvers.len() < slots => {
+                solvers.resize_with(slots, || TangentSolver::new(model))
+            }
+            Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || None),
+            Tangent::Sweep(_) | Tangent::Dense(_) => {}
+        }
+    }
+
+    fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
+        let Point { time, q, v, a } = at;
+        let system = at_time(&mut self.system, time);
+        match &mut self.tangent {
+            Tangent::Sweep(solvers) => {
                 let with = Coefficients { c1, c2, ..Coefficients::default() };
-                if !self.system.factorize_tangent(solver, q, v, a, &with)? {
+                if !system.factorize_tangent(&mut solvers[slot], q, v, a, &with)? {
                     return Err(Failure { message: "the tangent of the implicit step is singular".to_owned() });
                 }
             }
-            Tangent::Dense(factor) => {
-                let linear = self.system.linearize(q, v, a)?;
+            Tangent::Dense(factors) => {
+                let linear = system.linearize(q, v, a)?;
                 let n = a.len();
                 let tangent = Mat::from_fn(n, n, |i, j| {
                     linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)]
                 });
-                *factor = Some(tangent.partial_piv_lu());
+                factors[slot] = Some(tangent.partial_piv_lu());
             }
         }
         Ok(())
     }
 
-    fn solve(&mut self, rhs: &mut [f64]) {
+    fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
         match &mut self.tangent {
-            Tangent::Sweep(solver) => solver.solve(self.system.model(), rhs),
-            Tangent::Dense(Some(factor)) => {
+            Tangent::Sweep(solvers) => solvers[slot].solve(self.system.model(), rhs),
+            Tangent::Dense(factors) => {
+                let Some(factor) = &factors[slot] else { return rhs.fill(f64::NAN) };
                 let mut x = Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]);
                 factor.solve_in_place(&mut x);
                 for (i, value) in rhs.iter_mut().enumerate() {
                     *value = x[(i, 0)];
                 }
             }
-            Tangent::Dense(None) => rhs.fill(f64::NAN),
         }
     }
 }

@@ -41,6 +41,8 @@ pub struct Summary {
     pub energy_end: f64,
     /// Largest |E − E₀ − work done + dissipated| at the ends of steps (J).
     pub energy_drift: f64,
+    /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
+    pub constraint_error: f64,
     /// The last state.
     pub state: State,
     /// Root markers of the named bodies at the end.
@@ -84,9 +86,15 @@ pub fn run(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
 ) -> Result<Summary, RunError> {
     let mut motion = Motion::new(model);
-    let energies = motion.system().energies(&start.position, &start.velocity);
+    let mut start = start.clone();
+    motion
+        .at(0.0)
+        .settle(&mut start.position, &mut start.velocity)
+        .map_err(|fault| RunError::Sample { time: 0.0, fault })?;
+    let energies = motion.at(0.0).energies(&start.position, &start.velocity);
     let mut run = Run {
         model,
+        gap: motion.at(0.0).gap(&start.position),
         ledger: Ledger::new(model, energies),
         sampler: Sampler::new(model, rate, settings.duration),
         state: start.clone(),
@@ -95,11 +103,11 @@ pub fn run(
         choice: None,
         statistics: Statistics::default(),
     };
-    run.sampler.sample(&mut motion, &run.ledger, 0.0, start, recorder)?;
+    run.sampler.sample(&mut motion, &run.ledger, 0.0, &start, recorder)?;
     let end_time = run.go(&mut motion, settings, recorder, go_on)?;
-    let now = motion.system().energies(&run.state.position, &run.state.velocity);
+    let now = motion.at(end_time).energies(&run.state.position, &run.state.velocity);
     let mut poses = Vec::new();
-    motion.system().poses(&mut poses);
+    motion.at(end_time).poses(&mut poses);
     Ok(Summary {
         end_time,
         interrupted: end_time < settings.duration,
@@ -109,6 +117,7 @@ pub fn run(
         energy_start: energies.kinetic + energies.potential,
         energy_end: now.kinetic + now.potential,
         energy_drift: run.ledger.drift,
+        constraint_error: run.gap,
         state: run.state,
         poses,
         samples: run.sampler.count,
@@ -118,6 +127,7 @@ pub fn run(
 
 struct Run<'m> {
     model: &'m Model,
+    gap: f64,
     ledger: Ledger,
     sampler: Sampler,
     state: State,
@@ -188,6 +198,7 @@ impl<'m> Run<'m> {
         };
         let options =
             Options { relative: settings.tolerance, absolute: settings.absolute_tolerance, step, ..Options::default() };
+        motion.set_retries(method != Method::Rk4 && settings.step.is_none());
         let start =
             Start { time, position: &self.state.position, velocity: &self.state.velocity, end: settings.duration };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
@@ -199,16 +210,20 @@ impl<'m> Run<'m> {
         self.wall += before.elapsed();
         self.state.position.copy_from_slice(stepper.position());
         self.state.velocity.copy_from_slice(stepper.velocity());
+        if self.model.is_constrained() {
+            self.gap = self.gap.max(motion.at(stepper.time()).gap(&self.state.position));
+        }
         if self.ledger.flows() {
             let (from, length) = (stepper.previous_time(), stepper.time() - stepper.previous_time());
             for (node, weight) in GAUSS {
-                self.sampler.interpolate(motion, stepper, from + node * length)?;
+                let time = from + node * length;
+                self.sampler.interpolate(motion, stepper, time)?;
                 let State { position, velocity } = &self.sampler.state;
-                let powers = motion.system().powers(position, velocity);
+                let powers = motion.at(time).powers(position, velocity);
                 self.ledger.add(&powers, weight * length);
             }
         }
-        self.ledger.close_step(motion.system(), &self.state.position, &self.state.velocity);
+        self.ledger.close_step(motion.at(stepper.time()), &self.state.position, &self.state.velocity);
         Ok(())
     }
 }
@@ -250,7 +265,10 @@ impl Sampler {
         time: f64,
     ) -> Result<(), RunError> {
         let State { position, velocity } = &mut self.state;
-        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.system().model(), &error))
+        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))?;
+        // Between the ends of a step the state is as good as the interpolation: loops are closed by hand.
+        motion.at(time).settle(position, velocity).map_err(|fault| RunError::Sample { time, fault })?;
+        Ok(())
     }
 
     /// Every sample due within the last step.
@@ -285,7 +303,7 @@ impl Sampler {
         state: &State,
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
-        let system = motion.system();
+        let system = motion.at(time);
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         system.accelerations(q, v, &mut self.accelerations).map_err(fault)?;

@@ -6,6 +6,7 @@ mod interrupt;
 mod keys;
 mod output;
 mod precision;
+mod start;
 
 use crate::scenarios::file;
 use assert_cmd::Command;

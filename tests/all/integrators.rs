@@ -4,6 +4,7 @@ mod adaptive;
 mod failures;
 mod order;
 mod problems;
+mod projection;
 mod stiff;
 
 use stillpoint::integrate::{ImplicitProblem, Method, Options, Start, Stepper};

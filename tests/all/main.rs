@@ -21,3 +21,4 @@ mod scenario;
 mod scenarios;
 mod statics;
 mod statics_methods;
+mod statics_start;

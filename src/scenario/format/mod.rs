@@ -5,12 +5,14 @@ mod couplings;
 mod force;
 mod hinge;
 mod settings;
+mod start;
 
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::HINGE;
 pub use settings::{RECORD, SIMULATE, STATICS};
+pub use start::START;
 
 use super::fields::{Key, Kind, Range, Table};
 

@@ -144,3 +144,17 @@ fn inspect() {
     numbers(&inspect["positions"]["machine"], 7);
     numbers(&inspect["accelerations"]["machine"], 6);
 }
+
+/// What a routine costs is positive, the median is no less than the minimum, and a step asks for no memory.
+#[test]
+fn bench() {
+    let answer = Bench::new().call(&["bench", &shipped("double_pendulum"), "--json"]).code(0).json();
+    for key in ["acceleration_ns", "jacobian_ns", "tangent_solve_ns", "static_step_ns"] {
+        let (min, median) = (answer[key]["min"].as_f64().expect(key), answer[key]["median"].as_f64().expect(key));
+        assert!(0.0 < min && min <= median, "{key}: {answer}");
+    }
+    assert!(answer["statics_ms"].as_f64().expect("a time") > 0.0);
+    assert!(answer["bytes_per_body"].as_f64().expect("a size") > 100.0);
+    assert_eq!((&answer["bodies"], &answer["degrees_of_freedom"]), (&2.into(), &2.into()));
+    assert_eq!(answer["allocations_per_step"], 0.0);
+}

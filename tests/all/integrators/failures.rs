@@ -1,6 +1,8 @@
 //! What a person is told where a run cannot go on.
 
-use stillpoint::integrate::{Component, Failure, ImplicitProblem, Limit, Method, Options, Problem, Start, StepError};
+use stillpoint::integrate::{
+    Component, Failure, ImplicitProblem, Limit, Method, Options, Point, Problem, Start, StepError,
+};
 
 use super::problems::Scalar;
 use super::{METHODS, adaptive, fixed};
@@ -118,10 +120,11 @@ impl ImplicitProblem for Blocked {
         r.copy_from_slice(a);
         Self::check(q)
     }
-    fn factorize(&mut self, _time: f64, _q: &[f64], _v: &[f64], _a: &[f64], _: f64, _: f64) -> Result<(), Failure> {
+    fn reserve(&mut self, _slots: usize) {}
+    fn factorize(&mut self, _slot: usize, _at: Point<'_>, _c1: f64, _c2: f64) -> Result<(), Failure> {
         Ok(())
     }
-    fn solve(&mut self, _rhs: &mut [f64]) {}
+    fn solve(&mut self, _slot: usize, _rhs: &mut [f64]) {}
 }
 
 #[test]

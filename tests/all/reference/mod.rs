@@ -4,6 +4,7 @@
 mod case;
 mod chains;
 mod follower;
+mod loops;
 mod pendulums;
 mod scene;
 mod several_equilibria;

@@ -1,0 +1,430 @@
+//! Single numbers of a description by address: what a path moves, what inverse statics finds, what a start file sets.
+//!
+//! | address | number |
+//! |---|---|
+//! | `gravity[2]` | a component of gravity |
+//! | `upper.mass` | a body's mass |
+//! | `upper.force`, `upper.stiffness`, `upper.rest`, `upper.position` | what acts in its hinge, and where that stands |
+//! | `strut.length`, `strut.stiffness` | a spring's free length and stiffness; `mount.stiffness[3]` of a bushing |
+//! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
+//! | `hinge.force` | every hinge |
+//!
+//! Without `[i]` an address stands for all components of its number, and the name of a repeated body for all copies.
+
+use super::description::{BodyDescription, Description, ForceDescription, ForceKind, HingeKind};
+use super::problem::Element;
+use crate::suggest::closest;
+
+/// What a parameter measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// (N)
+    Force,
+    /// (N m)
+    Torque,
+    /// (m)
+    Length,
+    /// (rad)
+    Angle,
+    /// (N/m)
+    Stiffness,
+    /// (N m/rad)
+    TurnStiffness,
+    /// (kg)
+    Mass,
+    /// (m/s²)
+    Acceleration,
+}
+
+impl Quantity {
+    /// SI unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Force => "N",
+            Self::Torque => "N m",
+            Self::Length => "m",
+            Self::Angle => "rad",
+            Self::Stiffness => "N/m",
+            Self::TurnStiffness => "N m/rad",
+            Self::Mass => "kg",
+            Self::Acceleration => "m/s²",
+        }
+    }
+}
+
+/// Which number of an element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Field {
+    /// Gravity of the scene.
+    Gravity,
+    /// Mass of a body.
+    Mass,
+    /// Coordinate of a hinge.
+    Position,
+    /// Coordinate at which a hinge's spring is relaxed.
+    Rest,
+    /// Stiffness of a hinge's spring, of a spring or of a bushing.
+    Stiffness,
+    /// Motor force of a hinge, force of a load.
+    Force,
+    /// Torque of a load.
+    Torque,
+    /// Free length of a spring.
+    Length,
+}
+
+impl Field {
+    const ALL: [Self; 8] = [
+        Self::Gravity,
+        Self::Mass,
+        Self::Position,
+        Self::Rest,
+        Self::Stiffness,
+        Self::Force,
+        Self::Torque,
+        Self::Length,
+    ];
+
+    /// The key in scenario files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gravity => "gravity",
+            Self::Mass => "mass",
+            Self::Position => "position",
+            Self::Rest => "rest",
+            Self::Stiffness => "stiffness",
+            Self::Force => "force",
+            Self::Torque => "torque",
+            Self::Length => "length",
+        }
+    }
+}
+
+/// One number of a description.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parameter {
+    /// The address that stands for it alone.
+    pub address: String,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Whose number.
+    pub element: Element,
+    /// Which of its numbers.
+    pub field: Field,
+    index: usize,
+}
+
+/// Why an address stands for no number.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
+pub struct UnknownAddress {
+    /// What is wrong.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Parameter {
+    /// All numbers that an address stands for, element by element.
+    ///
+    /// # Errors
+    /// Where nothing of that name has a number of that kind.
+    pub fn find(description: &Description, address: &str) -> Result<Vec<Self>, UnknownAddress> {
+        let (path, component) = split_component(address);
+        if path == Field::Gravity.name() {
+            let one = |index: usize| Self {
+                address: format!("gravity[{index}]"),
+                quantity: Quantity::Acceleration,
+                element: Element::Scene,
+                field: Field::Gravity,
+                index,
+            };
+            return chosen((0..3).map(one).collect(), component, address);
+        }
+        let Some((elements, key)) = elements(description, path) else {
+            return Err(unknown_element(description, address));
+        };
+        let key = key.strip_prefix("hinge.").unwrap_or(key);
+        let every = path.starts_with("hinge.") && elements.len() > 1;
+        let mut found = Vec::new();
+        for element in &elements {
+            let all = numbers(description, *element, key);
+            match component {
+                Some(index) if every && all.len() <= index => {}
+                _ if all.is_empty() => {}
+                _ => found.extend(chosen(all, component, address)?),
+            }
+        }
+        if found.is_empty() {
+            return Err(unknown_key(description, &elements, key, address));
+        }
+        Ok(found)
+    }
+
+    /// Its value.
+    pub fn value(&self, description: &Description) -> f64 {
+        let list = |list: &[f64]| list.get(self.index).copied().unwrap_or(0.0);
+        match self.element {
+            Element::Scene => description.gravity[self.index],
+            Element::Body(body) => {
+                let body = &description.bodies[body];
+                match self.field {
+                    Field::Mass => body.mass.mass,
+                    Field::Position => list(&body.hinge.position),
+                    Field::Rest => list(&body.hinge.rest),
+                    Field::Stiffness => list(&body.hinge.stiffness),
+                    _ => list(&body.hinge.force),
+                }
+            }
+            Element::Force(force) => match (&description.forces[force].kind, self.field) {
+                (ForceKind::Spring { length, .. }, Field::Length) => *length,
+                (ForceKind::Spring { stiffness, .. }, _) => *stiffness,
+                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index],
+                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index],
+                (ForceKind::Load { force, .. }, _) => force[self.index],
+            },
+            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => f64::NAN,
+        }
+    }
+
+    /// Gives it a value; whether that is allowed is told by [`Model::build`](super::Model::build).
+    pub fn set(&self, description: &mut Description, value: f64) {
+        match self.element {
+            Element::Scene => description.gravity[self.index] = value,
+            Element::Body(body) => {
+                let body = &mut description.bodies[body];
+                let (positions, velocities) = body.hinge.kind.counts();
+                let quaternion = positions != velocities;
+                let (list, count) = match self.field {
+                    Field::Mass => {
+                        body.mass.mass = value;
+                        return;
+                    }
+                    Field::Position => (&mut body.hinge.position, positions),
+                    Field::Rest => (&mut body.hinge.rest, positions),
+                    Field::Stiffness => (&mut body.hinge.stiffness, velocities),
+                    _ => (&mut body.hinge.force, velocities),
+                };
+                if list.is_empty() {
+                    list.resize(count, 0.0);
+                    if quaternion && count == positions {
+                        list[count - 4] = 1.0;
+                    }
+                }
+                list[self.index] = value;
+            }
+            Element::Force(force) => match (&mut description.forces[force].kind, self.field) {
+                (ForceKind::Spring { length, .. }, Field::Length) => *length = value,
+                (ForceKind::Spring { stiffness, .. }, _) => *stiffness = value,
+                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index] = value,
+                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index] = value,
+                (ForceKind::Load { force, .. }, _) => force[self.index] = value,
+            },
+            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => {}
+        }
+    }
+}
+
+/// `tip.force[2]` → `tip.force` and 2.
+fn split_component(address: &str) -> (&str, Option<usize>) {
+    let inner = address.strip_suffix(']').and_then(|text| text.rsplit_once('['));
+    match inner.and_then(|(path, index)| Some((path, index.parse().ok()?))) {
+        Some((path, index)) => (path, Some(index)),
+        None => (address, None),
+    }
+}
+
+fn chosen(all: Vec<Parameter>, component: Option<usize>, address: &str) -> Result<Vec<Parameter>, UnknownAddress> {
+    let Some(index) = component else { return Ok(all) };
+    let count = all.len();
+    match all.into_iter().nth(index) {
+        Some(one) => Ok(vec![one]),
+        None => Err(UnknownAddress {
+            message: format!("`{address}`: there is no component {index}"),
+            help: Some(match count {
+                1 => "it is one number, without a component".to_owned(),
+                _ => format!("its components are 0 to {}", count - 1),
+            }),
+        }),
+    }
+}
+
+/// The elements that a path starts with, and what is left of it: the longest name wins.
+fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element>, &'p str)> {
+    let rest = |name: &str| path.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
+    let bodies = description.bodies.iter().enumerate().map(|(i, body)| (Element::Body(i), body.name.as_str()));
+    let forces = description.forces.iter().enumerate().map(|(i, force)| (Element::Force(i), force.name.as_str()));
+    let named = bodies.chain(forces).filter_map(|(element, name)| Some((element, rest(name)?)));
+    if let Some((element, key)) = named.min_by_key(|(_, rest)| rest.len()) {
+        return Some((vec![element], key));
+    }
+    let copies: Vec<(Element, &'p str)> = description
+        .bodies
+        .iter()
+        .enumerate()
+        .filter_map(|(i, body)| Some((Element::Body(i), rest(body.name.strip_suffix(']')?.rsplit_once('[')?.0)?)))
+        .collect();
+    if let Some((_, key)) = copies.first() {
+        return Some((copies.iter().map(|(element, _)| *element).collect(), key));
+    }
+    let key = path.strip_prefix("hinge.")?;
+    Some(((0..description.bodies.len()).map(Element::Body).collect(), key))
+}
+
+/// The numbers of an element under a key; none where it has no such key.
+fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
+    let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
+    let (name, quantities) = match element {
+        // What couples coordinates has no parameters.
+        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => return Vec::new(),
+        Element::Body(index) => {
+            let body = &description.bodies[index];
+            (&body.name, of_body(body, field))
+        }
+        Element::Force(index) => {
+            let force = &description.forces[index];
+            (&force.name, of_force(force, field))
+        }
+    };
+    let address = |index: usize| match quantities.len() {
+        1 => format!("{name}.{key}"),
+        _ => format!("{name}.{key}[{index}]"),
+    };
+    let one = |(index, quantity): (usize, &Quantity)| Parameter {
+        address: address(index),
+        quantity: *quantity,
+        element,
+        field,
+        index,
+    };
+    quantities.iter().enumerate().map(one).collect()
+}
+
+fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
+    let (positions, velocities) = body.hinge.kind.counts();
+    let slides = super::Model::velocity_names(&body.hinge.kind).iter().map(|(_, unit)| *unit == "m/s");
+    let pick = |slide: Quantity, turn: Quantity| slides.map(move |s| if s { slide } else { turn });
+    match field {
+        Field::Mass => vec![Quantity::Mass],
+        Field::Force => pick(Quantity::Force, Quantity::Torque).collect(),
+        Field::Stiffness => pick(Quantity::Stiffness, Quantity::TurnStiffness).collect(),
+        // The numbers of a quaternion do not move one by one.
+        Field::Position | Field::Rest => {
+            let count = if positions == velocities { positions } else { positions - 4 };
+            pick(Quantity::Length, Quantity::Angle).take(count).collect()
+        }
+        Field::Gravity | Field::Torque | Field::Length => Vec::new(),
+    }
+}
+
+fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
+    match (&force.kind, field) {
+        (ForceKind::Spring { .. }, Field::Stiffness) => vec![Quantity::Stiffness],
+        (ForceKind::Spring { .. }, Field::Length) => vec![Quantity::Length],
+        (ForceKind::Bushing { .. }, Field::Stiffness) => {
+            [[Quantity::Stiffness; 3], [Quantity::TurnStiffness; 3]].concat()
+        }
+        (ForceKind::Load { .. }, Field::Force) => vec![Quantity::Force; 3],
+        (ForceKind::Load { .. }, Field::Torque) => vec![Quantity::Torque; 3],
+        _ => Vec::new(),
+    }
+}
+
+fn unknown_element(description: &Description, address: &str) -> UnknownAddress {
+    let target = address.rsplit_once('.').map_or(address, |(target, _)| target);
+    let bodies = description.bodies.iter().map(|body| body.name.as_str());
+    let known = bodies.chain(description.forces.iter().map(|force| force.name.as_str())).chain(["gravity", "hinge"]);
+    let help = match closest(target, known) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => "a number is addressed as `body.force`, `spring.length` or `gravity[2]`".to_owned(),
+    };
+    UnknownAddress { message: format!("nothing is called `{target}`"), help: Some(help) }
+}
+
+fn unknown_key(description: &Description, elements: &[Element], key: &str, address: &str) -> UnknownAddress {
+    let element = elements.iter().copied().find(|element| match element {
+        Element::Body(body) => !matches!(description.bodies[*body].hinge.kind, HingeKind::Fixed),
+        _ => true,
+    });
+    let element = element.or(elements.first().copied()).unwrap_or(Element::Scene);
+    let has = Field::ALL.into_iter().filter(|field| !numbers(description, element, field.name()).is_empty());
+    let names: Vec<&str> = has.map(Field::name).collect();
+    let help = match closest(key, names.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("its numbers that statics feels are `{}`", names.join("`, `")),
+    };
+    UnknownAddress { message: format!("`{address}`: it has no number `{key}`"), help: Some(help) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::description::*;
+    use super::*;
+    use nalgebra::Vector3;
+
+    fn scene() -> Description {
+        let body = |name: &str, kind: HingeKind| BodyDescription {
+            name: name.to_owned(),
+            mass: MassProperties { mass: 1.0, center: Vector3::zeros(), inertia: nalgebra::Matrix3::identity() },
+            markers: Vec::new(),
+            shapes: Vec::new(),
+            hinge: HingeDescription::new(kind),
+        };
+        let end = |body: &str| Attachment { body: body.to_owned(), point: Point::At(Vector3::zeros()) };
+        let turn = HingeKind::Revolute { axis: Vector3::x() };
+        let forces = vec![
+            ForceDescription {
+                name: "a.b".to_owned(),
+                kind: ForceKind::Load {
+                    on: end("a"),
+                    force: Vector3::new(1.0, 2.0, 3.0),
+                    torque: Vector3::zeros(),
+                    axes: LoadAxes::Inertial,
+                },
+            },
+            ForceDescription {
+                name: "strut".to_owned(),
+                kind: ForceKind::Spring { between: [end("a"), end(GROUND)], stiffness: 5.0, length: 0.5, damping: 0.0 },
+            },
+        ];
+        let bodies = vec![
+            body("a", turn),
+            body("link[0]", turn),
+            body("link[1]", HingeKind::Planar),
+            body("float", HingeKind::Free),
+        ];
+        Description { bodies, forces, ..Description::default() }
+    }
+
+    fn addresses(text: &str) -> Vec<String> {
+        Parameter::find(&scene(), text).map_or_else(
+            |error| vec![error.message],
+            |found| found.into_iter().map(|parameter| parameter.address).collect(),
+        )
+    }
+
+    #[test]
+    fn an_address_stands_for_the_numbers_of_the_longest_name() {
+        assert_eq!(addresses("a.force"), ["a.force"]);
+        assert_eq!(addresses("a.b.force[2]"), ["a.b.force[2]"]);
+        assert_eq!(addresses("a.hinge.stiffness"), ["a.stiffness"]);
+        assert_eq!(addresses("gravity[1]"), ["gravity[1]"]);
+        assert_eq!(addresses("float.position").len(), 3, "the quaternion stays");
+        assert_eq!(addresses("link.rest"), ["link[0].rest", "link[1].rest[0]", "link[1].rest[1]", "link[1].rest[2]"]);
+        assert_eq!(addresses("hinge.force").len(), 1 + 1 + 3 + 6);
+        assert_eq!(addresses("b.force"), ["nothing is called `b`"]);
+        assert_eq!(addresses("strut.mass"), ["`strut.mass`: it has no number `mass`"]);
+        assert_eq!(addresses("a.force[1]"), ["`a.force[1]`: there is no component 1"]);
+    }
+
+    #[test]
+    fn a_number_that_is_set_is_the_number_that_is_read() {
+        for text in ["gravity[0]", "a.mass", "link[1].rest[2]", "float.position[1]", "a.b.torque[0]", "strut.length"] {
+            let mut scene = scene();
+            let found = Parameter::find(&scene, text).expect("an address");
+            found[0].set(&mut scene, 0.25);
+            assert_eq!(found[0].value(&scene), 0.25, "{text}");
+            super::super::Model::build(&scene).expect(text);
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! Start files: a pose with its velocities and inputs, written by `statics --save` and taken by `--start`.
+//!
+//! ```toml
+//! title = "A crane"
+//! [positions]
+//! "boom" = [0.7853981633974483]
+//! [velocities]
+//! "boom" = [0.0]
+//! [inputs]
+//! "boom.force" = 1234.5678901234567
+//! ```
+//!
+//! Numbers have all their digits: what is read is what was written, bit for bit.
+
+use super::diagnostic::Diagnostics;
+use super::findings::{Finding, Findings};
+use super::format::START;
+use super::read::{self, LoadError};
+use super::reader::Reader;
+use super::sources::Sources;
+use super::{check, syntax};
+use crate::model::description::Description;
+use crate::model::parameter::{Field, Parameter};
+use crate::model::problem::{Element, Problem};
+use crate::model::{Body, Model};
+use crate::suggest::closest;
+use std::fmt::Write;
+use std::ops::Range;
+use std::path::Path;
+
+/// How far a quaternion's norm may be from one and still be taken as it stands: more than round-off is normalised.
+const ROUND_OFF: f64 = 1e-12;
+
+/// A scene with a start.
+#[derive(Debug, Clone)]
+pub struct Started {
+    /// The scene with the inputs of the file.
+    pub description: Description,
+    /// Its model; start position and velocity are those of the file.
+    pub model: Model,
+    /// Numbers of the scene that the file changed: address, value of the scenario, value of the file.
+    pub changes: Vec<(String, f64, f64)>,
+}
+
+/// The text of a start file. `inputs` are numbers of the scene by address.
+pub fn text(model: &Model, position: &[f64], velocity: &[f64], inputs: &[(String, f64)]) -> String {
+    let mut out =
+        String::from("# Where a run begins: hinge coordinates, velocities and inputs by name. For `--start`.\n");
+    if !model.title.is_empty() {
+        let _ = writeln!(out, "title = {}", quoted(&model.title));
+    }
+    let hinges = || model.bodies.iter().filter(|body| body.hinge.kind.counts().1 > 0);
+    let line = |out: &mut String, body: &Body, numbers: &[f64]| {
+        let _ = writeln!(out, "{} = {numbers:?}", quoted(&body.name));
+    };
+    out += "\n[positions]\n";
+    for body in hinges() {
+        line(&mut out, body, &position[body.hinge.position..][..body.hinge.kind.counts().0]);
+    }
+    out += "\n[velocities]\n";
+    for body in hinges() {
+        line(&mut out, body, &velocity[body.hinge.velocity..][..body.hinge.kind.counts().1]);
+    }
+    if !inputs.is_empty() {
+        out += "\n[inputs]\n";
+        for (address, value) in inputs {
+            let _ = writeln!(out, "{} = {value:?}", quoted(address));
+        }
+    }
+    out
+}
+
+/// A TOML basic string.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => out.extend(['\\', letter]),
+            control if control.is_control() => {
+                let _ = write!(out, "\\U{:08X}", u32::from(control));
+            }
+            other => out.push(other),
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// Reads a start file for a scene and checks it against that.
+///
+/// # Errors
+/// Where the file cannot be read, and where something in it does not fit the scene: with all problems at once.
+pub fn load_start(path: &Path, description: &Description) -> Result<Started, LoadError> {
+    let text = read::text(path)?;
+    Ok(parse_start(&path.display().to_string(), &text, description)?)
+}
+
+/// Reads a start file from text; `name` is what it is called in messages.
+///
+/// # Errors
+/// Where something in it does not fit the scene: with all problems at once.
+pub fn parse_start(name: &str, text: &str, description: &Description) -> Result<Started, Diagnostics> {
+    let findings = Findings::default();
+    let sources = Sources::new(name, text);
+    let document = syntax::parse(text, &sources, &findings);
+    let mut started = None;
+    if findings.errors() == 0 {
+        check::table(&START, &document, &findings);
+        let whole = Reader::new(&document, 0..0, &findings);
+        let file = File { whole, changed: description.clone(), changes: Vec::new(), inputs: Vec::new() };
+        started = file.read(description);
+    }
+    match started {
+        Some(started) if findings.errors() == 0 => Ok(started),
+        _ => Err(Diagnostics::new(name, findings.into_diagnostics(&sources))),
+    }
+}
+
+struct File<'a> {
+    whole: Reader<'a>,
+    changed: Description,
+    changes: Vec<(String, f64, f64)>,
+    /// Inputs and where they are written.
+    inputs: Vec<(Parameter, Range<usize>)>,
+}
+
+impl File<'_> {
+    fn read(mut self, given: &Description) -> Option<Started> {
+        if !self.whole.has("positions") {
+            let finding = Finding::without_place("a start file needs `[positions]`".to_owned());
+            self.whole.findings.push(finding.help("write one with `stillpoint statics SCENARIO --save START.toml`"));
+        }
+        self.lists("positions");
+        self.changed.bodies.iter_mut().for_each(|body| body.hinge.velocity.clear());
+        self.lists("velocities");
+        self.read_inputs(given);
+        let model = match Model::build(&self.changed) {
+            Ok(model) => model,
+            Err(problems) => {
+                problems.into_iter().for_each(|problem| self.report(problem));
+                return None;
+            }
+        };
+        self.finish(model)
+    }
+
+    /// One of the tables of lists.
+    fn lists(&mut self, list: &'static str) {
+        let Some(table) = self.whole.table(list) else { return };
+        for (name, _) in self.whole.names(list) {
+            let Some(index) = self.changed.bodies.iter().position(|body| body.name == name) else {
+                let near = closest(name, self.changed.bodies.iter().map(|body| body.name.as_str()));
+                let finding = Finding::error(table.key_span(name), format!("the scene has no body `{name}`"));
+                let help = near.map(|near| format!("did you mean `{near}`?"));
+                self.whole.findings.push(finding.maybe_help(help));
+                continue;
+            };
+            let Some(numbers) = table.numbers(name) else { continue };
+            let hinge = &mut self.changed.bodies[index].hinge;
+            match list {
+                "positions" => hinge.position = numbers,
+                _ => hinge.velocity = numbers,
+            }
+        }
+        if list == "velocities" {
+            return;
+        }
+        for body in &self.changed.bodies {
+            if body.hinge.kind.counts().0 > 0 && !table.has(&body.name) {
+                let message = format!("the position of `{}` is missing", body.name);
+                let help = "a start gives the coordinates of every hinge of the scene";
+                self.whole.findings.push(Finding::error(self.whole.key_span(list), message).help(help));
+            }
+        }
+    }
+
+    fn read_inputs(&mut self, given: &Description) {
+        let Some(table) = self.whole.table("inputs") else { return };
+        for (address, _) in self.whole.names("inputs") {
+            let Some(value) = table.number(address) else { continue };
+            let found = Parameter::find(given, address);
+            let refuse = |message: String, help: Option<String>| {
+                self.whole.findings.push(Finding::error(table.key_span(address), message).maybe_help(help));
+            };
+            match found.as_deref() {
+                Ok([one]) if one.field == Field::Position => {
+                    refuse(
+                        format!("`{address}` is a coordinate, not an input"),
+                        Some("write it in [positions]".to_owned()),
+                    );
+                }
+                Ok([one]) => {
+                    let before = one.value(given);
+                    if before.to_bits() != value.to_bits() {
+                        self.changes.push((one.address.clone(), before, value));
+                    }
+                    one.set(&mut self.changed, value);
+                    self.inputs.push((one.clone(), table.span_of(address)));
+                }
+                Ok(many) => refuse(
+                    format!("`{address}` stands for {} numbers", many.len()),
+                    Some(format!("address each of them, for example `{}`", many[0].address)),
+                ),
+                Err(error) => refuse(error.message.clone(), error.help.clone()),
+            }
+        }
+    }
+
+    /// A problem that the model finds, at the place in this file that causes it.
+    fn report(&self, problem: Problem) {
+        let body = match problem.element {
+            Element::Body(body) => Some(self.changed.bodies[body].name.as_str()),
+            _ => None,
+        };
+        let list = match problem.field.as_str() {
+            "hinge.position" => Some("positions"),
+            "hinge.velocity" => Some("velocities"),
+            _ => None,
+        };
+        let written = list.zip(body).and_then(|(list, body)| Some(self.whole.table(list)?.span_of(body)));
+        let input = || {
+            let same = |(one, _): &&(Parameter, Range<usize>)| {
+                one.element == problem.element && problem.field.trim_start_matches("hinge.") == one.field.name()
+            };
+            self.inputs.iter().find(same).map(|(_, span)| span.clone())
+        };
+        let span = written.or_else(input);
+        if span.as_ref().is_some_and(|span| self.whole.findings.cover(span)) {
+            return;
+        }
+        let finding = match span {
+            Some(span) => Finding::error(span, problem.message),
+            None => Finding::without_place(problem.message),
+        };
+        self.whole.findings.push(finding.maybe_help(problem.help));
+    }
+
+    /// The numbers of the file as they stand: a model normalises quaternions, which would cost the last bit.
+    fn finish(self, mut model: Model) -> Option<Started> {
+        for (index, body) in self.changed.bodies.iter().enumerate() {
+            let at = model.bodies[index].hinge.position;
+            let close = |a: &f64, b: &f64| (a - b).abs() <= ROUND_OFF;
+            let built = &mut model.start_position[at..][..body.hinge.position.len()];
+            if built.iter().zip(&body.hinge.position).all(|(a, b)| close(a, b)) {
+                built.copy_from_slice(&body.hinge.position);
+            }
+        }
+        Some(Started { description: self.changed, model, changes: self.changes })
+    }
+}
