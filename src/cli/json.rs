@@ -73,6 +73,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "modes": modes,
         "reactions": reactions(model, &found.reactions),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
+        "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
     })

@@ -37,14 +37,14 @@ fn positive(text: &str) -> Result<f64, String> {
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     let interrupt = Interrupt::install()?;
-    let (scenario, model) = match scene::load(common)? {
+    let (mut scenario, mut model) = match scene::load(common)? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
     }
-    let Some((start, found)) = run::start(common, &scenario, &model)? else { return Ok(Exit::No) };
+    let Some((start, found)) = run::start(common, &mut scenario, &mut model)? else { return Ok(Exit::No) };
     let plan = Plan::new(&model, scenario.simulate.duration, Duration::from_secs_f64(arguments.limit));
     let outcome = {
         let mut progress = Progress::new(1.0, common.quiet || common.json);

@@ -24,7 +24,7 @@ pub(super) struct Arguments {
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     let interrupt = Interrupt::install()?;
-    let (scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
+    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
@@ -32,7 +32,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         anyhow::bail!("the start file gives velocities that are not zero: what moves is not at rest");
     }
     let file = arguments.out.as_deref().map(RecordingFile::create).transpose()?;
-    let (found, wall) = statics::find(&scenario, &model)?;
+    let (found, wall) = statics::find(&mut scenario, &mut model)?;
     let statics = json::statics(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;

@@ -35,7 +35,7 @@ pub(super) struct Arguments {
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     let interrupt = Interrupt::install()?;
-    let (mut scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
+    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
@@ -50,7 +50,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&text::heading(&model, &scenario.name))?;
     }
     let from_file = || Some((given(&model), json!("given")));
-    let started = if arguments.start.is_some() { from_file() } else { start(common, &scenario, &model)? };
+    let started = if arguments.start.is_some() { from_file() } else { start(common, &mut scenario, &mut model)? };
     let Some((start, found)) = started else { return Ok(Exit::No) };
 
     let still = simulate::scene(&model);
@@ -67,7 +67,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 }
 
 /// The state to start from and what is said of it in JSON; `None` where there is no equilibrium to start from.
-pub(super) fn start(common: &Common, scenario: &Scenario, model: &Model) -> anyhow::Result<Option<(State, Value)>> {
+pub(super) fn start(
+    common: &Common,
+    scenario: &mut Scenario,
+    model: &mut Model,
+) -> anyhow::Result<Option<(State, Value)>> {
     if scenario.simulate.start == Start::Given {
         return Ok(Some((given(model), json!("given"))));
     }

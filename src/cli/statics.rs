@@ -1,10 +1,9 @@
 //! `statics`: the equilibrium and what it is.
 
 use super::{Common, Exit, compare, json, output, scene, text};
-use crate::model::Parameter;
-use crate::model::description::Description;
-use crate::scenario::start;
-use crate::statics::{Equilibrium, Method, equilibrium};
+use crate::model::{Description, Model, Parameter};
+use crate::scenario::{Scenario, start};
+use crate::statics::{Equilibrium, Method, equilibrium, hold};
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -34,7 +33,7 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (mut scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
+    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
@@ -43,16 +42,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         scenario.statics.method = named.unwrap_or_default();
     }
     if arguments.compare {
+        anyhow::ensure!(scenario.unknown.is_empty(), "there is one method for `statics.unknown`: nothing to compare");
         return compare::main(&scenario, &model, common, arguments.out.as_deref());
     }
-    let (found, wall) = find(&scenario, &model)?;
+    let (found, wall) = find(&mut scenario, &mut model)?;
     let result = json::statics(&model, &found, wall.as_secs_f64());
     if let Some(path) = &arguments.out {
         write(path, &format!("{result:#}\n"))?;
     }
     if let Some(path) = arguments.save.as_deref().filter(|_| found.converged) {
         let rest = vec![0.0; model.velocity_count()];
-        write(path, &start::text(&model, &found.position, &rest, &motors(&scenario.description)))?;
+        write(path, &start::text(&model, &found.position, &rest, &inputs(&scenario.description, &found)))?;
     }
     if common.json {
         output::print(&result.to_string())?;
@@ -67,19 +67,28 @@ pub(super) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
     std::fs::write(path, text).with_context(|| format!("cannot write `{}`", path.display()))
 }
 
-/// The equilibrium and the time it took.
-pub(super) fn find(
-    scenario: &crate::scenario::Scenario,
-    model: &crate::model::Model,
-) -> anyhow::Result<(Equilibrium, Duration)> {
+/// The equilibrium and the time it took. Where inputs are unknown, scene and model get those that were found.
+pub(super) fn find(scenario: &mut Scenario, model: &mut Model) -> anyhow::Result<(Equilibrium, Duration)> {
     let before = Instant::now();
-    let found = equilibrium(model, &scenario.statics, &model.start_position)
-        .with_context(|| format!("{}: statics cannot start", scenario.name))?;
+    let context = || format!("{}: statics cannot start", scenario.name);
+    let found = match scenario.unknown.is_empty() {
+        true => equilibrium(model, &scenario.statics, &model.start_position).with_context(context)?,
+        false => {
+            let pose = &model.start_position;
+            let held = hold(&scenario.description, &scenario.unknown, pose, &scenario.statics).with_context(context)?;
+            (scenario.description, *model) = (held.description, held.model);
+            held.found
+        }
+    };
     Ok((found, before.elapsed()))
 }
 
-/// The motor forces that are not zero: address and value.
-fn motors(description: &Description) -> Vec<(String, f64)> {
-    let all = Parameter::find(description, "hinge.force").unwrap_or_default();
-    all.iter().map(|one| (one.address.clone(), one.value(description))).filter(|(_, force)| *force != 0.0).collect()
+/// What holds the pose beside the scenario file: motor forces that are not zero, and what was unknown.
+fn inputs(description: &Description, found: &Equilibrium) -> Vec<(String, f64)> {
+    let motors = Parameter::find(description, "hinge.force").unwrap_or_default();
+    let motors = motors.iter().map(|one| (one.address.clone(), one.value(description)));
+    let other = |(address, force): &(String, f64)| {
+        *force != 0.0 && !found.unknowns.iter().any(|(unknown, _)| unknown == address)
+    };
+    motors.filter(other).chain(found.unknowns.iter().cloned()).collect()
 }

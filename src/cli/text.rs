@@ -102,6 +102,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     };
     let stage = match found.stage {
         "start" => "the guess is one already".to_owned(),
+        "inverse" => "of the given pose".to_owned(),
         stage => format!("{} steps, {stage}", found.iterations),
     };
     let _ = writeln!(out, "{} ({stage}, {})", bold(&verdict), duration(wall));
@@ -131,8 +132,13 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         }
         more(&mut out, stability.modes.len());
     }
+    for (line, (name, value)) in found.unknowns.iter().enumerate() {
+        let head = if line == 0 { "inputs" } else { "" };
+        let _ = writeln!(out, "  {head:<12} {name} = {}", number(*value));
+    }
     let title = match found.balanced {
         true => "pose",
+        false if found.method == "inverse" => "given pose",
         false if found.position == model.start_position => "the guess",
         false => "last pose",
     };

@@ -186,7 +186,10 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     rows.elements.iter().find(|element| rows.is_turned_over(element, model, &motion)).map(|element| Problem {
         element: place_of(element.owner),
         field: "between".to_owned(),
-        message: format!("{} can only be closed with its axes against each other from the given positions", element.name),
+        message: format!(
+            "{} can only be closed with its axes against each other from the given positions",
+            element.name
+        ),
         help: Some("give positions nearer to the assembled ones".to_owned()),
     })
 }
@@ -231,7 +234,8 @@ fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Proble
         let taken = members.iter().flat_map(|e| rows.elements[*e].rows.clone()).filter(|row| independent[*row]).count();
         if taken >= freedoms && taken > 0 {
             let names: Vec<&str> = members.iter().map(|e| rows.elements[*e].name.as_str()).collect();
-            let mut bodies: Vec<&str> = links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
+            let mut bodies: Vec<&str> =
+                links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
             bodies.dedup();
             let shown = |list: &[&str], quote: &str| {
                 let all: Vec<String> = list.iter().take(6).map(|n| format!("{quote}{n}{quote}")).collect();
@@ -284,7 +288,11 @@ fn overdriven(rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
             field: "hinge".to_owned(),
             message: match others.is_empty() {
                 true => format!("{} cannot move its hinge: the loops hold it", element.name),
-                false => format!("{} has nothing left to move: {} and the loops prescribe it", element.name, others.join(", ")),
+                false => format!(
+                    "{} has nothing left to move: {} and the loops prescribe it",
+                    element.name,
+                    others.join(", ")
+                ),
             },
             help: Some("as many drives as the mechanism has degrees of freedom, on hinges that can move".to_owned()),
         })

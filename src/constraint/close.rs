@@ -11,8 +11,8 @@ use super::{Constraints, Held, Rate};
 use crate::model::{Joint, Model};
 use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
-use crate::transfer::reduce::{Load, Singular};
 use crate::transfer::Reduction;
+use crate::transfer::reduce::{Load, Singular};
 
 /// Gaps below this part of the scene's length are round-off.
 pub(crate) const ROUND_OFF: f64 = 1e-14;

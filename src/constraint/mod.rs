@@ -32,13 +32,13 @@ use crate::motion::variation::{LinkAcceleration, LinkVariation};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
+pub use assembly::{Assembly, assemble};
+pub use close::OpenGap;
+pub(crate) use close::ROUND_OFF;
 use envelope::Envelope;
 use nalgebra::Vector3;
 use plan::Plan;
 use row::{Ends, Placed, Rule, place_motion, power};
-pub use assembly::{Assembly, assemble};
-pub use close::OpenGap;
-pub(crate) use close::ROUND_OFF;
 use rows::Held;
 pub use rows::{Element, Owner};
 

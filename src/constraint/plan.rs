@@ -58,8 +58,7 @@ impl Plan {
         let mut at_link: Vec<Vec<usize>> = Vec::new();
         for later in 0..plan.groups.len() {
             let way = &ways[plan.groups[later].element];
-            let mut earlier: Vec<usize> =
-                way.iter().filter_map(|link| at_link.get(*link)).flatten().copied().collect();
+            let mut earlier: Vec<usize> = way.iter().filter_map(|link| at_link.get(*link)).flatten().copied().collect();
             earlier.sort_unstable();
             earlier.dedup();
             earlier.push(later);

@@ -4,9 +4,9 @@
 //! closed positions around it: at a singular position (a change point, a dead centre) rows hang on each other that do
 //! not elsewhere, and those have to be kept.
 
+use super::Constraints;
 use super::close::Closing;
 use super::rows::Owner;
-use super::Constraints;
 use crate::model::{Joint, Model};
 
 /// A pivot below this part of the row's own entry, and an entry below this part of the largest of its element, counts as

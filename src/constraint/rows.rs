@@ -164,9 +164,8 @@ fn of_loop(closed: &Loop, given: &Motion, rules: &mut Vec<Rule>) {
     };
     let (one, other) = (closed.frame, second_frame(closed, given));
     let along = |axis: &Vector3<f64>| Rule::Along { axis: one * axis };
-    let aligned = |a: &Vector3<f64>, b: &Vector3<f64>, cosine: f64| {
-        Rule::Aligned { first: one * a, second: other * b, cosine }
-    };
+    let aligned =
+        |a: &Vector3<f64>, b: &Vector3<f64>, cosine: f64| Rule::Aligned { first: one * a, second: other * b, cosine };
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
     match kind {
         HingeKind::Free => {}

@@ -3,8 +3,8 @@
 use super::{Fault, System};
 use crate::constraint::{Constraints, ROUND_OFF, Rate};
 use crate::model::Model;
-use crate::motion::{Motion, displace};
 use crate::motion::variation::LinkVariation;
+use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
 use crate::transfer::reduce::Load;
 

@@ -1,9 +1,9 @@
 //! From a description to a model: names resolved, every problem collected.
 
+use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, ForceKind, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::couple::loop_places;
 use super::{Model, check, couple};
 use crate::suggest;
 use nalgebra::Vector3;

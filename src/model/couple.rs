@@ -66,7 +66,10 @@ pub struct Gear {
 pub(super) fn loop_places(description: &Description, places: &mut Places<'_>) -> Vec<[Place; 2]> {
     let ends = |(index, closed): (usize, &LoopDescription)| {
         let element = Element::Loop(index);
-        [places.resolve(&closed.between[0], element, "between[0]"), places.resolve(&closed.between[1], element, "between[1]")]
+        [
+            places.resolve(&closed.between[0], element, "between[0]"),
+            places.resolve(&closed.between[1], element, "between[1]"),
+        ]
     };
     description.loops.iter().enumerate().map(ends).collect()
 }
@@ -148,7 +151,12 @@ fn check_loop(index: usize, closed: &LoopDescription, add: &mut impl FnMut(Eleme
     match &closed.closure {
         Closure::Rod { length } if !(length.is_finite() && *length > 0.0) => {
             let message = format!("`length` of `{name}` is {length}");
-            add(element, "length", message, "allowed: a finite number > 0 m; a rod without length is a spherical hinge");
+            add(
+                element,
+                "length",
+                message,
+                "allowed: a finite number > 0 m; a rod without length is a spherical hinge",
+            );
         }
         Closure::Rod { .. } => {}
         Closure::Hinge(HingeKind::Free) => {
@@ -300,19 +308,17 @@ fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Proble
         };
         if !fits {
             let what = |scalar: &Scalar| if scalar.slides { "a distance" } else { "an angle" };
-            let message = format!(
-                "`{}` of type {} couples {} with {}",
-                gear.name,
-                gear.kind.name(),
-                what(&first),
-                what(&second)
-            );
+            let message =
+                format!("`{}` of type {} couples {} with {}", gear.name, gear.kind.name(), what(&first), what(&second));
             add(message, "a ratio couples two of a kind; a rack or a screw a distance (first) with an angle (second)");
         }
         let ratio = gear.kind.factor();
         let at = |scalar: &Scalar| model.start_position[scalar.position];
         let offset = at(&first) - ratio * at(&second);
-        if model.gears.iter().any(|other| same_pair(&other.coordinates, &[first, second]) && !agrees(other, first, ratio))
+        if model
+            .gears
+            .iter()
+            .any(|other| same_pair(&other.coordinates, &[first, second]) && !agrees(other, first, ratio))
         {
             let message = format!(
                 "`{}` gives {} and {} the ratio {}, another gear gives them a different one",

@@ -44,6 +44,7 @@ mod sources;
 mod spans;
 pub mod start;
 mod syntax;
+mod unknown;
 
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use overrides::{Override, OverrideError};
@@ -51,7 +52,7 @@ pub use read::{LARGEST_FILE, LoadError};
 pub use schema::schema;
 pub use start::{Started, load_start};
 
-use crate::model::{Description, Model, Problem};
+use crate::model::{Description, Model, Parameter, Problem};
 use crate::{constraint, record, simulate, statics};
 use findings::Findings;
 use reader::Reader;
@@ -71,6 +72,8 @@ pub struct Scenario {
     pub simulate: simulate::settings::Settings,
     /// What is asked of statics.
     pub statics: statics::settings::Settings,
+    /// Numbers that inverse statics finds; none where the pose is looked for.
+    pub unknown: Vec<Parameter>,
     /// What is asked of the recording.
     pub record: record::Settings,
     /// What will not happen although it is written.
@@ -146,12 +149,14 @@ fn parse_text(
         spans::report(&spans, problems(&description), &findings);
     }
     let whole = Reader::new(&document, 0..0, &findings);
+    let unknown = unknown::read(&whole, &description);
     let scenario = Scenario {
         name: name.to_owned(),
         text: String::new(),
         description,
         simulate: settings::simulate(&whole),
         statics: settings::statics(&whole),
+        unknown,
         record: settings::record(&whole),
         warnings: Diagnostics::default(),
     };

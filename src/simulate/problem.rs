@@ -170,7 +170,9 @@ impl Problem for Motion<'_> {
         if let Some(passage) = &mut self.passage {
             let [far, part] = Passage::SKIP;
             if passage.retries && passage.clearance > far && settled.clearance < part * passage.clearance {
-                return Err(Failure { message: "the step ends too near to a singular position of the loops".to_owned() });
+                return Err(Failure {
+                    message: "the step ends too near to a singular position of the loops".to_owned(),
+                });
             }
             passage.clearance = settled.clearance;
             passage.widest = passage.widest.max(settled.clearance);

@@ -1,7 +1,7 @@
 //! The cascade and its certificate.
 
 use super::landscape::Landscape;
-use super::search::{Iteration, Place, polish};
+use super::search::{BALANCED, Iteration, Place, polish};
 use super::stability::{Stability, Verdict, classify};
 use super::{Method, Settings, Want, lagrange, newton, relaxation, trust_region};
 use crate::dynamics::{Fault, System};
@@ -17,7 +17,8 @@ pub struct Equilibrium {
     pub converged: bool,
     /// Whether the residual proves an equilibrium of any kind.
     pub balanced: bool,
-    /// `newton` (the method of the differentiated transfer equations), `relaxation` or `lagrange`.
+    /// `newton` (the method of the differentiated transfer equations), `relaxation` or `lagrange`; `inverse` where the
+    /// pose was given.
     pub method: &'static str,
     /// The stage that won: `start` (nothing to do), `newton` or `trust region`; `relaxation`; `newton` or
     /// `pseudo-transient` in maximal coordinates.
@@ -48,6 +49,8 @@ pub struct Equilibrium {
     pub stability: Option<Stability>,
     /// What locked hinges have to hold: coordinate name and force (N, N m).
     pub holding: Vec<(String, f64)>,
+    /// Of inverse statics: address and value of every unknown.
+    pub unknowns: Vec<(String, f64)>,
     /// What a person should know: saddles that were left, what is unbalanced.
     pub notes: Vec<String>,
     /// For `lagrange`: what its multipliers say of [`Equilibrium::reactions`]; empty for the others.
@@ -85,6 +88,9 @@ pub fn equilibrium_observed(
     start: &[f64],
     searched: &mut dyn FnMut(),
 ) -> Result<Equilibrium, Fault> {
+    if model.is_constrained() {
+        return Err(Fault::Tied);
+    }
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
     let mut history = Vec::new();
@@ -108,6 +114,32 @@ pub fn equilibrium_observed(
         notes.push(unbalanced(&mut landscape, &place));
     }
     certify(landscape, settings, place, effort, history, notes)
+}
+
+/// The certificate of a pose as it stands: nothing is searched for. `by` is its method and stage.
+pub(super) fn examine(
+    model: &Model,
+    settings: &Settings,
+    pose: &[f64],
+    by: &'static str,
+    mut notes: Vec<String>,
+) -> Result<Equilibrium, Fault> {
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, pose)?;
+    let place = Place::at(&mut landscape, pose.to_vec())?;
+    if !place.is_balanced()
+        && let (_, Some(worst)) = place.residual()
+    {
+        let others =
+            (0..place.force.len()).filter(|i| *i != worst && place.force[*i].abs() > BALANCED * place.scales.force[*i]);
+        let names: Vec<String> = others.map(|i| model.label(landscape.free[i])).collect();
+        let nor = if names.is_empty() { String::new() } else { format!(", nor the forces in {}", names.join(", ")) };
+        notes.push(format!("no unknown balances {}{nor}", describe(&mut landscape, &place, worst)));
+    }
+    // Whatever it is, it is the one that was given.
+    let settings = Settings { want: Want::Any, ..*settings };
+    let found = certify(landscape, &settings, place, Effort { stage: by, ..Effort::default() }, Vec::new(), notes)?;
+    Ok(Equilibrium { method: by, ..found })
 }
 
 fn relax(
@@ -196,6 +228,14 @@ fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
 fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
     let (_, largest) = place.residual();
     let Some(worst) = unresisted(landscape, place).or(largest) else { return "no residual".to_owned() };
+    format!(
+        "nothing balances {}: a spring, a load or a lock is missing, or the guess is too far away",
+        describe(landscape, place, worst)
+    )
+}
+
+/// An unbalanced force with its hinge, direction and size.
+fn describe(landscape: &mut Landscape<'_, '_>, place: &Place, worst: usize) -> String {
     let relative = place.force[worst].abs() / place.scales.force[worst];
     let share = if relative >= 0.01 { format!("{:.0} %", 100.0 * relative) } else { format!("{relative:.1e}") };
     let (model, coordinate) = (landscape.model(), landscape.free[worst]);
@@ -203,11 +243,7 @@ fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
     let unit = if super::landscape::slides(model)[coordinate] { "N" } else { "N m" };
     let direction = direction(landscape, coordinate);
     let towards = direction.map_or(String::new(), |d| format!(" along [{:.3}, {:.3}, {:.3}]", d.x, d.y, d.z));
-    format!(
-        "nothing balances {size} {unit} in {}{towards} ({share} of the forces there): \
-         a spring, a load or a lock is missing, or the guess is too far away",
-        model.label(coordinate)
-    )
+    format!("{size} {unit} in {}{towards} ({share} of the forces there)", model.label(coordinate))
 }
 
 /// The coordinate whose force nothing resists: a shifted solve leaves it to the shift, `σ B x` with `(K + σB) x = f`,
@@ -285,6 +321,7 @@ fn certify(
         reactions,
         stability,
         holding,
+        unknowns: Vec::new(),
         notes,
         multiplier_reactions: by_body(model, &effort.reactions),
         history,

@@ -9,9 +9,12 @@
 //! Two baselines stand beside it, to compare with: `relaxation` (explicit motion with kinetic damping) and `lagrange`
 //! (maximal coordinates with multipliers). Neither uses the tangent of the tree, nor the steps that the others end with.
 //!
+//! Where the pose is given and inputs are unknown, `inverse` finds those.
+//!
 //! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
 pub mod equilibrium;
+pub mod inverse;
 mod lagrange;
 pub mod landscape;
 mod linear;
@@ -25,5 +28,6 @@ mod subspace;
 mod trust_region;
 
 pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed};
+pub use inverse::{Held, hold};
 pub use settings::{Method, Settings, Want};
 pub use stability::{Mode, Stability, Verdict};

@@ -20,5 +20,6 @@ mod rest;
 mod scenario;
 mod scenarios;
 mod statics;
+mod statics_inverse;
 mod statics_methods;
 mod statics_start;

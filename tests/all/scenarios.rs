@@ -9,7 +9,7 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening, OwnedSample};
 use stillpoint::scenario::{Override, Scenario, load_with};
 use stillpoint::simulate::{self, Start, State, Summary, run};
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
+use stillpoint::statics::{Equilibrium, Verdict, equilibrium, hold};
 
 const G: f64 = 9.80665;
 
@@ -34,8 +34,14 @@ pub(crate) fn file(name: &str) -> PathBuf {
 
 pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Model) {
     let changes: Vec<Override> = changes.iter().map(|text| Override::parse(text).expect("a change")).collect();
-    let scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
-    let model = build(&scenario.description);
+    let mut scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
+    let mut model = build(&scenario.description);
+    if !scenario.unknown.is_empty() {
+        let pose = model.start_position.clone();
+        let held = hold(&scenario.description, &scenario.unknown, &pose, &scenario.statics).expect("statics");
+        assert!(held.found.converged, "{:?}", held.found.notes);
+        (scenario.description, model) = (held.description, held.model);
+    }
     (scenario, model)
 }
 
@@ -153,6 +159,34 @@ fn pendulum_swings_with_the_period_of_the_elliptic_integral() {
     // The angle bends by (θ' Ω²) h²/8 ≈ 1e-8 rad between samples where it passes zero at 3.5 rad/s.
     near(period, expected, 1e-7);
     assert!(expected > 1.07 * TAU * slow, "60 degrees are no small angle");
+}
+
+/// The inputs of the crane by the moments of its weights about the hinges, worked out by hand.
+#[test]
+fn crane_is_held_by_the_moments_of_its_weights() {
+    let (scenario, model) = shipped("crane_held", &[]);
+    let (boom, jib) = (0.9_f64, 0.9_f64 - 0.5);
+    // Masses of the boxes, and how far out along its own member each one stands.
+    let masses = [1500.0 * 3.0 * 0.25 * 0.25, 1500.0 * 2.0 * 0.18 * 0.18, 2000.0 * 1.5 * 0.1 * 0.1, 250.0];
+    let along_jib = [1.0, 0.5 + 0.8 + 0.75, 0.5 + 0.8 + 1.5];
+    let about_elbow: f64 = (0..3).map(|i| masses[i + 1] * G * along_jib[i] * jib.cos()).sum();
+    let outboard: f64 = masses[1..].iter().sum::<f64>() * G;
+    let about_shoulder = about_elbow + (masses[0] * 1.5 * G + outboard * 3.0) * boom.cos();
+    // The strut pushes from the foot to the lug: its arm is that of its line about the shoulder.
+    let lug = [0.9 * boom.cos() + 0.1 * boom.sin(), 0.9 * boom.sin() - 0.1 * boom.cos()];
+    let foot = [0.3, -1.5];
+    let line = [lug[0] - foot[0], lug[1] - foot[1]];
+    let length = line[0].hypot(line[1]);
+    let arm = (lug[0] * line[1] - lug[1] * line[0]) / length;
+    let value = |address: &str| {
+        let one = &stillpoint::model::Parameter::find(&scenario.description, address).expect("an address")[0];
+        one.value(&scenario.description)
+    };
+    // Twelve digits of numbers worked out with some ten roundings.
+    near(value("jib.force"), about_elbow, 1e-12 * about_shoulder);
+    near(value("telescope.force"), (masses[2] + masses[3]) * G * jib.sin(), 1e-12 * about_shoulder);
+    near(value("strut.length"), length + about_shoulder / arm / 2.0e6, 1e-12);
+    assert_eq!(found(&scenario, &model).position, model.start_position, "the pose is the one that was given");
 }
 
 #[test]
@@ -414,4 +448,41 @@ fn collar_slides_until_the_spring_carries_its_weight_and_turns_its_arm_down() {
     let rod = pose * Vector3::z();
     // Of all directions across the rod the arm takes the lowest one.
     near(arm.z, -(1.0 - rod.z * rod.z).sqrt(), 1e-12);
+}
+
+/// Grashof's rule: the crank turns round, the rocker stays between the two angles at which crank and coupler lie in one
+/// line (cosine rule).
+#[test]
+fn the_crank_turns_and_the_rocker_swings() {
+    let (scenario, model) = shipped("four_bar", &[]);
+    let (summary, samples) = simulated(&scenario, &model);
+    let (crank, coupler, rocker, ground) = (0.1_f64, 0.35_f64, 0.3_f64, 0.4_f64);
+    let reach = |across: f64| {
+        let cosine = (rocker * rocker + ground * ground - across * across) / (2.0 * rocker * ground);
+        // From upright, towards +x: the rocker stands at the right end of the ground bar.
+        cosine.acos() - FRAC_PI_2
+    };
+    let (left, right) = (reach(coupler - crank), reach(coupler + crank));
+    let swing: Vec<f64> = samples.iter().map(|sample| coordinates(&model, &sample.positions, "rocker")[0]).collect();
+    let (lowest, highest) = swing.iter().fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+    // Sampled at 100 per second: the ends of a swing are missed by at most ½ · acceleration · (5 ms)².
+    assert!(lowest >= left - 1e-12 && lowest < left + 2e-3, "{lowest} {left}");
+    assert!(highest <= right + 1e-12 && highest > right - 2e-3, "{highest} {right}");
+    assert!(coordinates(&model, &summary.state.position, "crank")[0] > 4.0 * TAU);
+    assert!(summary.constraint_error < 1e-13, "{:e}", summary.constraint_error);
+}
+
+/// The slider is where the crank's angle puts it, through every dead centre.
+#[test]
+fn the_slider_follows_its_crank() {
+    let (scenario, model) = shipped("slider_crank", &[]);
+    let (summary, samples) = simulated(&scenario, &model);
+    let (crank, rod) = (0.1_f64, 0.3_f64);
+    for sample in &samples {
+        let angle = coordinates(&model, &sample.positions, "crank")[0];
+        let slider = coordinates(&model, &sample.positions, "slider")[0];
+        near(slider, crank * angle.cos() + (rod * rod - (crank * angle.sin()).powi(2)).sqrt(), 1e-12);
+    }
+    let turned = coordinates(&model, &summary.state.position, "crank")[0];
+    assert!(turned > 10.0 * TAU, "{turned}");
 }

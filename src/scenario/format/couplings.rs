@@ -137,8 +137,12 @@ pub const HINGE_COORDINATE: Table = Table {
     types: &[],
     keys: &[
         Key::new("hinge", Kind::Text, "The body whose hinge it is.").required().example("\"nut\""),
-        Key::new("coordinate", Kind::Integer(Range::AtLeast(0.0)), "Which of the hinge's angles and distances, from 0.")
-            .default("0")
-            .example("1"),
+        Key::new(
+            "coordinate",
+            Kind::Integer(Range::AtLeast(0.0)),
+            "Which of the hinge's angles and distances, from 0.",
+        )
+        .default("0")
+        .example("1"),
     ],
 };

@@ -54,6 +54,12 @@ pub const STATICS: Table = Table {
     keys: &[
         Key::new("want", Kind::Choice(WANTS), "Which equilibrium.").default("\"stable\"").example("\"stable\""),
         Key::new("method", Kind::Choice(METHODS), "How it is found.").default("\"auto\"").example("\"newton\""),
+        Key::new(
+            "unknown",
+            Kind::List(&Kind::Text, &[]),
+            "Inverse statics: the pose is given, and these numbers of the scene are found so that they hold it.",
+        )
+        .example("[\"upper.force\", \"strut.length\"]"),
         Key::new("path", Kind::Refused("equilibrium paths cannot be followed by this version"), "Follows a parameter."),
     ],
 };

@@ -1,0 +1,31 @@
+//! `statics.unknown`: addresses of the numbers that inverse statics finds.
+
+use super::findings::Finding;
+use super::reader::Reader;
+use crate::model::parameter::Field;
+use crate::model::{Description, Parameter};
+
+/// The parameters that the list stands for, in its order.
+pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Parameter> {
+    let Some(table) = scenario.table("statics") else { return Vec::new() };
+    let Some(list) = table.value("unknown").and_then(|value| value.get_ref().as_array()) else { return Vec::new() };
+    let mut all: Vec<Parameter> = Vec::new();
+    for item in list {
+        let Some(address) = item.get_ref().as_str() else { continue };
+        let refuse = |message: String, help: Option<String>| {
+            table.findings.push_value(Finding::error(item.span(), message).maybe_help(help));
+        };
+        match Parameter::find(description, address) {
+            Ok(found) if found.iter().any(|one| one.field == Field::Position) => {
+                let help = "the pose is what inverse statics starts from; for a pose leave `unknown` out";
+                refuse(format!("`{address}` is part of the pose, which is given"), Some(help.to_owned()));
+            }
+            Ok(found) => match found.iter().find(|one| all.contains(one)) {
+                Some(twice) => refuse(format!("`{}` is unknown twice", twice.address), None),
+                None => all.extend(found),
+            },
+            Err(error) => refuse(error.message, error.help),
+        }
+    }
+    all
+}

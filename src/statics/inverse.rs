@@ -1,0 +1,203 @@
+//! Inverse statics: the pose is given, the inputs that hold it are found.
+//!
+//! The forces left in the free coordinates are affine in hinge forces, free lengths, stiffnesses, loads and masses `u`:
+//!
+//! ```text
+//! f(u) = f(u₀) + A (u − u₀) = 0,      least |S⁻¹(u − u₀)|                                     (1)
+//! ```
+//!
+//! `S` holds the scene's own units (its weight, its length, and what follows from them), so newtons and metres compare;
+//! rows are divided by the forces that cancel in them. The columns of `A` are differences of two balances, exact up to
+//! round-off. The singular values of the scaled matrix tell how many unknowns the pose determines; what it leaves open
+//! is filled by the least change from the values of the scenario. The answer is checked by the balance of a scene that
+//! is built with it, not by (1).
+
+use super::equilibrium::{self, Equilibrium};
+use super::landscape::Landscape;
+use super::search::Place;
+use super::settings::Settings;
+use crate::dynamics::{Fault, System};
+use crate::model::description::Description;
+use crate::model::parameter::Quantity;
+use crate::model::problem::number;
+use crate::model::{Model, Parameter};
+use faer::Mat;
+
+/// Singular values below this part of the largest one are round-off: the balance knows its forces to some 1e-16 of
+/// what cancels in it, and the columns are differences of two of them.
+const RANK: f64 = 1e-11;
+/// Solutions that are refined from the balance of the scene they give.
+const MOST_ROUNDS: usize = 4;
+
+/// Inputs, and the equilibrium that they make of the pose.
+#[derive(Debug, Clone)]
+pub struct Held {
+    /// The scene with the inputs that were found; as it was where they are not allowed.
+    pub description: Description,
+    /// Its model, standing in the pose.
+    pub model: Model,
+    /// The certificate of the pose, with [`Equilibrium::unknowns`].
+    pub found: Equilibrium,
+}
+
+/// The scaled problem (1) at one pose.
+struct Problem<'a> {
+    unknown: &'a [Parameter],
+    /// `S`.
+    units: Vec<f64>,
+    columns: Mat<f64>,
+    rows: Vec<f64>,
+}
+
+/// Finds the values of `unknown` that hold `pose`, all other numbers as in the description.
+///
+/// # Errors
+/// Where the system cannot be evaluated in this pose.
+///
+/// # Panics
+/// Where the description is not one that [`Model::build`] accepts.
+pub fn hold(
+    description: &Description,
+    unknown: &[Parameter],
+    pose: &[f64],
+    settings: &Settings,
+) -> Result<Held, Fault> {
+    let build = |description: &Description| Model::build(description).ok();
+    let given = build(description).expect("a description that was built before");
+    let first = place(&given, pose)?;
+    let problem = Problem::new(description, unknown, pose, &given, &first)?;
+    let mut notes = problem.useless();
+    let influential = notes.is_empty();
+    let (mut best, mut model, mut place_now) = (description.clone(), given, first);
+    let mut rank = 0;
+    for _ in 0..MOST_ROUNDS {
+        if place_now.is_exact() {
+            break;
+        }
+        let (change, independent) = problem.solve(&place_now.force);
+        rank = independent;
+        let mut next = best.clone();
+        for (one, change) in unknown.iter().zip(&change) {
+            one.set(&mut next, one.value(&best) + change);
+        }
+        let Some(built) = build(&next) else {
+            notes.push(refused(&next, unknown));
+            break;
+        };
+        let placed = place(&built, pose)?;
+        if placed.residual().0 >= place_now.residual().0 {
+            break;
+        }
+        (best, model, place_now) = (next, built, placed);
+    }
+    let open = unknown.len().saturating_sub(rank);
+    if place_now.is_balanced() && rank > 0 && open > 0 && influential {
+        notes.push(format!(
+            "the pose determines {rank} of {} unknowns: of all answers this one changes the scenario's values least",
+            unknown.len()
+        ));
+    }
+    model.start_position.copy_from_slice(pose);
+    let mut found = equilibrium::examine(&model, settings, pose, "inverse", notes)?;
+    found.converged = found.balanced && influential;
+    found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&best))).collect();
+    Ok(Held { description: best, model, found })
+}
+
+fn place(model: &Model, pose: &[f64]) -> Result<Place, Fault> {
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, pose)?;
+    Place::at(&mut landscape, pose.to_vec())
+}
+
+impl<'a> Problem<'a> {
+    fn new(
+        description: &Description,
+        unknown: &'a [Parameter],
+        pose: &[f64],
+        model: &Model,
+        first: &Place,
+    ) -> Result<Self, Fault> {
+        let largest = first.scales.force.iter().fold(0.0_f64, |m, f| m.max(*f));
+        let rows: Vec<f64> = first
+            .scales
+            .force
+            .iter()
+            .map(|size| if *size > 0.0 { *size } else { largest })
+            .map(|size| if size > 0.0 { size } else { 1.0 })
+            .collect();
+        let units: Vec<f64> = unknown.iter().map(|one| unit(one.quantity, model, largest)).collect();
+        let mut columns = Mat::zeros(rows.len(), unknown.len());
+        for (j, one) in unknown.iter().enumerate() {
+            let mut moved = description.clone();
+            one.set(&mut moved, one.value(description) + units[j]);
+            // More of anything is allowed: lengths, masses and stiffnesses are bounded from below.
+            let Ok(model) = Model::build(&moved) else { continue };
+            let force = place(&model, pose)?.force;
+            for i in 0..rows.len() {
+                let change = force[i] - first.force[i];
+                // A change within the round-off of what it is the difference of is none.
+                let noise = 64.0 * first.scales.noise[i];
+                columns[(i, j)] = if change.abs() > noise { change / rows[i] } else { 0.0 };
+            }
+        }
+        Ok(Self { unknown, units, columns, rows })
+    }
+
+    /// Unknowns that no free coordinate feels.
+    fn useless(&self) -> Vec<String> {
+        let none = |j: &usize| (0..self.rows.len()).all(|i| self.columns[(i, *j)] == 0.0);
+        let names: Vec<String> =
+            (0..self.unknown.len()).filter(none).map(|j| format!("`{}`", self.unknown[j].address)).collect();
+        match names.len() {
+            0 => Vec::new(),
+            1 => vec![format!("the unknown {} cannot influence the pose: no free hinge feels it", names[0])],
+            _ => vec![format!("the unknowns {} cannot influence the pose: no free hinge feels them", names.join(", "))],
+        }
+    }
+
+    /// The change of least norm that solves (1) best, and the rank.
+    fn solve(&self, force: &[f64]) -> (Vec<f64>, usize) {
+        let Ok(svd) = self.columns.thin_svd() else { return (vec![0.0; self.units.len()], 0) };
+        let (u, s, v) = (svd.U(), svd.S(), svd.V());
+        let values: Vec<f64> = (0..s.dim()).map(|k| s[k]).collect();
+        let rank = values.iter().filter(|x| **x > RANK * values[0]).count();
+        let mut change = vec![0.0; self.units.len()];
+        for k in 0..rank {
+            let part: f64 = (0..force.len()).map(|i| u[(i, k)] * force[i] / self.rows[i]).sum();
+            for (j, change) in change.iter_mut().enumerate() {
+                *change -= self.units[j] * v[(j, k)] * part / values[k];
+            }
+        }
+        (change, rank)
+    }
+}
+
+/// The scene's own size of a quantity; `largest` is the largest force in the balance, for scenes without weight.
+fn unit(quantity: Quantity, model: &Model, largest: f64) -> f64 {
+    let or_one = |x: f64| if x > 0.0 { x } else { 1.0 };
+    let (gravity, length) = (model.gravity.norm(), model.length_scale());
+    let weight = model.total_mass() * gravity;
+    let force = if weight > 0.0 { weight } else { or_one(largest / length) };
+    match quantity {
+        Quantity::Force => force,
+        Quantity::Torque | Quantity::TurnStiffness => force * length,
+        Quantity::Length => length,
+        Quantity::Angle => 1.0,
+        Quantity::Stiffness => force / length,
+        Quantity::Mass => or_one(model.total_mass()),
+        Quantity::Acceleration => or_one(gravity),
+    }
+}
+
+/// The values that balance needs and no model accepts.
+fn refused(needed: &Description, unknown: &[Parameter]) -> String {
+    let problems = Model::build(needed).err().unwrap_or_default();
+    let values: Vec<String> = unknown
+        .iter()
+        .filter(|one| problems.iter().any(|problem| problem.element == one.element))
+        .map(|one| format!("`{}` = {} {}", one.address, number(one.value(needed)), one.quantity.unit()))
+        .collect();
+    let why: Vec<String> = problems.iter().map(ToString::to_string).collect();
+    format!("balance with the least change needs {}, which cannot be: {}", values.join(", "), why.join("; "))
+}
