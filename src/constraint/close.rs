@@ -86,7 +86,7 @@ impl<'m> Closing<'m> {
                 break;
             }
             self.gap(q);
-            self.reduction.factorize(self.model, &self.motion)?;
+            self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
             self.rows.factorize(self.model, &self.motion, &self.reduction, damping);
             self.push(Rate::Gap);
             self.shorten();
@@ -116,7 +116,7 @@ impl<'m> Closing<'m> {
     pub(super) fn close_rates(&mut self, q: &[f64], v: &mut [f64]) -> Result<f64, Singular> {
         self.motion.update(self.model, q, v);
         self.rows.place(self.model, &self.motion, q, true);
-        self.reduction.factorize(self.model, &self.motion)?;
+        self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
         self.rows.factorize(self.model, &self.motion, &self.reduction, LEAST_DAMPING);
         let mut left = self.rows.largest(&self.motion, Rate::Speed(v), true).0;
         // Damping by 1e-11 leaves that part of a rate: two rounds bring it to round-off.
@@ -136,13 +136,18 @@ impl<'m> Closing<'m> {
         Ok(left)
     }
 
+    /// Factorizes the tree where the motion is; false where it is singular there.
+    pub(super) fn prepare(&mut self) -> bool {
+        self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step).is_ok()
+    }
+
     /// `step ← M⁻¹ Gᵀ λ` with the multipliers that take a rate away.
     fn push(&mut self, rate: Rate<'_>) {
         self.rows.solve(&self.motion, rate);
         self.loads.fill(Wrench::ZERO);
         self.tau.fill(0.0);
-        self.rows.add_loads(-1.0, &mut self.loads, &mut self.tau);
-        let load = Load { wrenches: &self.loads, with_bias: false, tau: &self.tau };
+        self.rows.add_loads(&mut self.loads, &mut self.tau);
+        let load = Load { applied: &self.loads, tau: &self.tau };
         self.reduction.solve(self.model, &self.motion, &load, &mut self.step);
     }
 

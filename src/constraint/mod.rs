@@ -324,8 +324,8 @@ impl Constraints {
         largest
     }
 
-    /// Adds what the multipliers push to the links' wrenches, `sign` times, and to the hinge forces.
-    pub(crate) fn add_loads(&self, sign: f64, wrenches: &mut [Wrench], tau: &mut [f64]) {
+    /// Adds what the multipliers push to the links' wrenches and to the hinge forces.
+    pub(crate) fn add_loads(&self, wrenches: &mut [Wrench], tau: &mut [f64]) {
         for group in &self.plan.groups {
             let ends = &self.elements[group.element].ends;
             for row in &group.rows {
@@ -333,8 +333,8 @@ impl Constraints {
                 if let Some(ends) = ends {
                     for (end, w) in ends.iter().zip(&self.placed[*row].wrenches) {
                         let link = &mut wrenches[end.link];
-                        link.force += sign * multiplier * w.force;
-                        link.moment += sign * multiplier * w.moment;
+                        link.force += multiplier * w.force;
+                        link.moment += multiplier * w.moment;
                     }
                 }
                 if let Rule::Motion { parts } = &self.rules[*row] {

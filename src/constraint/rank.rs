@@ -54,7 +54,7 @@ fn count(rows: &[bool]) -> usize {
 /// Independent rows at one position; none where the tree itself is singular there.
 fn independent_at(model: &Model, closing: &mut Closing<'_>, q: &[f64]) -> Vec<bool> {
     closing.gap(q);
-    if closing.reduction.factorize(model, &closing.motion).is_err() {
+    if !closing.prepare() {
         return vec![false; closing.rows.rules.len()];
     }
     closing.rows.assemble(model, &closing.motion, &closing.reduction);

@@ -94,7 +94,7 @@ impl System<'_> {
         let rows = &mut constrained.rows;
         rows.place(self.model, &self.motion, q, false);
         rows.factorize(self.model, &self.motion, &self.reduction, 0.0);
-        rows.solve(&self.motion, Rate::Acceleration(self.reduction.accelerations(), a));
+        rows.solve(&self.motion, Rate::Acceleration(self.reduction.links(), a));
         self.push();
         let Some(constrained) = &self.constraints else { return };
         a.iter_mut().zip(&constrained.step).for_each(|(a, step)| *a += step);
@@ -106,8 +106,8 @@ impl System<'_> {
         let Constrained { rows, loads, tau, step, .. } = &mut **constrained;
         loads.fill(Wrench::ZERO);
         tau.fill(0.0);
-        rows.add_loads(-1.0, loads, tau);
-        let load = Load { wrenches: loads, with_bias: false, tau };
+        rows.add_loads(loads, tau);
+        let load = Load { applied: loads, tau };
         self.reduction.solve(self.model, &self.motion, &load, step);
     }
 
@@ -115,7 +115,7 @@ impl System<'_> {
     pub(super) fn apply_multipliers(&mut self, q: &[f64]) {
         let Some(constrained) = &mut self.constraints else { return };
         constrained.rows.place(self.model, &self.motion, q, false);
-        constrained.rows.add_loads(1.0, &mut self.applied, &mut self.tau);
+        constrained.rows.add_loads(&mut self.applied, &mut self.tau);
         if !constrained.on_bodies.is_empty() {
             constrained.on_bodies.fill(Wrench::ZERO);
             constrained.rows.add_to_bodies(&mut constrained.on_bodies);
@@ -160,9 +160,13 @@ impl System<'_> {
         }
         self.motion.update(self.model, q, v);
         let gap_before = self.place_gap(q);
-        self.reduction.factorize(self.model, &self.motion).map_err(|singular| self.singular(&singular, q, v))?;
         if let Some(constrained) = &mut self.constraints {
-            constrained.rows.factorize(self.model, &self.motion, &self.reduction, 0.0);
+            constrained.tau.fill(0.0);
+            let Constrained { rows, tau, step, .. } = &mut **constrained;
+            if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau, step) {
+                return Err(self.singular(&singular, q, v));
+            }
+            rows.factorize(self.model, &self.motion, &self.reduction, 0.0);
         }
         let moved = self.settle_position(q, v);
         let moved = self.settle_velocity(q, v) || moved;

@@ -16,7 +16,6 @@ use crate::model::Model;
 use crate::motion::Motion;
 use crate::spatial::{Pose, Wrench};
 use crate::transfer::balance::Balance;
-use crate::transfer::element;
 use crate::transfer::reduce::{Load, Reduction, Singular};
 use crate::transfer::variation::Variation;
 use constrained::Constrained;
@@ -32,9 +31,8 @@ pub struct System<'m> {
     reduction: Reduction,
     balance: Balance,
     variation: Variation,
-    /// Wrenches of the force elements, then `b − applied`; one per link.
+    /// Wrenches of the force elements, one per link.
     applied: Vec<Wrench>,
-    loads: Vec<Wrench>,
     /// Hinge forces, and scratch of the same length.
     tau: Vec<f64>,
     scratch: Vec<f64>,
@@ -109,7 +107,6 @@ impl<'m> System<'m> {
             balance: Balance::new(model),
             variation: Variation::new(model),
             applied: vec![Wrench::ZERO; n],
-            loads: vec![Wrench::ZERO; n],
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
             constraints: Constrained::new(model),
@@ -141,16 +138,11 @@ impl<'m> System<'m> {
     /// A singular hinge, or the element whose numbers are not finite.
     pub fn accelerations(&mut self, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
         self.prepare(q, v);
-        self.reduction.factorize(self.model, &self.motion).map_err(|singular| self.singular(&singular, q, v))?;
-        for (index, link) in self.model.links.iter().enumerate() {
-            let bias = match link.is_massless() {
-                true => Wrench::ZERO,
-                false => element::bias(link.mass, &self.model.gravity, &self.motion.links[index]),
-            };
-            self.loads[index] = bias - self.applied[index];
+        let applied = if self.model.forces.is_empty() { &[] } else { self.applied.as_slice() };
+        let load = Load { applied, tau: &self.tau };
+        if let Err(singular) = self.reduction.accelerations(self.model, &self.motion, &load, a) {
+            return Err(self.singular(&singular, q, v));
         }
-        let load = Load { wrenches: &self.loads, with_bias: true, tau: &self.tau };
-        self.reduction.solve(self.model, &self.motion, &load, a);
         if self.constraints.is_some() {
             self.constrain(q, a);
         }
@@ -172,7 +164,7 @@ impl<'m> System<'m> {
 
     /// `x ← M⁻¹ rhs` with the last factorization of [`System::accelerations`].
     pub fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) {
-        let load = Load { wrenches: &[], with_bias: false, tau: rhs };
+        let load = Load { applied: &[], tau: rhs };
         self.reduction.solve(self.model, &self.motion, &load, x);
     }
 

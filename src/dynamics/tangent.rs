@@ -147,7 +147,7 @@ impl System<'_> {
         for (index, link) in self.model.links.iter().enumerate() {
             match link.joint {
                 Joint::None => {}
-                Joint::Turn { .. } | Joint::Slide { .. } => {
+                Joint::Turn | Joint::Slide { .. } => {
                     solver.diagonal[link.velocity] += self.model.coordinates[link.velocity].stiffness;
                 }
                 Joint::Ball { .. } => {

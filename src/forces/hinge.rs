@@ -68,7 +68,7 @@ pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
         };
     });
     for link in &model.links {
-        if matches!(link.joint, Joint::Turn { .. } | Joint::Slide { .. }) {
+        if matches!(link.joint, Joint::Turn | Joint::Slide { .. }) {
             sum -= model.coordinates[link.velocity].force * q[link.position];
         }
     }

@@ -1,6 +1,6 @@
 //! The elements of the compiled tree.
 
-use crate::spatial::Sym3;
+use crate::spatial::{Principal, Sym3};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// An elementary hinge and the rigid body outboard of it.
@@ -14,8 +14,10 @@ pub struct Link {
     pub joint: Joint,
     /// From the parent's root marker to the hinge point, parent link's axes (m).
     pub offset: Vector3<f64>,
-    /// Orientation of the hinge frame on the parent link: `parent_from_hinge`.
+    /// Orientation of the link on the parent link while its coordinates are zero: `parent_from_link`.
     pub turn: Matrix3<f64>,
+    /// Whether that is none at all.
+    pub straight: bool,
     /// First index into the position vector.
     pub position: usize,
     /// First index into the velocity vector.
@@ -28,6 +30,8 @@ pub struct Link {
     pub center: Vector3<f64>,
     /// Inertia about the **root marker**, link axes (kg m²).
     pub inertia: Sym3,
+    /// The same in principal axes.
+    pub principal: Principal,
 }
 
 impl Link {
@@ -39,12 +43,14 @@ impl Link {
             joint: Joint::None,
             offset: Vector3::zeros(),
             turn: Matrix3::identity(),
+            straight: true,
             position: 0,
             velocity: 0,
             body: usize::MAX,
             mass: 0.0,
             center: Vector3::zeros(),
             inertia: Sym3::ZERO,
+            principal: Principal::default(),
         }
     }
 
@@ -60,11 +66,8 @@ impl Link {
 pub enum Joint {
     /// The ground's.
     None,
-    /// A turn about a unit axis of the hinge frame. One angle (rad).
-    Turn {
-        /// Unit axis.
-        axis: Vector3<f64>,
-    },
+    /// A turn about the z axis of the link: links that turn have their axes chosen so. One angle (rad).
+    Turn,
     /// A slide along a unit axis of the hinge frame. One distance (m).
     Slide {
         /// Unit axis.
@@ -84,7 +87,7 @@ impl Joint {
     pub fn counts(&self) -> (usize, usize) {
         match self {
             Self::None => (0, 0),
-            Self::Turn { .. } | Self::Slide { .. } => (1, 1),
+            Self::Turn | Self::Slide { .. } => (1, 1),
             Self::Ball { .. } => (4, 3),
         }
     }

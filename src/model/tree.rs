@@ -6,7 +6,7 @@ use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProper
 use super::link::{Joint, Link};
 use super::problem::{Element, Problem};
 use super::{Body, Coordinate, End, Force, Hinge, Law, Model};
-use crate::spatial::{Pose, Sym3};
+use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// The compiled tree while it grows.
@@ -43,7 +43,8 @@ impl<'a> Tree<'a> {
         let given = &self.description.bodies[index];
         let parent_from_hinge = Isometry3::from_parts(Translation3::from(at), given.hinge.frame);
         let (carrier, link_from_parent) = self.carrier(parent);
-        let base = link_from_parent * parent_from_hinge;
+        let turn = link_from_parent.rotation * given.hinge.frame;
+        let base = Pose::from_parts(Translation3::from(seen_from(&link_from_parent, &at)), turn);
         let hinge = Hinge {
             kind: given.hinge.kind,
             parent_from_hinge,
@@ -52,9 +53,12 @@ impl<'a> Tree<'a> {
             lock: given.hinge.lock,
         };
         let joints = elementary(&given.hinge.kind, &given.hinge.rest);
-        let (link, link_from_body) = match joints.is_empty() {
-            true => (carrier, base),
-            false => (self.add_links(index, carrier, &base, &joints), Pose::identity()),
+        let (link, link_from_body) = match joints.last() {
+            None => (carrier, base),
+            Some((_, hinge_from_link)) => {
+                let turn = hinge_from_link.inverse();
+                (self.add_links(index, carrier, &base, &joints), Pose::from_parts(Translation3::identity(), turn))
+            }
         };
         if !joints.is_empty() {
             self.add_coordinates(index);
@@ -73,16 +77,24 @@ impl<'a> Tree<'a> {
     }
 
     /// One link per elementary joint; only the first sits away from its parent's root marker.
-    fn add_links(&mut self, body: usize, carrier: usize, base: &Pose, joints: &[Joint]) -> usize {
+    fn add_links(
+        &mut self,
+        body: usize,
+        carrier: usize,
+        base: &Pose,
+        joints: &[(Joint, UnitQuaternion<f64>)],
+    ) -> usize {
         let (mut position, mut velocity) = (self.start_position.len(), self.start_velocity.len());
         let mut parent = carrier;
-        for (step, joint) in joints.iter().enumerate() {
-            let first = step == 0;
+        let (mut parent_from_hinge, mut offset) = (base.rotation, base.translation.vector);
+        for (joint, hinge_from_link) in joints {
+            let turn = *(parent_from_hinge * hinge_from_link).to_rotation_matrix().matrix();
             let link = Link {
                 parent,
                 joint: *joint,
-                offset: if first { base.translation.vector } else { Vector3::zeros() },
-                turn: if first { *base.rotation.to_rotation_matrix().matrix() } else { Matrix3::identity() },
+                offset,
+                turn,
+                straight: turn == Matrix3::identity(),
                 position,
                 velocity,
                 body,
@@ -93,6 +105,7 @@ impl<'a> Tree<'a> {
             velocity += velocities;
             parent = self.links.len();
             self.links.push(link);
+            (parent_from_hinge, offset) = (hinge_from_link.inverse(), Vector3::zeros());
         }
         parent
     }
@@ -128,7 +141,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// Where every subtree ends.
+    /// Where every subtree ends, and what every link's whole inertia is.
     pub(super) fn close(&mut self) {
         for index in 0..self.links.len() {
             self.links[index].subtree_end = index + 1;
@@ -136,6 +149,9 @@ impl<'a> Tree<'a> {
         for index in (1..self.links.len()).rev() {
             let (end, parent) = (self.links[index].subtree_end, self.links[index].parent);
             self.links[parent].subtree_end = self.links[parent].subtree_end.max(end);
+        }
+        for link in &mut self.links {
+            link.principal = Principal::of(&link.inertia);
         }
     }
 
@@ -170,11 +186,7 @@ impl<'a> Tree<'a> {
     pub(super) fn finish(self, places: &[Vec<Place>], loops: &[[Place; 2]]) -> Result<Model, Vec<Problem>> {
         let end = |place: &Place| {
             let (link, link_from_body) = self.carrier(place.0);
-            End {
-                link,
-                body: place.0,
-                point: link_from_body * nalgebra::Point3::from(place.1) - nalgebra::Point3::origin(),
-            }
+            End { link, body: place.0, point: seen_from(&link_from_body, &place.1) }
         };
         let turn = |place: &Place| self.carrier(place.0).1.rotation;
         let forces = self.description.forces.iter().zip(places).map(|(force, places)| Force {
@@ -235,11 +247,34 @@ fn compile_force(
     }
 }
 
-/// A hinge taken apart, outboard order (the table in [`HingeKind`]).
-fn elementary(kind: &HingeKind, rest: &[f64]) -> Vec<Joint> {
-    let turn = |axis: &Vector3<f64>| Joint::Turn { axis: axis.normalize() };
-    let slide = |axis: &Vector3<f64>| Joint::Slide { axis: axis.normalize() };
-    let ball = |rest: &[f64]| Joint::Ball { rest: quaternion(rest) };
+/// A point of a body in the axes of its link. By the matrix: between axes that are the same but for their names it
+/// moves numbers without rounding them.
+fn seen_from(link_from_body: &Pose, point: &Vector3<f64>) -> Vector3<f64> {
+    link_from_body.rotation.to_rotation_matrix() * point + link_from_body.translation.vector
+}
+
+/// Axes whose z is the given unit axis: `hinge_from_link`. For an axis of the hinge frame itself nothing is rounded.
+fn axes_about(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let half = |i, j, k| UnitQuaternion::from_quaternion(Quaternion::new(0.5, 0.5 * i, 0.5 * j, 0.5 * k));
+    match <[f64; 3]>::from(*axis) {
+        [1.0, 0.0, 0.0] => half(1.0, 1.0, 1.0),
+        [-1.0, 0.0, 0.0] => half(1.0, -1.0, -1.0),
+        [0.0, 1.0, 0.0] => half(-1.0, -1.0, -1.0),
+        [0.0, -1.0, 0.0] => half(1.0, -1.0, 1.0),
+        // From z, or from −z after a half turn about x: half the way there, whichever is nearer.
+        [x, y, z] if z >= 0.0 => UnitQuaternion::from_quaternion(Quaternion::new(1.0 + z, -y, x, 0.0)),
+        [x, y, z] => {
+            let half_turn = UnitQuaternion::from_quaternion(Quaternion::new(0.0, 1.0, 0.0, 0.0));
+            UnitQuaternion::from_quaternion(Quaternion::new(1.0 - z, y, -x, 0.0)) * half_turn
+        }
+    }
+}
+
+/// A hinge taken apart, outboard order (the table in [`HingeKind`]), each with the axes of its link.
+fn elementary(kind: &HingeKind, rest: &[f64]) -> Vec<(Joint, UnitQuaternion<f64>)> {
+    let turn = |axis: &Vector3<f64>| (Joint::Turn, axes_about(&axis.normalize()));
+    let slide = |axis: &Vector3<f64>| (Joint::Slide { axis: axis.normalize() }, UnitQuaternion::identity());
+    let ball = |rest: &[f64]| (Joint::Ball { rest: quaternion(rest) }, UnitQuaternion::identity());
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
     match kind {
         HingeKind::Fixed => vec![],
@@ -266,7 +301,7 @@ fn weld(link: &mut Link, mass: &MassProperties, link_from_body: &Pose) {
     if mass.mass == 0.0 {
         return;
     }
-    let center = link_from_body * nalgebra::Point3::from(mass.center) - nalgebra::Point3::origin();
+    let center = seen_from(link_from_body, &mass.center);
     let turn = link_from_body.rotation.to_rotation_matrix();
     let about_center = Sym3::symmetric_part(&mass.inertia).turned(turn.matrix());
     let total = link.mass + mass.mass;

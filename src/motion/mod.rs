@@ -70,10 +70,11 @@ impl Motion {
     }
 
     /// Root → tips: positions and velocities from hinge coordinates `q` and velocities `v`.
+    #[inline(always)]
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
         for (index, link) in model.links.iter().enumerate().skip(1) {
-            let parent = self.links[link.parent];
-            self.links[index] = outboard(link, &parent, q, v);
+            let (before, from_here) = self.links.split_at_mut(index);
+            outboard(link, &before[link.parent], q, v, &mut from_here[0]);
         }
     }
 
@@ -95,62 +96,51 @@ impl Motion {
 }
 
 /// The relations of section 2 of the method: one hinge and the body outboard of it.
-#[inline]
-fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64]) -> LinkMotion {
-    let base = parent.turn * link.turn;
+#[inline(always)]
+fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], own: &mut LinkMotion) {
+    let mut turn = if link.straight { parent.turn } else { parent.turn * link.turn };
     let mut arm = parent.turn * link.offset;
     let w = parent.angular_velocity;
-    let (mut axis, mut turn) = (Vector3::zeros(), base);
+    let mut axis = Vector3::zeros();
     let (mut slip, mut spin) = (Vector3::zeros(), Vector3::zeros());
     match &link.joint {
         Joint::None => {}
-        Joint::Turn { axis: local } => {
-            axis = base * local;
-            turn = turned_about(&base, local, q[link.position]);
+        Joint::Turn => {
+            turned_about_z(&mut turn, q[link.position]);
+            axis = turn.column(2).into_owned();
             spin = axis * v[link.velocity];
         }
         Joint::Slide { axis: local } => {
-            axis = base * local;
+            axis = turn * local;
             arm += axis * q[link.position];
             slip = axis * v[link.velocity];
         }
         Joint::Ball { .. } => {
-            turn = base * hinge_from_link(&q[link.position..link.position + 4]);
+            turn *= hinge_from_link(&q[link.position..link.position + 4]);
             spin = turn * Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]);
         }
     }
     let swing = w.cross(&arm);
-    LinkMotion {
-        turn,
-        position: parent.position + arm,
-        velocity: parent.velocity + swing + slip,
-        angular_velocity: w + spin,
-        arm,
-        axis,
-        relative: slip + spin,
-        bias: w.cross(&(swing + 2.0 * slip)),
-        angular_bias: w.cross(&spin),
-        center: turn * link.center,
-        inertia: if link.is_massless() { Sym3::ZERO } else { link.inertia.turned(&turn) },
-    }
+    own.turn = turn;
+    own.position = parent.position + arm;
+    own.velocity = parent.velocity + swing + slip;
+    own.angular_velocity = w + spin;
+    own.arm = arm;
+    own.axis = axis;
+    own.relative = slip + spin;
+    own.bias = w.cross(&(swing + 2.0 * slip));
+    own.angular_bias = w.cross(&spin);
+    own.center = turn * link.center;
+    own.inertia = link.principal.turned(&turn);
 }
 
-/// `base · Rot(axis, angle)` by Rodrigues' formula, column by column.
+/// `turn ← turn · Rot(z, angle)`: the z axis stays, the others turn in their plane.
 #[inline]
-fn turned_about(base: &Matrix3<f64>, axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+fn turned_about_z(turn: &mut Matrix3<f64>, angle: f64) {
     let (s, c) = angle.sin_cos();
-    let k = (1.0 - c) * axis;
-    base * Matrix3::new(
-        c + k.x * axis.x,
-        k.x * axis.y - s * axis.z,
-        k.x * axis.z + s * axis.y,
-        k.y * axis.x + s * axis.z,
-        c + k.y * axis.y,
-        k.y * axis.z - s * axis.x,
-        k.z * axis.x - s * axis.y,
-        k.z * axis.y + s * axis.x,
-        c + k.z * axis.z,
-    )
+    let (x, y) = (turn.column(0).into_owned(), turn.column(1).into_owned());
+    turn.set_column(0, &(c * x + s * y));
+    turn.set_column(1, &(c * y - s * x));
 }
 
 /// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.
@@ -181,7 +171,7 @@ pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
     for link in &model.links {
         match link.joint {
             Joint::None => {}
-            Joint::Turn { .. } | Joint::Slide { .. } => q[link.position] += step[link.velocity],
+            Joint::Turn | Joint::Slide { .. } => q[link.position] += step[link.velocity],
             Joint::Ball { .. } => {
                 let at = &mut q[link.position..link.position + 4];
                 let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);

@@ -91,7 +91,7 @@ fn outboard(
     let (mut delta_slip_rate, mut delta_spin_rate) = (Vector3::zeros(), Vector3::zeros());
     match link.joint {
         Joint::None => {}
-        Joint::Turn { .. } => {
+        Joint::Turn => {
             let (n, dn) = (own.axis, p.turn.cross(&own.axis));
             turn += n * one(by.position, at);
             spin = own.relative;

@@ -147,7 +147,7 @@ impl Problem for Motion<'_> {
             let (at, from) = (link.position, link.velocity);
             match link.joint {
                 Joint::None => {}
-                Joint::Turn { .. } | Joint::Slide { .. } => rate[at] = v[from],
+                Joint::Turn | Joint::Slide { .. } => rate[at] = v[from],
                 Joint::Ball { .. } => {
                     rate[at..at + 4].copy_from_slice(&half_product(&q[at..at + 4], &v[from..from + 3]));
                 }
@@ -191,7 +191,7 @@ impl ImplicitProblem for Motion<'_> {
             let (at, from) = (link.position, link.velocity);
             match link.joint {
                 Joint::None => {}
-                Joint::Turn { .. } | Joint::Slide { .. } => q[at] = start[at] + step * v[from],
+                Joint::Turn | Joint::Slide { .. } => q[at] = start[at] + step * v[from],
                 Joint::Ball { .. } => {
                     // (1 − ½ h Ω) p = p*, with Ω skew and Ω² = −|ω|²: p = (p* + ½ h Ω p*) / (1 + ¼ h² |ω|²)
                     let (p, w) = (&start[at..at + 4], &v[from..from + 3]);

@@ -161,7 +161,7 @@ impl<'a> Watch<'a> {
             let (at, from) = (link.position, link.velocity);
             let (moved, fast) = match link.joint {
                 Joint::None => continue,
-                Joint::Turn { .. } | Joint::Slide { .. } => {
+                Joint::Turn | Joint::Slide { .. } => {
                     ((state.position[at] - self.origin[at]).abs(), state.velocity[from].abs())
                 }
                 Joint::Ball { .. } => {

@@ -3,9 +3,11 @@
 //! Vectors are resolved in inertial axes unless a name says otherwise; a rotation `world_from_body` turns body axes
 //! into inertial ones.
 
+pub mod principal;
 pub mod rotation;
 pub mod sym3;
 
+pub use principal::Principal;
 pub use sym3::Sym3;
 
 use nalgebra::{Isometry3, Vector3};
@@ -37,6 +39,12 @@ impl Wrench {
     #[inline]
     pub fn shifted(&self, arm: Vector3<f64>) -> Self {
         Self { force: self.force, moment: self.moment + arm.cross(&self.force) }
+    }
+
+    /// The same wrench, `factor` times as large.
+    #[inline]
+    pub fn times(&self, factor: f64) -> Self {
+        Self { force: factor * self.force, moment: factor * self.moment }
     }
 
     /// Whether every number is finite.

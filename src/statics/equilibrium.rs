@@ -214,7 +214,7 @@ fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
     for link in &model.links {
         let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;
-        if matches!(link.joint, crate::model::Joint::Turn { .. }) && !spring(link.velocity) {
+        if matches!(link.joint, crate::model::Joint::Turn) && !spring(link.velocity) {
             let turns = ((q[link.position] - start[link.position]) / TAU).round();
             if turns != 0.0 {
                 q[link.position] -= turns * TAU;
@@ -255,8 +255,11 @@ fn unresisted(landscape: &mut Landscape<'_, '_>, place: &Place) -> Option<usize>
     let shift: Vec<f64> = landscape.metric.iter().map(|b| sigma * b).collect();
     let x = landscape.newton_shifted(&place.force, &shift)?;
     let left = |i: usize| (shift[i] * x[i]).abs() / place.scales.force[i].max(f64::MIN_POSITIVE);
-    let worst = (0..x.len()).max_by(|a, b| left(*a).total_cmp(&left(*b)))?;
-    (left(worst) > 1e-3).then_some(worst)
+    let largest = (0..x.len()).map(left).fold(0.0, f64::max);
+    // Of several that nothing resists a force says more than its moment.
+    let slides = super::landscape::slides(landscape.model());
+    let equals = (0..x.len()).filter(|i| left(*i) >= 0.99 * largest);
+    (largest > 1e-3).then(|| equals.min_by_key(|i| !slides[landscape.free[*i]]))?
 }
 
 /// The axis of a turn or slide in inertial axes; of the ball's axis for a ball.

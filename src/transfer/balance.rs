@@ -49,7 +49,7 @@ impl Balance {
             let first = link.velocity;
             match link.joint {
                 Joint::None => {}
-                Joint::Turn { .. } | Joint::Slide { .. } => residual[first] = along(&link.joint, &at.axis, &f),
+                Joint::Turn | Joint::Slide { .. } => residual[first] = along(&link.joint, &at.axis, &f),
                 Joint::Ball { .. } => {
                     residual[first..first + 3].copy_from_slice(at.turn.tr_mul(&f.moment).as_slice());
                 }

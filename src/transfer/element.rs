@@ -18,13 +18,6 @@ pub struct Reduced {
 }
 
 impl Reduced {
-    /// `M` of eq. (1): mass `m`, centre `c` from the root marker, inertia about the root marker.
-    #[inline]
-    pub fn of_body(mass: f64, center: Vector3<f64>, inertia: Sym3) -> Self {
-        let c = mass * center;
-        Self { ff: Sym3::scalar(mass), fm: Matrix3::new(0.0, c.z, -c.y, -c.z, 0.0, c.x, c.y, -c.x, 0.0), mm: inertia }
-    }
-
     /// `S a`.
     #[inline]
     pub fn times(&self, a: &LinkAcceleration) -> Wrench {
@@ -42,12 +35,12 @@ impl Reduced {
         self.fm -= (inverse_pivot * w.force) * w.moment.transpose();
     }
 
-    /// Adds `X(d)ᵀ S X(d)`: the same matrix seen from a marker from which this one is `d` away. Only one triangle of
-    /// each symmetric block is computed.
+    /// `X(d)ᵀ S X(d)`: the same matrix seen from a marker from which this one is `d` away. Only one triangle of each
+    /// symmetric block is computed.
     #[inline]
-    pub fn add_shifted(&mut self, S: &Self, d: &Vector3<f64>) {
+    pub fn shifted(&self, d: &Vector3<f64>) -> Self {
         // fm' = fm − ff [d]×, row by row: −row [d]× = −(row × d)ᵀ
-        let (a, b) = (&S.ff, &S.fm);
+        let (a, b, c) = (&self.ff, &self.fm, &self.mm);
         let row = |ax: f64, ay: f64, az: f64, bx: f64, by: f64, bz: f64| {
             (bx - (ay * d.z - az * d.y), by - (az * d.x - ax * d.z), bz - (ax * d.y - ay * d.x))
         };
@@ -55,14 +48,37 @@ impl Reduced {
         let (m21, m22, m23) = row(a.xy, a.yy, a.yz, b.m21, b.m22, b.m23);
         let (m31, m32, m33) = row(a.xz, a.yz, a.zz, b.m31, b.m32, b.m33);
         // mm' = mm + [d]× fm' + ([d]× fm)ᵀ: entry (i, j) gains (d × column j of fm')ᵢ + (d × column i of fm)ⱼ
-        self.mm.xx += S.mm.xx + (d.y * m31 - d.z * m21) + (d.y * b.m31 - d.z * b.m21);
-        self.mm.yy += S.mm.yy + (d.z * m12 - d.x * m32) + (d.z * b.m12 - d.x * b.m32);
-        self.mm.zz += S.mm.zz + (d.x * m23 - d.y * m13) + (d.x * b.m23 - d.y * b.m13);
-        self.mm.xy += S.mm.xy + (d.y * m32 - d.z * m22) + (d.z * b.m11 - d.x * b.m31);
-        self.mm.xz += S.mm.xz + (d.y * m33 - d.z * m23) + (d.x * b.m21 - d.y * b.m11);
-        self.mm.yz += S.mm.yz + (d.z * m13 - d.x * m33) + (d.x * b.m22 - d.y * b.m12);
-        self.fm += Matrix3::new(m11, m12, m13, m21, m22, m23, m31, m32, m33);
-        self.ff += *a;
+        let mm = Sym3 {
+            xx: c.xx + d.y * (m31 + b.m31) - d.z * (m21 + b.m21),
+            yy: c.yy + d.z * (m12 + b.m12) - d.x * (m32 + b.m32),
+            zz: c.zz + d.x * (m23 + b.m23) - d.y * (m13 + b.m13),
+            xy: c.xy + d.y * m32 - d.z * (m22 - b.m11) - d.x * b.m31,
+            xz: c.xz + d.y * (m33 - b.m11) - d.z * m23 + d.x * b.m21,
+            yz: c.yz + d.z * m13 - d.x * (m33 - b.m22) - d.y * b.m12,
+        };
+        Self { ff: *a, fm: Matrix3::new(m11, m12, m13, m21, m22, m23, m31, m32, m33), mm }
+    }
+
+    /// `S += M` of eq. (1): mass `m`, centre `c` from the root marker, inertia about the root marker.
+    #[inline]
+    pub fn add_body(&mut self, mass: f64, center: &Vector3<f64>, inertia: &Sym3) {
+        let c = mass * center;
+        self.ff += Sym3::scalar(mass);
+        self.mm += *inertia;
+        self.fm.m12 += c.z;
+        self.fm.m13 -= c.y;
+        self.fm.m21 -= c.z;
+        self.fm.m23 += c.x;
+        self.fm.m31 += c.y;
+        self.fm.m32 -= c.x;
+    }
+
+    /// `S += other`.
+    #[inline]
+    pub fn add(&mut self, other: &Self) {
+        self.ff += other.ff;
+        self.fm += other.fm;
+        self.mm += other.mm;
     }
 }
 
@@ -82,7 +98,8 @@ pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion)
 /// `b` of eq. (1) with gravity: the wrench at the root marker that the body's velocities and weight ask for.
 #[inline]
 pub fn bias(mass: f64, gravity: &Vector3<f64>, at: &LinkMotion) -> Wrench {
-    let w = at.angular_velocity;
-    let force = mass * (w.cross(&w.cross(&at.center)) - gravity);
-    Wrench { force, moment: w.cross(&(at.inertia * w)) - mass * at.center.cross(gravity) }
+    let (w, c) = (&at.angular_velocity, &at.center);
+    // In the same form as the velocity terms of the arms: where the two cancel, so does their round-off.
+    let force = mass * (w.cross(&w.cross(c)) - gravity);
+    Wrench { force, moment: w.cross(&(at.inertia * *w)) - mass * c.cross(gravity) }
 }

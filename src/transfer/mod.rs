@@ -24,8 +24,9 @@
 //! (8)          q̈ = D⁻¹ (u − Hᵀ S a_in),  a_in = X(d) a_P + γ
 //! ```
 //!
-//! (5) and (7) for `S` are a factorization ([`Reduction::factorize`]); (6) to (8) solve with it for any number of right
-//! sides ([`Reduction::solve`]). The same relations read the other way are inverse dynamics ([`balance`]), and their
+//! (5) and (7) for `S` are a factorization; (6) to (8) solve with it for any number of right sides. The first, with
+//! weight and velocities, is solved in the sweep that factorizes ([`Reduction::accelerations`]), others follow
+//! ([`Reduction::solve`]). The same relations read the other way are inverse dynamics ([`balance`]), and their
 //! differentiation in one direction is the action of the tangent ([`variation`]).
 
 #![allow(non_snake_case)]
@@ -70,7 +71,7 @@ fn accelerate(link: &Link, at: &LinkMotion, hinge: &[f64], a: &mut LinkAccelerat
     let first = link.velocity;
     match link.joint {
         Joint::None => {}
-        Joint::Turn { .. } => a.angular += at.axis * hinge[first],
+        Joint::Turn => a.angular += at.axis * hinge[first],
         Joint::Slide { .. } => a.linear += at.axis * hinge[first],
         Joint::Ball { .. } => {
             a.angular += at.turn * Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);

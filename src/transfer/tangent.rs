@@ -299,7 +299,7 @@ fn is_ball(link: &&Link) -> bool {
 fn kind_of(balls: &mut usize, link: &Link) -> Option<Eliminated> {
     Some(match link.joint {
         Joint::None => Eliminated::None,
-        Joint::Turn { .. } | Joint::Slide { .. } => Eliminated::One(One::default()),
+        Joint::Turn | Joint::Slide { .. } => Eliminated::One(One::default()),
         Joint::Ball { .. } => {
             *balls += 1;
             Eliminated::Three(*balls - 1)

@@ -126,7 +126,7 @@ impl Variation {
         let turn_parent = self.links[link.parent].turn;
         match link.joint {
             Joint::None => {}
-            Joint::Turn { .. } => out[first] = at.axis.dot(&delta.moment) + turn_parent.cross(&at.axis).dot(&f.moment),
+            Joint::Turn => out[first] = at.axis.dot(&delta.moment) + turn_parent.cross(&at.axis).dot(&f.moment),
             Joint::Slide { .. } => out[first] = at.axis.dot(&delta.force) + turn_parent.cross(&at.axis).dot(&f.force),
             Joint::Ball { .. } => {
                 let row = at.turn.tr_mul(&(delta.moment - self.links[index].turn.cross(&f.moment)));

@@ -27,7 +27,7 @@ pub(super) fn hinges(model: &Model, poses: &Poses) -> Vec<[Wrench; 2]> {
     forces::hinge::apply(model, &poses.q, &rest, &mut tau);
     let of_link = |(index, link): (usize, &Link)| match link.joint {
         Joint::None => [Wrench::ZERO; 2],
-        Joint::Turn { .. } | Joint::Slide { .. } => {
+        Joint::Turn | Joint::Slide { .. } => {
             let gradient = coordinate(poses, index, link);
             [gradient.on_link(tau[link.velocity]), gradient.on_parent(tau[link.velocity])]
         }
@@ -62,8 +62,8 @@ fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
     let (own, parent) = (&poses.motion.links[index], &poses.motion.links[link.parent]);
     let zero = Vector3::zeros();
     match link.joint {
-        Joint::Turn { axis } => {
-            let n = own.turn * axis;
+        Joint::Turn => {
+            let n = own.turn.column(2).into_owned();
             Gradient { force: zero, on_link: n, on_parent: -n }
         }
         Joint::Slide { axis } => {
@@ -87,7 +87,8 @@ pub(super) fn vary(model: &Model, poses: &Poses, shift: f64, entries: &mut Entri
 fn weights(model: &Model, poses: &Poses, shift: f64, entries: &mut Entries) {
     for (index, link) in model.links.iter().enumerate().skip(1) {
         let at = &poses.motion.links[index];
-        let mass = Reduced::of_body(link.mass, at.center, link.inertia.turned(&at.turn));
+        let mut mass = Reduced::default();
+        mass.add_body(link.mass, &at.center, &link.inertia.turned(&at.turn));
         let weight = link.mass * model.gravity.cross_matrix() * at.center.cross_matrix();
         entries.add((index, Part::Place), (index, Part::Place), &(-shift * mass.ff.matrix()));
         entries.add((index, Part::Place), (index, Part::Turn), &(-shift * mass.fm));
@@ -129,8 +130,8 @@ fn hinge(model: &Model, poses: &Poses, index: usize, acting: &Wrench, shift: f64
     let active = |i: usize| of(i).stiffness != 0.0 || of(i).force != 0.0 || of(i).armature != 0.0;
     match link.joint {
         Joint::None => {}
-        Joint::Turn { .. } | Joint::Slide { .. } if !active(0) => {}
-        Joint::Turn { .. } => {
+        Joint::Turn | Joint::Slide { .. } if !active(0) => {}
+        Joint::Turn => {
             let gradient = coordinate(poses, index, link);
             let moment = acting.moment.cross_matrix();
             entries.add((index, Part::Turn), (index, Part::Turn), &-moment);

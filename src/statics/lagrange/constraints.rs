@@ -19,7 +19,7 @@ use super::entries::{Entries, Part};
 use crate::model::{Joint, Link, Model};
 use crate::motion::{Motion, hinge_from_link};
 use crate::spatial::Wrench;
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// One constraint: three rows for `Coincide`, else one.
 #[derive(Debug, Clone, Copy)]
@@ -88,17 +88,17 @@ fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
     let locked = model.coordinates[link.velocity..link.velocity + count].iter().any(|c| c.lock);
     match link.joint {
         Joint::None => welded(point, link.turn),
-        Joint::Turn { axis } if locked => {
-            let turn = Rotation3::from_axis_angle(&Unit::new_normalize(axis), q[link.position]);
+        Joint::Turn if locked => {
+            let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), q[link.position]);
             welded(point, link.turn * turn.matrix())
         }
         Joint::Slide { axis } if locked => welded(point + q[link.position] * (link.turn * axis), link.turn),
         Joint::Ball { .. } if locked => {
             welded(point, link.turn * hinge_from_link(&q[link.position..link.position + 4]))
         }
-        Joint::Turn { axis } => {
-            let square = |across| Kind::Square { on_parent: link.turn * across, on_link: axis };
-            let [first, second] = across(&axis);
+        Joint::Turn => {
+            let square = |across| Kind::Square { on_parent: link.turn * across, on_link: Vector3::z() };
+            let [first, second] = across(&Vector3::z());
             vec![Kind::Coincide { point }, square(first), square(second)]
         }
         Joint::Slide { axis } => {

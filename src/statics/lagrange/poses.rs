@@ -50,9 +50,9 @@ impl Poses {
             }
             match link.joint {
                 Joint::None => {}
-                Joint::Turn { axis } => {
+                Joint::Turn => {
                     let turn = relative();
-                    let angle = 2.0 * turn.imag().dot(&axis).atan2(turn.w);
+                    let angle = 2.0 * turn.k.atan2(turn.w);
                     self.q[at] = angle + TAU * ((self.q[at] - angle) / TAU).round();
                 }
                 Joint::Slide { axis } => {

@@ -33,7 +33,7 @@ impl Hinge {
         let first = link.velocity;
         let (spin, spin_rate, slip, slip_rate) = match link.joint {
             Joint::None => (zero, zero, zero, zero),
-            Joint::Turn { .. } => (own.relative, own.axis * at.hinge[first], zero, zero),
+            Joint::Turn => (own.relative, own.axis * at.hinge[first], zero, zero),
             Joint::Slide { .. } => (zero, zero, own.relative, own.axis * at.hinge[first]),
             Joint::Ball { .. } => {
                 let local = Vector3::new(at.hinge[first], at.hinge[first + 1], at.hinge[first + 2]);

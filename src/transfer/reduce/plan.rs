@@ -1,0 +1,50 @@
+//! How the links of a tree hang together, as the inward sweep sees it: worked out once per model.
+
+use crate::model::{Joint, Model};
+
+/// One link in the inward sweep.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    /// Nothing hangs on it.
+    pub is_leaf: bool,
+    /// It has neither mass nor inertia.
+    pub is_massless: bool,
+    /// Where all its children but the first are summed; `None` with one child or none.
+    pub join: Option<u32>,
+    /// Where it passes on what it carries.
+    pub to: To,
+    /// Index of a ball among the balls.
+    pub ball: u32,
+}
+
+/// Where a link passes on what it carries.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum To {
+    /// The ground, which takes everything.
+    Ground,
+    /// The link before it: it is the first child.
+    Previous,
+    /// The sum of a link with several children.
+    Join(u32),
+}
+
+/// The places of all links, the number of sums, and the number of balls.
+pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
+    let (mut joins, mut balls) = (0, 0);
+    let mut plan: Vec<Place> = Vec::with_capacity(model.links.len());
+    for (index, link) in model.links.iter().enumerate() {
+        let is_leaf = link.subtree_end == index + 1;
+        // In depth-first order the first child comes right after its parent.
+        let has_more = !is_leaf && index != 0 && model.links[index + 1].subtree_end < link.subtree_end;
+        let join = has_more.then_some(joins);
+        joins += u32::from(has_more);
+        let to = match (link.parent, index) {
+            (0, _) => To::Ground,
+            (parent, index) if parent + 1 == index => To::Previous,
+            (parent, _) => plan[parent].join.map_or(To::Previous, To::Join),
+        };
+        plan.push(Place { is_leaf, is_massless: link.is_massless(), join, to, ball: balls });
+        balls += u32::from(matches!(link.joint, Joint::Ball { .. }));
+    }
+    (plan, joins as usize, balls as usize)
+}
