@@ -101,7 +101,7 @@ pub(super) fn start(
             ));
         }
     }
-    Ok(Some((State { position: found.position, velocity: vec![0.0; model.velocity_count()] }, value)))
+    Ok(Some((State { position: found.position, velocity: found.velocity }, value)))
 }
 
 fn given(model: &Model) -> State {

@@ -16,6 +16,8 @@ use crate::transfer::reduce::{Load, Singular};
 
 /// Gaps below this part of the scene's length are round-off.
 pub(crate) const ROUND_OFF: f64 = 1e-14;
+/// A gap that counts as closed where rows with few digits are redundant.
+const LEFT_OPEN: f64 = 1e-6;
 const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-11;
 const MOST_DAMPING: f64 = 1e6;
@@ -30,6 +32,24 @@ pub struct OpenGap {
     pub element: String,
     /// (m; rad times the scene's length)
     pub gap: f64,
+}
+
+/// Closes positions of a model whose locked coordinates stay where they are given.
+pub(crate) struct Closer<'m>(Closing<'m>);
+
+impl<'m> Closer<'m> {
+    pub(crate) fn new(model: &'m Model) -> Self {
+        Self(Closing::new(model, &super::rows::locks(model), 0.0))
+    }
+
+    /// Closes `q`; false where a gap is left, or the tree is singular.
+    pub(crate) fn close(&mut self, q: &mut [f64]) -> bool {
+        let before = self.0.gap(q);
+        if before <= ROUND_OFF * self.0.length {
+            return true;
+        }
+        matches!(self.0.close(q), Ok(gap) if gap <= LEFT_OPEN * self.0.length)
+    }
 }
 
 /// A model's rows, and the tree they push on.

@@ -27,12 +27,13 @@ mod rows;
 
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
-use crate::model::{Model, Scalar};
+use crate::model::{Joint, Model, Scalar};
 use crate::motion::variation::{LinkAcceleration, LinkVariation};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
 pub use assembly::{Assembly, assemble};
+pub(crate) use close::Closer;
 pub use close::OpenGap;
 pub(crate) use close::ROUND_OFF;
 use envelope::Envelope;
@@ -381,6 +382,46 @@ impl Constraints {
                     link.moment += multiplier * w.moment;
                 }
             }
+        }
+    }
+
+    /// The entries of `G` for the rows solved for, as placed last: `put(unknown, velocity, entry)`.
+    pub(crate) fn gradient(&mut self, model: &Model, motion: &Motion, mut put: impl FnMut(usize, usize, f64)) {
+        let Self { plan, elements, rules, placed, passed, ways, .. } = self;
+        for group in &plan.groups {
+            let (element, way) = (&elements[group.element], &ways[group.element]);
+            for (k, row) in group.rows.iter().enumerate() {
+                let unknown = group.first + k;
+                if let Rule::Motion { parts } = &rules[*row] {
+                    parts.iter().filter(|part| part.1 != 0.0).for_each(|(s, factor)| put(unknown, s.velocity, *factor));
+                    continue;
+                }
+                way.iter().for_each(|link| passed[*link] = Wrench::ZERO);
+                if let Some(ends) = &element.ends {
+                    ends.iter().zip(placed[*row].wrenches).for_each(|(end, wrench)| passed[end.link] += wrench);
+                }
+                for link in way {
+                    let (given, at, w) = (&model.links[*link], &motion.links[*link], passed[*link]);
+                    let first = given.velocity;
+                    match given.joint {
+                        Joint::None => {}
+                        Joint::Turn => put(unknown, first, at.axis.dot(&w.moment)),
+                        Joint::Slide { .. } => put(unknown, first, at.axis.dot(&w.force)),
+                        Joint::Ball { .. } => {
+                            let moment = at.turn.tr_mul(&w.moment);
+                            (0..3).for_each(|i| put(unknown, first + i, moment[i]));
+                        }
+                    }
+                    passed[given.parent] += w.shifted(at.arm);
+                }
+            }
+        }
+    }
+
+    /// Takes these as the multipliers, one per row solved for.
+    pub(crate) fn set_multipliers(&mut self, unknowns: &[f64]) {
+        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
+            self.multipliers[row] = *unknown;
         }
     }
 

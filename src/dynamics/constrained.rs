@@ -7,6 +7,7 @@ use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
 use crate::transfer::reduce::Load;
+use faer::Mat;
 
 /// Rounds of a projection: the gap of an accepted step is small, two rounds are the rule.
 const MOST_ROUNDS: usize = 12;
@@ -126,6 +127,24 @@ impl System<'_> {
     pub(super) fn vary_multipliers(&self, motion_by: &[LinkVariation], applied: &mut [Wrench]) {
         if let Some(constrained) = &self.constraints {
             constrained.rows.add_variation(&self.motion, motion_by, applied);
+        }
+    }
+
+    /// `G` at the last evaluation's position: one row per independent row of loops, gears and drives, one column per
+    /// velocity.
+    pub fn constraint_matrix(&mut self, q: &[f64]) -> Mat<f64> {
+        let n = self.model.velocity_count();
+        let Some(constrained) = &mut self.constraints else { return Mat::zeros(0, n) };
+        constrained.rows.place(self.model, &self.motion, q, false);
+        let mut matrix = Mat::zeros(constrained.rows.rank(), n);
+        constrained.rows.gradient(self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
+        matrix
+    }
+
+    /// Takes multipliers, one per row of [`System::constraint_matrix`], for residuals and linearizations that follow.
+    pub fn set_multipliers(&mut self, multipliers: &[f64]) {
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.set_multipliers(multipliers);
         }
     }
 

@@ -63,11 +63,12 @@ pub enum Fault {
         /// (m; rad times the scene's length)
         gap: f64,
     },
-    /// What is asked is not known of scenes with loops, drives or gears.
-    #[error(
-        "the equilibrium of a scene with loops, drives or gears is not found by this version; use `start = \"given\"`"
-    )]
-    Tied,
+    /// A method of statics that knows trees only.
+    #[error("the method `{method}` knows no loops, drives or gears; use `auto` or `newton`")]
+    Tied {
+        /// Its name.
+        method: &'static str,
+    },
     /// A number that is not finite.
     #[error("{what} of `{element}` is not a finite number")]
     NotFinite {

@@ -1,5 +1,6 @@
 //! Runs: a model stepped through time, recorded, and checked to stay where it rests.
 
+mod bordered;
 mod ledger;
 pub mod precision;
 pub mod problem;

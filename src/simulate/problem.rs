@@ -1,5 +1,6 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
+use super::bordered::Bordered;
 use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{Joint, Model};
@@ -51,6 +52,8 @@ enum Tangent {
     Sweep(Vec<TangentSolver>),
     /// Dense: where a force between two bodies couples what the tree does not.
     Dense(Vec<Option<PartialPivLu<f64>>>),
+    /// Dense and bordered: with loops, drives or gears.
+    Bordered(Vec<Option<Bordered>>),
 }
 
 impl From<Fault> for Failure {
@@ -78,9 +81,10 @@ impl<'m> Motion<'m> {
             position: model.start_position.clone(),
             velocity: model.start_velocity.clone(),
         });
-        let tangent = match TangentSolver::covers(model) {
-            true => Tangent::Sweep(Vec::new()),
-            false => Tangent::Dense(Vec::new()),
+        let tangent = match (model.is_constrained(), TangentSolver::covers(model)) {
+            (true, _) => Tangent::Bordered(Vec::new()),
+            (false, true) => Tangent::Sweep(Vec::new()),
+            (false, false) => Tangent::Dense(Vec::new()),
         };
         Self { system: System::new(model), position_scales, velocity_scales, tangent, passage }
     }
@@ -206,7 +210,12 @@ impl ImplicitProblem for Motion<'_> {
     }
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.at(time).residual(q, v, a, r)?)
+        let system = self.at(time);
+        if system.constraints().is_some() {
+            // The multipliers of this state, see `bordered`.
+            system.accelerations(q, v, r)?;
+        }
+        Ok(system.residual(q, v, a, r)?)
     }
 
     fn reserve(&mut self, slots: usize) {
@@ -216,7 +225,8 @@ impl ImplicitProblem for Motion<'_> {
                 solvers.resize_with(slots, || TangentSolver::new(model))
             }
             Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || None),
-            Tangent::Sweep(_) | Tangent::Dense(_) => {}
+            Tangent::Bordered(factors) if factors.len() < slots => factors.resize_with(slots, || None),
+            Tangent::Sweep(_) | Tangent::Dense(_) | Tangent::Bordered(_) => {}
         }
     }
 
@@ -238,6 +248,7 @@ impl ImplicitProblem for Motion<'_> {
                 });
                 factors[slot] = Some(tangent.partial_piv_lu());
             }
+            Tangent::Bordered(factors) => factors[slot] = Some(Bordered::of(system, q, v, a, c1, c2)?),
         }
         Ok(())
     }
@@ -253,6 +264,10 @@ impl ImplicitProblem for Motion<'_> {
                     *value = x[(i, 0)];
                 }
             }
+            Tangent::Bordered(factors) => match &factors[slot] {
+                Some(factor) => factor.solve(rhs),
+                None => rhs.fill(f64::NAN),
+            },
         }
     }
 }

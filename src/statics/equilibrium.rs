@@ -3,7 +3,7 @@
 use super::landscape::Landscape;
 use super::search::{BALANCED, Iteration, Place, polish};
 use super::stability::{Stability, Verdict, classify};
-use super::{Method, Settings, Want, lagrange, newton, relaxation, trust_region};
+use super::{Method, Settings, Want, constrained, lagrange, newton, relaxation, trust_region};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
@@ -41,6 +41,8 @@ pub struct Equilibrium {
     pub relative_residual: f64,
     /// Hinge coordinates.
     pub position: Vec<f64>,
+    /// Hinge velocities: zero, but for drives that keep theirs.
+    pub velocity: Vec<f64>,
     /// Root markers of the named bodies: `world_from_body`.
     pub poses: Vec<Pose>,
     /// What the hinge passes to each named body at its root marker, inertial axes.
@@ -89,7 +91,9 @@ pub fn equilibrium_observed(
     searched: &mut dyn FnMut(),
 ) -> Result<Equilibrium, Fault> {
     if model.is_constrained() {
-        return Err(Fault::Tied);
+        let found = constrained::equilibrium(model, settings, start);
+        searched();
+        return found;
     }
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
@@ -319,6 +323,7 @@ fn certify(
         residual_acceleration,
         residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
         relative_residual: place.residual().0,
+        velocity: vec![0.0; model.velocity_count()],
         position: place.q,
         poses,
         reactions,

@@ -13,6 +13,7 @@
 //!
 //! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
+mod constrained;
 pub mod equilibrium;
 pub mod inverse;
 mod lagrange;

@@ -129,7 +129,7 @@ fn classify_by_sweeps(
     })
 }
 
-fn verdict(unstable: usize, neutral: usize) -> Verdict {
+pub(super) fn verdict(unstable: usize, neutral: usize) -> Verdict {
     match (unstable, neutral) {
         (0, 0) => Verdict::Stable,
         (0, _) => Verdict::Neutral,
@@ -138,7 +138,7 @@ fn verdict(unstable: usize, neutral: usize) -> Verdict {
 }
 
 /// Frequency and growth rate of the `i`-th eigenvalue: the first ones run away, the next cost nothing.
-fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64) {
+pub(super) fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64) {
     match i {
         i if i < unstable => (0.0, (-value).max(0.0).sqrt()),
         i if i < unstable + neutral => (0.0, 0.0),
@@ -147,16 +147,16 @@ fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64)
 }
 
 /// Largest entry 1.
-fn scaled(shape: &[f64]) -> Vec<f64> {
+pub(super) fn scaled(shape: &[f64]) -> Vec<f64> {
     let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
     shape.iter().map(|x| x / largest).collect()
 }
 
-fn symmetric(m: &Mat<f64>) -> Mat<f64> {
+pub(super) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
 }
 
-fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
+pub(super) fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
     let largest = magnitude.iter().fold(0.0_f64, |m, x| m.max(*x));
     let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest.max(f64::MIN_POSITIVE) };
     let n = magnitude.len();
@@ -188,7 +188,7 @@ fn rates(linear: &Linearization) -> Vec<faer::c64> {
 /// root of the machine precision.
 const RATE_NOISE: f64 = 1e-7;
 
-fn count_by_motion(linear: &Linearization) -> (usize, usize) {
+pub(super) fn count_by_motion(linear: &Linearization) -> (usize, usize) {
     let values = rates(linear);
     let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.re.hypot(x.im)));
     let limit = RATE_NOISE * largest;
@@ -254,7 +254,7 @@ fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> V
     modes
 }
 
-fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
+pub(super) fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
     let n = shape.len();
     (0..n).map(|row| (0..n).map(|j| mass[(row, j)] * shape[j]).sum()).collect()
 }
@@ -313,7 +313,7 @@ pub(super) fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f
 }
 
 /// Each hinge's share of a mode's kinetic energy.
-fn shares(model: &Model, free: &[usize], momentum: &[f64], shape: &[f64]) -> Vec<(String, f64)> {
+pub(super) fn shares(model: &Model, free: &[usize], momentum: &[f64], shape: &[f64]) -> Vec<(String, f64)> {
     let mut shares: Vec<(usize, f64)> = Vec::new();
     for (row, at) in free.iter().enumerate() {
         let part = shape[row] * momentum[row];

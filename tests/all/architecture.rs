@@ -16,7 +16,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("constraint", &["model", "motion", "transfer", "spatial"]),
     ("dynamics", &["model", "motion", "forces", "transfer", "constraint", "spatial"]),
     // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
-    ("statics", &["model", "motion", "forces", "dynamics", "transfer", "spatial"]),
+    ("statics", &["model", "motion", "forces", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     ("scenario", &["model", "constraint", "simulate", "statics", "record", "suggest"]),

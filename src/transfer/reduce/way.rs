@@ -14,13 +14,7 @@ impl Reduction {
     /// # Errors
     /// A hinge that nothing with inertia resists, or a number that is not finite.
     #[inline(never)]
-    pub fn prepare(
-        &mut self,
-        model: &Model,
-        motion: &Motion,
-        tau: &[f64],
-        hinge: &mut [f64],
-    ) -> Result<(), Singular> {
+    pub fn prepare(&mut self, model: &Model, motion: &Motion, tau: &[f64], hinge: &mut [f64]) -> Result<(), Singular> {
         self.accelerations(model, motion, &Load { applied: &[], tau }, hinge)
     }
 
