@@ -89,7 +89,7 @@ fn mode(mode: &crate::statics::Mode) -> Value {
 
 pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
     let State { position, velocity } = &summary.state;
-    let integrators: Vec<&str> = summary.integrators.iter().map(|method| super::text::method(*method)).collect();
+    let integrators: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
     json!({
         "scenario": scenario,

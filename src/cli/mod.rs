@@ -6,6 +6,7 @@ mod compare;
 mod inspect;
 mod json;
 mod output;
+mod path;
 mod precision;
 mod rest;
 mod run;

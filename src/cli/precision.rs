@@ -4,6 +4,7 @@ mod plot;
 
 use super::output::{self, Interrupt, Progress};
 use super::{Common, Exit, run, scene, text};
+use crate::integrate::Method;
 use crate::simulate::precision::{Plan, Point, Setting, Study, precision};
 use anyhow::Context;
 use clap::Args;
@@ -122,7 +123,7 @@ fn write_csv(study: &Study, path: &Path) -> anyhow::Result<()> {
         let (errors, counters) = (point.outcome.as_ref().ok(), &point.statistics);
         let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
         csv.write_record([
-            text::method(point.method).to_owned(),
+            point.method.name().to_owned(),
             number(tolerance),
             number(step),
             number(errors.map(|errors| errors.state)),
@@ -143,7 +144,7 @@ fn point_json(point: &Point) -> Value {
     let (tolerance, step) = setting(point);
     let (errors, counters) = (point.outcome.as_ref().ok(), &point.statistics);
     let mut value = json!({
-        "integrator": text::method(point.method),
+        "integrator": point.method.name(),
         "error": errors.map(|errors| errors.state),
         "energy_error": errors.map(|errors| errors.energy),
         "wall_seconds": errors.map(|_| point.wall.as_secs_f64()),
@@ -163,7 +164,7 @@ fn point_json(point: &Point) -> Value {
 }
 
 fn to_json(study: &Study, scenario: &str, start: Value, wanted: f64) -> Value {
-    let [reference, second] = study.references.map(text::method);
+    let [reference, second] = study.references.map(Method::name);
     json!({
         "scenario": scenario,
         "start": start,
@@ -180,7 +181,7 @@ fn to_json(study: &Study, scenario: &str, start: Value, wanted: f64) -> Value {
 }
 
 fn to_text(study: &Study, wanted: f64, csv: &str, svg: Option<&str>) -> String {
-    let [reference, second] = study.references.map(text::method);
+    let [reference, second] = study.references.map(Method::name);
     let mut out = format!(
         "  reference    {reference} at {:.0e}; for {reference} itself {second} at {:.0e}; they differ by {} (energy {} J)\n",
         study.tolerance,
@@ -193,7 +194,7 @@ fn to_text(study: &Study, wanted: f64, csv: &str, svg: Option<&str>) -> String {
     }
     let _ = writeln!(
         out,
-        "\n  {:<8} {:>16}  {:>8} {:>10}  {:>9} {:>8} {:>12} {:>11}",
+        "\n  {:<17} {:>16}  {:>8} {:>10}  {:>9} {:>8} {:>12} {:>11}",
         "method", "tolerance / step", "error", "energy (J)", "time", "steps", "evaluations", "factorized"
     );
     for point in &study.points {
@@ -202,8 +203,8 @@ fn to_text(study: &Study, wanted: f64, csv: &str, svg: Option<&str>) -> String {
     let advice = match study.recommend(wanted) {
         Some(point) => format!(
             "{} with {} is the fastest with an error of at most {wanted:.0e}: {}",
-            text::method(point.method),
-            asked(point),
+            point.method.name(),
+            point.setting,
             text::duration(point.wall)
         ),
         None => format!("no point has an error of at most {wanted:.0e}"),
@@ -216,20 +217,12 @@ fn to_text(study: &Study, wanted: f64, csv: &str, svg: Option<&str>) -> String {
     out
 }
 
-/// `tolerance = 1e-6`
-fn asked(point: &Point) -> String {
-    match point.setting {
-        Setting::Tolerance(tolerance) => format!("tolerance = {tolerance:.0e}"),
-        Setting::Step(step) => format!("step = {step:.3e}"),
-    }
-}
-
 fn row(point: &Point) -> String {
     let setting = match point.setting {
         Setting::Tolerance(tolerance) => format!("{tolerance:.0e}"),
         Setting::Step(step) => format!("{step:.2e} s"),
     };
-    let begin = format!("{:<8} {setting:>16}", text::method(point.method));
+    let begin = format!("{:<17} {setting:>16}", point.method.name());
     match &point.outcome {
         Err(why) => format!("{begin}  failed: {why}"),
         Ok(errors) => {

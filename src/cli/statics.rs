@@ -1,6 +1,6 @@
 //! `statics`: the equilibrium and what it is.
 
-use super::{Common, Exit, compare, json, output, scene, text};
+use super::{Common, Exit, compare, json, output, path, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
 use crate::statics::{Equilibrium, Method, equilibrium, hold};
@@ -26,7 +26,8 @@ pub(super) struct Arguments {
     /// Write the equilibrium there, for `--start` of other commands; nothing where none is found
     #[arg(long, value_name = "START.toml", conflicts_with = "compare")]
     save: Option<PathBuf>,
-    /// Write the result there as JSON; with `--compare` the table, as PATH.csv and PATH.json
+    /// Write the result there as JSON; with `--compare` the table, as PATH.csv and PATH.json. Where the file has
+    /// `[statics.path]`: beginning of the names PATH.path.csv, .svg and .mcap; default: the scenario's name
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
 }
@@ -46,8 +47,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         return compare::main(&scenario, &model, common, arguments.out.as_deref());
     }
     let (found, wall) = find(&mut scenario, &mut model)?;
-    let result = json::statics(&model, &found, wall.as_secs_f64());
-    if let Some(path) = &arguments.out {
+    let mut result = json::statics(&model, &found, wall.as_secs_f64());
+    if !common.json && !common.quiet {
+        output::print(&text::heading(&model, &scenario.name))?;
+        output::print(&text::statics(&model, &found, wall))?;
+    }
+    let path = scenario.path.as_ref();
+    let followed =
+        path.map(|path| path::main(&scenario, path, &model, common, arguments.out.as_deref())).transpose()?;
+    if let Some(followed) = &followed {
+        result["path"] = followed.json(&model);
+    } else if let Some(path) = &arguments.out {
         write(path, &format!("{result:#}\n"))?;
     }
     if let Some(path) = arguments.save.as_deref().filter(|_| found.converged) {
@@ -56,11 +66,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     }
     if common.json {
         output::print(&result.to_string())?;
-    } else if !common.quiet {
-        output::print(&text::heading(&model, &scenario.name))?;
-        output::print(&text::statics(&model, &found, wall))?;
+    } else if let Some(followed) = followed.as_ref().filter(|_| !common.quiet) {
+        output::print(&followed.text())?;
     }
-    Ok(if found.converged { Exit::Done } else { Exit::No })
+    let complete = followed.is_none_or(|followed| followed.path.complete);
+    Ok(if found.converged && complete { Exit::Done } else { Exit::No })
 }
 
 pub(super) fn write(path: &Path, text: &str) -> anyhow::Result<()> {

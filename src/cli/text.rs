@@ -2,7 +2,6 @@
 
 use super::output::bold;
 use crate::constraint::Assembly;
-use crate::integrate::Method;
 use crate::model::Model;
 pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
@@ -14,15 +13,6 @@ use std::time::Duration;
 const MOST_LINES: usize = 8;
 /// What is left of a sum of numbers of size one that should cancel.
 const ROUND_OFF: f64 = 1e-12;
-
-pub(super) fn method(method: Method) -> &'static str {
-    match method {
-        Method::Rk4 => "rk4",
-        Method::Dopri5 => "dopri5",
-        Method::Dop853 => "dop853",
-        Method::Sdirk4 => "sdirk4",
-    }
-}
 
 /// `3 bodies`, `1 body`.
 pub(super) fn count(n: usize, one: &str, many: &str) -> String {
@@ -191,7 +181,7 @@ fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
 /// The end of a run.
 pub(super) fn run(summary: &Summary, recording: &str) -> String {
     let mut out = String::new();
-    let methods: Vec<&str> = summary.integrators.iter().map(|m| method(*m)).collect();
+    let methods: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
     let state = if summary.interrupted { "stopped at" } else { "simulated" };
     let speed = summary.end_time / summary.wall.as_secs_f64().max(1e-9);

@@ -1,12 +1,13 @@
 //! Assembly: given positions and velocities are a guess; here they are brought onto the loops, drives and gears.
 
-use super::close::{Closing, OpenGap};
+use super::close::{Closing, OpenGap, ROUND_OFF};
 use super::rank::decide;
-use super::rows::{Owner, locks, moving, second_frame};
+use super::rows::{Owner, locks, second_frame};
 use super::{Constraints, Element};
 use crate::model::problem::{Element as Place, Problem, number};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
+use nalgebra::{DMatrix, DVector};
 
 /// A gap below this part of the scene's length is closed; exact data close to round-off, numbers with six digits to
 /// less.
@@ -115,21 +116,38 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     Ok((given_gap, gap))
 }
 
+/// Given velocities that are not zero, and those of hinges that no loop or drive concerns, weigh so much more than the
+/// others that these give way.
+const GIVEN: f64 = 1e-6;
+
+/// The velocities nearest to the given ones that agree with loops, gears and drives.
 fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Vec<Problem>> {
     let q = model.start_position.clone();
     let given = model.start_velocity.clone();
-    let held = moving(model, &given);
-    let fault = |model: &Model, link| vec![undetermined(model, link)];
-    let scale = model.length_scale() / model.time_scale();
+    let mut closing = Closing::new(model, &[], 0.0);
     let mut v = given.clone();
-    let mut left = Closing::new(model, &held, 0.0).close_rates(&q, &mut v).map_err(|s| fault(model, s.link))?;
+    let before = closing.speeds(&q, &v);
+    let scale = model.length_scale() / model.time_scale();
     let size = v.iter().fold(scale, |m, v| m.max(v.abs() * model.length_scale()));
-    if left > 1e-9 * size {
-        // The given velocities contradict the loops: the nearest ones that do not.
-        v.copy_from_slice(&given);
-        let all = Closing::new(model, &[], 0.0).close_rates(&q, &mut v);
-        left = all.map_err(|s| fault(model, s.link))?;
+    if before.amax() > ROUND_OFF * size {
+        let rows = closing.matrix();
+        let yielding = yielding(model, &closing.rows, &given);
+        let weighted =
+            DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * if yielding[j] { 1.0 } else { GIVEN });
+        // Rows may be redundant: the shortest step that meets them.
+        let step = weighted.svd(true, true).solve(&-before, 1e-11).unwrap_or_else(|_| DVector::zeros(v.len()));
+        for (j, v) in v.iter_mut().enumerate() {
+            *v += step[j] * if yielding[j] { 1.0 } else { GIVEN };
+        }
+    }
+    let mut left = closing.close_rates(&q, &mut v).map_err(|singular| vec![undetermined(model, singular.link)])?;
+    let changed = |i: usize| given[i] != 0.0 && (v[i] - given[i]).abs() > 1e-6 * given[i].abs();
+    let driven = |i: usize| model.drives.iter().any(|drive| drive.coordinate.velocity == i);
+    if (0..v.len()).any(|i| changed(i) && !driven(i)) {
         notes.push("the given velocities contradict the loops; taken are the nearest that do not".to_owned());
+    }
+    if left.is_nan() {
+        left = f64::INFINITY;
     }
     if left > 1e-6 * size {
         let driven = model.drives.iter().map(|drive| format!("`{}`", drive.name)).collect::<Vec<_>>().join(", ");
@@ -140,6 +158,21 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
     }
     model.start_velocity = v;
     Ok(())
+}
+
+/// The velocities that follow from others: of driven hinges, and of hinges in loops and gears whose own is not given.
+fn yielding(model: &Model, rows: &Constraints, given: &[f64]) -> Vec<bool> {
+    let mut yielding = vec![false; given.len()];
+    for element in &rows.elements {
+        for link in between_ends(model, element) {
+            let link = &model.links[link];
+            for i in link.velocity..link.velocity + link.joint.counts().1 {
+                yielding[i] |= given[i] == 0.0;
+            }
+        }
+    }
+    model.drives.iter().for_each(|drive| yielding[drive.coordinate.velocity] = true);
+    yielding
 }
 
 fn undetermined(model: &Model, link: usize) -> Problem {
@@ -166,15 +199,18 @@ fn cannot_close(model: &Model, widest: &OpenGap) -> Problem {
     let rows = Constraints::all(model, &[]);
     let owner = rows.elements.iter().find(|e| e.name == widest.element).map_or(Owner::Held(0), |e| e.owner);
     let locked = model.coordinates.iter().any(|c| c.lock);
-    let help = match locked {
-        true => "a length, a place or a lock does not fit, or the given positions are too far away",
-        false => "a length or a place does not fit, or the given positions are too far away",
+    let held = match (locked, model.drives.is_empty()) {
+        (true, true) => ", or a lock",
+        (true, false) => ", a lock or a drive",
+        (false, true) => "",
+        (false, false) => ", or a drive",
     };
+    let help = format!("a length or a place{held} does not fit, or the given positions are too far away");
     Problem {
         element: place_of(owner),
         field: "between".to_owned(),
         message: format!("{} cannot be closed: a gap of {} m remains", widest.element, number(widest.gap)),
-        help: Some(help.to_owned()),
+        help: Some(help),
     }
 }
 

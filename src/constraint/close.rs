@@ -13,6 +13,7 @@ use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
 use crate::transfer::reduce::{Load, Singular};
+use nalgebra::{DMatrix, DVector};
 
 /// Gaps below this part of the scene's length are round-off.
 pub(crate) const ROUND_OFF: f64 = 1e-14;
@@ -159,6 +160,22 @@ impl<'m> Closing<'m> {
     /// Factorizes the tree where the motion is; false where it is singular there.
     pub(super) fn prepare(&mut self) -> bool {
         self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step).is_ok()
+    }
+
+    /// The rates of all rows at a closed position.
+    pub(super) fn speeds(&mut self, q: &[f64], v: &[f64]) -> DVector<f64> {
+        self.motion.update(self.model, q, v);
+        self.rows.place(self.model, &self.motion, q, true);
+        let mut rates = DVector::zeros(self.rows.rank());
+        self.rows.rates(&self.motion, Rate::Speed(v), rates.as_mut_slice());
+        rates
+    }
+
+    /// `G` of all rows as placed last, one row per row, one column per velocity.
+    pub(super) fn matrix(&mut self) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.rows.rank(), self.rest.len());
+        self.rows.gradient(self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
+        matrix
     }
 
     /// `step ← M⁻¹ Gᵀ λ` with the multipliers that take a rate away.

@@ -306,6 +306,16 @@ impl Constraints {
         self.unknowns = unknowns;
     }
 
+    /// One rate of every row that is solved for.
+    pub(crate) fn rates(&self, motion: &Motion, rate: Rate<'_>, out: &mut [f64]) {
+        for group in &self.plan.groups {
+            let ends = self.elements[group.element].links();
+            for (k, row) in group.rows.iter().enumerate() {
+                out[group.first + k] = self.rate(*row, ends, motion, rate);
+            }
+        }
+    }
+
     /// The largest rate of the rows, angles times the scene's length, and the row; of all rows or of those solved for.
     pub(crate) fn largest(&self, motion: &Motion, rate: Rate<'_>, all: bool) -> (f64, Option<usize>) {
         let mut largest = (0.0, None);
@@ -423,6 +433,12 @@ impl Constraints {
         for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
             self.multipliers[row] = *unknown;
         }
+    }
+
+    /// The drives and what each pushes at the last solution (N or N m).
+    pub fn drive_forces(&self) -> impl Iterator<Item = (&str, f64)> {
+        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
+        driven.map(|element| (element.name.as_str(), self.multipliers[element.rows.start]))
     }
 
     /// Power that drives put in at the last solution (W).

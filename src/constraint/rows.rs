@@ -88,17 +88,6 @@ pub(super) fn locks(model: &Model) -> Vec<Held> {
         .collect()
 }
 
-/// The coordinates with a given velocity.
-pub(super) fn moving(model: &Model, v: &[f64]) -> Vec<Held> {
-    let moving = scalars(model).filter(|scalar| v[scalar.velocity] != 0.0);
-    moving
-        .map(|coordinate| {
-            let at = Instant { velocity: v[coordinate.velocity], ..Instant::default() };
-            Held { coordinate, at }
-        })
-        .collect()
-}
-
 fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
     let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.counts().0 == 1);
     plain.map(|(index, link)| Scalar {

@@ -141,6 +141,22 @@ impl System<'_> {
         matrix
     }
 
+    /// `G a + bias` of the independent rows for accelerations `a`: zero where they agree with the rows.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn constraint_rates(&mut self, q: &[f64], v: &[f64], a: &[f64], rates: &mut [f64]) -> Result<(), Fault> {
+        let mut residual = std::mem::take(&mut self.scratch);
+        let evaluated = self.residual(q, v, a, &mut residual);
+        self.scratch = residual;
+        evaluated?;
+        if let Some(constrained) = &mut self.constraints {
+            let rate = Rate::Acceleration(&self.balance.accelerations, a);
+            constrained.rows.rates(&self.motion, rate, rates);
+        }
+        Ok(())
+    }
+
     /// Takes multipliers, one per row of [`System::constraint_matrix`], for residuals and linearizations that follow.
     pub fn set_multipliers(&mut self, multipliers: &[f64]) {
         if let Some(constrained) = &mut self.constraints {

@@ -31,8 +31,25 @@ impl Dense {
 
     /// Makes room for `count` terms above the cubic.
     pub(crate) fn with_higher_terms(&mut self, count: usize) {
+        self.with_terms(CUBIC + count);
+    }
+
+    /// Makes room for a polynomial of `count` terms.
+    pub(crate) fn with_terms(&mut self, count: usize) {
         let size = self.coefficients[0].len();
-        self.coefficients.resize(CUBIC + count, vec![0.0; size]);
+        self.coefficients.resize(count, vec![0.0; size]);
+    }
+
+    /// The line through both ends and one more degree per row of weights: `r_{2+i} = step Σ_j weights_ij rates_j`.
+    pub(crate) fn nested(&mut self, step: f64, ends: [&[f64]; 2], weights: &[Vec<f64>], rates: &[Vec<f64>]) {
+        let [r0, r1, higher @ ..] = &mut self.coefficients[..] else { return };
+        for i in 0..r0.len() {
+            r0[i] = ends[0][i];
+            r1[i] = ends[1][i] - ends[0][i];
+        }
+        for (term, weights) in higher.iter_mut().zip(weights) {
+            weighted_sum(term, step, weights, rates);
+        }
     }
 
     /// The cubic through both ends with the rates there: local error `O(h⁴)`. Higher terms become zero.

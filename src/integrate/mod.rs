@@ -10,6 +10,9 @@
 //! | [`Dopri5`] | 5 | adaptive | smooth systems that are not stiff |
 //! | [`Dop853`] | 8 | adaptive | the same at tight tolerances |
 //! | [`Sdirk4`] | 4 | adaptive | stiff systems: hard springs, strong dampers, light parts |
+//! | [`Radau`] | 5 or 9 | adaptive | the same at tight tolerances |
+//! | [`GeneralizedAlpha`] | 2 | adaptive | structures, where the user chooses how much of what is not resolved lives on |
+//! | [`Gauss`] | 6 | fixed | long runs without dissipation: symmetric, energy stays in bounds |
 //!
 //! One error norm (the largest weighted component), one step controller and one dense output serve
 //! them all. Every buffer is made when a stepper is built; a step allocates nothing.
@@ -48,31 +51,42 @@
 
 pub mod problem;
 
+mod alpha;
+mod collocation;
 mod control;
 mod dense;
 mod dop853;
 mod dopri5;
 mod error;
 mod explicit;
+mod filter;
+mod gauss;
+mod implicit;
+mod iteration;
 mod newton;
 mod norm;
 mod options;
 mod predict;
 mod progress;
+mod radau;
 mod rates;
 mod rk4;
 mod sdirk4;
+mod stages;
 mod start;
 mod statistics;
 mod stepper;
 mod tableau;
 
+pub use alpha::GeneralizedAlpha;
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;
 pub use error::{Component, Limit, StepError};
+pub use gauss::Gauss;
 pub use options::{Options, Start};
 pub use problem::{Failure, ImplicitProblem, Point, Problem};
 pub use progress::Progress;
+pub use radau::Radau;
 pub use rk4::Rk4;
 pub use sdirk4::Sdirk4;
 pub use statistics::Statistics;

@@ -17,7 +17,7 @@
 //! **Reuse**: `K` is kept over stages and steps while the step is the same and each correction is at most 0.3 of the one
 //! before; otherwise it is renewed before the next step.
 //!
-//! **Stopping**: with the contraction `θ = ‖Δ‖ / ‖Δ_before‖` the error left is about `θ/(1−θ) ‖Δ‖`. It must be below the
+//! **Stopping**: with the contraction `θ` of the last two corrections the error left is about `θ/(1−θ) ‖Δ‖`. It must be below the
 //! fraction `κ = min(1/200, √tolerance)` of the step's tolerance, in the norm of the error estimate. Two reasons: the
 //! table's coefficients carry a stage's error into the result up to 50-fold (`a₅₃/γ`, `a₅₄/γ`); and these errors all have
 //! the same sign, so they add up over the steps, of which a tight tolerance makes many. The first correction of a stage
@@ -36,13 +36,15 @@ use crate::integrate::{
 const LARGEST_FRACTION: f64 = 0.005;
 /// All stages share one factorization.
 pub(crate) const SLOT: usize = 0;
-const MAX_ITERATIONS: u32 = 10;
+const MAX_ITERATIONS: u32 = 12;
 /// A factorization that contracts worse is renewed.
 const SLOW: f64 = 0.3;
 /// A factorization serves steps that differ from its own by this fraction: the rounding of time, no more.
 const STEP_BAND: f64 = 1e-3;
 /// Corrections below this many roundings of the state are none.
-const ROUNDINGS: f64 = 8.0;
+pub(crate) const ROUNDINGS: f64 = 8.0;
+/// Corrections that stall below this many times that are what the rounding of the residual leaves.
+const STALLED: f64 = 32.0;
 
 /// The iteration matrix, what is known of its quality, and buffers.
 #[derive(Debug)]
@@ -62,7 +64,7 @@ struct Factorization {
     step: f64,
     /// Made at the start of the step now tried.
     fresh: bool,
-    /// Contraction last seen in this step.
+    /// Contraction last seen in this step, over two corrections where there are three.
     contraction: Option<f64>,
     slow: bool,
 }
@@ -141,7 +143,7 @@ impl Newton {
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
         let factorization = self.factorization.as_mut().ok_or(Limit::Newton)?;
-        let mut before = None;
+        let mut before = [None; 2];
         place(problem, stage, acceleration, state);
         for iteration in 1..=MAX_ITERATIONS {
             evaluate(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
@@ -156,22 +158,22 @@ impl Newton {
             place(problem, stage, acceleration, state);
 
             let rounding = ROUNDINGS * norm.rounding(state);
-            let correction = Correction { size, before, rounding, target: self.fraction };
+            let correction = Correction { size, before, rounding, target: self.fraction.max(rounding) };
             if factorization.converged(correction, MAX_ITERATIONS - iteration)? {
                 return Ok(());
             }
-            before = Some(size);
+            before = [Some(size), before[0]];
         }
         Err(Limit::Newton)
     }
 }
 
-/// The size of a correction, of the one before in the same stage, of corrections that are rounding, and of the error
+/// The size of a correction, of the two before in the same stage (the last first), of corrections that are rounding, and of the error
 /// that may be left.
 #[derive(Debug, Clone, Copy)]
 struct Correction {
     size: f64,
-    before: Option<f64>,
+    before: [Option<f64>; 2],
     rounding: f64,
     target: f64,
 }
@@ -179,17 +181,22 @@ struct Correction {
 impl Factorization {
     /// Whether the iteration may stop after this correction, `left` being the iterations that remain.
     fn converged(&mut self, correction: Correction, left: u32) -> Result<bool, Limit> {
-        let Correction { size, before, rounding, target } = correction;
+        let Correction { size, before: [before, second], rounding, target } = correction;
         if !size.is_finite() {
             return Err(Limit::Newton);
         }
         if let Some(before) = before {
-            self.contraction = Some(size / before);
+            // A single quotient of a hinge tree swings between large and small.
+            self.contraction = Some(second.map_or(size / before, |second| (size / second).sqrt()));
         }
         if size <= rounding {
             return Ok(true);
         }
-        self.slow |= before.is_some_and(|before| size > SLOW * before);
+        // It no longer shrinks, and is about as small as the rounding of the residual makes it.
+        if size <= STALLED * rounding && before.is_some_and(|before| size > 0.5 * before) {
+            return Ok(true);
+        }
+        self.slow |= before.is_some() && self.contraction.is_some_and(|contraction| contraction > SLOW);
         // That of another stage is trusted a little less.
         let trust = if before.is_some() { 1.0 } else { 0.8 };
         let Some(contraction) = self.contraction.map(|seen| seen.max(f64::EPSILON).powf(trust)) else {
@@ -198,7 +205,8 @@ impl Factorization {
         if contraction < 1.0 {
             let remaining = contraction / (1.0 - contraction) * size;
             let reachable = remaining * contraction.powi(left as i32) <= target;
-            return if reachable { Ok(remaining <= target) } else { Err(Limit::Newton) };
+            // One quotient is too poor a witness to give up on.
+            return if reachable || second.is_none() { Ok(remaining <= target) } else { Err(Limit::Newton) };
         }
         // No progress: rounding of the residual, harmless where the correction is already below the target.
         match before {
@@ -210,7 +218,7 @@ impl Factorization {
 }
 
 /// `state ← (q, v)` of the stage with this acceleration.
-fn place<P: ImplicitProblem>(problem: &P, stage: Stage<'_>, acceleration: &[f64], state: &mut [f64]) {
+pub(crate) fn place<P: ImplicitProblem>(problem: &P, stage: Stage<'_>, acceleration: &[f64], state: &mut [f64]) {
     let position_count = problem.position_count();
     let (known_q, known_v) = stage.known.split_at(position_count);
     let (q, v) = state.split_at_mut(position_count);

@@ -16,12 +16,15 @@ pub struct Options {
     pub max_step: Option<f64>,
     /// Keeps an adaptive method at `step`, without looking at its error estimate.
     pub fixed: bool,
+    /// Part of motions far faster than the step that a step of [`GeneralizedAlpha`](crate::integrate::GeneralizedAlpha)
+    /// leaves, in `[0, 1]`.
+    pub rho_infinity: f64,
 }
 
 impl Default for Options {
-    /// Relative 1e-6, absolute 1e-9, steps chosen by the method.
+    /// Relative 1e-6, absolute 1e-9, steps chosen by the method, `ρ∞` 0.8.
     fn default() -> Self {
-        Self { relative: 1e-6, absolute: 1e-9, step: None, max_step: None, fixed: false }
+        Self { relative: 1e-6, absolute: 1e-9, step: None, max_step: None, fixed: false, rho_infinity: 0.8 }
     }
 }
 
@@ -43,6 +46,9 @@ impl Options {
             {
                 return Err(StepError::option(name, value, "above 0 s"));
             }
+        }
+        if !(0.0..=1.0).contains(&self.rho_infinity) {
+            return Err(StepError::option("spectral radius at infinity", self.rho_infinity, "0 to 1"));
         }
         if self.fixed && self.step.is_none() {
             return Err(StepError::NoStep);

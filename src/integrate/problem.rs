@@ -46,6 +46,8 @@ pub trait ImplicitProblem: Problem {
     /// p = (p* + ½ step Ω p*) / (1 + ¼ step² |ω|²).
     /// ```
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]);
+    /// `q ← from ⊞ by`: plain coordinates add, a quaternion is turned by the rotation vector `by` in body axes.
+    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]);
     /// `r ← M(q) a + b(t, q, v) − τ(t, q, v)`, the inverse dynamics residual; it must be affine in `a` and vanish where
     /// [`acceleration`](Problem::acceleration) says so.
     ///

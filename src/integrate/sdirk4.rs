@@ -16,16 +16,7 @@
 //! The estimate sees this and shortens the step, so tight tolerances are expensive there.
 //!
 //! **Error estimate**: the plain difference `e = h Σ_i e_i k_i` to the embedded rule does not vanish for stiff parts and
-//! would force them to be resolved. It is filtered by `(I − h γ J)⁻¹`, `J` the Jacobian of the rate of `x`: the slow
-//! parts pass, the fast ones are damped as the method damps them (*Solving ODEs II*, IV.8). In terms of the residual,
-//! with `g = h γ` and `w` the filtered correction in velocity coordinates,
-//!
-//! ```text
-//! K w = (1/g) M e_v − (∂r/∂q) e_q,    filtered e_q = e_q + N(q) w,    filtered e_v = w / g.
-//! ```
-//!
-//! `r` is linear in `a` and zero at the last stage, so the right side is `r(t', q_5 − e_q, v_5, a_5 + e_v / g)`: the
-//! filter costs one residual and one solve.
+//! would force them to be resolved. It is filtered by `(I − h γ J)⁻¹` (see `filter.rs`).
 //!
 //! **Between the ends**: a cubic in the stage rates, error `O(h⁴)` like that of the steps (no weights of order 4 exist).
 //! Unlike a Hermite cubic it does not use the rate at the start, which is huge where a fast transient begins.
@@ -38,7 +29,9 @@
 use crate::integrate::{
     control::{Controller, Trial},
     error::{Limit, StepError},
-    newton::{Newton, SLOT, Stage, evaluate},
+    filter::{End, filter},
+    implicit::{self, Implicit},
+    newton::{Newton, SLOT, Stage},
     norm::{ErrorNorm, Measured},
     options::{Options, Start},
     predict::Predictor,
@@ -110,8 +103,25 @@ impl Sdirk4 {
         })
     }
 
-    /// Solves the stages; gives the norm of the filtered error estimate, 0 where the step is fixed.
-    fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+    /// The norm of the filtered error estimate of the step just tried.
+    fn estimate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+        let Progress { state, statistics, .. } = &mut self.progress;
+        let gamma_step = GAMMA * trial.step;
+        weighted_sum(&mut self.error, trial.step, &E, &self.rates);
+        let end = End { slot: SLOT, time: trial.time, step: gamma_step, state: &self.next };
+        // The known part and the last acceleration are free now.
+        let scratch = (&mut self.known[..], &mut self.acceleration[..]);
+        filter(problem, end, &mut self.error, scratch, &mut self.filter, statistics)?;
+        Ok(self.norm.measure(&self.error, state, &self.next))
+    }
+}
+
+impl<P: ImplicitProblem> Implicit<P> for Sdirk4 {
+    fn parts(&mut self) -> (&mut Progress, &mut Controller) {
+        (&mut self.progress, &mut self.control)
+    }
+
+    fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
         let (q, v) = state.split_at(*position_count);
         let point = Point { time: *time, q, v, a: self.predictor.start() };
@@ -135,33 +145,7 @@ impl Sdirk4 {
         self.estimate(problem, trial)
     }
 
-    /// The norm of the filtered error estimate of the step just tried.
-    fn estimate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
-        let Progress { state, position_count, statistics, .. } = &mut self.progress;
-        let gamma_step = GAMMA * trial.step;
-        weighted_sum(&mut self.error, trial.step, &E, &self.rates);
-        let (error_q, error_v) = self.error.split_at_mut(*position_count);
-
-        // The displaced point takes the place of the known part and of the last acceleration; both are free now.
-        self.known.copy_from_slice(&self.next);
-        self.known.iter_mut().zip(&*error_q).for_each(|(q, error)| *q -= error);
-        self.acceleration.iter_mut().zip(&*error_v).for_each(|(a, error)| *a += error / gamma_step);
-        evaluate(problem, trial.time, &self.known, &self.acceleration, &mut self.filter, statistics)?;
-        problem.solve(SLOT, &mut self.filter);
-        statistics.solves += 1;
-
-        let displaced = &mut self.known[..*position_count];
-        problem.position_rate(&self.next[..*position_count], &self.filter, displaced);
-        error_q.iter_mut().zip(displaced).for_each(|(error, by)| *error += *by);
-        error_v.iter_mut().zip(&self.filter).for_each(|(error, by)| *error = by / gamma_step);
-        Ok(self.norm.measure(&self.error, state, &self.next))
-    }
-
-    /// Makes the end of the step tried the state reached.
-    ///
-    /// # Errors
-    /// Where it cannot be projected.
-    fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
+    fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
         let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
         settle(problem, trial.time, &mut self.next, *position_count)?;
         dense.cubic(trial.step, [state, &self.next], &SQUARES, &CUBES, &self.rates);
@@ -171,29 +155,15 @@ impl Sdirk4 {
         self.progress.advance(trial.time, &mut self.next);
         Ok(())
     }
+
+    fn discard_old(&mut self) -> bool {
+        self.newton.discard_old()
+    }
 }
 
 impl<P: ImplicitProblem> Stepper<P> for Sdirk4 {
     fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
-        while !self.progress.finished() {
-            let trial = self.control.propose(&self.progress)?;
-            let attempt = match self.attempt(problem, trial) {
-                Ok(error) if error.value <= 1.0 => self.accept(problem, trial, error.value).map(|()| None),
-                other => other.map(Some),
-            };
-            match attempt {
-                Ok(None) => break,
-                Ok(Some(error)) => {
-                    let worst = self.progress.component(error.worst);
-                    self.control.reject(trial, error.value, Limit::ErrorEstimate(worst));
-                }
-                // An old factorization is to blame first.
-                Err(Limit::Newton) if self.newton.discard_old() => continue,
-                Err(limit) => self.control.fail(trial, limit, &self.progress)?,
-            }
-            self.progress.statistics.rejected_steps += 1;
-        }
-        Ok(())
+        implicit::step(self, problem)
     }
 
     fn progress(&self) -> &Progress {

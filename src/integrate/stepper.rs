@@ -1,12 +1,15 @@
 //! What a time loop sees of a method.
 
 use crate::integrate::{
+    alpha::GeneralizedAlpha,
     dop853::Dop853,
     dopri5::Dopri5,
     error::StepError,
+    gauss::Gauss,
     options::{Options, Start},
     problem::{ImplicitProblem, Problem},
     progress::Progress,
+    radau::Radau,
     rk4::Rk4,
     sdirk4::Sdirk4,
     statistics::Statistics,
@@ -87,15 +90,56 @@ pub enum Method {
     Dop853,
     /// [`Sdirk4`]: L-stable diagonally implicit Runge–Kutta 4(3), adaptive.
     Sdirk4,
+    /// [`Radau`]: Radau IIA of order 5, L-stable, adaptive.
+    Radau5,
+    /// [`Radau`]: Radau IIA of order 9, L-stable, adaptive.
+    Radau9,
+    /// [`GeneralizedAlpha`]: order 2, numerical damping as chosen, adaptive.
+    GeneralizedAlpha,
+    /// [`Gauss`]: Gauss collocation of order 6, symmetric, fixed step.
+    Gauss,
 }
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Rk4, Self::Dopri5, Self::Dop853, Self::Sdirk4];
+    pub const ALL: [Self; 8] = [
+        Self::Rk4,
+        Self::Dopri5,
+        Self::Dop853,
+        Self::Sdirk4,
+        Self::Radau5,
+        Self::Radau9,
+        Self::GeneralizedAlpha,
+        Self::Gauss,
+    ];
 
     /// Whether the step has to be given and stays the same.
     pub fn needs_step(self) -> bool {
-        matches!(self, Self::Rk4)
+        matches!(self, Self::Rk4 | Self::Gauss)
+    }
+
+    /// For explicit methods, the largest `h |λ|` that is stable on the negative real axis.
+    pub fn stability_reach(self) -> Option<f64> {
+        match self {
+            Self::Rk4 => Some(2.78),
+            Self::Dopri5 => Some(3.3),
+            Self::Dop853 => Some(6.1),
+            Self::Sdirk4 | Self::Radau5 | Self::Radau9 | Self::GeneralizedAlpha | Self::Gauss => None,
+        }
+    }
+
+    /// Its name in scenario files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rk4 => "rk4",
+            Self::Dopri5 => "dopri5",
+            Self::Dop853 => "dop853",
+            Self::Sdirk4 => "sdirk4",
+            Self::Radau5 => "radau5",
+            Self::Radau9 => "radau9",
+            Self::GeneralizedAlpha => "generalized-alpha",
+            Self::Gauss => "gauss",
+        }
     }
 
     /// Starts a run with this method.
@@ -113,6 +157,10 @@ impl Method {
             Self::Dopri5 => Box::new(Dopri5::new(problem, options, start)?),
             Self::Dop853 => Box::new(Dop853::new(problem, options, start)?),
             Self::Sdirk4 => Box::new(Sdirk4::new(problem, options, start)?),
+            Self::Radau5 => Box::new(Radau::order_5(problem, options, start)?),
+            Self::Radau9 => Box::new(Radau::order_9(problem, options, start)?),
+            Self::GeneralizedAlpha => Box::new(GeneralizedAlpha::new(problem, options, start)?),
+            Self::Gauss => Box::new(Gauss::new(problem, options, start)?),
         })
     }
 }

@@ -161,6 +161,11 @@ impl Parameter {
         Ok(found)
     }
 
+    /// Its component: which of the numbers of its element and field.
+    pub fn component(&self) -> usize {
+        self.index
+    }
+
     /// Its value.
     pub fn value(&self, description: &Description) -> f64 {
         let list = |list: &[f64]| list.get(self.index).copied().unwrap_or(0.0);

@@ -118,8 +118,7 @@ impl Check<'_> {
             (Kind::Text, DeValue::String(_)) | (Kind::Flag, DeValue::Boolean(_)) => {}
             (Kind::Number(range), DeValue::Integer(_) | DeValue::Float(_)) => self.number(*range, item, value),
             (Kind::Integer(range), DeValue::Integer(_)) => self.number(*range, item, value),
-            (Kind::Choice(words), DeValue::String(word)) => self.word(words, &[], item, value, word),
-            (Kind::Planned(words, later), DeValue::String(word)) => self.word(words, later, item, value, word),
+            (Kind::Choice(words), DeValue::String(word)) => self.word(words, item, value, word),
             (Kind::List(of, lengths), DeValue::Array(items)) => {
                 let wrong = if lengths.is_empty() { items.is_empty() } else { !lengths.contains(&items.len()) };
                 if wrong {
@@ -181,7 +180,6 @@ impl Check<'_> {
     fn word(
         &self,
         words: &'static [(&'static str, &'static str)],
-        later: &'static [&'static str],
         item: &Item<'_>,
         value: &Spanned<DeValue<'_>>,
         word: &str,
@@ -190,16 +188,9 @@ impl Check<'_> {
             return;
         }
         let all = listed(words.iter().map(|(known, _)| *known));
-        let finding = if later.contains(&word) {
-            let message = format!("{} `{word}` is not available in this version", item.subject());
-            Finding::error(value.span(), message).help(format!("available: {all}"))
-        } else {
-            let message = format!("{} does not know `{word}`", item.subject());
-            let help =
-                did_you_mean(word, words.iter().map(|(known, _)| *known)).unwrap_or_else(|| format!("one of {all}"));
-            Finding::error(value.span(), message).help(help)
-        };
-        self.findings.push_value(finding);
+        let message = format!("{} does not know `{word}`", item.subject());
+        let help = did_you_mean(word, words.iter().map(|(known, _)| *known)).unwrap_or_else(|| format!("one of {all}"));
+        self.findings.push_value(Finding::error(value.span(), message).help(help));
     }
 
     fn wrong_type(&self, kind: &Kind, item: &Item<'_>, value: &Spanned<DeValue<'_>>) {
@@ -217,7 +208,7 @@ fn fits(kind: &Kind, value: &DeValue<'_>) -> bool {
         }
         (Kind::Number(_), DeValue::Float(_) | DeValue::Integer(_))
         | (Kind::Integer(_), DeValue::Integer(_))
-        | (Kind::Text | Kind::Choice(_) | Kind::Planned(..), DeValue::String(_))
+        | (Kind::Text | Kind::Choice(_), DeValue::String(_))
         | (Kind::Flag, DeValue::Boolean(_))
         | (Kind::Table(_) | Kind::Map(_), DeValue::Table(_)) => true,
         (Kind::Either(kinds), value) => kinds.iter().any(|kind| fits(kind, value)),

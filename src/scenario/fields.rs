@@ -50,8 +50,6 @@ pub enum Kind {
     Number(Range),
     /// One of these words, each with one sentence.
     Choice(&'static [(&'static str, &'static str)]),
-    /// A choice of words of which some are known but not built: what is built, then what is not.
-    Planned(&'static [(&'static str, &'static str)], &'static [&'static str]),
     /// A list of one of these lengths; no lengths for any but none.
     List(&'static Kind, &'static [usize]),
     /// One of these, told apart by their TOML types.
@@ -109,7 +107,7 @@ impl Kind {
             Self::Flag => "`true` or `false`".to_owned(),
             Self::Integer(_) => "a whole number".to_owned(),
             Self::Number(_) => "a number".to_owned(),
-            Self::Choice(words) | Self::Planned(words, _) => {
+            Self::Choice(words) => {
                 format!("one of {}", listed(words.iter().map(|(word, _)| *word)))
             }
             Self::List(item, lengths) => format!("a list of {}", item.several(lengths)),

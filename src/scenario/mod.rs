@@ -36,6 +36,7 @@ mod hinge;
 mod lower;
 mod mass;
 mod naming;
+mod path;
 mod read;
 mod reader;
 mod settings;
@@ -74,6 +75,8 @@ pub struct Scenario {
     pub statics: statics::settings::Settings,
     /// Numbers that inverse statics finds; none where the pose is looked for.
     pub unknown: Vec<Parameter>,
+    /// The path that is followed, if one is asked for.
+    pub path: Option<statics::path::Settings>,
     /// What is asked of the recording.
     pub record: record::Settings,
     /// What will not happen although it is written.
@@ -150,6 +153,7 @@ fn parse_text(
     }
     let whole = Reader::new(&document, 0..0, &findings);
     let unknown = unknown::read(&whole, &description);
+    let path = path::read(&whole, &description);
     let scenario = Scenario {
         name: name.to_owned(),
         text: String::new(),
@@ -157,6 +161,7 @@ fn parse_text(
         simulate: settings::simulate(&whole),
         statics: settings::statics(&whole),
         unknown,
+        path,
         record: settings::record(&whole),
         warnings: Diagnostics::default(),
     };

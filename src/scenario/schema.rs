@@ -66,7 +66,7 @@ fn of_kind(kind: &Kind) -> Value {
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Integer(range) => ranged("integer", *range),
         Kind::Number(range) => ranged("number", *range),
-        Kind::Choice(words) | Kind::Planned(words, _) => {
+        Kind::Choice(words) => {
             let words: Vec<Value> =
                 words.iter().map(|(word, doc)| json!({ "const": word, "description": doc })).collect();
             json!({ "oneOf": words })

@@ -12,16 +12,11 @@ pub(super) fn simulate(scenario: &Reader<'_>) -> Simulate {
         Some("equilibrium") => settings.start = Start::Equilibrium,
         _ => {}
     }
-    settings.integrator = match table.text("integrator") {
-        Some("rk4") => Integrator::Rk4,
-        Some("dopri5") => Integrator::Dopri5,
-        Some("dop853") => Integrator::Dop853,
-        Some("sdirk4") => Integrator::Sdirk4,
-        _ => Integrator::Auto,
-    };
+    settings.integrator = table.text("integrator").and_then(Integrator::named).unwrap_or(settings.integrator);
     settings.duration = table.number("duration").unwrap_or(settings.duration);
     settings.tolerance = table.number("tolerance").unwrap_or(settings.tolerance);
     settings.absolute_tolerance = table.number("absolute_tolerance").unwrap_or(settings.tolerance);
+    settings.rho_infinity = table.number("rho_infinity").unwrap_or(settings.rho_infinity);
     settings.step = table.number("step");
     settings
 }

@@ -8,15 +8,18 @@
 //! N x = c₂ M x + Π (c₁ C + K) x,      Π = 1 − Gᵀ A⁻¹ G M⁻¹
 //! ```
 //!
-//! (`K` with the geometric stiffness of the rows at fixed λ) takes the stiff parts of the forces fully into account; left
-//! out is how the rows' own velocity terms vary, which no stiffness enters. `N x = r` is solved bordered:
+//! with `K` at fixed λ, the rows' geometric stiffness in it, and what varies in the rows' own velocity terms. `N x = r` is
+//! solved bordered, `g̈ = G a + bias` being the rows' accelerations:
 //!
 //! ```text
-//! [ c₂ M + c₁ C + K   −Gᵀ ] [ x ]   [ r          ]
-//! [ c₂ G               0  ] [ ν ] = [ G M⁻¹ r    ]
+//! [ c₂ M + c₁ C + K                 −Gᵀ ] [ x ]   [ r       ]
+//! [ c₂ G + c₁ ∂g̈/∂v + ∂g̈/∂q          0  ] [ ν ] = [ G M⁻¹ r ]
 //! ```
+//!
+//! The rows' derivatives are taken as differences: their error, a part in 10⁷, only costs that part of the convergence.
 
 use crate::dynamics::{Fault, System};
+use crate::motion::displace;
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
 
@@ -48,11 +51,12 @@ impl Bordered {
             system.solve_mass(&gradient, &mut allowed);
             (0..n).for_each(|j| weighted[(i, j)] = allowed[j]);
         }
+        let rates = rate_derivatives(system, q, v, a, c1, m)?;
         let linear = system.linearize(q, v, a)?;
         let matrix = Mat::from_fn(n + m, n + m, |i, j| match (i < n, j < n) {
             (true, true) => linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)],
             (true, false) => -rows[(j - n, i)],
-            (false, true) => c2 * rows[(i - n, j)],
+            (false, true) => c2 * rows[(i - n, j)] + rates[(i - n, j)],
             (false, false) => 0.0,
         });
         Ok(Self { factor: matrix.partial_piv_lu(), weighted })
@@ -66,4 +70,37 @@ impl Bordered {
         self.factor.solve_in_place(&mut both);
         x.iter_mut().enumerate().for_each(|(i, x)| *x = both[(i, 0)]);
     }
+}
+
+/// Size of a difference (rad, m).
+const DIFFERENCE: f64 = 1e-7;
+
+/// `c₁ ∂g̈/∂v + ∂g̈/∂q` at fixed accelerations, column by column.
+fn rate_derivatives(
+    system: &mut System<'_>,
+    q: &[f64],
+    v: &[f64],
+    a: &[f64],
+    c1: f64,
+    rows: usize,
+) -> Result<Mat<f64>, Fault> {
+    let n = v.len();
+    let (mut base, mut moved) = (vec![0.0; rows], vec![0.0; rows]);
+    system.constraint_rates(q, v, a, &mut base)?;
+    let mut derivatives = Mat::zeros(rows, n);
+    let (mut step, mut near, mut faster) = (vec![0.0; n], q.to_vec(), v.to_vec());
+    // One difference for both: the velocity moves with the position as within a stage, but never by more than its size.
+    let largest = v.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
+    let size = DIFFERENCE * (largest / c1.max(f64::MIN_POSITIVE)).min(1.0);
+    for j in 0..n {
+        step[j] = size;
+        near.copy_from_slice(q);
+        displace(system.model(), &mut near, &step);
+        step[j] = 0.0;
+        faster[j] = v[j] + c1 * size;
+        system.constraint_rates(&near, &faster, a, &mut moved)?;
+        faster[j] = v[j];
+        (0..rows).for_each(|i| derivatives[(i, j)] = (moved[i] - base[i]) / size);
+    }
+    Ok(derivatives)
 }

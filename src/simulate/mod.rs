@@ -1,13 +1,16 @@
 //! Runs: a model stepped through time, recorded, and checked to stay where it rests.
 
 mod bordered;
+mod choice;
 mod ledger;
 pub mod precision;
 pub mod problem;
 pub mod rest;
 mod run;
+mod sampler;
 mod scene;
 pub mod settings;
+mod stiffness;
 
 pub use run::{RunError, State, Summary, run};
 pub use scene::scene;

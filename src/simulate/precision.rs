@@ -1,8 +1,9 @@
 //! Work and precision: what every method costs for the error it makes, on one scene.
 //!
 //! A run of each method at each tolerance (or step, where that is fixed) is compared with a reference run by another
-//! method: `dop853` with the tolerance 10⁻¹³, and `dopri5` with the same for the points of `dop853` itself. What the two
-//! references differ by is the smallest error that can be told.
+//! method, at the tolerance 10⁻¹³ (on the stiffest scenes 10⁻¹¹ or 10⁻⁹): `dop853`, or `radau9` on a scene so stiff that an explicit method would take all day; and
+//! `radau9` or `radau5` for the points of the reference method itself. What the two references differ by is the smallest
+//! error that can be told.
 //!
 //! The error is the largest of all hinge coordinates and velocities at eight times spread evenly over the run, each in
 //! its scale (1 rad, the scene's length, the same per the scene's time); between steps as dense output gives it. The
@@ -10,8 +11,10 @@
 
 use super::problem::Motion;
 use super::run::{RunError, State, named};
+use super::stiffness::fastest;
 use crate::integrate::{Method, Options, Problem, Start, Statistics, StepError, Stepper};
 use crate::model::Model;
+use std::fmt;
 use std::time::{Duration, Instant};
 
 /// Looks at the state are spread evenly over the run, the last one at its end.
@@ -21,10 +24,15 @@ const STRIDE: u64 = 64;
 /// Short runs are repeated within this time, and the shortest counts.
 const REPEAT_WITHIN: Duration = Duration::from_millis(60);
 const MOST_REPEATS: u32 = 5;
-/// Relative and absolute tolerance of the references.
-const REFERENCE_TOLERANCE: f64 = 1e-13;
-/// The reference of all methods but itself, and its own.
-const REFERENCES: [Method; 2] = [Method::Dop853, Method::Dopri5];
+/// Relative and absolute tolerances of the references, the first with which both are made in time: on the stiffest scenes
+/// rounding leaves nothing at the tightest.
+const REFERENCE_TOLERANCES: [f64; 3] = [1e-13, 1e-11, 1e-9];
+/// A reference may take as long as this many of the runs that are compared with it.
+const REFERENCE_TIMES: u32 = 4;
+/// The reference of all methods but itself, and its own: on scenes that an explicit method can follow, and on stiff ones.
+const REFERENCES: [[Method; 2]; 2] = [[Method::Dop853, Method::Radau9], [Method::Radau9, Method::Radau5]];
+/// A scene is stiff here where stability alone would ask an explicit method for more steps times degrees of freedom.
+const MOST_EXPLICIT_WORK: f64 = 2e6;
 
 /// What is measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,6 +71,15 @@ impl Plan {
     }
 }
 
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Tolerance(tolerance) => write!(f, "tolerance = {tolerance:.0e}"),
+            Self::Step(step) => write!(f, "step = {step:.3e}"),
+        }
+    }
+}
+
 /// What a method was asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Setting {
@@ -85,6 +102,13 @@ pub struct Point {
     pub wall: Duration,
     /// Work of one run.
     pub statistics: Statistics,
+}
+
+impl Point {
+    fn failed(method: Method, setting: Setting, why: String) -> Self {
+        let (wall, statistics) = (Duration::ZERO, Statistics::default());
+        Self { method, setting, outcome: Err(why), wall, statistics }
+    }
 }
 
 /// Differences to the reference, the largest of all looks.
@@ -130,36 +154,59 @@ pub fn precision(
     plan: &Plan,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<Study>, RunError> {
-    let runs = REFERENCES.len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();
+    let runs = REFERENCES[0].len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();
     let mut bench = Bench { model, start, plan, motion: Motion::new(model), runs, done: 0, go_on };
-    let mut references = Vec::new();
-    for method in REFERENCES {
-        match bench.run(method, Setting::Tolerance(REFERENCE_TOLERANCE), None)? {
-            Run { end: End::Reached, looks, .. } => references.push(looks),
-            Run { .. } => return Ok(None),
-        }
-        bench.done += 1;
-    }
+    let methods = bench.references();
+    let Some(References { runs: references, tolerance }) = bench.reference_runs(methods)? else { return Ok(None) };
     let agreement = bench.compare(&references[0], &references[1]);
-    let mut study = Study {
-        references: REFERENCES,
-        tolerance: REFERENCE_TOLERANCE,
-        agreement,
-        points: Vec::new(),
-        interrupted: false,
-    };
+    let mut study = Study { references: methods, tolerance, agreement, points: Vec::new(), interrupted: false };
     for &method in &plan.methods {
-        let reference = &references[usize::from(method == REFERENCES[0])];
+        let reference = &references[usize::from(method == methods[0])];
+        let mut pace = Pace::default();
         for setting in plan.settings(method) {
-            let Some(point) = bench.point(method, setting, reference) else {
+            let point = match pace.expected() {
+                Some(expected) if expected > plan.limit => {
+                    let why = format!("not tried: it would take longer than {} s", plan.limit.as_secs_f64());
+                    Some(Point::failed(method, setting, why))
+                }
+                _ => bench.point(method, setting, reference),
+            };
+            let Some(point) = point else {
                 study.interrupted = true;
                 return Ok(Some(study));
             };
+            pace.see(point.wall);
             study.points.push(point);
             bench.done += 1;
         }
     }
     Ok(Some(study))
+}
+
+/// The times of a method's last two runs: the next one takes longer by the same factor.
+#[derive(Default)]
+struct Pace {
+    before: Duration,
+    last: Duration,
+}
+
+impl Pace {
+    fn see(&mut self, wall: Duration) {
+        self.before = self.last;
+        self.last = wall.max(self.last);
+    }
+
+    /// The time of the next run; `None` where there is nothing to go by.
+    fn expected(&self) -> Option<Duration> {
+        let factor = (self.last.as_secs_f64() / self.before.as_secs_f64()).clamp(1.0, 10.0);
+        Duration::try_from_secs_f64(factor * self.last.as_secs_f64()).ok()
+    }
+}
+
+/// The looks of both reference runs, and their tolerance.
+struct References {
+    runs: Vec<Vec<Look>>,
+    tolerance: f64,
 }
 
 /// The state and energy at a look.
@@ -196,16 +243,48 @@ struct Bench<'a, 'g> {
 }
 
 impl<'a> Bench<'a, '_> {
+    /// The reference of all methods but itself, and its own.
+    fn references(&mut self) -> [Method; 2] {
+        let State { position, velocity } = self.start;
+        let rate = fastest(&mut self.motion, 0.0, position, velocity).map_or(0.0, |fastest| fastest.rate);
+        let reach = REFERENCES[0][0].stability_reach().unwrap_or(f64::INFINITY);
+        let work = rate * self.plan.duration / reach * self.model.velocity_count() as f64;
+        REFERENCES[usize::from(work > MOST_EXPLICIT_WORK)]
+    }
+
+    /// The runs to compare with, and their tolerance; `None` where they were stopped from outside.
+    fn reference_runs(&mut self, methods: [Method; 2]) -> Result<Option<References>, RunError> {
+        let limit = REFERENCE_TIMES * self.plan.limit.max(Duration::from_secs(1));
+        let mut why = RunError::Step("the reference runs take too long: shorten the run or allow more time".to_owned());
+        for tolerance in REFERENCE_TOLERANCES {
+            let mut runs = Vec::new();
+            for method in methods {
+                match self.run(method, Setting::Tolerance(tolerance), Some(limit)) {
+                    Ok(Run { end: End::Reached, looks, .. }) => runs.push(looks),
+                    Ok(Run { end: End::Interrupted, .. }) => return Ok(None),
+                    Ok(Run { end: End::GivenUp, .. }) => break,
+                    Err(error) => {
+                        why = error;
+                        break;
+                    }
+                }
+            }
+            if runs.len() == methods.len() {
+                self.done += runs.len();
+                return Ok(Some(References { runs, tolerance }));
+            }
+        }
+        Err(why)
+    }
+
     /// The point of a method; `None` where it was stopped from outside.
     fn point(&mut self, method: Method, setting: Setting, reference: &[Look]) -> Option<Point> {
-        let none = Statistics::default();
-        let failed = |why: String| Point { method, setting, outcome: Err(why), wall: Duration::ZERO, statistics: none };
         let begun = Instant::now();
         let mut best: Option<Point> = None;
         for _ in 0..MOST_REPEATS {
             let run = match self.run(method, setting, Some(self.plan.limit)) {
                 Ok(run) => run,
-                Err(error) => return Some(failed(error.to_string())),
+                Err(error) => return Some(Point::failed(method, setting, error.to_string())),
             };
             let outcome = match run.end {
                 End::Interrupted => return None,

@@ -209,6 +209,11 @@ impl ImplicitProblem for Motion<'_> {
         }
     }
 
+    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
+        q.copy_from_slice(from);
+        System::displace(self.system.model(), q, by);
+    }
+
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         let system = self.at(time);
         if system.constraints().is_some() {

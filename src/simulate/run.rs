@@ -1,17 +1,23 @@
 //! The time loop.
 
+use super::choice::Choice;
 use super::ledger::{GAUSS, Ledger};
 use super::problem::Motion;
-use super::settings::{Integrator, Settings, Start as At};
+use super::sampler::Sampler;
+use super::settings::Settings;
+use super::stiffness::fastest;
 use crate::dynamics::Fault;
 use crate::integrate::{Component, Limit, Method, Options, Start, Statistics, StepError, Stepper};
 use crate::model::Model;
-use crate::record::{RecordError, Recorder, Sample};
-use crate::spatial::{Pose, Wrench};
+use crate::record::{RecordError, Recorder};
+use crate::spatial::Pose;
 use std::time::{Duration, Instant};
 
 /// Step of the fixed-step method where none is given: this part of the scene's own time, and never above 1 ms.
 const FIXED_STEP: f64 = 0.01;
+
+/// An explicit method that cannot take longer steps is refused (s).
+const SHORTEST_USEFUL_STEP: f64 = 1e-9;
 
 /// A state to start from.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +65,21 @@ pub enum RunError {
     /// The integrator cannot go on.
     #[error("{0}")]
     Step(String),
+    /// An explicit method on a scene that is far too stiff for it.
+    #[error(
+        "`{method}` is an explicit method and would need steps below {step:.1e} s: the hinge coordinate {hinge} moves at \
+         {rate:.1e} per second; try `integrator = \"radau9\"`, \"sdirk4\" or \"auto\", or a softer spring or damper there"
+    )]
+    Stiff {
+        /// The method.
+        method: &'static str,
+        /// The velocity coordinate that moves fastest.
+        hinge: String,
+        /// Its angular frequency or decay rate (1/s).
+        rate: f64,
+        /// Longest stable step (s).
+        step: f64,
+    },
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
     Sample {
@@ -138,7 +159,7 @@ struct Run<'m> {
 }
 
 impl<'m> Run<'m> {
-    /// Runs with one method, and with the implicit one from where the explicit one turns out to be held by stability.
+    /// Runs with one method, or from one to the other where the choice is the program's.
     fn go(
         &mut self,
         motion: &mut Motion<'m>,
@@ -146,42 +167,25 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
     ) -> Result<f64, RunError> {
-        let auto = settings.integrator == Integrator::Auto;
-        let mut method = match settings.integrator {
-            Integrator::Rk4 => Method::Rk4,
-            Integrator::Dopri5 => Method::Dopri5,
-            Integrator::Dop853 => Method::Dop853,
-            Integrator::Sdirk4 => Method::Sdirk4,
-            // What rests has only its fastest vibrations left: a method that need not follow them takes long steps.
-            Integrator::Auto if settings.start == At::Equilibrium => Method::Sdirk4,
-            Integrator::Auto => Method::Dopri5,
-        };
-        if auto {
-            let choice = match method {
-                Method::Sdirk4 => "auto: sdirk4, the run starts at rest",
-                _ => "auto: dopri5, no stiffness was met",
-            };
-            self.choice = Some(choice.to_owned());
-        }
+        let mut choice = Choice::new(settings);
         let mut time = 0.0;
         loop {
-            self.integrators.push(method);
-            let mut stepper = self.stepper(motion, settings, method, time)?;
+            self.integrators.push(choice.method);
+            let mut stepper = self.stepper(motion, settings, choice.method, time)?;
             let mut switch = false;
             let mut stopped = false;
             while !stepper.finished() && !switch && !stopped {
                 self.step(motion, stepper.as_mut())?;
                 self.sampler.up_to(motion, &self.ledger, stepper.as_mut(), recorder)?;
                 stopped = !go_on(stepper.time(), &self.state);
-                switch = auto && method == Method::Dopri5 && stepper.stability_limited();
+                switch = choice.review(motion, stepper.as_ref());
             }
             time = stepper.time();
             add(&mut self.statistics, stepper.statistics());
+            self.choice = choice.said();
             if stepper.finished() || stopped {
                 return Ok(time);
             }
-            method = Method::Sdirk4;
-            self.choice = Some(format!("auto: dopri5 was held by stability at t = {time:.3e} s, sdirk4 from there"));
         }
     }
 
@@ -192,16 +196,36 @@ impl<'m> Run<'m> {
         method: Method,
         time: f64,
     ) -> Result<Box<dyn Stepper<Motion<'m>>>, RunError> {
-        let step = match (method, settings.step) {
-            (Method::Rk4, None) => Some((FIXED_STEP * self.model.time_scale()).min(1e-3)),
-            (_, step) => step,
+        let default = method.needs_step().then(|| (FIXED_STEP * self.model.time_scale()).min(1e-3));
+        let options = Options {
+            relative: settings.tolerance,
+            absolute: settings.absolute_tolerance,
+            step: settings.step.or(default),
+            rho_infinity: settings.rho_infinity,
+            ..Options::default()
         };
-        let options =
-            Options { relative: settings.tolerance, absolute: settings.absolute_tolerance, step, ..Options::default() };
-        motion.set_retries(method != Method::Rk4 && settings.step.is_none());
+        motion.set_retries(!options.fixed && !method.needs_step());
+        self.refuse_hopeless(motion, method, time)?;
         let start =
             Start { time, position: &self.state.position, velocity: &self.state.velocity, end: settings.duration };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
+    }
+
+    /// An explicit method that stability would hold below any useful step is refused.
+    fn refuse_hopeless(&self, motion: &mut Motion<'m>, method: Method, time: f64) -> Result<(), RunError> {
+        let Some(reach) = method.stability_reach() else { return Ok(()) };
+        let State { position, velocity } = &self.state;
+        let Some(fastest) = fastest(motion, time, position, velocity) else { return Ok(()) };
+        let step = reach / fastest.rate;
+        if step >= SHORTEST_USEFUL_STEP {
+            return Ok(());
+        }
+        Err(RunError::Stiff {
+            method: method.name(),
+            hinge: self.model.label(fastest.coordinate),
+            rate: fastest.rate,
+            step,
+        })
     }
 
     fn step(&mut self, motion: &mut Motion<'m>, stepper: &mut dyn Stepper<Motion<'m>>) -> Result<(), RunError> {
@@ -224,103 +248,6 @@ impl<'m> Run<'m> {
             }
         }
         self.ledger.close_step(motion.at(stepper.time()), &self.state.position, &self.state.velocity);
-        Ok(())
-    }
-}
-
-/// Samples at equal times, and at the very end.
-struct Sampler {
-    rate: f64,
-    end: f64,
-    count: usize,
-    /// Index of the next sample: due at `next / rate`.
-    next: u64,
-    state: State,
-    accelerations: Vec<f64>,
-    residual: Vec<f64>,
-    poses: Vec<Pose>,
-    reactions: Vec<Wrench>,
-}
-
-impl Sampler {
-    fn new(model: &Model, rate: f64, end: f64) -> Self {
-        let n = model.velocity_count();
-        Self {
-            rate,
-            end,
-            count: 0,
-            next: 1,
-            state: State { position: model.start_position.clone(), velocity: model.start_velocity.clone() },
-            accelerations: vec![0.0; n],
-            residual: vec![0.0; n],
-            poses: Vec::new(),
-            reactions: Vec::new(),
-        }
-    }
-
-    fn interpolate<'m>(
-        &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
-        time: f64,
-    ) -> Result<(), RunError> {
-        let State { position, velocity } = &mut self.state;
-        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))?;
-        // Between the ends of a step the state is as good as the interpolation: loops are closed by hand.
-        motion.at(time).settle(position, velocity).map_err(|fault| RunError::Sample { time, fault })?;
-        Ok(())
-    }
-
-    /// Every sample due within the last step.
-    fn up_to<'m>(
-        &mut self,
-        motion: &mut Motion<'m>,
-        ledger: &Ledger,
-        stepper: &mut dyn Stepper<Motion<'m>>,
-        recorder: &mut dyn Recorder,
-    ) -> Result<(), RunError> {
-        loop {
-            let due = (self.next as f64 / self.rate).min(self.end);
-            let last = stepper.finished() && due >= self.end;
-            if due > stepper.time() {
-                return Ok(());
-            }
-            self.interpolate(motion, stepper, due)?;
-            let state = self.state.clone();
-            self.sample(motion, ledger, due, &state, recorder)?;
-            self.next += 1;
-            if last {
-                return Ok(());
-            }
-        }
-    }
-
-    fn sample(
-        &mut self,
-        motion: &mut Motion<'_>,
-        ledger: &Ledger,
-        time: f64,
-        state: &State,
-        recorder: &mut dyn Recorder,
-    ) -> Result<(), RunError> {
-        let system = motion.at(time);
-        let (q, v) = (&state.position, &state.velocity);
-        let fault = |fault| RunError::Sample { time, fault };
-        system.accelerations(q, v, &mut self.accelerations).map_err(fault)?;
-        system.residual(q, v, &self.accelerations, &mut self.residual).map_err(fault)?;
-        system.reactions(&mut self.reactions);
-        system.poses(&mut self.poses);
-        let energy = ledger.energy(&system.energies(q, v));
-        recorder.sample(&Sample {
-            time,
-            positions: q,
-            velocities: v,
-            accelerations: &self.accelerations,
-            bodies: &self.poses,
-            reactions: &self.reactions,
-            energy,
-        })?;
-        self.count += 1;
         Ok(())
     }
 }

@@ -1,5 +1,7 @@
 //! What a user asks of a run.
 
+use crate::integrate::{Method, Options};
+
 /// The `(simulate)` table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -15,6 +17,8 @@ pub struct Settings {
     pub absolute_tolerance: f64,
     /// Step of fixed-step methods, first step of adaptive ones (s).
     pub step: Option<f64>,
+    /// For `generalized-alpha`: the part of motions far faster than the step that a step leaves, in [0, 1].
+    pub rho_infinity: f64,
 }
 
 impl Default for Settings {
@@ -26,6 +30,7 @@ impl Default for Settings {
             tolerance: 1e-8,
             absolute_tolerance: 1e-8,
             step: None,
+            rho_infinity: Options::default().rho_infinity,
         }
     }
 }
@@ -39,17 +44,23 @@ pub enum Start {
     Given,
 }
 
-/// The time stepping methods, by their names in scenario files.
+/// Who chooses the time stepping method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Integrator {
-    /// From an equilibrium `sdirk4`, from a given state `dopri5` until it is held by stability, `sdirk4` from there.
+    /// The program: an explicit method where the run starts at a given state, an implicit one where it starts at rest, and
+    /// from one to the other where stability of the explicit one asks for it.
     Auto,
-    /// Classical Runge–Kutta, fixed step.
-    Rk4,
-    /// Dormand–Prince 5(4), adaptive.
-    Dopri5,
-    /// Dormand–Prince 8(5,3), adaptive.
-    Dop853,
-    /// L-stable, stiffly accurate, order 4, adaptive.
-    Sdirk4,
+    /// The user.
+    Method(Method),
+}
+
+impl Integrator {
+    /// By its name in scenario files.
+    pub fn named(name: &str) -> Option<Self> {
+        let method = |method: &Method| method.name() == name;
+        match name {
+            "auto" => Some(Self::Auto),
+            _ => Method::ALL.into_iter().find(method).map(Self::Method),
+        }
+    }
 }

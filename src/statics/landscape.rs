@@ -1,5 +1,6 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
 
+use super::search::{Place, SHIFT};
 use super::stiffness::Stiffness;
 use crate::dynamics::{Fault, System};
 use crate::model::{Joint, Model};
@@ -133,6 +134,42 @@ impl<'s, 'm> Landscape<'s, 'm> {
         }
         let x = self.stiffness.solve(self.system.model(), rhs);
         x.iter().all(|x| x.is_finite()).then_some(x)
+    }
+
+    /// `σB` with σ this part of the largest curvature.
+    pub(super) fn shift(&self, place: &Place, part: f64) -> Vec<f64> {
+        let curvatures = place.scales.stiffness.iter().zip(&self.metric).map(|(k, b)| k / b);
+        let largest = curvatures.fold(0.0, f64::max);
+        self.metric.iter().map(|b| part * largest * b).collect()
+    }
+
+    /// `K x = rhs` at the place last looked at; where K is singular, of a stiffness next to it.
+    pub(super) fn solved_nearby(&mut self, q: &[f64], rhs: &[f64]) -> Result<Option<Vec<f64>>, Fault> {
+        if let Some(x) = self.newton(rhs) {
+            return Ok(Some(x));
+        }
+        let place = Place::at(self, q.to_vec())?;
+        let shift = self.shift(&place, SHIFT);
+        Ok(self.newton_shifted(rhs, &shift))
+    }
+
+    /// Negative directions of `K + diag(shift)` at the place last looked at, where sweeps can tell.
+    pub(super) fn negatives(&mut self, shift: &[f64]) -> Option<usize> {
+        if !self.conservative || self.stiffness.is_dense() {
+            return None;
+        }
+        self.factorizations += 1;
+        let factorized = self.stiffness.factorize(self.system, shift, false);
+        match &self.stiffness {
+            Stiffness::Sweep { solver, .. } if factorized => Some(solver.negative_pivots()),
+            _ => None,
+        }
+    }
+
+    /// The size of one radian, or one length of the scene, of every coordinate at once (m √kg).
+    pub(super) fn reach(&self) -> f64 {
+        let unit: Vec<f64> = self.free.iter().map(|i| if self.slides[*i] { self.length } else { 1.0 }).collect();
+        self.size(&unit)
     }
 
     /// A direction in which the stiffness is negative by more than `shift` (a diagonal), at the place last looked at.

@@ -20,6 +20,7 @@ mod lagrange;
 pub mod landscape;
 mod linear;
 mod newton;
+pub mod path;
 mod relaxation;
 pub mod search;
 pub mod settings;

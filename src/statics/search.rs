@@ -11,7 +11,7 @@ const EXACT: f64 = 1e-13;
 const ROUNDING: f64 = 16.0;
 
 /// Shift of a singular stiffness, relative to its largest curvature.
-const SHIFT: f64 = 1e-8;
+pub(super) const SHIFT: f64 = 1e-8;
 
 /// One iteration of the search, for reports and plots.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,6 +73,11 @@ impl Place {
         self.excess() <= BALANCED
     }
 
+    /// What is left is the round-off of the balance itself.
+    pub(super) fn is_round_off(&self) -> bool {
+        self.excess() == 0.0
+    }
+
     /// Balanced to the last digits: nothing is gained by another step.
     pub(super) fn is_exact(&self) -> bool {
         self.excess() <= EXACT
@@ -93,9 +98,7 @@ pub(super) fn polish(
             break;
         }
         landscape.look(&place.q)?;
-        let curvatures = place.scales.stiffness.iter().zip(&landscape.metric).map(|(k, b)| k / b);
-        let largest = curvatures.fold(0.0, f64::max);
-        let shift: Vec<f64> = landscape.metric.iter().map(|b| part * largest * b).collect();
+        let shift = landscape.shift(&place, part);
         let better = match landscape.newton_shifted(&place.force, &shift) {
             Some(step) => improved(landscape, &place, &step)?.map(|next| (next, step)),
             None => None,

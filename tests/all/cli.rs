@@ -5,6 +5,7 @@ mod damage;
 mod interrupt;
 mod keys;
 mod output;
+mod path;
 mod precision;
 mod start;
 

@@ -526,8 +526,6 @@ name = "bob"
 mass = 1.0
 hinge = { type = "free", friction = 0.1 }
 
-[simulate]
-integrator = "radau5"
 "#
     .trim_start();
     insta::assert_snapshot!(said(text, &[]), @r#"
@@ -537,15 +535,7 @@ integrator = "radau5"
     4 | hinge = { type = "free", friction = 0.1 }
       |                          ^^^^^^^^
 
-    error: [simulate]: `integrator` `radau5` is not available in this version
-     --> scene.toml:7:14
-      |
-    7 | integrator = "radau5"
-      |              ^^^^^^^^
-      |
-      = help: available: `auto`, `rk4`, `dopri5`, `dop853`, `sdirk4`
-
-    scene.toml: 2 errors
+    scene.toml: 1 error
     "#);
 }
 

@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod failures;
+mod mechanisms;
 mod order;
 mod problems;
 mod projection;
@@ -27,7 +28,7 @@ fn run<P: ImplicitProblem>(
 
 /// Steps of one length; the tolerance serves only the stage equations, which it makes as exact as rounding allows.
 fn fixed(step: f64) -> Options {
-    Options { relative: 1e-12, absolute: 1e-12, step: Some(step), fixed: true, max_step: None }
+    Options { relative: 1e-12, absolute: 1e-12, step: Some(step), fixed: true, ..Options::default() }
 }
 
 /// Steps chosen for a tolerance.

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::fs;
 use std::path::Path;
+use stillpoint::integrate::Method as Stepping;
 use stillpoint::model::description::{Attachment, BodyDescription, ForceKind, HingeKind, LoadAxes, Point};
 use stillpoint::model::shape::Geometry;
 use stillpoint::scenario::{self, LoadError, Override, Scenario};
@@ -94,7 +95,10 @@ fn a_scene_arrives_as_it_is_written() {
 #[test]
 fn settings_arrive_as_they_are_written() {
     let scenario = read(TWO_LINKS);
-    assert_eq!((scenario.simulate.start, scenario.simulate.integrator), (Start::Given, Integrator::Dopri5));
+    assert_eq!(
+        (scenario.simulate.start, scenario.simulate.integrator),
+        (Start::Given, Integrator::Method(Stepping::Dopri5))
+    );
     assert_eq!((scenario.simulate.duration, scenario.simulate.tolerance), (3.0, 1e-6));
     assert_eq!((scenario.statics.want, scenario.statics.method), (Want::Any, Method::Newton));
     assert_eq!(scenario.record.rate, 50.0);

@@ -1,6 +1,5 @@
 //! The work–precision plot.
 
-use super::text;
 use crate::integrate::Method;
 use crate::simulate::precision::Study;
 use plotters::prelude::*;
@@ -8,13 +7,15 @@ use plotters::prelude::*;
 const SIZE: (u32, u32) = (960, 640);
 
 /// Readable on white and by the colour-blind: Okabe and Ito's palette without yellow.
-const COLORS: [RGBColor; 6] = [
+const COLORS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(86, 180, 233),
     RGBColor(0, 0, 0),
+    RGBColor(230, 159, 0),
+    RGBColor(120, 120, 120),
 ];
 
 /// What is drawn of one method.
@@ -87,7 +88,7 @@ fn lines(study: &Study) -> Vec<Line> {
         let points: Vec<(f64, f64)> = mine()
             .filter_map(|point| Some((point.wall.as_secs_f64(), point.outcome.as_ref().ok()?.state.max(f64::EPSILON))))
             .collect();
-        let name = text::method(method);
+        let name = method.name();
         let label = if failed > 0 { format!("{name} ({failed} failed)") } else { name.to_owned() };
         Line { label, color, points }
     };

@@ -11,7 +11,7 @@ pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::HINGE;
-pub use settings::{RECORD, SIMULATE, STATICS};
+pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
 use super::fields::{Key, Kind, Range, Table};

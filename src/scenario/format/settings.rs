@@ -1,7 +1,7 @@
 //! What is asked of a run.
 
 use super::super::fields::{Key, Kind, Range, Table};
-use super::POSITIVE;
+use super::{NUMBER, POSITIVE};
 
 const TOLERANCE: Kind = Kind::Number(Range::Between(1e-14, 1.0));
 
@@ -15,7 +15,7 @@ pub const SIMULATE: Table = Table {
             .default("\"equilibrium\"")
             .example("\"given\""),
         Key::new("duration", POSITIVE, "Simulated time.").unit("s").default("10.0").example("10.0"),
-        Key::new("integrator", Kind::Planned(INTEGRATORS, LATER_INTEGRATORS), "The time stepping method.")
+        Key::new("integrator", Kind::Choice(INTEGRATORS), "The time stepping method.")
             .default("\"auto\"")
             .example("\"dopri5\""),
         Key::new("tolerance", TOLERANCE, "Relative tolerance of adaptive methods.").default("1e-8").example("1e-8"),
@@ -25,6 +25,13 @@ pub const SIMULATE: Table = Table {
             "Absolute tolerance beside it, in units of the scene's own length, 1 rad and the scene's time; without it the same number as `tolerance`.",
         )
         .example("1e-8"),
+        Key::new(
+            "rho_infinity",
+            Kind::Number(Range::Between(0.0, 1.0)),
+            "For `generalized-alpha`: the part of motions far faster than the step that a step leaves.",
+        )
+        .default("0.8")
+        .example("0.8"),
         Key::new("step", POSITIVE, "Step of fixed-step methods, first step of adaptive ones.")
             .unit("s")
             .example("1e-3"),
@@ -41,10 +48,12 @@ const INTEGRATORS: &[(&str, &str)] = &[
     ("rk4", "Classical Runge–Kutta, fixed step."),
     ("dopri5", "Dormand–Prince 5(4), adaptive."),
     ("dop853", "Dormand–Prince 8(5,3), adaptive, for tight tolerances."),
-    ("sdirk4", "L-stable, stiffly accurate, order 4, adaptive."),
+    ("sdirk4", "L-stable, stiffly accurate, order 4, adaptive: stiff scenes."),
+    ("radau5", "Radau IIA, order 5, adaptive: stiff scenes."),
+    ("radau9", "Radau IIA, order 9, adaptive: stiff scenes at tight tolerances."),
+    ("generalized-alpha", "Order 2, adaptive; `rho_infinity` says how much of what is too fast for the step lives on."),
+    ("gauss", "Symmetric, order 6, fixed step: long runs without dissipation."),
 ];
-
-const LATER_INTEGRATORS: &[&str] = &["radau5", "generalized-alpha", "gauss"];
 
 /// `(statics)`
 pub const STATICS: Table = Table {
@@ -60,7 +69,46 @@ pub const STATICS: Table = Table {
             "Inverse statics: the pose is given, and these numbers of the scene are found so that they hold it.",
         )
         .example("[\"upper.force\", \"strut.length\"]"),
-        Key::new("path", Kind::Refused("equilibrium paths cannot be followed by this version"), "Follows a parameter."),
+        Key::new("path", Kind::Table(&PATH), "Follows the equilibrium while one number of the scene moves.")
+            .example("{ parameter = \"tip.force[2]\", to = -20.0 }"),
+    ],
+};
+
+/// `[statics.path]`
+pub const PATH: Table = Table {
+    name: "path",
+    doc: "Follows the equilibrium while one number of the scene moves over a range, around folds.",
+    types: &[],
+    keys: &[
+        Key::new("parameter", Kind::Text, "Address of the number that moves.").required().example("\"tip.force[2]\""),
+        Key::new(
+            "from",
+            NUMBER,
+            "Where the path starts, in units of the parameter; without it the number in the file.",
+        )
+        .example("0.0"),
+        Key::new("to", NUMBER, "The other end of the range.").required().example("-20.0"),
+        Key::new("at", Kind::List(&NUMBER, &[]), "Values of the parameter at which points are wanted.")
+            .example("[-5.0, -10.0]"),
+        Key::new(
+            "step",
+            Kind::Number(Range::Between(1e-4, 1.0)),
+            "Largest step: 1 is the whole range, or a radian or a length of every coordinate.",
+        )
+        .default("0.02")
+        .example("0.01"),
+        Key::new("points", Kind::Integer(Range::Between(2.0, 1e6)), "Most points of a branch.")
+            .default("1000")
+            .example("1000"),
+        Key::new("branches", Kind::Flag, "Whether branches that leave at bifurcations are followed too.")
+            .default("true")
+            .example("false"),
+        Key::new(
+            "coordinate",
+            Kind::Text,
+            "The hinge coordinate that is drawn against the parameter; without it the one that moves most.",
+        )
+        .example("\"tip.position\""),
     ],
 };
 

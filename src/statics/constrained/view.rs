@@ -126,9 +126,12 @@ impl<'m> Tied<'m> {
             .collect();
         let held = |i: usize| (0..all.nrows()).map(|row| (all[(row, i)] * multipliers[row]).abs()).sum::<f64>();
         let per = slides(self.model());
+        // A coordinate in which next to nothing acts still feels the round-off of the loops around it.
+        let unit = |i: usize| if per[i] { 1.0 } else { self.length };
+        let strongest = (0..n).map(|i| (magnitudes.force[i] + held(i)) / unit(i)).fold(0.0, f64::max);
         let scales = Scales {
             force: (0..n).map(|i| magnitudes.force[i] + held(i)).collect(),
-            noise: (0..n).map(|i| f64::EPSILON * (magnitudes.noise[i] + held(i))).collect(),
+            noise: (0..n).map(|i| f64::EPSILON * (magnitudes.noise[i] + held(i) + strongest * unit(i))).collect(),
             stiffness: (0..n)
                 .map(|i| {
                     let length = if per[i] { self.length } else { 1.0 };

@@ -2,7 +2,7 @@
 
 use super::{Bench, shipped};
 
-const SHORT: [&str; 2] = ["--set", "simulate.duration=0.5"];
+const SHORT: [&str; 4] = ["--set", "simulate.duration=0.5", "--limit", "1"];
 
 #[test]
 fn precision_writes_a_table_and_a_plot_and_recommends() {
@@ -14,9 +14,15 @@ fn precision_writes_a_table_and_a_plot_and_recommends() {
     assert_eq!((&value["reference"]["method"], &value["reference"]["tolerance"]), (&"dop853".into(), &1e-13.into()));
     let points = value["points"].as_array().expect("points");
     for point in points {
-        assert_eq!(point["tolerance"].is_number(), point["integrator"] != "rk4", "{point}");
+        let fixed = point["integrator"] == "rk4" || point["integrator"] == "gauss";
+        assert_eq!(point["step"].is_number(), fixed, "{point}");
         assert_ne!(point["tolerance"].is_number(), point["step"].is_number(), "{point}");
-        assert_eq!(point["failed"], false, "{point}");
+        // A method of order 2 cannot reach the tightest tolerances in time, and says so.
+        if point["failed"] == true {
+            assert_eq!(point["integrator"], "generalized-alpha", "{point}");
+            assert!(point["why"].as_str().expect("a reason").ends_with(" 1 s"), "{point}");
+            continue;
+        }
         for key in ["error", "wall_seconds", "steps", "acceleration_evaluations"] {
             assert!(point[key].is_number(), "{key}: {point}");
         }
@@ -28,7 +34,9 @@ fn precision_writes_a_table_and_a_plot_and_recommends() {
     assert_eq!(csv.lines().count(), points.len() + 1);
     assert!(csv.starts_with("integrator,tolerance,step,error,energy_error,wall_seconds,steps,"));
     let svg = read("double_pendulum.precision.svg");
-    for text in ["rk4", "dopri5", "dop853", "sdirk4", "time of the steps (s)", "Chaotic double pendulum"] {
+    for text in
+        ["rk4", "dopri5", "dop853", "sdirk4", "radau9", "gauss", "time of the steps (s)", "Chaotic double pendulum"]
+    {
         assert!(svg.contains(text), "`{text}` is not in the plot");
     }
 }
@@ -38,7 +46,7 @@ fn precision_prints_what_it_compares_with_and_takes_another_name() {
     let bench = Bench::new();
     let scenario = shipped("double_pendulum");
     let answer = bench.call(&[&["precision", &scenario, "--out", "mine"], &SHORT[..]].concat()).code(0);
-    assert!(answer.out.contains("reference    dop853 at 1e-13; for dop853 itself dopri5 at 1e-13"), "{answer:#?}");
+    assert!(answer.out.contains("reference    dop853 at 1e-13; for dop853 itself radau9 at 1e-13"), "{answer:#?}");
     assert!(answer.out.contains("recommended  "), "{answer:#?}");
     assert_eq!(bench.names(), ["mine.precision.csv", "mine.precision.svg"]);
     let wrong = bench.call(&["precision", &scenario, "--error", "-1"]).code(2);

@@ -116,6 +116,9 @@ impl ImplicitProblem for Blocked {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
         q[0] = start[0] + step * v[0];
     }
+    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
+        q[0] = from[0] + by[0];
+    }
     fn residual(&mut self, _time: f64, q: &[f64], _v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         r.copy_from_slice(a);
         Self::check(q)

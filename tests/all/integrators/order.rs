@@ -5,18 +5,26 @@ use stillpoint::integrate::{ImplicitProblem, Method, Start};
 use super::problems::{Body, Scalar};
 use super::{METHODS, adaptive, distance, fixed, run};
 
-fn order(method: Method) -> i32 {
+pub(super) fn order(method: Method) -> i32 {
     match method {
+        Method::GeneralizedAlpha => 2,
         Method::Rk4 | Method::Sdirk4 => 4,
-        Method::Dopri5 => 5,
+        Method::Dopri5 | Method::Radau5 => 5,
+        Method::Gauss => 6,
         Method::Dop853 => 8,
+        Method::Radau9 => 9,
     }
 }
 
 /// The longer of two steps whose errors tell the order: short enough for the first term of the error to rule, long
 /// enough for rounding not to.
 fn coarse_step(method: Method) -> f64 {
-    if order(method) > 5 { 0.5 } else { 0.1 }
+    match order(method) {
+        ..=2 => 0.02,
+        3..=5 => 0.1,
+        6..=8 => 0.5,
+        _ => 0.7,
+    }
 }
 
 /// Observed order from two runs whose steps differ by a factor 2.
@@ -26,7 +34,7 @@ fn observed(coarse: f64, fine: f64) -> f64 {
 
 /// The observed order is at least the promised one less 0.25 (the next term of the error, at the steps used here) and
 /// not more than one above.
-fn assert_order(method: Method, promised: i32, coarse: f64, fine: f64) {
+pub(super) fn assert_order(method: Method, promised: i32, coarse: f64, fine: f64) {
     let order = observed(coarse, fine);
     let band = f64::from(promised) - 0.25..f64::from(promised) + 1.0;
     assert!(band.contains(&order), "{method:?}: order {order:.2}, errors {coarse:e} and {fine:e}");
@@ -117,7 +125,13 @@ fn between_the_ends_the_error_falls_with_its_order() {
         worst
     };
     // The extensions of the explicit pairs have a local error of the order of the whole run's; cubics stay at the fourth.
-    for (method, promised) in [(Method::Rk4, 4), (Method::Dopri5, 5), (Method::Dop853, 8), (Method::Sdirk4, 4)] {
+    // The polynomials of collocation methods are one order above the number of their stages.
+    for method in METHODS {
+        let promised = match method {
+            Method::Radau5 | Method::Gauss => 4,
+            Method::Radau9 => 6,
+            _ => order(method),
+        };
         let step = coarse_step(method);
         assert_order(method, promised, worst(method, step), worst(method, 0.5 * step));
     }

@@ -65,6 +65,9 @@ impl ImplicitProblem for Scalar {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
         q[0] = start[0] + step * v[0];
     }
+    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
+        q[0] = from[0] + by[0];
+    }
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         r[0] = a[0] - (self.law)(time, q[0], v[0]);
         Ok(())
@@ -156,6 +159,10 @@ impl ImplicitProblem for Body {
         let squared: f64 = v.iter().map(|v| v * v).sum();
         let p = (start + half_rate(start, v) * step) / (1.0 + 0.25 * step * step * squared);
         q.copy_from_slice(&numbers(p));
+    }
+    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
+        let turn = Quaternion::from_imag(0.5 * Vector3::from_column_slice(by)).exp();
+        q.copy_from_slice(&numbers(quaternion(from) * turn));
     }
     fn residual(&mut self, _time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         r.copy_from_slice((self.inertia * Vector3::from_column_slice(a) - self.torque(q, v)).as_slice());

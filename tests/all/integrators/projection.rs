@@ -43,6 +43,9 @@ impl ImplicitProblem for Circle {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
         q.iter_mut().zip(start).zip(v).for_each(|((q, start), v)| *q = start + step * v);
     }
+    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
+        q.iter_mut().zip(from).zip(by).for_each(|((q, from), by)| *q = from + by);
+    }
     fn residual(&mut self, _time: f64, q: &[f64], _v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         r.copy_from_slice(&[a[0] + q[0], a[1] + q[1]]);
         Ok(())

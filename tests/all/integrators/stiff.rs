@@ -1,6 +1,6 @@
 //! Systems whose fastest motion is far below the step.
 
-use stillpoint::integrate::{Method, Start, Stepper};
+use stillpoint::integrate::{Method, Options, Start, Stepper};
 
 use super::problems::Scalar;
 use super::{adaptive, fixed, run};
@@ -70,6 +70,77 @@ fn van_der_pol_meets_the_published_digits() {
         // The moment of the two jumps before carries their errors on.
         assert!((reached.position()[0] - published[0]).abs() < 30.0 * tolerance);
         assert!((reached.velocity()[0] - published[1]).abs() < 30.0 * tolerance);
+    }
+}
+
+/// Where the step does not resolve the damper, the method of stage order 1 leaves an error `O(h / rate)` in the velocity,
+/// those of stage order 3 and 5 leave `O(h^s / rate)`.
+#[test]
+fn radau_has_its_stage_order_in_the_velocity_held_by_a_strong_damper() {
+    let error = |method: Method, step: f64| {
+        let reached = run(method, &mut damped(1e3), &fixed(step), ON_THE_SOLUTION);
+        errors(&*reached)[1]
+    };
+    for (method, stages) in [(Method::Radau5, 3), (Method::Radau9, 5)] {
+        let order = (error(method, 0.5) / error(method, 0.25)).log2();
+        // `h rate` is some hundred: the next term of the error is not far.
+        assert!(order > f64::from(stages) - 0.5, "{method:?}: {order:.2}");
+        assert!(error(method, 0.5) < 0.1 * error(Method::Sdirk4, 0.5), "{method:?}");
+    }
+}
+
+#[test]
+fn van_der_pol_at_a_tight_tolerance_takes_radau_a_third_of_the_steps() {
+    let published = [1.706167732170483, -0.8928097010247975e-3];
+    let start = Start { time: 0.0, position: &[2.0], velocity: &[0.0], end: 2000.0 };
+    let steps = |method: Method| {
+        let reached = run(method, &mut Scalar::van_der_pol(1000.0), &adaptive(1e-9), start);
+        assert!((reached.position()[0] - published[0]).abs() < 3e-8, "{method:?}");
+        assert!((reached.velocity()[0] - published[1]).abs() < 3e-8, "{method:?}");
+        reached.statistics().steps
+    };
+    assert!(3 * steps(Method::Radau9) < steps(Method::Sdirk4));
+}
+
+/// The part of an oscillation far faster than the step that a step of generalized-α leaves: the user's number.
+#[test]
+fn generalized_alpha_damps_what_is_too_fast_as_asked() {
+    for rho in [0.0, 0.3, 0.8, 1.0] {
+        let mut problem = Scalar::oscillator(1e8, 0.0, |_| 0.0);
+        // Differences of numbers of the size 10⁸ h² are what the iteration ends with.
+        let options = Options { relative: 1e-6, absolute: 1e-6, rho_infinity: rho, ..fixed(1.0) };
+        let start = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 41.0 };
+        let mut stepper = Method::GeneralizedAlpha.start(&mut problem, &options, start).expect("the run starts");
+        let mut size = Vec::new();
+        while !stepper.finished() {
+            stepper.step(&mut problem).expect("the step is made");
+            size.push(stepper.position()[0].abs());
+        }
+        // At infinity all roots are −ρ, threefold: the amplitude goes as ρⁿ times a polynomial of n of degree 2 at most.
+        let late = (size[40] / size[20]).powf(1.0 / 20.0);
+        let expected = match rho {
+            // One root is left at −1 for ρ = 1, and at 0 what is left is rounding and less.
+            0.0 => 0.0..0.3,
+            _ => 0.95 * rho..1.15 * rho,
+        };
+        assert!(size[20] < 1e-15 || expected.contains(&late), "{rho}: {late}, {size:?}");
+    }
+}
+
+/// …while what the step resolves is left alone: of an oscillation of 60 steps a period, a hundredth is lost in ten periods.
+#[test]
+fn generalized_alpha_leaves_what_the_step_resolves() {
+    let tau = std::f64::consts::TAU;
+    let start = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 10.0 * tau };
+    for rho in [0.5, 0.8, 1.0] {
+        let options = Options { rho_infinity: rho, ..fixed(tau / 60.0) };
+        let mut problem = Scalar::oscillator(1.0, 0.0, |_| 0.0);
+        let mut stepper = Method::GeneralizedAlpha.start(&mut problem, &options, start).expect("the run starts");
+        while !stepper.finished() {
+            stepper.step(&mut problem).expect("the step is made");
+        }
+        let amplitude = stepper.position()[0].hypot(stepper.velocity()[0]);
+        assert!((0.99..1.001).contains(&amplitude), "{rho}: {amplitude}");
     }
 }
 

@@ -5,7 +5,7 @@ use super::scene::{Scene, head};
 use std::f64::consts::PI;
 
 /// `count` four-bars in a row; angles clockwise from upright.
-fn four_bars(count: usize, rate: f64, tolerance: f64) -> String {
+pub(super) fn four_bars(count: usize, rate: f64, tolerance: f64) -> String {
     let case = case(&format!("A02_n_fourbar_N{count}"));
     let (m, l, inertia) = (case.parameter("m"), case.parameter("L"), case.parameter("I_com"));
     let mut text = head([0.0, -case.parameter("g"), 0.0], "dop853", tolerance);
@@ -121,7 +121,7 @@ fn a03_andrews_squeezer() {
 }
 
 /// Six revolute hinges that by count could not move at all: one of their 30 rows is redundant, everywhere.
-fn bricard(start: &str, position: f64) -> String {
+pub(super) fn bricard(start: &str, position: f64) -> String {
     let case = case("A04_bricard");
     let points: Vec<[f64; 3]> = case.at("parameters").at("P").items().iter().map(|point| point.array()).collect();
     let axes: Vec<[f64; 3]> = case.at("parameters").at("axes").items().iter().map(|axis| axis.array()).collect();

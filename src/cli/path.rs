@@ -1,0 +1,280 @@
+//! `statics` of a scenario with `[statics.path]`: the path as text, JSON, table, plot and recording.
+
+mod plot;
+
+use super::output::{Interrupt, Progress, bold};
+use super::{Common, json, text};
+use crate::model::Model;
+use crate::record::{Energy, Opening, Outcome, Recorder, RecordingFile, Sample};
+use crate::scenario::Scenario;
+use crate::simulate;
+use crate::statics::path::{Branch, End, Path, PathPoint, Settings, follow};
+use anyhow::Context;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// What is drawn against the parameter: a hinge coordinate.
+#[derive(Debug, Clone)]
+struct Coordinate {
+    /// Index into positions.
+    at: usize,
+    name: String,
+    unit: &'static str,
+}
+
+/// A path, and where its files are.
+pub(super) struct Followed {
+    pub(super) path: Path,
+    settings: Settings,
+    coordinate: Coordinate,
+    files: Vec<PathBuf>,
+}
+
+/// Follows the path of a scenario and writes PREFIX.path.csv, .svg and .mcap.
+pub(super) fn main(
+    scenario: &Scenario,
+    settings: &Settings,
+    model: &Model,
+    common: &Common,
+    prefix: Option<&std::path::Path>,
+) -> anyhow::Result<Followed> {
+    let interrupt = Interrupt::install()?;
+    let path = {
+        let mut progress = Progress::new(1.0, common.quiet || common.json);
+        let range = settings.to - settings.from;
+        let mut go_on = |parameter: f64| {
+            progress.part(((parameter - settings.from) / range).clamp(0.0, 1.0));
+            !interrupt.requested()
+        };
+        follow(&scenario.description, &scenario.statics, settings, &mut go_on)
+    };
+    let path = path.map_err(|reason| anyhow::anyhow!("{}: {reason}", scenario.name))?;
+    let coordinate = coordinate(settings, model, &path);
+    let mut followed = Followed { path, settings: settings.clone(), coordinate, files: Vec::new() };
+    if followed.path.branches.is_empty() {
+        return Ok(followed);
+    }
+    let name = |kind: &str| {
+        let stem = common.scenario.file_stem().filter(|stem| *stem != "-").unwrap_or("scenario".as_ref());
+        let mut name = prefix.map_or(stem, std::path::Path::as_os_str).to_owned();
+        name.push(format!(".path.{kind}"));
+        PathBuf::from(name)
+    };
+    let [csv, svg, mcap] = ["csv", "svg", "mcap"].map(name);
+    followed.table(model, &csv).with_context(|| format!("cannot write `{}`", csv.display()))?;
+    let title = if model.title.is_empty() { &scenario.name } else { &model.title };
+    let picture = plot::draw(&followed, title)?;
+    std::fs::write(&svg, picture).with_context(|| format!("cannot write `{}`", svg.display()))?;
+    followed.record(scenario, model, &mcap)?;
+    followed.files = vec![csv, svg, mcap];
+    Ok(followed)
+}
+
+/// The coordinate that was asked for, else the one that moves most.
+fn coordinate(settings: &Settings, model: &Model, path: &Path) -> Coordinate {
+    let positions = |body: &crate::model::Body| {
+        let names = Model::position_names(&body.hinge.kind);
+        let one = |(i, (name, unit)): (usize, &(&str, &'static str))| Coordinate {
+            at: body.hinge.position + i,
+            name: if names.len() == 1 { format!("{} {name}", body.name) } else { format!("{} ({name})", body.name) },
+            unit,
+        };
+        names.iter().enumerate().map(one).collect::<Vec<_>>()
+    };
+    let all: Vec<Coordinate> = model.bodies.iter().flat_map(positions).collect();
+    if let Some(asked) = &settings.coordinate
+        && let crate::model::Element::Body(body) = asked.element
+    {
+        let at = model.bodies[body].hinge.position + asked.component();
+        if let Some(found) = all.iter().find(|one| one.at == at) {
+            return found.clone();
+        }
+    }
+    let length = model.length_scale();
+    let extent = |one: &Coordinate| {
+        let values = path.branches.iter().flat_map(|branch| branch.points.iter().map(|point| point.position[one.at]));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        (high - low) / if one.unit == "m" { length } else { 1.0 }
+    };
+    let none = Coordinate { at: 0, name: String::new(), unit: "" };
+    all.into_iter().max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(none)
+}
+
+impl Followed {
+    fn unit(&self) -> &'static str {
+        self.settings.numbers.first().map_or("", |one| one.quantity.unit())
+    }
+
+    fn drawn(&self, point: &PathPoint) -> f64 {
+        point.position.get(self.coordinate.at).copied().unwrap_or(0.0)
+    }
+
+    /// One line per point, branch by branch.
+    fn table(&self, model: &Model, path: &std::path::Path) -> anyhow::Result<()> {
+        let mut csv = csv::Writer::from_path(path)?;
+        let scene = simulate::scene(model);
+        let fixed = ["branch", "point", "arclength", "parameter", "stability", "unstable_directions", "event"];
+        let more = ["relative_residual", "potential"];
+        let coordinates = scene.positions.iter().map(|one| format!("{} {} ({})", one.body, one.name, one.unit));
+        csv.write_record(fixed.iter().chain(&more).map(|name| (*name).to_owned()).chain(coordinates))?;
+        for (index, branch) in self.path.branches.iter().enumerate() {
+            for (at, point) in branch.points.iter().enumerate() {
+                let event = point.event.as_ref().map_or("", |event| event.kind.name());
+                let fields = [
+                    index.to_string(),
+                    at.to_string(),
+                    point.arclength.to_string(),
+                    point.parameter.to_string(),
+                    point.verdict.name().to_owned(),
+                    point.unstable_directions.to_string(),
+                    event.to_owned(),
+                    point.relative_residual.to_string(),
+                    point.potential.to_string(),
+                ];
+                csv.write_record(fields.into_iter().chain(point.position.iter().map(f64::to_string)))?;
+            }
+        }
+        csv.flush()?;
+        Ok(())
+    }
+
+    /// One sample per point; arclength stands for time, branch after branch.
+    fn record(&self, scenario: &Scenario, model: &Model, path: &std::path::Path) -> anyhow::Result<()> {
+        let still = simulate::scene(model);
+        let statics = json::statics(model, &self.path.start, 0.0).to_string();
+        let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
+        let mut file = RecordingFile::create(path)?.begin(&opening)?;
+        let rest = vec![0.0; model.velocity_count()];
+        let mut before = 0.0;
+        for branch in &self.path.branches {
+            for point in &branch.points {
+                let energy = Energy { potential: point.potential, ..Energy::default() };
+                file.sample(&Sample {
+                    time: before + point.arclength,
+                    positions: &point.position,
+                    velocities: &rest,
+                    accelerations: &rest,
+                    bodies: &point.poses,
+                    reactions: &point.reactions,
+                    energy,
+                })?;
+            }
+            before += branch.points.last().map_or(0.0, |point| point.arclength);
+        }
+        file.finish(&Outcome { summary: self.json(model).to_string() })?;
+        Ok(())
+    }
+
+    pub(super) fn json(&self, model: &Model) -> Value {
+        let event = |point: &PathPoint| {
+            point.event.as_ref().map(
+                |event| json!({ "kind": event.kind.name(), "directions": event.directions, "hinges": event.carriers }),
+            )
+        };
+        let full = |point: &PathPoint| point.wanted || point.event.is_some();
+        let point = |point: &PathPoint| {
+            let mut value = json!({
+                "parameter": point.parameter,
+                "arclength": point.arclength,
+                "coordinate": self.drawn(point),
+                "stability": point.verdict.name(),
+                "unstable_directions": point.unstable_directions,
+                "relative_residual": point.relative_residual,
+                "event": event(point),
+                "wanted": point.wanted,
+            });
+            if full(point) {
+                value["positions"] = json::by_hinge(model, &point.position, true);
+            }
+            value
+        };
+        let branch = |branch: &Branch| {
+            json!({
+                "parent": branch.parent.map(|(index, at)| json!({ "branch": index, "point": at })),
+                "end": end(branch),
+                "points": branch.points.iter().map(point).collect::<Vec<_>>(),
+            })
+        };
+        let events = self.path.events().map(|(index, at)| {
+            let mut value = point(at);
+            value["branch"] = json!(index);
+            value
+        });
+        json!({
+            "parameter": self.settings.parameter,
+            "unit": self.unit(),
+            "from": self.settings.from,
+            "to": self.settings.to,
+            "complete": self.path.complete,
+            "coordinate": self.coordinate.name,
+            "events": events.collect::<Vec<_>>(),
+            "branches": self.path.branches.iter().map(branch).collect::<Vec<_>>(),
+            "notes": self.path.notes,
+            "files": self.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>(),
+        })
+    }
+
+    /// What happens on the way, for people.
+    pub(super) fn text(&self) -> String {
+        let (mut out, unit) = (String::new(), self.unit());
+        let with_unit = |x: f64| format!("{} {unit}", text::number(x));
+        let points: usize = self.path.branches.iter().map(|branch| branch.points.len()).sum();
+        let _ = writeln!(
+            out,
+            "{} of `{}` from {} to {} ({} on {})",
+            bold("path"),
+            self.settings.parameter,
+            with_unit(self.settings.from),
+            with_unit(self.settings.to),
+            text::count(points, "equilibrium", "equilibria"),
+            text::count(self.path.branches.len(), "branch", "branches"),
+        );
+        let line = |out: &mut String, what: &str, index: usize, point: &PathPoint, more: &str| {
+            let _ = writeln!(
+                out,
+                "  {what:<12} {:<18} {} = {} {}   branch {index}{more}",
+                with_unit(point.parameter),
+                self.coordinate.name,
+                text::number(self.drawn(point)),
+                self.coordinate.unit,
+            );
+        };
+        for (index, point) in self.path.events() {
+            let Some(event) = &point.event else { continue };
+            line(&mut out, event.kind.name(), index, point, &format!(", {}", event.carriers.join(", ")));
+        }
+        for (index, branch) in self.path.branches.iter().enumerate() {
+            for point in branch.points.iter().filter(|point| point.wanted) {
+                line(&mut out, point.verdict.name(), index, point, "");
+            }
+        }
+        for (index, branch) in self.path.branches.iter().enumerate() {
+            let Some(last) = branch.points.last() else { continue };
+            line(
+                &mut out,
+                if index == 0 { "ends" } else { "" },
+                index,
+                last,
+                &format!(", {}, {}", last.verdict.name(), end(branch)),
+            );
+        }
+        for note in &self.path.notes {
+            let _ = writeln!(out, "  note         {note}");
+        }
+        for (index, file) in self.files.iter().enumerate() {
+            let _ = writeln!(out, "  {:<12} {}", if index == 0 { "files" } else { "" }, file.display());
+        }
+        out.trim_end().to_owned()
+    }
+}
+
+/// How a branch ends, in words.
+fn end(branch: &Branch) -> String {
+    match &branch.end {
+        End::Range => "at an end of the range".to_owned(),
+        End::Closed => "where it began".to_owned(),
+        End::Points => "after as many points as were asked for".to_owned(),
+        End::Lost(reason) => format!("lost: {reason}"),
+    }
+}

@@ -1,0 +1,131 @@
+//! Gauss collocation of three stages: order 6, fixed step, symmetric. For long runs without dissipation.
+//!
+//! ```text
+//! X_i = x + h Σ_j a_ij k_j,   k_i = (N(q_i) v_i, a_i),   x' = x + h Σ_j b_j k_j
+//! ```
+//!
+//! with the coefficients of `collocation.rs`, the stages solved to rounding as in `stages.rs`.
+//!
+//! **What it keeps**: the method is symmetric (run backwards from its end it returns to its start, up to rounding) and
+//! keeps quadratic invariants of `(q, v)`, among them the norms of quaternions. It is symplectic where the mass matrix is
+//! constant; elsewhere momenta are not linear in `(q, v)`, and what bounds the energy error over long times is the
+//! symmetry: of a mechanism without dissipation, whose motion run backwards is a motion too, the energy swings within
+//! `O(h⁶)` and does not drift as long as the motion is not chaotic. Hairer, Lubich, Wanner, *Geometric Numerical
+//! Integration*, IV.2, XI.3.
+//!
+//! **Error**: `O(h⁷)` per step, `O(h⁶)` at a given time. Nothing estimates it: halve the step and compare.
+//!
+//! **Stability**: A-stable without damping of its own: what the step does not resolve goes on swinging.
+//!
+//! **Rounding**: the iteration goes on until corrections are rounding, and the sum of all steps is compensated (Kahan),
+//! so that rounding does not make the energy drift in one direction. *Geometric Numerical Integration*, VIII.5.
+//!
+//! **Between the ends**: the polynomial of the step, error `O(h⁴)`: poorer than the ends.
+
+use crate::integrate::{
+    collocation::Collocation,
+    control::{Controller, Trial},
+    error::{Limit, StepError},
+    iteration::Accuracy,
+    norm::ErrorNorm,
+    options::{Options, Start},
+    problem::ImplicitProblem,
+    progress::Progress,
+    rates::{require_finite, settle, state_rate},
+    stages::Stages,
+    stepper::Stepper,
+};
+
+const STAGES: usize = 3;
+/// Relative and absolute unit of the iteration's accuracy.
+const UNIT: f64 = 1e-13;
+/// The iteration aims at rounding, and may stall at what rounding of the residual leaves on stiff systems.
+const ACCURACY: Accuracy = Accuracy { left: 1e-2, stalled: 1e2 };
+const ADVICE: &str = "shorten the step";
+
+/// Gauss collocation, order 6, symmetric, fixed step.
+#[derive(Debug)]
+pub struct Gauss {
+    progress: Progress,
+    control: Controller,
+    norm: ErrorNorm,
+    stages: Stages,
+    /// `(N(q) v, a)` at the start of the run, to predict the first stages from.
+    rate: Vec<f64>,
+    /// State at the end of the step tried.
+    next: Vec<f64>,
+    /// What rounding took from the sum of all steps, and what it will have taken.
+    lost: Vec<f64>,
+    next_lost: Vec<f64>,
+}
+
+impl Gauss {
+    /// Starts a run with the `step` of the options.
+    ///
+    /// # Errors
+    /// Where there is no step, an option is out of its range, the start does not fit the system, or the system cannot be
+    /// evaluated there.
+    pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
+        let options = Options { fixed: true, ..*options };
+        options.validate()?;
+        let step = options.step.ok_or(StepError::NoStep)?;
+        let mut progress = Progress::new(problem, start)?;
+        progress.dense.with_terms(STAGES + 1);
+        let mut rate = vec![0.0; progress.state.len()];
+        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
+            .map_err(|limit| progress.cannot_start(limit))?;
+        Ok(Self {
+            control: Controller::new(&options, 2 * STAGES as u8, step, &progress, ADVICE),
+            norm: ErrorNorm::new(problem, UNIT, UNIT),
+            stages: Stages::new(problem, Collocation::gauss(STAGES), ACCURACY),
+            next: rate.clone(),
+            lost: vec![0.0; rate.len()],
+            next_lost: vec![0.0; rate.len()],
+            rate,
+            progress,
+        })
+    }
+
+    /// Solves the stages and sums them up.
+    fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
+        let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
+        let start = (*time, &state[..], &self.rate[..]);
+        self.stages.solve(problem, &self.norm, start, trial.step, statistics)?;
+        let Stages { method, rates, .. } = &self.stages;
+        for i in 0..state.len() {
+            let sum: f64 = method.weights.iter().zip(rates).map(|(weight, rate)| weight * rate[i]).sum();
+            let change = trial.step * sum + self.lost[i];
+            self.next[i] = state[i] + change;
+            self.next_lost[i] = (state[i] - self.next[i]) + change;
+        }
+        require_finite(&self.next, *position_count)?;
+        settle(problem, trial.time, &mut self.next, *position_count)?;
+        Ok(())
+    }
+}
+
+impl<P: ImplicitProblem> Stepper<P> for Gauss {
+    fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
+        if self.progress.finished() {
+            return Ok(());
+        }
+        let trial = self.control.propose(&self.progress)?;
+        while let Err(limit) = self.attempt(problem, trial) {
+            // Old tangents are to blame first.
+            if limit != Limit::Newton || !self.stages.discard_old() {
+                return self.control.fail(trial, limit, &self.progress);
+            }
+        }
+        let Progress { state, dense, statistics, .. } = &mut self.progress;
+        dense.nested(trial.step, [state, &self.next], &self.stages.method.nested, &self.stages.rates);
+        self.control.accept(trial, 0.0, statistics.steps == 0);
+        self.stages.advance(trial.step);
+        std::mem::swap(&mut self.lost, &mut self.next_lost);
+        self.progress.advance(trial.time, &mut self.next);
+        Ok(())
+    }
+
+    fn progress(&self) -> &Progress {
+        &self.progress
+    }
+}

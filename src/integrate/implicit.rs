@@ -1,0 +1,57 @@
+//! The step of an adaptive implicit method: tries, and what follows from each.
+
+use crate::integrate::{
+    control::{Controller, Trial},
+    error::{Limit, StepError},
+    norm::Measured,
+    problem::ImplicitProblem,
+    progress::Progress,
+};
+
+/// What such a method does in a step.
+pub(crate) trait Implicit<P: ImplicitProblem> {
+    /// Where the run stands, and what chooses its steps.
+    fn parts(&mut self) -> (&mut Progress, &mut Controller);
+
+    /// Solves for the end of a step; gives the norm of its error estimate, 0 where the step is fixed.
+    fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit>;
+
+    /// Makes the end of the step tried the state reached.
+    ///
+    /// # Errors
+    /// Where it cannot be projected.
+    fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit>;
+
+    /// Gives up tangents of an earlier step; false where there are none, so that new ones would not help.
+    fn discard_old(&mut self) -> bool;
+}
+
+/// Makes one accepted step.
+pub(crate) fn step<P: ImplicitProblem>(method: &mut impl Implicit<P>, problem: &mut P) -> Result<(), StepError> {
+    loop {
+        let (progress, control) = method.parts();
+        if progress.finished() {
+            return Ok(());
+        }
+        let trial = control.propose(progress)?;
+        let attempt = match method.attempt(problem, trial) {
+            Ok(error) if error.value <= 1.0 => method.accept(problem, trial, error.value).map(|()| None),
+            other => other.map(Some),
+        };
+        let outcome = match attempt {
+            Ok(None) => return Ok(()),
+            // Old tangents are to blame first.
+            Err(Limit::Newton) if method.discard_old() => continue,
+            other => other,
+        };
+        let (progress, control) = method.parts();
+        match outcome {
+            Ok(Some(error)) => {
+                control.reject(trial, error.value, Limit::ErrorEstimate(progress.component(error.worst)));
+            }
+            Err(limit) => control.fail(trial, limit, progress)?,
+            Ok(None) => {}
+        }
+        progress.statistics.rejected_steps += 1;
+    }
+}

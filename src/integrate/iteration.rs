@@ -1,0 +1,83 @@
+//! When an iteration for coupled or nonlinear stages may stop.
+//!
+//! With the contraction `θ` the error left after a change of norm `‖Δ‖` is about `θ/(1−θ) ‖Δ‖`. `θ` is taken over the
+//! last two changes: a single quotient says little while the error's shape still changes. A change as small as rounding
+//! ends the iteration too, and so does one that no longer shrinks where it is harmless.
+//! Hairer, Wanner, *Solving ODEs II*, IV.8.
+
+use crate::integrate::error::Limit;
+
+/// A change of this size is given up: the contraction cannot be so poor at the first look that a thousandfold growth
+/// is followed by convergence.
+const HOPELESS: f64 = 1e3;
+
+/// How exact an iteration has to be, in tolerances of a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Accuracy {
+    /// Error that may be left.
+    pub(crate) left: f64,
+    /// A change that does not shrink further is harmless up to this size: it is rounding of the residual.
+    pub(crate) stalled: f64,
+}
+
+/// An iteration under way.
+#[derive(Debug)]
+pub(crate) struct Iteration {
+    accuracy: Accuracy,
+    /// Changes of the last iteration and of the one before.
+    before: [Option<f64>; 2],
+    done: u32,
+    most: u32,
+    contraction: f64,
+}
+
+impl Iteration {
+    /// At most `most` iterations.
+    pub(crate) fn new(accuracy: Accuracy, most: u32) -> Self {
+        Self { accuracy, before: [None; 2], done: 0, most, contraction: 0.0 }
+    }
+
+    /// Iterations so far.
+    pub(crate) fn count(&self) -> u32 {
+        self.done
+    }
+
+    /// The contraction last seen; 0 before the second iteration.
+    pub(crate) fn contraction(&self) -> f64 {
+        self.contraction
+    }
+
+    /// Whether the iteration may stop after a change of norm `size`, `rounding` being that of rounding.
+    ///
+    /// # Errors
+    /// [`Limit::Newton`] where it diverges or is too slow.
+    pub(crate) fn converged(&mut self, size: f64, rounding: f64) -> Result<bool, Limit> {
+        self.done += 1;
+        let before = self.before;
+        self.before = [Some(size), before[0]];
+        if size <= rounding {
+            return Ok(true);
+        }
+        if !size.is_finite() || self.done >= self.most {
+            return Err(Limit::Newton);
+        }
+        let [Some(last), second] = before else { return Ok(false) };
+        self.contraction = second.map_or(size / last, |second| (size / second).sqrt());
+        if self.contraction < 1.0 {
+            let remaining = self.contraction / (1.0 - self.contraction) * size;
+            let reachable = remaining * self.contraction.powi((self.most - self.done) as i32) <= self.accuracy.left;
+            // The first quotient is too poor a witness to give up on.
+            return if reachable || second.is_none() {
+                Ok(remaining <= self.accuracy.left)
+            } else {
+                Err(Limit::Newton)
+            };
+        }
+        match second {
+            Some(_) if size > self.accuracy.stalled => Err(Limit::Newton),
+            Some(_) => Ok(true),
+            None if size > HOPELESS * last => Err(Limit::Newton),
+            None => Ok(false),
+        }
+    }
+}

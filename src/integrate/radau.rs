@@ -1,0 +1,202 @@
+//! Radau IIA with its stages solved together: orders 5 and 9, for stiff systems, the latter at tight tolerances.
+//!
+//! ```text
+//! (1)  X_i = x + h Σ_j a_ij k_j,   k_i = (N(q_i) v_i, a_i),   r(t + c_i h, q_i, v_i, a_i) = 0,   x' = X_s
+//! ```
+//!
+//! with the coefficients of `collocation.rs`. The stages are coupled; `stages.rs` solves them with tangents of real
+//! shifts, each an O(n) sweep.
+//!
+//! **Stability**: L-stable and stiffly accurate, as `sdirk4`. Unlike there every stage is itself of order `s`, so a
+//! strong damper or a stiff spring that moves leaves an error `O(h^s)` and not `O(h)`: tight tolerances stay cheap.
+//!
+//! **Error**: `O(h^{2s})` per step where the step resolves the system.
+//!
+//! **Error estimate**: how far the polynomial of the step misses the rate `k_0` at its start, with the last tangent's
+//! shift `g = h l_ss`,
+//!
+//! ```text
+//! (2)  e = g (k_0 − Σ_i ℓ_i(0) k_i) = O(h^{s+1}),
+//! ```
+//!
+//! filtered (see `filter.rs`). It is the difference to an embedded rule of order `s` (*Solving ODEs II*, IV.8, with `g`
+//! in place of the real eigenvalue), and also of the order of the error between the ends, so a sample is as good as the
+//! tolerance while the ends of steps are better. The last stage of a step is the first rate of the next.
+//!
+//! **Between the ends**: the polynomial itself, error `O(h^{s+1})`.
+//!
+//! **Why this method and not another** (`stillpoint precision` on a stiff chain, at an error of 10⁻⁹): singly diagonal
+//! methods have stage order 1 or 2 and need ten times the steps; the classical solution of (1) by one real and pairs of
+//! complex tangents needs complex sweeps.
+//!
+//! **Quaternions** are stepped as numbers in R⁴ and normalised after the step.
+//!
+//! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.5, IV.8.
+
+use crate::integrate::{
+    collocation::Collocation,
+    control::{Controller, Trial},
+    error::{Limit, StepError},
+    filter::{End, filter},
+    implicit::{self, Implicit},
+    iteration::Accuracy,
+    norm::{ErrorNorm, Measured},
+    options::{Options, Start},
+    problem::ImplicitProblem,
+    progress::Progress,
+    rates::{settle, state_rate},
+    stages::Stages,
+    start::first_step,
+    stepper::Stepper,
+};
+
+/// Part of the tolerance that the iteration of the stages may leave. A larger one spoils the prediction of the next
+/// stages and saves nothing.
+/// At tolerances close to rounding it may stall earlier.
+const ACCURACY: Accuracy = Accuracy { left: 0.003, stalled: 0.1 };
+/// A step that would grow by less is kept, and with it the tangents.
+const HOLD_BELOW: f64 = 1.2;
+const ADVICE: &str = "shorten the step, or let the method choose it";
+
+/// Radau IIA of 3 or 5 stages: order 5 or 9, L-stable, adaptive.
+#[derive(Debug)]
+pub struct Radau {
+    progress: Progress,
+    control: Controller,
+    norm: ErrorNorm,
+    stages: Stages,
+    /// `ℓ_i(0)`.
+    at_start: Vec<f64>,
+    /// `k_0`: `(N(q) v, a)` at the start of the step.
+    rate: Vec<f64>,
+    /// State at the end of the step tried.
+    next: Vec<f64>,
+    error: Vec<f64>,
+    /// A state, an acceleration and a right side for the filter.
+    displaced: Vec<f64>,
+    acceleration: Vec<f64>,
+    filtered: Vec<f64>,
+}
+
+impl Radau {
+    /// Starts a run of order 5; the first step is the `step` of the options or chosen from the system.
+    ///
+    /// # Errors
+    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    pub fn order_5<P: ImplicitProblem>(
+        problem: &mut P,
+        options: &Options,
+        start: Start<'_>,
+    ) -> Result<Self, StepError> {
+        Self::new(problem, 3, options, start)
+    }
+
+    /// Starts a run of order 9.
+    ///
+    /// # Errors
+    /// As [`Radau::order_5`].
+    pub fn order_9<P: ImplicitProblem>(
+        problem: &mut P,
+        options: &Options,
+        start: Start<'_>,
+    ) -> Result<Self, StepError> {
+        Self::new(problem, 5, options, start)
+    }
+
+    fn new<P: ImplicitProblem>(
+        problem: &mut P,
+        stages: usize,
+        options: &Options,
+        start: Start<'_>,
+    ) -> Result<Self, StepError> {
+        options.validate()?;
+        let mut progress = Progress::new(problem, start)?;
+        progress.dense.with_terms(stages + 1);
+        let norm = ErrorNorm::new(problem, options.relative, options.absolute);
+        let mut rate = vec![0.0; progress.state.len()];
+        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
+            .map_err(|limit| progress.cannot_start(limit))?;
+        let estimate_order = stages as u8 + 1;
+        let step = match options.step {
+            Some(step) => step,
+            None => first_step(problem, &norm, &mut progress, &rate, estimate_order),
+        };
+        let method = Collocation::radau(stages);
+        let acceleration = rate[progress.position_count..].to_vec();
+        Ok(Self {
+            control: Controller::new(options, estimate_order, step, &progress, ADVICE).holding_below(HOLD_BELOW),
+            at_start: (0..stages).map(|j| method.lagrange(j, 0.0)).collect(),
+            stages: Stages::new(problem, method, ACCURACY),
+            next: rate.clone(),
+            error: rate.clone(),
+            displaced: rate.clone(),
+            filtered: acceleration.clone(),
+            acceleration,
+            rate,
+            norm,
+            progress,
+        })
+    }
+
+    /// The norm of (2), filtered.
+    fn estimate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+        let Progress { state, position_count, statistics, .. } = &mut self.progress;
+        let last = self.at_start.len() - 1;
+        let step = trial.step * self.stages.method.lower[last][last];
+        self.error.copy_from_slice(&self.rate);
+        for (weight, rate) in self.at_start.iter().zip(&self.stages.rates) {
+            self.error.iter_mut().zip(rate).for_each(|(error, rate)| *error -= weight * rate);
+        }
+        self.error.iter_mut().for_each(|error| *error *= step);
+        self.acceleration.copy_from_slice(&self.stages.rates[last][*position_count..]);
+        let end = End { slot: last, time: trial.time, step, state: &self.next };
+        let scratch = (&mut self.displaced[..], &mut self.acceleration[..]);
+        filter(problem, end, &mut self.error, scratch, &mut self.filtered, statistics)?;
+        Ok(self.norm.measure(&self.error, state, &self.next))
+    }
+}
+
+impl<P: ImplicitProblem> Implicit<P> for Radau {
+    fn parts(&mut self) -> (&mut Progress, &mut Controller) {
+        (&mut self.progress, &mut self.control)
+    }
+
+    fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+        let Progress { time, state, statistics, .. } = &mut self.progress;
+        let start = (*time, &state[..], &self.rate[..]);
+        self.stages.solve(problem, &self.norm, start, trial.step, statistics)?;
+        self.next.copy_from_slice(&self.stages.states[self.at_start.len() - 1]);
+        if self.control.is_fixed() {
+            return Ok(Measured { value: 0.0, worst: 0 });
+        }
+        self.estimate(problem, trial)
+    }
+
+    fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
+        let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
+        if settle(problem, trial.time, &mut self.next, *position_count)? {
+            state_rate(problem, trial.time, &self.next, &mut self.rate, statistics)?;
+        } else {
+            self.rate.copy_from_slice(&self.stages.rates[self.at_start.len() - 1]);
+        }
+        dense.nested(trial.step, [state, &self.next], &self.stages.method.nested, &self.stages.rates);
+        self.control.accept(trial, error, statistics.steps == 0);
+        self.stages.advance(trial.step);
+        self.progress.advance(trial.time, &mut self.next);
+        Ok(())
+    }
+
+    fn discard_old(&mut self) -> bool {
+        self.stages.discard_old()
+    }
+}
+
+impl<P: ImplicitProblem> Stepper<P> for Radau {
+    fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
+        implicit::step(self, problem)
+    }
+
+    fn progress(&self) -> &Progress {
+        &self.progress
+    }
+}

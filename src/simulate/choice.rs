@@ -1,0 +1,89 @@
+//! Which method steps, where the user leaves that to the program.
+//!
+//! | | tolerance above | below |
+//! |---|---|---|
+//! | explicit | `dopri5` | `dop853` from 10⁻⁵ on |
+//! | implicit | `sdirk4` | `radau9` from 10⁻⁷ on |
+//!
+//! A run from an equilibrium starts with the implicit method: what rests has only its fastest vibrations left, and a
+//! method that need not follow them takes long steps. A run from a given state starts with the explicit one.
+//!
+//! **From explicit to implicit** where the step is held by stability (`explicit.rs`).
+//!
+//! **Back** where the implicit method takes steps so short that the explicit one would be stable with the same: every
+//! [`REVIEW`] steps the fastest rate `ρ` of the system is looked up (`stiffness.rs`), and `h ρ < 1` decides. A scene
+//! that switches more often than [`MOST_SWITCHES`] times stays implicit.
+
+use super::problem::Motion;
+use super::settings::{Integrator, Settings, Start};
+use super::stiffness::fastest;
+use crate::integrate::{Method, Stepper};
+
+/// Steps between two looks at the fastest rate: its cost, two dozen accelerations, is then below one per step.
+const REVIEW: u64 = 64;
+const MOST_SWITCHES: usize = 8;
+/// From this tolerance on the method of higher order is the faster one (`stillpoint precision` on the five-link pendulum and
+/// on the stiff chain).
+const HIGH_ORDER: f64 = 1e-5;
+const HIGH_ORDER_STIFF: f64 = 1e-7;
+
+/// The method at work and how it came to that.
+#[derive(Debug)]
+pub(super) struct Choice {
+    auto: bool,
+    explicit: Method,
+    implicit: Method,
+    pub(super) method: Method,
+    switches: usize,
+    reviewed: u64,
+    said: String,
+}
+
+impl Choice {
+    pub(super) fn new(settings: &Settings) -> Self {
+        let explicit = if settings.tolerance <= HIGH_ORDER { Method::Dop853 } else { Method::Dopri5 };
+        let implicit = if settings.tolerance <= HIGH_ORDER_STIFF { Method::Radau9 } else { Method::Sdirk4 };
+        let (method, said) = match (settings.integrator, settings.start) {
+            (Integrator::Method(method), _) => (method, String::new()),
+            (Integrator::Auto, Start::Equilibrium) => {
+                (implicit, format!("{}, the run starts at rest", implicit.name()))
+            }
+            (Integrator::Auto, Start::Given) => (explicit, format!("{}, no stiffness was met", explicit.name())),
+        };
+        let auto = settings.integrator == Integrator::Auto;
+        Self { auto, explicit, implicit, method, switches: 0, reviewed: 0, said }
+    }
+
+    /// What was chosen and why; `None` where the user did.
+    pub(super) fn said(&self) -> Option<String> {
+        self.auto.then(|| format!("auto: {}", self.said))
+    }
+
+    /// Looks at the last step; true where another method goes on from here.
+    pub(super) fn review<'m>(&mut self, motion: &mut Motion<'m>, stepper: &dyn Stepper<Motion<'m>>) -> bool {
+        if !self.auto {
+            return false;
+        }
+        let time = stepper.time();
+        let steps = stepper.statistics().steps;
+        let why = if self.method == self.explicit {
+            stepper.stability_limited().then(|| format!("was held by stability at t = {time:.3e} s"))
+        } else if self.switches < MOST_SWITCHES && steps >= self.reviewed + REVIEW {
+            self.reviewed = steps;
+            let step = time - stepper.previous_time();
+            fastest(motion, time, stepper.position(), stepper.velocity())
+                .filter(|fastest| step * fastest.rate < 1.0)
+                .map(|_| format!("took steps at t = {time:.3e} s that an explicit method can take"))
+        } else {
+            None
+        };
+        let Some(why) = why else { return false };
+        let from = self.method.name();
+        let before = if self.switches == 0 { String::new() } else { format!("{}; ", self.said) };
+        self.method = if self.method == self.explicit { self.implicit } else { self.explicit };
+        self.said = format!("{before}{from} {why}, {} from there", self.method.name());
+        self.switches += 1;
+        self.reviewed = 0;
+        true
+    }
+}

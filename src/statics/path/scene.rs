@@ -1,0 +1,283 @@
+//! A scene as a family: one of its numbers moves.
+
+use super::super::landscape::Landscape;
+use super::super::search::{Place, SHIFT};
+use super::super::stability::{NEUTRAL, count_by_motion, count_by_stiffness};
+use super::curve::{Family, Look, Metric};
+use crate::dynamics::{Fault, Linearization, System};
+use crate::model::description::Description;
+use crate::model::{Joint, Model, Parameter};
+use crate::spatial::rotation::rotation_vector;
+use crate::spatial::{Pose, Wrench};
+use faer::Mat;
+
+/// Half the distance over which `f_λ` is taken, as a part of the range: most numbers enter affinely, and the others bend
+/// little over it.
+const DIFFERENCE: f64 = 1e-4;
+
+/// The scene at every value of its parameter.
+pub(super) struct Moving<'a> {
+    description: Description,
+    parameters: &'a [Parameter],
+    /// The model at the start: its tree is that of all others.
+    model: Model,
+    metric: Metric,
+    /// Shift of the stiffness, as a part of the largest curvature: motions that cost nothing make it singular.
+    shift: f64,
+}
+
+/// Directions at a place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Count {
+    /// That run away.
+    pub unstable: usize,
+    /// That cost nothing.
+    pub neutral: usize,
+    /// In which the stiffness is negative: the same where loads have a potential.
+    pub negative: usize,
+}
+
+/// What is recorded of a place.
+pub(super) struct Record {
+    pub poses: Vec<Pose>,
+    pub reactions: Vec<Wrench>,
+    pub potential: f64,
+}
+
+impl<'a> Moving<'a> {
+    /// The family around an equilibrium at parameter `start`.
+    ///
+    /// # Errors
+    /// Where the scene cannot be built or evaluated there.
+    pub(super) fn new(
+        description: &Description,
+        parameters: &'a [Parameter],
+        start: f64,
+        range: f64,
+        q: &[f64],
+    ) -> Result<Self, String> {
+        let mut description = description.clone();
+        let model = build(&mut description, parameters, start)?;
+        let (inertia, reach) = {
+            let mut system = System::new(&model);
+            let landscape = Landscape::new(&mut system, q).map_err(|fault| fault.to_string())?;
+            let reach = landscape.reach();
+            (landscape.metric, reach)
+        };
+        let metric = Metric { inertia, reach, range };
+        Ok(Self { description, parameters, model, metric, shift: 0.0 })
+    }
+
+    pub(super) fn metric(&self) -> &Metric {
+        &self.metric
+    }
+
+    pub(super) fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// Says that motions cost nothing all along the curve.
+    pub(super) fn set_neutral(&mut self) {
+        self.shift = SHIFT;
+    }
+
+    /// The model at a value of the parameter.
+    ///
+    /// # Errors
+    /// What no model accepts.
+    pub(super) fn at(&mut self, parameter: f64) -> Result<Model, String> {
+        build(&mut self.description, self.parameters, parameter)
+    }
+
+    /// Calls `of` with the landscape at a value of the parameter, and with `q`, locked hinges where that puts them.
+    fn with<T>(
+        &mut self,
+        q: &[f64],
+        parameter: f64,
+        of: impl FnOnce(&mut Landscape<'_, '_>, Vec<f64>) -> Result<T, Fault>,
+    ) -> Result<T, String> {
+        let model = self.at(parameter)?;
+        let mut q = q.to_vec();
+        for body in model.bodies.iter().filter(|body| body.hinge.lock) {
+            let range = body.hinge.position..body.hinge.position + body.hinge.kind.counts().0;
+            q[range.clone()].copy_from_slice(&model.start_position[range]);
+        }
+        let mut system = System::new(&model);
+        let mut landscape = Landscape::new(&mut system, &q).map_err(|fault| fault.to_string())?;
+        landscape.metric.clone_from(&self.metric.inertia);
+        of(&mut landscape, q).map_err(|fault| fault.to_string())
+    }
+
+    /// `∂f/∂λ`.
+    pub(super) fn change(&mut self, q: &[f64], parameter: f64) -> Result<Vec<f64>, String> {
+        let half = DIFFERENCE * self.metric.range;
+        let mut force = |at: f64| self.with(q, at, |landscape, q| landscape.force(&q));
+        // At the end of what a model accepts there is one side only.
+        let (after, before) = (force(parameter + half), force(parameter - half));
+        let (after, before, distance) = match (after, before) {
+            (Ok(after), Ok(before)) => (after, before, 2.0 * half),
+            (Ok(after), Err(_)) => (after, force(parameter)?, half),
+            (Err(_), Ok(before)) => (force(parameter)?, before, half),
+            (Err(reason), Err(_)) => return Err(reason),
+        };
+        Ok(after.iter().zip(&before).map(|(after, before)| (after - before) / distance).collect())
+    }
+
+    /// Whether the parameter is felt: at `q`, or beside it where symmetry hides it.
+    pub(super) fn is_felt(&mut self, q: &[f64], parameter: f64) -> Result<bool, String> {
+        let beside: Vec<f64> =
+            (0..self.metric.inertia.len()).map(|i| 0.1 + 0.05 * (i as f64 * 1.618_033_988_75).fract()).collect();
+        for q in [q.to_vec(), self.moved(q, &beside)] {
+            let place = self.with(&q, parameter, Place::at)?;
+            let change = self.change(&q, parameter)?;
+            let felt = |(change, noise): (&f64, &f64)| change.abs() * self.metric.range > 1e3 * noise;
+            if change.iter().zip(&place.scales.noise).any(felt) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    pub(super) fn place(&mut self, q: &[f64], parameter: f64) -> Result<Place, String> {
+        self.with(q, parameter, Place::at)
+    }
+
+    /// Counts directions at a solution.
+    pub(super) fn count(&mut self, place: &Place, parameter: f64) -> Result<Count, String> {
+        let magnitude = &place.scales.stiffness;
+        self.with(&place.q, parameter, |landscape, q| {
+            if !landscape.conservative {
+                let linear = free_part(landscape, &q)?;
+                let (unstable, neutral) = count_by_motion(&linear);
+                return Ok(Count { unstable, neutral, negative: negative_real(&linear.stiffness, magnitude) });
+            }
+            landscape.look(&q)?;
+            let shifted = |part: f64| magnitude.iter().map(|k| part * k).collect::<Vec<f64>>();
+            let by_pivots = landscape
+                .negatives(&shifted(NEUTRAL))
+                .and_then(|unstable| Some((unstable, landscape.negatives(&shifted(-NEUTRAL))?)));
+            let (unstable, neutral) = match by_pivots {
+                Some((unstable, with_neutral)) => (unstable, with_neutral.saturating_sub(unstable)),
+                None => count_by_stiffness(&landscape.dense_stiffness(&q)?, magnitude),
+            };
+            Ok(Count { unstable, neutral, negative: unstable })
+        })
+    }
+
+    /// The direction that costs least at a place, of unit size, by inverse iteration from `first`.
+    pub(super) fn softest(&mut self, q: &[f64], parameter: f64, first: Vec<f64>) -> Option<Vec<f64>> {
+        let inertia = self.metric.inertia.clone();
+        self.with(q, parameter, |landscape, q| {
+            landscape.look(&q)?;
+            let mut x = first;
+            for _ in 0..4 {
+                let rhs: Vec<f64> = x.iter().zip(&inertia).map(|(x, b)| b * x).collect();
+                let Some(image) = landscape.solved_nearby(&q, &rhs)? else { return Ok(None) };
+                let size = landscape.size(&image);
+                x = image.iter().map(|x| x / size).collect();
+            }
+            Ok(Some(x))
+        })
+        .ok()?
+        .filter(|x| x.iter().all(|x| x.is_finite()))
+    }
+
+    /// The stiffness seen along `b` where everything else gives way, `1 / bᵀBK⁻¹Bb`: near a place where one direction
+    /// costs nothing, the stiffness of that direction.
+    pub(super) fn stiffness_along(&mut self, q: &[f64], parameter: f64, b: &[f64]) -> Option<f64> {
+        let rhs: Vec<f64> = b.iter().zip(&self.metric.inertia).map(|(b, m)| b * m).collect();
+        let shift = self.shift;
+        self.with(q, parameter, |landscape, q| {
+            landscape.look(&q)?;
+            let place = Place::at(landscape, q)?;
+            Ok(landscape.newton_shifted(&rhs, &landscape.shift(&place, shift)))
+        })
+        .ok()?
+        .map(|image| 1.0 / image.iter().zip(&rhs).map(|(x, b)| x * b).sum::<f64>())
+    }
+
+    pub(super) fn record(&mut self, q: &[f64], parameter: f64) -> Result<Record, String> {
+        self.with(q, parameter, |landscape, q| {
+            let potential = landscape.potential(&q);
+            landscape.force(&q)?;
+            let (mut poses, mut reactions) = (Vec::new(), Vec::new());
+            landscape.system().poses(&mut poses);
+            landscape.system().reactions(&mut reactions);
+            Ok(Record { poses, reactions, potential })
+        })
+    }
+
+    /// How two positions differ, in free velocity coordinates.
+    pub(super) fn apart(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        let model = &self.model;
+        let mut all = vec![0.0; model.velocity_count()];
+        for link in &model.links {
+            let (at, first) = (link.position, link.velocity);
+            match link.joint {
+                Joint::None => {}
+                Joint::Turn | Joint::Slide { .. } => all[first] = to[at] - from[at],
+                Joint::Ball { .. } => {
+                    let unit = crate::motion::unit_quaternion;
+                    let turn = rotation_vector(&(unit(&from[at..at + 4]).inverse() * unit(&to[at..at + 4])));
+                    all[first..first + 3].copy_from_slice(turn.as_slice());
+                }
+            }
+        }
+        (0..all.len()).filter(|i| !model.coordinates[*i].lock).map(|i| all[i]).collect()
+    }
+}
+
+impl Family for Moving<'_> {
+    fn look(&mut self, q: &[f64], parameter: f64) -> Result<Look, String> {
+        let change = self.change(q, parameter)?;
+        let shift = self.shift;
+        self.with(q, parameter, |landscape, q| {
+            let place = Place::at(landscape, q)?;
+            landscape.look(&place.q)?;
+            let mut newton = landscape.newton_shifted(&place.force, &landscape.shift(&place, shift));
+            if newton.is_none() && shift == 0.0 {
+                newton = landscape.newton_shifted(&place.force, &landscape.shift(&place, SHIFT));
+            }
+            let newton = newton.unwrap_or_else(|| vec![f64::NAN; change.len()]);
+            let slope = landscape.solve(&change);
+            Ok(Look { place, newton, slope })
+        })
+    }
+
+    fn moved(&mut self, q: &[f64], x: &[f64]) -> Vec<f64> {
+        let mut full = vec![0.0; self.model.velocity_count()];
+        let free = (0..full.len()).filter(|i| !self.model.coordinates[*i].lock).collect::<Vec<_>>();
+        for (i, x) in free.into_iter().zip(x) {
+            full[i] = *x;
+        }
+        let mut moved = q.to_vec();
+        System::displace(&self.model, &mut moved, &full);
+        moved
+    }
+}
+
+fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Model, String> {
+    parameters.iter().for_each(|one| one.set(description, value));
+    Model::build(description)
+        .map_err(|problems| problems.first().map_or_else(String::new, |problem| problem.message.clone()))
+}
+
+/// Mass, damping and stiffness of the free coordinates.
+fn free_part(landscape: &mut Landscape<'_, '_>, q: &[f64]) -> Result<Linearization, Fault> {
+    let free = landscape.free.clone();
+    let rest = vec![0.0; landscape.model().velocity_count()];
+    let full = landscape.system().linearize(q, &rest, &rest)?;
+    let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
+    Ok(Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) })
+}
+
+/// Real eigenvalues of a stiffness without a potential that are negative: one changes its sign where the balance turns
+/// singular.
+fn negative_real(stiffness: &Mat<f64>, magnitude: &[f64]) -> usize {
+    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
+    let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest };
+    let n = magnitude.len();
+    let scaled = Mat::from_fn(n, n, |i, j| stiffness[(i, j)] / (size(i) * size(j)).sqrt());
+    let values: Vec<faer::c64> = scaled.eigenvalues().unwrap_or_default();
+    values.iter().filter(|x| x.re < -NEUTRAL && x.im.abs() <= NEUTRAL * x.re.abs()).count()
+}

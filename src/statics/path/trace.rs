@@ -1,0 +1,387 @@
+//! One branch, point by point.
+
+use super::curve::{Curve, Direction, Family, Point};
+use super::scene::{Count, Moving};
+use super::{Branch, End, Event, EventKind, PathPoint, Settings};
+use crate::statics::stability::Verdict;
+
+/// A step is given up below this part of the largest one.
+const SMALLEST: f64 = 1e-6;
+/// Bodies that are named at an event.
+const MOST_CARRIERS: usize = 5;
+/// How far branches are looked for beside a bifurcation, in largest steps.
+const BESIDE: [f64; 4] = [1.0, 2.5, 0.5, 0.2];
+
+/// What follows branches.
+pub(super) struct Tracer<'a> {
+    moving: Moving<'a>,
+    settings: &'a Settings,
+}
+
+/// Where a branch begins.
+pub(super) struct Seed {
+    point: Point,
+    parent: Option<(usize, usize)>,
+}
+
+/// A point on the way between two others, by arclength from the first.
+struct Between {
+    s: f64,
+    point: Point,
+    event: Option<Event>,
+    wanted: bool,
+}
+
+impl<'a> Tracer<'a> {
+    pub(super) fn new(moving: Moving<'a>, settings: &'a Settings) -> Self {
+        Self { moving, settings }
+    }
+
+    fn curve(&mut self) -> Curve<'_> {
+        let metric = self.moving.metric().clone();
+        Curve::new(&mut self.moving, metric)
+    }
+
+    /// The equilibrium at `from`, on its way to `to`.
+    pub(super) fn first(&mut self, q: &[f64]) -> Result<Seed, String> {
+        let (from, to) = (self.settings.from, self.settings.to);
+        let still = vec![0.0; self.moving.metric().inertia.len()];
+        let towards = Direction { x: still, parameter: to - from };
+        let mut curve = self.curve();
+        let point = curve.correct(q.to_vec(), from, &towards).ok_or(curve.reason)?;
+        Ok(Seed { point, parent: None })
+    }
+
+    /// Whether a seed lies on a branch that was followed already.
+    pub(super) fn is_on(&self, seed: &Seed, branch: &Branch) -> bool {
+        let Some(_) = seed.parent else { return false };
+        let near = 0.6 * self.settings.step;
+        let distance = |point: &PathPoint| {
+            let x = self.moving.apart(&seed.point.place.q, &point.position);
+            let apart = Direction { x, parameter: point.parameter - seed.point.parameter };
+            self.moving.metric().dot(&apart, &apart).sqrt()
+        };
+        branch.points.iter().any(|point| distance(point) < near)
+    }
+
+    /// Follows a branch from its seed to its end.
+    pub(super) fn trace(&mut self, seed: Seed, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Branch, String> {
+        let parent = seed.parent;
+        let first = seed.point;
+        let mut count = self.moving.count(&first.place, first.parameter)?;
+        let mut branch = Branch { parent, points: Vec::new(), end: End::Points };
+        let wanted = self.settings.at.contains(&first.parameter);
+        self.push(&mut branch, &first, count, 0.0, None, wanted)?;
+        let (mut here, mut arclength, mut step) = (first.clone(), 0.0, 0.25 * self.settings.step);
+        while branch.points.len() < self.settings.points {
+            let stepped = self.curve_step(&here, step);
+            let next = match stepped {
+                Ok(next) => next,
+                Err(reason) => {
+                    step *= 0.4;
+                    if step < SMALLEST * self.settings.step {
+                        branch.end = End::Lost(reason);
+                        break;
+                    }
+                    continue;
+                }
+            };
+            let next_count = self.moving.count(&next.place, next.parameter)?;
+            let mut between = self.events(&here, &next, step, [count, next_count]);
+            let leaves = self.marks(&here, &next, step, &mut between);
+            between.sort_by(|a, b| a.s.total_cmp(&b.s));
+            for one in between {
+                let count = match one.event {
+                    Some(_) => Count { neutral: 1, unstable: count.unstable.min(next_count.unstable), ..count },
+                    None => self.moving.count(&one.point.place, one.point.parameter)?,
+                };
+                self.push(&mut branch, &one.point, count, arclength + one.s, one.event, one.wanted)?;
+            }
+            if leaves {
+                let reached = branch.points.last().is_some_and(|last| self.ends_range(last.parameter));
+                let lost = || End::Lost("the end of the range cannot be met".to_owned());
+                branch.end = if reached { End::Range } else { lost() };
+                break;
+            }
+            arclength += step;
+            self.push(&mut branch, &next, next_count, arclength, None, false)?;
+            if arclength > 8.0 * self.settings.step && self.is_back(&first, &next, step) {
+                branch.end = End::Closed;
+                break;
+            }
+            let factor = [2.0, 2.0, 1.6, 1.2, 1.0].get(next.iterations).copied().unwrap_or(0.6);
+            step = (step * factor).min(self.settings.step);
+            (here, count) = (next, next_count);
+            if !go_on(here.parameter) {
+                branch.end = End::Lost("stopped from outside".to_owned());
+                break;
+            }
+        }
+        Ok(branch)
+    }
+
+    /// Whether a value of the parameter is an end of its range.
+    fn ends_range(&self, parameter: f64) -> bool {
+        let near = 1e-9 * self.moving.metric().range;
+        [self.settings.from, self.settings.to].iter().any(|end| (end - parameter).abs() <= near)
+    }
+
+    fn curve_step(&mut self, from: &Point, step: f64) -> Result<Point, String> {
+        let mut curve = self.curve();
+        curve.step(from, step).ok_or(curve.reason)
+    }
+
+    /// Whether the branch has come back to where it began.
+    fn is_back(&self, first: &Point, now: &Point, step: f64) -> bool {
+        let x = self.moving.apart(&first.place.q, &now.place.q);
+        let apart = Direction { x, parameter: now.parameter - first.parameter };
+        let metric = self.moving.metric();
+        metric.dot(&apart, &apart).sqrt() < 0.75 * step && metric.dot(&first.ahead, &now.ahead) > 0.9
+    }
+
+    /// Folds, bifurcations and flutter between two points.
+    fn events(&mut self, a: &Point, b: &Point, step: f64, counts: [Count; 2]) -> Vec<Between> {
+        let mut found = Vec::new();
+        let [before, after] = counts;
+        let changes = before.negative.abs_diff(after.negative);
+        let turns = a.ahead.parameter * b.ahead.parameter < 0.0;
+        let mut others = changes;
+        if turns {
+            let ends = [(0.0, a.ahead.parameter), (step, b.ahead.parameter)];
+            let small = 1e-12 * self.settings.step * self.moving.metric().range;
+            let located = self.curve().root(a, ends, small, &mut |_, point| Some(point.ahead.parameter));
+            others = changes.saturating_sub(1);
+            if let Some((s, point)) = located {
+                // A branch that is a mirror image of itself turns in a bifurcation: no direction changes sides.
+                let kind = if changes == 0 { EventKind::Bifurcation } else { EventKind::Fold };
+                found.push(self.event(s, point, kind, 1));
+            }
+        }
+        if others > 0 && !turns {
+            let located = self.singular(a, step, [before, after]);
+            found.extend(located.map(|(s, point)| self.event(s, point, EventKind::Bifurcation, others)));
+        }
+        if changes == 0 && before.unstable != after.unstable {
+            let located = self.by_count(a, step, before, |count| count.unstable);
+            let directions = before.unstable.abs_diff(after.unstable);
+            found.extend(located.map(|(s, point)| self.event(s, point, EventKind::Flutter, directions)));
+        }
+        found
+    }
+
+    fn event(&mut self, s: f64, point: Point, kind: EventKind, directions: usize) -> Between {
+        let carriers = match kind {
+            EventKind::Fold => self.carriers(&point.ahead.x.clone()),
+            _ => self.null(&point).map_or(Vec::new(), |x| self.carriers(&x)),
+        };
+        Between { s, point, event: Some(Event { kind, directions, carriers }), wanted: false }
+    }
+
+    /// The place where a number of directions changes, by halving.
+    fn by_count(&mut self, a: &Point, step: f64, before: Count, of: impl Fn(&Count) -> usize) -> Option<(f64, Point)> {
+        let (mut low, mut high, mut best) = (0.0, step, None);
+        for _ in 0..46 {
+            let s = 0.5 * (low + high);
+            let point = self.curve().ahead(a, s)?;
+            let count = self.moving.count(&point.place, point.parameter).ok()?;
+            if of(&count) == of(&before) {
+                low = s;
+            } else {
+                high = s;
+            }
+            best = Some((s, point));
+        }
+        best
+    }
+
+    /// The place where the stiffness of one direction passes zero: first by halving, then by its root.
+    fn singular(&mut self, a: &Point, step: f64, counts: [Count; 2]) -> Option<(f64, Point)> {
+        let (mut low, mut high) = (0.0, step);
+        for _ in 0..5 {
+            let s = 0.5 * (low + high);
+            let point = self.curve().ahead(a, s)?;
+            let count = self.moving.count(&point.place, point.parameter).ok()?;
+            if count.negative == counts[0].negative { low = s } else { high = s }
+        }
+        let near = self.curve().ahead(a, 0.5 * (low + high))?;
+        let single = counts[0].negative.abs_diff(counts[1].negative) == 1;
+        let along = if single { self.null(&near) } else { None };
+        let by_root = along.and_then(|b| {
+            let value = |tracer: &mut Self, s: f64| {
+                let point = tracer.curve().ahead(a, s)?;
+                tracer.moving.stiffness_along(&point.place.q, point.parameter, &b)
+            };
+            let ends = [(low, value(self, low)?), (high, value(self, high)?)];
+            (ends[0].1 * ends[1].1 < 0.0).then_some(())?;
+            self.root_of(a, ends, &b)
+        });
+        by_root.or_else(|| self.by_count(a, step, counts[0], |count| count.negative))
+    }
+
+    /// The root of the stiffness along `b`, by the Illinois rule.
+    fn root_of(&mut self, a: &Point, ends: [(f64, f64); 2], b: &[f64]) -> Option<(f64, Point)> {
+        let [mut low, mut high] = ends;
+        let size = low.1.abs().max(high.1.abs());
+        let mut best = None;
+        for _ in 0..40 {
+            let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let point = self.curve().ahead(a, s)?;
+            // A stiffness that cannot be solved with is the zero that is looked for.
+            let value = self.moving.stiffness_along(&point.place.q, point.parameter, b).unwrap_or(0.0);
+            best = Some((s, point));
+            if value.abs() < 1e-13 * size || (high.0 - low.0).abs() < 1e-14 * self.settings.step {
+                break;
+            }
+            if value.signum() == high.1.signum() {
+                high = (s, value);
+                low.1 *= 0.5;
+            } else {
+                low = high;
+                high = (s, value);
+            }
+        }
+        best
+    }
+
+    /// The direction that costs nothing at a singular point.
+    fn null(&mut self, point: &Point) -> Option<Vec<f64>> {
+        let inertia = &self.moving.metric().inertia;
+        let part = |(i, b): (usize, &f64)| (0.5 + (i as f64 * 1.618_033_988_75).fract()) / b.sqrt();
+        let first = inertia.iter().enumerate().map(part).collect();
+        self.moving.softest(&point.place.q, point.parameter, first)
+    }
+
+    /// Bodies whose hinges carry a direction, most of it first.
+    fn carriers(&self, x: &[f64]) -> Vec<String> {
+        let model = self.moving.model();
+        let free = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock);
+        let mut parts: Vec<(usize, f64)> = Vec::new();
+        for ((at, x), b) in free.zip(x).zip(&self.moving.metric().inertia) {
+            let body = model.coordinates[at].body;
+            match parts.last_mut() {
+                Some((last, sum)) if *last == body => *sum += b * x * x,
+                _ => parts.push((body, b * x * x)),
+            }
+        }
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let least = 0.05 * parts.iter().map(|(_, part)| part).sum::<f64>();
+        parts
+            .iter()
+            .take_while(|(_, part)| *part > least)
+            .take(MOST_CARRIERS)
+            .map(|(body, _)| model.bodies[*body].name.clone())
+            .collect()
+    }
+
+    /// Wanted values of the parameter between two points, and its range: whether the branch leaves it. What comes after
+    /// is dropped.
+    fn marks(&mut self, a: &Point, b: &Point, step: f64, between: &mut Vec<Between>) -> bool {
+        let (low, high) = (self.settings.from.min(self.settings.to), self.settings.from.max(self.settings.to));
+        // Between events the parameter goes one way.
+        let mut stops: Vec<(f64, f64)> = vec![(0.0, a.parameter)];
+        stops.extend(between.iter().map(|one| (one.s, one.point.parameter)));
+        stops.push((step, b.parameter));
+        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let slack = 1e-12 * (high - low);
+        for pair in stops.windows(2) {
+            let (start, end) = (pair[0], pair[1]);
+            let inside = |value: f64| (start.1 < value) != (end.1 < value) && start.1 != value;
+            let outside = end.1 > high + slack || end.1 < low - slack;
+            let bound = if end.1 > high { high } else { low };
+            let values = self.settings.at.clone().into_iter().filter(|at| inside(*at) && (low..=high).contains(at));
+            let ends = outside.then_some(bound);
+            for (value, wanted) in values.map(|at| (at, true)).chain(ends.map(|bound| (bound, false))) {
+                if ends == Some(value) && wanted {
+                    continue;
+                }
+                let located = self.landing(a, [start, end], value);
+                let wanted = self.settings.at.contains(&value);
+                between.extend(located.map(|(s, point)| Between { s, point, event: None, wanted }));
+            }
+            if outside {
+                between.retain(|one| one.s <= end.0);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The point of the curve at exactly this value of the parameter.
+    fn landing(&mut self, a: &Point, ends: [(f64, f64); 2], value: f64) -> Option<(f64, Point)> {
+        let [low, high] = ends.map(|(s, parameter)| (s, parameter - value));
+        let small = 1e-13 * self.moving.metric().range;
+        let mut curve = self.curve();
+        let (s, point) = curve.root(a, [low, high], small, &mut |_, point| Some(point.parameter - value))?;
+        // Exactly there: across the parameter.
+        let still = vec![0.0; point.ahead.x.len()];
+        let across = Direction { x: still, parameter: 1.0 };
+        let exact = curve.correct(point.place.q.clone(), value, &across);
+        let turned = exact.map(|exact| Point { ahead: point.ahead.clone(), ..exact });
+        Some((s, turned.unwrap_or(point)))
+    }
+
+    fn push(
+        &mut self,
+        branch: &mut Branch,
+        point: &Point,
+        count: Count,
+        arclength: f64,
+        event: Option<Event>,
+        wanted: bool,
+    ) -> Result<(), String> {
+        let record = self.moving.record(&point.place.q, point.parameter)?;
+        let verdict = match (count.unstable, count.neutral) {
+            (0, 0) => Verdict::Stable,
+            (0, _) => Verdict::Neutral,
+            _ => Verdict::Unstable,
+        };
+        branch.points.push(PathPoint {
+            parameter: point.parameter,
+            arclength,
+            position: point.place.q.clone(),
+            poses: record.poses,
+            reactions: record.reactions,
+            potential: record.potential,
+            relative_residual: point.place.residual().0,
+            verdict,
+            unstable_directions: count.unstable,
+            wanted,
+            event,
+        });
+        Ok(())
+    }
+}
+
+/// Where other branches leave the bifurcations of a branch.
+pub(super) fn seeds(tracer: &mut Tracer<'_>, branch: &Branch, index: usize, notes: &mut Vec<String>) -> Vec<Seed> {
+    let mut found = Vec::new();
+    for (at, point) in branch.points.iter().enumerate() {
+        let Some(event) = point.event.as_ref().filter(|event| event.kind == EventKind::Bifurcation) else { continue };
+        if event.directions > 1 {
+            let value = crate::model::problem::number(point.parameter);
+            notes.push(format!(
+                "{} directions cost nothing at once at {value}: the branches that leave there are not followed",
+                event.directions
+            ));
+            continue;
+        }
+        let Ok(place) = tracer.moving.place(&point.position, point.parameter) else { continue };
+        let still = vec![0.0; tracer.moving.metric().inertia.len()];
+        let ahead = Direction { x: still, parameter: 1.0 };
+        let base = Point { place, parameter: point.parameter, ahead, iterations: 0 };
+        let Some(null) = tracer.null(&base) else { continue };
+        let across = Direction { x: null, parameter: 0.0 };
+        let Some(across) = tracer.moving.metric().unit(&across) else { continue };
+        for sign in [1.0, -1.0] {
+            let normal = Direction { x: across.x.iter().map(|x| sign * x).collect(), parameter: 0.0 };
+            let beside = BESIDE.iter().find_map(|part| {
+                let size = part * tracer.settings.step;
+                let x: Vec<f64> = normal.x.iter().map(|x| size * x).collect();
+                let q = tracer.moving.moved(&base.place.q, &x);
+                tracer.curve().correct(q, base.parameter, &normal)
+            });
+            found.extend(beside.map(|point| Seed { point, parent: Some((index, at)) }));
+        }
+    }
+    found
+}

@@ -1,0 +1,63 @@
+//! `statics` of a file with `[statics.path]`: the table, the plot, the recording and the keys.
+
+use super::{Bench, shipped};
+use stillpoint::record::Recording;
+
+#[test]
+fn a_path_is_written_as_table_plot_and_recording() {
+    let bench = Bench::new();
+    let answer = bench.call(&["statics", &shipped("snap_through"), "--json", "--out", "arch"]).code(0);
+    assert_eq!(bench.names(), ["arch.path.csv", "arch.path.mcap", "arch.path.svg"]);
+    let found = answer.json();
+    let path = &found["path"];
+    assert_eq!((&found["converged"], &path["complete"], &path["unit"]), (&true.into(), &true.into(), &"N".into()));
+    let kinds: Vec<&str> =
+        path["events"].as_array().expect("events").iter().filter_map(|event| event["event"]["kind"].as_str()).collect();
+    assert_eq!(kinds, ["fold", "fold"]);
+    let points = path["branches"][0]["points"].as_array().expect("points");
+    assert_eq!(points.iter().filter(|point| point["wanted"] == true).count(), 3);
+
+    let read = |name: &str| std::fs::read_to_string(bench.path().join(name)).expect("a file");
+    let table = read("arch.path.csv");
+    let mut lines = table.lines();
+    let head: Vec<&str> = lines.next().expect("a head").split(',').collect();
+    assert_eq!((head[3], head[head.len() - 1]), ("parameter", "joint distance (m)"));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), points.len());
+    for (row, point) in rows.iter().zip(points) {
+        assert_eq!(row.len(), head.len());
+        let (written, said) =
+            (row[3].parse::<f64>().expect("a number"), point["parameter"].as_f64().expect("a number"));
+        // The reader of JSON rounds in its own way.
+        assert!((written - said).abs() <= f64::EPSILON * said.abs(), "all digits: {written} {said}");
+    }
+    assert!(rows.iter().any(|row| row[4] == "unstable") && rows.iter().filter(|row| row[6] == "fold").count() == 2);
+
+    let plot = read("arch.path.svg");
+    for text in ["push.force[2] (N)", "joint distance (m)", "unstable", "fold"] {
+        assert!(plot.contains(text), "no `{text}` in the plot");
+    }
+    // Arclength stands for time, and the joint is where the table has it.
+    let recording = Recording::open(&bench.path().join("arch.path.mcap")).expect("a recording");
+    let samples: Vec<_> = recording.samples().expect("samples").map(|sample| sample.expect("a sample")).collect();
+    assert_eq!(samples.len(), rows.len());
+    for (sample, row) in samples.iter().zip(&rows) {
+        let height: f64 = row[head.len() - 1].parse().expect("a number");
+        assert_eq!((sample.positions[0], sample.bodies[0].translation.z), (height, height));
+    }
+}
+
+#[test]
+fn a_path_over_what_does_not_exist_is_a_wrong_call_and_one_without_a_start_answers_no() {
+    let bench = Bench::new();
+    let arch = shipped("snap_through");
+    let answer = bench.call(&["statics", &arch, "--set", "statics.path.parameter=push.forse[2]"]).code(2);
+    assert!(answer.err.contains("did you mean `force`"), "{}", answer.err);
+    let pendulum = shipped("pendulum");
+    let path = "statics.path={ parameter = \"rod.force\", from = 1e3, to = 0 }";
+    let answer = bench.call(&["statics", &pendulum, "--json", "--set", path]).code(1);
+    let found = answer.json();
+    assert_eq!(found["path"]["complete"], false);
+    assert!(found["path"]["notes"][0].as_str().expect("a note").contains("no equilibrium at `rod.force` = 1000"));
+    assert!(bench.names().is_empty(), "nothing to write");
+}
