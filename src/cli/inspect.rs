@@ -31,6 +31,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     system
         .accelerations(q, v, &mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
+    let forces: Vec<(String, f64)> = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
     let energies = system.energies(q, v);
     let assembly = constraint::assemble(&mut model.clone())
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
@@ -42,6 +43,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "loops": model.loops.len(),
             "redundant": json::redundant(&assembly),
             "gap": assembly.gap,
+            "drives": json::drives(&forces),
             "total_mass": model.total_mass(),
             "center_of_mass": [center.x, center.y, center.z],
             "kinetic_energy": energies.kinetic,

@@ -29,6 +29,11 @@ pub(super) fn redundant(assembly: &Assembly) -> Value {
     Value::Array(assembly.redundant.iter().map(one).collect())
 }
 
+/// What every drive pushes, by its name (N or N m).
+pub(super) fn drives(forces: &[(String, f64)]) -> Value {
+    Value::Object(forces.iter().map(|(name, force)| (name.clone(), json!(force))).collect())
+}
+
 pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
     let of_body = |(body, pose): (&crate::model::Body, &Pose)| {
         let (p, q) = (pose.translation.vector, pose.rotation);
@@ -57,6 +62,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "method": found.method,
         "stage": found.stage,
         "iterations": found.iterations,
+        "stages": found.stages.iter().map(stage).collect::<Vec<_>>(),
         "force_evaluations": found.force_evaluations,
         "acceleration_evaluations": found.acceleration_evaluations,
         "stiffness_evaluations": found.stiffness_evaluations,
@@ -74,8 +80,20 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "reactions": reactions(model, &found.reactions),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
+        "drives": drives(&found.drive_forces),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
+    })
+}
+
+fn stage(stage: &crate::statics::Stage) -> Value {
+    json!({
+        "name": stage.name,
+        "iterations": stage.iterations,
+        "force_evaluations": stage.force_evaluations,
+        "factorizations": stage.factorizations,
+        "relative_residual": stage.relative_residual,
+        "balanced": stage.balanced,
     })
 }
 

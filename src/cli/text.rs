@@ -126,6 +126,21 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         let head = if line == 0 { "inputs" } else { "" };
         let _ = writeln!(out, "  {head:<12} {name} = {}", number(*value));
     }
+    if found.stages.len() > 1 {
+        for (line, stage) in found.stages.iter().enumerate() {
+            let head = if line == 0 { "stages" } else { "" };
+            let ended = if stage.balanced { "balanced" } else { "failed" };
+            let _ = writeln!(
+                out,
+                "  {head:<12} {:<12} {}, {}, {}: {ended} at {}",
+                stage.name,
+                count(stage.iterations, "step", "steps"),
+                count(stage.force_evaluations, "balance", "balances"),
+                count(stage.factorizations, "factorization", "factorizations"),
+                small(stage.relative_residual)
+            );
+        }
+    }
     let title = match found.balanced {
         true => "pose",
         false if found.method == "inverse" => "given pose",

@@ -164,7 +164,7 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
 fn yielding(model: &Model, rows: &Constraints, given: &[f64]) -> Vec<bool> {
     let mut yielding = vec![false; given.len()];
     for element in &rows.elements {
-        for link in between_ends(model, element) {
+        for link in between_ends(element) {
             let link = &model.links[link];
             for i in link.velocity..link.velocity + link.joint.counts().1 {
                 yielding[i] |= given[i] == 0.0;
@@ -233,7 +233,7 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
 /// Mechanisms in which nothing can move: the coordinates between the ends of their loops are all taken.
 fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
     let count = rows.elements.len();
-    let inner: Vec<Vec<usize>> = rows.elements.iter().map(|element| between_ends(model, element)).collect();
+    let inner: Vec<Vec<usize>> = rows.elements.iter().map(between_ends).collect();
     let mut root: Vec<usize> = (0..count).collect();
     let find = |root: &[usize], mut at: usize| {
         while root[at] != at {
@@ -293,18 +293,9 @@ fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Proble
 }
 
 /// The links whose coordinates move the ends against each other.
-fn between_ends(model: &Model, element: &Element) -> Vec<usize> {
-    let Some([mut a, mut b]) = element.links() else {
-        return element.named.iter().copied().filter(|link| *link != 0).collect();
-    };
-    let mut links = Vec::new();
-    while a != b {
-        // Parents have lower indices than their children.
-        let deeper = if a > b { &mut a } else { &mut b };
-        links.push(*deeper);
-        *deeper = model.links[*deeper].parent;
-    }
-    links
+fn between_ends(element: &Element) -> Vec<usize> {
+    let named = element.named.iter().copied().filter(|link| *link != 0);
+    element.branches.iter().flatten().copied().chain(named).collect()
 }
 
 /// Drives of a motion that others already prescribe.

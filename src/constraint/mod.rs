@@ -1,6 +1,6 @@
 //! What ties coordinates together beyond the tree: closed loops, drives, gears.
 //!
-//! Everything is [rows](self::row): a loop is a cut hinge whose rows say how its two ends may move against each other, a
+//! Everything is rows: a loop is a cut hinge whose rows say how its two ends may move against each other, a
 //! drive is a row on one coordinate that depends on time, a gear a row between two. Rows are solved with the tree's own
 //! factorization `M` ([`crate::transfer`]); no matrix of the size of the system is ever made:
 //!
@@ -169,7 +169,7 @@ impl Constraints {
             let element: &Element = &elements[index];
             match &element.ends {
                 Some(ends) => {
-                    let ends = Ends::of(ends, motion);
+                    let ends = Ends::of(ends, &element.branches, motion);
                     rows.for_each(|row| placed[row] = ends.place(&rules[row]));
                 }
                 None => {
@@ -381,8 +381,9 @@ impl Constraints {
     /// multipliers.
     pub(crate) fn add_variation(&self, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
         for group in &self.plan.groups {
-            let Some(ends) = &self.elements[group.element].ends else { continue };
-            let geometry = Ends::of(ends, motion);
+            let element = &self.elements[group.element];
+            let Some(ends) = &element.ends else { continue };
+            let geometry = Ends::of(ends, &element.branches, motion);
             let links = [&by[ends[0].link], &by[ends[1].link]];
             for row in &group.rows {
                 let multiplier = self.multipliers[*row];
@@ -436,9 +437,12 @@ impl Constraints {
     }
 
     /// The drives and what each pushes at the last solution (N or N m).
-    pub fn drive_forces(&self) -> impl Iterator<Item = (&str, f64)> {
+    pub fn drive_forces(&self) -> impl Iterator<Item = (String, f64)> {
         let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| (element.name.as_str(), self.multipliers[element.rows.start]))
+        driven.map(|element| {
+            let name = element.name.trim_start_matches("drive `").trim_end_matches('`');
+            (name.to_owned(), self.multipliers[element.rows.start])
+        })
     }
 
     /// Power that drives put in at the last solution (W).

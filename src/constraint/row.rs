@@ -85,11 +85,23 @@ pub(super) struct Ends<'a> {
 }
 
 impl<'a> Ends<'a> {
-    pub(super) fn of(ends: &[End; 2], motion: &'a Motion) -> Self {
+    /// `branches` are the links from each end to where the two meet, that one left out: the vector between the ends is
+    /// summed over them, with its rounding kept, so that it has all digits however far away the loop is.
+    pub(super) fn of(ends: &[End; 2], branches: &[Vec<usize>; 2], motion: &'a Motion) -> Self {
         let links = [&motion.links[ends[0].link], &motion.links[ends[1].link]];
         let arms = [links[0].turn * ends[0].point, links[1].turn * ends[1].point];
-        let between = (links[1].position - links[0].position) + (arms[1] - arms[0]);
-        Self { links, arms, between }
+        let (mut between, mut rounding) = (arms[1], Vector3::zeros());
+        let mut add = |term: Vector3<f64>| {
+            // Knuth's sum: the rounding of each addition is exactly known.
+            let sum = between + term;
+            let back = sum - between;
+            rounding += (between - (sum - back)) + (term - back);
+            between = sum;
+        };
+        branches[1].iter().for_each(|link| add(motion.links[*link].arm));
+        add(-arms[0]);
+        branches[0].iter().for_each(|link| add(-motion.links[*link].arm));
+        Self { links, arms, between: between + rounding }
     }
 
     pub(super) fn place(&self, rule: &Rule) -> Placed {

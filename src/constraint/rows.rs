@@ -40,6 +40,8 @@ pub struct Element {
     pub rows: Range<usize>,
     /// Both ends of a loop.
     pub(super) ends: Option<[End; 2]>,
+    /// The links from each end of a loop to where the two ways meet, that one left out.
+    pub(super) branches: [Vec<usize>; 2],
     /// The links whose coordinates it names; 0 for none.
     pub(super) named: [usize; 2],
     held: Instant,
@@ -59,6 +61,18 @@ impl Element {
             Owner::Loop(_) | Owner::Held(_) => self.held,
         }
     }
+}
+
+/// The links from `a` and from `b` to where both ways meet, that one left out.
+pub(super) fn branches(model: &Model, mut a: usize, mut b: usize) -> [Vec<usize>; 2] {
+    let mut branches = [Vec::new(), Vec::new()];
+    while a != b {
+        // Parents have lower indices than their children.
+        let (end, branch) = if a > b { (&mut a, &mut branches[0]) } else { (&mut b, &mut branches[1]) };
+        branch.push(*end);
+        *end = model.links[*end].parent;
+    }
+    branches
 }
 
 /// The links from the ends of an element to the root, tips first; the ground is left out.
@@ -113,13 +127,16 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         let rows = first..rules.len();
         let name = format!("loop `{}`", closed.name);
         let ends = Some(closed.ends);
-        elements.push(Element { owner: Owner::Loop(index), name, rows, ends, named: [0, 0], held: nothing });
+        let branches = branches(model, closed.ends[0].link, closed.ends[1].link);
+        let owner = Owner::Loop(index);
+        elements.push(Element { owner, name, rows, ends, branches, named: [0, 0], held: nothing });
     }
     let mut motion = |owner: Owner, name: String, parts: [(Scalar, f64); 2], held: Instant| {
         let rows = rules.len()..rules.len() + 1;
         rules.push(Rule::Motion { parts });
         let named = parts.map(|(scalar, factor)| if factor == 0.0 { 0 } else { scalar.link });
-        elements.push(Element { owner, name, rows, ends: None, named, held });
+        let branches = [Vec::new(), Vec::new()];
+        elements.push(Element { owner, name, rows, ends: None, branches, named, held });
     };
     for (index, drive) in model.drives.iter().enumerate() {
         let parts = [(drive.coordinate, 1.0), (drive.coordinate, 0.0)];

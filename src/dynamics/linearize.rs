@@ -143,7 +143,7 @@ impl System<'_> {
 }
 
 /// Whether a force element can load a link that does not move itself.
-pub(super) fn reaches_far(law: &Law) -> bool {
+fn reaches_far(law: &Law) -> bool {
     match law {
         Law::Spring { ends, .. } | Law::Bushing { ends, .. } => ends[0].link != 0 && ends[1].link != 0,
         Law::DeadLoad { .. } | Law::FollowerLoad { .. } => false,

@@ -64,7 +64,7 @@ pub enum Fault {
         gap: f64,
     },
     /// A method of statics that knows trees only.
-    #[error("the method `{method}` knows no loops, drives or gears; use `auto` or `newton`")]
+    #[error("`{method}` knows no loops, drives or gears; the methods `auto` and `newton` do")]
     Tied {
         /// Its name.
         method: &'static str,

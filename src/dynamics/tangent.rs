@@ -2,9 +2,9 @@
 
 use super::{Fault, System};
 use crate::forces;
-use crate::model::{Joint, Model};
+use crate::model::{Joint, Law, Model};
 use crate::motion::variation::LinkVariation;
-use crate::transfer::tangent::{At, Blocks, Breakdown, Tangent};
+use crate::transfer::tangent::{Applied, At, Breakdown, Coupling, Tangent};
 use nalgebra::{Matrix3, Vector3};
 
 /// A factorized tangent: solves `(c₂ M + c₁ C + K) x = rhs` in O(n). Valid until the next factorization, whatever the
@@ -14,7 +14,8 @@ pub struct TangentSolver {
     tangent: Tangent,
     diagonal: Vec<f64>,
     shifted: Vec<f64>,
-    applied: Vec<(usize, Blocks)>,
+    applied: Vec<(usize, Applied)>,
+    coupled: Vec<(usize, Coupling)>,
     ball_springs: Vec<(usize, Matrix3<f64>)>,
     unit: Vec<LinkVariation>,
 }
@@ -37,20 +38,21 @@ pub struct Coefficients<'a> {
 impl TangentSolver {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
-        let grounded = model.forces.len();
         Self {
             tangent: Tangent::new(model),
             diagonal: vec![0.0; model.velocity_count()],
             shifted: vec![0.0; model.velocity_count()],
-            applied: Vec::with_capacity(grounded),
+            applied: Vec::with_capacity(2 * model.forces.len()),
+            coupled: Vec::with_capacity(2 * model.forces.len()),
             ball_springs: Vec::with_capacity(model.links.len()),
             unit: vec![LinkVariation::default(); model.links.len()],
         }
     }
 
-    /// Whether the sweep covers every force of a model: no element between two bodies, no loop, drive or gear.
+    /// Whether the sweep covers every force of a model: none reaches further than from a link to its parent, and no loop, drive
+    /// or gear ties coordinates together.
     pub fn covers(model: &Model) -> bool {
-        !model.is_constrained() && !model.forces.iter().any(|force| super::linearize::reaches_far(&force.law))
+        !model.is_constrained() && model.forces.iter().all(|force| is_near(model, &force.law))
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
@@ -90,10 +92,7 @@ impl System<'_> {
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature;
         }
-        self.gather_springs(solver, q);
-        if with.symmetric {
-            self.take_connection_off(solver);
-        }
+        self.gather_springs(solver, q, with.symmetric);
         self.gather_forces(solver);
         Ok(self.factorize_shifted(solver, a, with).is_ok())
     }
@@ -121,67 +120,113 @@ impl System<'_> {
             c2: with.c2,
             diagonal: &solver.shifted,
             applied: &solver.applied,
+            coupled: &solver.coupled,
             ball_springs: &solver.ball_springs,
         };
         solver.tangent.factorize(self.model, &at, with.definite)
     }
 
-    /// The residual of the last evaluation (in `scratch`) turns the stiffness of a ball by `½ [r]×`.
-    fn take_connection_off(&self, solver: &mut TangentSolver) {
-        for (index, link) in self.model.links.iter().enumerate() {
-            if matches!(link.joint, Joint::Ball { .. }) {
-                let first = link.velocity;
-                let r = Vector3::new(self.scratch[first], self.scratch[first + 1], self.scratch[first + 2]);
-                let connection = -0.5 * r.cross_matrix();
-                match solver.ball_springs.iter_mut().find(|(ball, _)| *ball == index) {
-                    Some((_, spring)) => *spring += connection,
-                    None => solver.ball_springs.push((index, connection)),
-                }
-            }
-        }
-        solver.ball_springs.sort_by_key(|(ball, _)| *ball);
-    }
-
-    fn gather_springs(&self, solver: &mut TangentSolver, q: &[f64]) {
+    /// Springs of hinges. With `symmetric`, off equilibrium, the stiffness of a ball is rid of its connection term: the
+    /// residual of the last evaluation (in `scratch`) turns it by `½ [r]×`.
+    fn gather_springs(&self, solver: &mut TangentSolver, q: &[f64], symmetric: bool) {
         solver.ball_springs.clear();
         for (index, link) in self.model.links.iter().enumerate() {
+            let first = link.velocity;
             match link.joint {
                 Joint::None => {}
                 Joint::Turn | Joint::Slide { .. } => {
-                    solver.diagonal[link.velocity] += self.model.coordinates[link.velocity].stiffness;
+                    solver.diagonal[first] += self.model.coordinates[first].stiffness;
                 }
                 Joint::Ball { .. } => {
-                    if let Some(tangent) = forces::hinge::ball_tangent(self.model, link, q) {
-                        solver.ball_springs.push((index, -tangent));
+                    let spring = forces::hinge::ball_tangent(self.model, link, q).map(|tangent| -tangent);
+                    let r = Vector3::from_column_slice(&self.scratch[first..first + 3]);
+                    let connection = symmetric.then(|| -0.5 * r.cross_matrix());
+                    if spring.is_some() || connection.is_some() {
+                        let none = Matrix3::zeros();
+                        solver.ball_springs.push((index, spring.unwrap_or(none) + connection.unwrap_or(none)));
                     }
                 }
             }
         }
     }
 
-    /// Force elements to the ground and loads, column by column: the link they act on is moved one way at a time.
+    /// Force elements, column by column: the links they act on are moved one way at a time.
     fn gather_forces(&self, solver: &mut TangentSolver) {
         solver.applied.clear();
+        solver.coupled.clear();
         for force in &self.model.forces {
-            let Some(end) = force.law.ends().iter().position(|end| end.link != 0) else { continue };
-            let link = force.law.ends()[end].link;
-            let mut blocks = Blocks::default();
-            for (block, column) in blocks.iter_mut().enumerate().take(4) {
-                for axis in 0..3 {
-                    solver.unit[link] = unit(block, axis);
-                    let wrench = forces::vary_law(&force.law, &self.motion, &solver.unit)[end];
-                    column.force.set_column(axis, &wrench.force);
-                    column.moment.set_column(axis, &wrench.moment);
+            let ends = force.law.ends();
+            for (end, link) in ends.iter().map(|end| end.link).enumerate() {
+                if link == 0 || (end == 1 && link == ends[0].link) {
+                    continue;
+                }
+                let blocks = self.blocks(&force.law, link, &mut solver.unit);
+                let mut own = Applied::default();
+                for (felt, block) in ends.iter().zip(&blocks) {
+                    match felt.link {
+                        0 => {}
+                        at if at == link => add(&mut own, block),
+                        far if far < link => {
+                            solver.coupled.push((link, Coupling { on_parent: *block, ..Coupling::default() }));
+                        }
+                        far => solver.coupled.push((far, Coupling { by_parent: *block, ..Coupling::default() })),
+                    }
+                }
+                solver.applied.push((link, own));
+            }
+        }
+        solver.applied.sort_unstable_by_key(|(link, _)| *link);
+        solver.coupled.sort_unstable_by_key(|(link, _)| *link);
+        solver.coupled.dedup_by(|next, sum| {
+            let same = next.0 == sum.0;
+            if same {
+                add(&mut sum.1.by_parent, &next.1.by_parent);
+                add(&mut sum.1.on_parent, &next.1.on_parent);
+            }
+            same
+        });
+    }
+
+    /// What both ends of a force element feel when one link moves.
+    fn blocks(&self, law: &Law, link: usize, unit: &mut [LinkVariation]) -> [Applied; 2] {
+        let mut blocks = [Applied::default(); 2];
+        for block in 0..blocks[0].len() {
+            for axis in 0..3 {
+                unit[link] = unit_variation(block, axis);
+                let wrenches = forces::vary_law(law, &self.motion, unit);
+                for (end, wrench) in wrenches.iter().enumerate() {
+                    blocks[end][block].force.set_column(axis, &wrench.force);
+                    blocks[end][block].moment.set_column(axis, &wrench.moment);
                 }
             }
-            solver.unit[link] = LinkVariation::default();
-            solver.applied.push((link, blocks));
         }
+        unit[link] = LinkVariation::default();
+        blocks
     }
 }
 
-/// One small turn, shift, or change of velocity, in the order of the blocks of `z`.
-fn unit(block: usize, axis: usize) -> LinkVariation {
+/// `sum += more`.
+fn add(sum: &mut Applied, more: &Applied) {
+    for (sum, more) in sum.iter_mut().zip(more) {
+        sum.force += more.force;
+        sum.moment += more.moment;
+    }
+}
+
+/// Whether a force element acts on the ground, on one link, or on a link and its parent.
+fn is_near(model: &Model, law: &Law) -> bool {
+    let parent = |link: usize| model.links[link].parent;
+    match law.ends() {
+        [a, b] => {
+            let (a, b) = (a.link, b.link);
+            a == 0 || b == 0 || a == b || parent(a) == b || parent(b) == a
+        }
+        _ => true,
+    }
+}
+
+/// One small turn, shift, or change of velocity, in the order of [`Applied`].
+fn unit_variation(block: usize, axis: usize) -> LinkVariation {
     let e = Vector3::ith(axis, 1.0);
     let zero = LinkVariation::default();
     match block {

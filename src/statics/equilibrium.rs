@@ -1,9 +1,10 @@
-//! The cascade and its certificate.
+//! The equilibrium with its certificate.
 
+use super::cascade::{self, Effort, Found, Stage};
 use super::landscape::Landscape;
-use super::search::{BALANCED, Iteration, Place, polish};
+use super::search::{BALANCED, Iteration, Place};
 use super::stability::{Stability, Verdict, classify};
-use super::{Method, Settings, Want, constrained, lagrange, newton, relaxation, trust_region};
+use super::{Method, Settings, Want, constrained};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
@@ -20,9 +21,11 @@ pub struct Equilibrium {
     /// `newton` (the method of the differentiated transfer equations), `relaxation` or `lagrange`; `inverse` where the
     /// pose was given.
     pub method: &'static str,
-    /// The stage that won: `start` (nothing to do), `newton` or `trust region`; `relaxation`; `newton` or
-    /// `pseudo-transient` in maximal coordinates.
+    /// The stage that won: `start` (nothing to do), `newton`, `trust region`, `release` or `relaxation`; of `lagrange`
+    /// `newton` or `pseudo-transient`.
     pub stage: &'static str,
+    /// What each stage of the cascade worked, in their order; empty for the baselines.
+    pub stages: Vec<Stage>,
     /// Steps of all stages; time steps of a relaxation.
     pub iterations: usize,
     /// Static balances: sweeps, and for `lagrange` also evaluations in maximal coordinates.
@@ -41,6 +44,8 @@ pub struct Equilibrium {
     pub relative_residual: f64,
     /// Hinge coordinates.
     pub position: Vec<f64>,
+    /// What every drive pushes, by its name (N or N m).
+    pub drive_forces: Vec<(String, f64)>,
     /// Hinge velocities: zero, but for drives that keep theirs.
     pub velocity: Vec<f64>,
     /// Root markers of the named bodies: `world_from_body`.
@@ -59,17 +64,6 @@ pub struct Equilibrium {
     pub multiplier_reactions: Vec<Wrench>,
     /// Every step; of a relaxation every new start from rest.
     pub history: Vec<Iteration>,
-}
-
-/// What a search did, apart from what the landscape counts.
-#[derive(Debug, Clone, Default)]
-struct Effort {
-    stage: &'static str,
-    steps: Option<usize>,
-    accelerations: usize,
-    forces: usize,
-    factorizations: usize,
-    reactions: Vec<Wrench>,
 }
 
 /// Finds the equilibrium from the guess `start`.
@@ -99,20 +93,12 @@ pub fn equilibrium_observed(
     let mut landscape = Landscape::new(&mut system, start)?;
     let mut history = Vec::new();
     let first = Place::at(&mut landscape, start.to_vec())?;
-    let mut notes = Vec::new();
     let guess = first.clone();
-    let (mut place, effort) = match settings.method {
-        Method::Relaxation => relax(&mut landscape, first, &mut history, &mut notes)?,
-        Method::Lagrange => multiply(&mut landscape, first, &mut history, &mut notes)?,
-        Method::Auto | Method::Newton => {
-            let (place, stage) = search(&mut landscape, settings, first, &mut history, &mut notes)?;
-            (place, Effort { stage, ..Effort::default() })
-        }
-    };
+    let Found { mut place, mut notes, effort } = cascade::search(&mut landscape, settings, first, &mut history)?;
     searched();
     if !place.is_balanced() {
         // Where the search ran away, what is missing shows best where it started.
-        if notes.iter().any(|note| note.contains(FELL)) {
+        if effort.fell {
             place = guess;
         }
         notes.push(unbalanced(&mut landscape, &place));
@@ -144,88 +130,6 @@ pub(super) fn examine(
     let settings = Settings { want: Want::Any, ..*settings };
     let found = certify(landscape, &settings, place, Effort { stage: by, ..Effort::default() }, Vec::new(), notes)?;
     Ok(Equilibrium { method: by, ..found })
-}
-
-fn relax(
-    landscape: &mut Landscape<'_, '_>,
-    first: Place,
-    history: &mut Vec<Iteration>,
-    notes: &mut Vec<String>,
-) -> Result<(Place, Effort), Fault> {
-    let outcome = relaxation::run(landscape, first, history)?;
-    notes.extend(outcome.note.map(str::to_owned));
-    let (steps, accelerations) = (Some(outcome.steps), outcome.accelerations);
-    Ok((outcome.place, Effort { stage: "relaxation", steps, accelerations, ..Effort::default() }))
-}
-
-fn multiply(
-    landscape: &mut Landscape<'_, '_>,
-    first: Place,
-    history: &mut Vec<Iteration>,
-    notes: &mut Vec<String>,
-) -> Result<(Place, Effort), Fault> {
-    let outcome = lagrange::run(landscape, first, history)?;
-    notes.extend(outcome.note.map(str::to_owned));
-    let lagrange::Outcome { place, stage, reactions, force_evaluations: forces, factorizations, .. } = outcome;
-    Ok((place, Effort { stage, forces, factorizations, reactions, ..Effort::default() }))
-}
-
-const FELL: &str = "the potential falls without end";
-
-fn search(
-    landscape: &mut Landscape<'_, '_>,
-    settings: &Settings,
-    first: Place,
-    history: &mut Vec<Iteration>,
-    notes: &mut Vec<String>,
-) -> Result<(Place, &'static str), Fault> {
-    let descends = settings.want == Want::Stable && landscape.conservative;
-    if !descends || settings.method == super::Method::Newton {
-        if first.is_exact() {
-            return Ok((first, "start"));
-        }
-        let place = newton::run(landscape, first, history)?;
-        return Ok((polish(landscape, place, history)?, "newton"));
-    }
-    let (exact, start, potential) = (first.is_exact(), first.q.clone(), landscape.potential(&first.q));
-    let outcome = trust_region::run(landscape, first, history)?;
-    for coordinates in &outcome.left {
-        let names: Vec<String> =
-            coordinates.iter().take(3).map(|i| landscape.model().label(landscape.free[*i])).collect();
-        let more = if coordinates.len() > 3 { ", …" } else { "" };
-        notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
-    }
-    if outcome.fell {
-        let drop = number(potential - landscape.potential(&outcome.place.q));
-        notes.push(format!(
-            "{FELL}: the search gave up {drop} J below the guess, there is no equilibrium downhill of it"
-        ));
-    }
-    if exact && history.is_empty() {
-        return Ok((outcome.place, "start"));
-    }
-    let stage = if outcome.shifted { "trust region" } else { "newton" };
-    if !outcome.place.is_balanced() {
-        return Ok((outcome.place, stage));
-    }
-    let unwound = unwind(landscape.model(), &start, outcome.place.q);
-    let place = Place::at(landscape, unwound)?;
-    Ok((polish(landscape, place, history)?, stage))
-}
-
-/// Takes off the full turns that the search made in hinges without springs: the same pose, nearest to the guess.
-fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
-    use std::f64::consts::TAU;
-    for link in &model.links {
-        let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;
-        if matches!(link.joint, crate::model::Joint::Turn) && !spring(link.velocity) {
-            let turns = ((q[link.position] - start[link.position]) / TAU).round();
-            if turns != 0.0 {
-                q[link.position] -= turns * TAU;
-            }
-        }
-    }
-    q
 }
 
 /// Names what is not balanced: hinge, body, force and direction.
@@ -316,6 +220,7 @@ fn certify(
         method: if settings.method == Method::Auto { "newton" } else { settings.method.name() },
         stage: effort.stage,
         iterations: effort.steps.unwrap_or(history.len()),
+        stages: effort.stages,
         force_evaluations,
         acceleration_evaluations: effort.accelerations,
         factorizations,
@@ -323,6 +228,7 @@ fn certify(
         residual_acceleration,
         residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
         relative_residual: place.residual().0,
+        drive_forces: Vec::new(),
         velocity: vec![0.0; model.velocity_count()],
         position: place.q,
         poses,

@@ -1,10 +1,12 @@
 //! Statics: where the system stays. Finds `q` with q̈(q, 0) = 0, proves it, and says what kind of equilibrium it is.
 //!
-//! | want | loads have a potential | stages |
+//! | want | loads have a potential | first stage |
 //! |---|---|---|
 //! | stable | yes | Newton within a trust region, down the potential; saddles are left |
-//! | stable | no | Newton with line search; the verdict says what was found |
+//! | stable | no | Newton with line search; what runs away is left with the motion itself |
 //! | any | either | Newton with line search: the nearest equilibrium, whatever it is |
+//!
+//! Where that fails, later stages of the [`cascade`] take over: continuation in the load, then dynamic relaxation.
 //!
 //! Two baselines stand beside it, to compare with: `relaxation` (explicit motion with kinetic damping) and `lagrange`
 //! (maximal coordinates with multipliers). Neither uses the tangent of the tree, nor the steps that the others end with.
@@ -13,6 +15,7 @@
 //!
 //! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
+pub mod cascade;
 mod constrained;
 pub mod equilibrium;
 pub mod inverse;
@@ -22,6 +25,7 @@ mod linear;
 mod newton;
 pub mod path;
 mod relaxation;
+mod release;
 pub mod search;
 pub mod settings;
 pub mod stability;
@@ -29,6 +33,7 @@ mod stiffness;
 mod subspace;
 mod trust_region;
 
+pub use cascade::Stage;
 pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed};
 pub use inverse::{Held, hold};
 pub use settings::{Method, Settings, Want};

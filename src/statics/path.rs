@@ -13,6 +13,8 @@ mod curve;
 mod scene;
 mod trace;
 
+pub(super) use curve::{Curve, Direction, Family, Look, Metric};
+
 use super::equilibrium::{Equilibrium, equilibrium};
 use super::stability::Verdict;
 use crate::model::description::Description;

@@ -22,7 +22,8 @@ use crate::model::Model;
 
 /// Part of the stability limit that a step takes.
 const SAFETY: f64 = 0.85;
-const MOST_STEPS: usize = 400_000;
+/// Time steps of the method on its own.
+pub(super) const MOST_STEPS: usize = 400_000;
 /// Largest change of an angle in one step (rad).
 const LARGEST_TURN: f64 = 0.2;
 /// Power iterations at the start, and at each new start of the motion.
@@ -49,14 +50,16 @@ pub(super) struct Outcome {
     pub note: Option<&'static str>,
 }
 
-/// Runs from `place`; the answer is balanced or where it gave up.
+/// Runs from `place` for at most so many time steps; the answer is balanced or where it gave up.
 pub(super) fn run(
     landscape: &mut Landscape<'_, '_>,
     place: Place,
+    most_steps: usize,
     history: &mut Vec<Iteration>,
 ) -> Result<Outcome, Fault> {
     let model = held(landscape, &place.q)?;
     let mut motion = Motion::new(landscape, &model, place)?;
+    motion.most_steps = most_steps;
     let note = motion.relax(history)?;
     let Motion { place, steps, accelerations, .. } = motion;
     Ok(Outcome { place, steps, accelerations, note })
@@ -89,6 +92,7 @@ struct Motion<'l, 's, 'm, 'h> {
     fastest: Vec<f64>,
     step: f64,
     steps: usize,
+    most_steps: usize,
     accelerations: usize,
     rest: Vec<f64>,
     full: Vec<f64>,
@@ -115,11 +119,11 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
         let fastest = unit.iter().enumerate().map(|(i, unit)| sign(i) * unit / (1.0 + 0.1 * (i % 7) as f64)).collect();
         let rest = vec![0.0; held.velocity_count()];
         let full = rest.clone();
-        let (step, steps, accelerations) = (f64::INFINITY, 0, 0);
+        let (step, steps, most_steps, accelerations) = (f64::INFINITY, 0, MOST_STEPS, 0);
         let system = System::new(held);
         let known = place.is_balanced();
         let mut motion =
-            Self { landscape, system, place, turns, unit, fastest, step, steps, accelerations, rest, full };
+            Self { landscape, system, place, turns, unit, fastest, step, steps, most_steps, accelerations, rest, full };
         if !known {
             motion.step = motion.stable_step(FIRST_POWERS)?;
         }
@@ -158,7 +162,7 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
         let (mut q, mut force) = (self.place.q.clone(), self.place.force.clone());
         let mut velocity = vec![0.0; force.len()];
         let (mut travelled, mut part) = (0.0, 0.5);
-        while self.steps < MOST_STEPS {
+        while self.steps < self.most_steps {
             self.steps += 1;
             let a = self.acceleration(&q)?;
             for (v, a) in velocity.iter_mut().zip(&a) {

@@ -33,6 +33,7 @@
 
 pub mod balance;
 pub mod element;
+mod plan;
 pub mod reduce;
 pub mod tangent;
 pub mod variation;

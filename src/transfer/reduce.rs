@@ -1,17 +1,16 @@
 //! The reduction: a factorization of the tree, and solutions with it.
 
 mod ball;
-mod plan;
 mod way;
 
 use super::element::{Reduced, bias, moment_in_link_axes};
+use super::plan::{Place, To, plan};
 use super::{LinkAcceleration, accelerate, along, inboard};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
 use crate::spatial::Wrench;
 use ball::{Ball, Pivot};
 use nalgebra::Vector3;
-use plan::{Place, To};
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
 /// last place of the sums it is the difference of.
@@ -70,7 +69,7 @@ impl Reduction {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
-        let (plan, joins, balls) = plan::plan(model);
+        let (plan, joins, balls) = plan(model);
         Self {
             plan,
             hinges: vec![One::default(); n],

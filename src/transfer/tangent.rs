@@ -2,7 +2,7 @@
 //! same reduction as the accelerations, applied to the variation of the marker state.
 //!
 //! ```text
-//! z = [δθ, δr, δω, δv, δω̇, δr̈]            variation of a root marker's state, 18
+//! z = [δθ, δω, δω̇, δr̈, δr, δv]            variation of a root marker's state, 18; δr, δv where forces depend on them
 //! (1) body     δf_R = S z_R + e                                     S from differentiating the body's equations, 6×18
 //! (2) hinge    z_R = T z_P + h δq                                   the outward sweep, differentiated
 //! (3) row      Hᵀ δf_R + (∂Hᵀ) f_R + κ δq = rhs                     κ: hinge spring, damper, armature, shift
@@ -20,14 +20,19 @@ mod blocks;
 mod eliminate;
 mod hinge;
 
-pub use blocks::{Blocks, Column};
+pub use blocks::{Applied, Column};
+pub use eliminate::Coupling;
 
 use super::balance::Balance;
+use super::plan::{Place, To, plan};
 use crate::model::{Joint, Link, Model};
 use crate::motion::variation::{LinkAcceleration, LinkVariation};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
-use blocks::{ACCELERATION, AT_REST, AT_REST_IN_PLACE, MOVING, RATE, TURN, TURN_ACCELERATION, dot, times};
+use blocks::{
+    ACCELERATION, AT_REST, AT_REST_IN_PLACE, Blocks, MOVING, MOVING_IN_PLACE, RATE, TURN, TURN_ACCELERATION,
+    cross_times, dot, placed, times, times_cross, twice,
+};
 use eliminate::{NegativeAxes, One, Three, eliminate_ball, eliminate_one};
 use hinge::Hinge;
 use nalgebra::{Matrix3, Vector3};
@@ -48,8 +53,11 @@ pub struct At<'a> {
     /// `κ` of every velocity coordinate: spring, damper, armature and shift; the diagonal part. Infinite for a
     /// coordinate that is held.
     pub diagonal: &'a [f64],
-    /// How force elements load the link they are attached to when it moves: subtracted from `S`; empty for none.
-    pub applied: &'a [(usize, Blocks)],
+    /// How force elements load the link they are attached to when it moves: subtracted from `S`; by link, empty for
+    /// none.
+    pub applied: &'a [(usize, Applied)],
+    /// What force elements between a link and its parent add beside their `applied`: by link, one for each pair.
+    pub coupled: &'a [(usize, Coupling)],
     /// Full 3×3 springs of balls, link axes: `−∂τ/∂(turn)` by link.
     pub ball_springs: &'a [(usize, Matrix3<f64>)],
 }
@@ -57,7 +65,12 @@ pub struct At<'a> {
 /// The factorized tangent.
 #[derive(Debug, Clone)]
 pub struct Tangent {
-    S: Vec<Blocks>,
+    /// How the links hang together.
+    plan: Vec<Place>,
+    /// What arrives at links with several children from all but the first; nothing between two sweeps.
+    joins: Vec<Blocks>,
+    /// Whether the last factorization broke down and may have left something there.
+    broken: bool,
     /// The point of the tangent, for the solutions that follow.
     at: Vec<Hinge>,
     hinges: Vec<Eliminated>,
@@ -92,8 +105,11 @@ impl Tangent {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
+        let (plan, joins, _) = plan(model);
         Self {
-            S: vec![Blocks::default(); n],
+            plan,
+            joins: vec![Blocks::default(); joins],
+            broken: false,
             at: vec![Hinge::default(); n],
             hinges: model.links.iter().scan(0, kind_of).collect(),
             balls: vec![Three::default(); model.links.iter().filter(is_ball).count()],
@@ -101,7 +117,7 @@ impl Tangent {
             u: vec![Vector3::zeros(); n],
             z: vec![LinkVariation::default(); n],
             negative: 0,
-            reach: MOVING,
+            reach: MOVING_IN_PLACE,
         }
     }
 
@@ -118,7 +134,8 @@ impl Tangent {
         let moving = at.motion.links.iter().any(|link| link.angular_velocity != Vector3::zeros());
         let accelerating = at.hinge.iter().any(|a| *a != 0.0);
         self.reach = match (at.c1 != 0.0 || at.c2 != 0.0 || moving || accelerating, at.applied.is_empty()) {
-            (true, _) => MOVING,
+            (true, false) => MOVING_IN_PLACE,
+            (true, true) => MOVING,
             (false, false) => AT_REST_IN_PLACE,
             (false, true) => AT_REST,
         };
@@ -126,54 +143,65 @@ impl Tangent {
         match self.reach {
             AT_REST => self.inward::<AT_REST>(model, at, definite),
             AT_REST_IN_PLACE => self.inward::<AT_REST_IN_PLACE>(model, at, definite),
-            _ => self.inward::<MOVING>(model, at, definite),
+            MOVING => self.inward::<MOVING>(model, at, definite),
+            _ => self.inward::<MOVING_IN_PLACE>(model, at, definite),
         }
     }
 
     fn inward<const N: usize>(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
-        for index in 1..model.links.len() {
-            let (link, own) = (&model.links[index], &at.motion.links[index]);
-            self.S[index][..N].fill(Column::default());
-            if !link.is_massless() {
-                body::<N>(link, own, &at.balance.accelerations[index], &model.gravity, &mut self.S[index]);
-            }
-        }
-        for (link, blocks) in at.applied {
-            for (sum, block) in self.S[*link].iter_mut().zip(blocks).take(N) {
-                sum.force -= block.force;
-                sum.moment -= block.moment;
-            }
+        // What a breakdown left behind.
+        if std::mem::replace(&mut self.broken, true) {
+            self.joins.fill(Blocks::default());
         }
         let mut balls = at.ball_springs.iter().rev().peekable();
+        let mut forces = at.applied.iter().rev().peekable();
+        let mut couplings = at.coupled.iter().rev().peekable();
+        let mut S = [Column::default(); N];
         for index in (1..model.links.len()).rev() {
+            let (link, own, place) = (&model.links[index], &at.motion.links[index], self.plan[index]);
+            if place.is_leaf {
+                S = [Column::default(); N];
+            } else if let Some(join) = place.join {
+                let join = &mut self.joins[join as usize];
+                S.iter_mut().zip(join.iter_mut()).for_each(|(sum, more)| sum.add(&std::mem::take(more)));
+            }
+            if !place.is_massless {
+                add_body::<N>(link, own, &at.balance.accelerations[index], &model.gravity, &mut S);
+            }
+            while let Some((_, blocks)) = forces.next_if(|(link, _)| *link == index) {
+                S.iter_mut().zip(placed::<N>(blocks)).for_each(|(sum, block)| sum.take(&block));
+            }
             let spring = balls.next_if(|(link, _)| *link == index).map(|(_, spring)| *spring);
-            self.eliminate::<N>(model, at, index, spring, definite)?;
+            let coupling = couplings.next_if(|(link, _)| *link == index).map(|(_, coupling)| coupling);
+            self.eliminate::<N>(model, at, index, (spring, coupling), definite, &mut S)?;
+            if let To::Join(join) = place.to {
+                self.joins[join as usize].iter_mut().zip(&S).for_each(|(sum, more)| sum.add(more));
+            }
         }
+        self.broken = false;
         Ok(())
     }
 
-    /// One hinge; the breakdown where its pivot does not do.
+    /// One hinge: `S` at its root marker becomes what the link passes on; the breakdown where its pivot does not do.
     #[inline]
     fn eliminate<const N: usize>(
         &mut self,
         model: &Model,
         at: &At<'_>,
         index: usize,
-        spring: Option<Matrix3<f64>>,
+        (spring, coupling): (Option<Matrix3<f64>>, Option<&Coupling>),
         definite: bool,
+        S: &mut [Column; N],
     ) -> Result<(), Breakdown> {
         let link = &model.links[index];
         let hinge = Hinge::new(link, at, index);
         self.at[index] = hinge;
-        let own: [Column; N] = std::array::from_fn(|i| self.S[index][i]);
-        let mut across = own;
-        hinge.compose(&mut across);
         let f = &at.balance.reactions[index];
-        let (first, d) = (link.velocity, hinge.arm);
+        let first = link.velocity;
         let negative = match &mut self.hinges[index] {
             Eliminated::None => NegativeAxes::default(),
             Eliminated::One(slot) => {
-                let (one, negative) = eliminate_one(&hinge, &own, &mut across, f, at.diagonal[first])
+                let (one, negative) = eliminate_one(&hinge, S, f, at.diagonal[first], coupling)
                     .ok_or(Breakdown { link: index, axis: None })?;
                 *slot = one;
                 negative
@@ -184,7 +212,7 @@ impl Tangent {
                 kappa += spring.unwrap_or_else(Matrix3::zeros);
                 let held = at.diagonal[first].is_infinite();
                 let kappa = turn * kappa * turn.transpose();
-                let (three, negative) = eliminate_ball(&hinge, &own, &mut across, f, &kappa, held)
+                let (three, negative) = eliminate_ball(&hinge, S, f, &kappa, held, coupling)
                     .map_err(|axis| Breakdown { link: index, axis: Some(axis) })?;
                 self.balls[*slot] = three;
                 negative
@@ -195,13 +223,8 @@ impl Tangent {
         }
         self.negative += negative.len();
         // (7): (δθ × d) × f = [f]× [d]× δθ
-        across[TURN].moment += f.force.cross_matrix() * d.cross_matrix();
-        if link.parent != 0 {
-            for (sum, block) in self.S[link.parent].iter_mut().zip(&across) {
-                sum.force += block.force;
-                sum.moment += block.moment;
-            }
-        }
+        let (f, d) = (&f.force, &hinge.arm);
+        S[TURN].moment += twice(f, d);
         Ok(())
     }
 
@@ -228,7 +251,8 @@ impl Tangent {
         match self.reach {
             AT_REST => self.outward::<AT_REST>(model, outboard, x),
             AT_REST_IN_PLACE => self.outward::<AT_REST_IN_PLACE>(model, outboard, x),
-            _ => self.outward::<MOVING>(model, outboard, x),
+            MOVING => self.outward::<MOVING>(model, outboard, x),
+            _ => self.outward::<MOVING_IN_PLACE>(model, outboard, x),
         }
     }
 
@@ -260,7 +284,8 @@ impl Tangent {
         match self.reach {
             AT_REST => self.outward::<AT_REST>(model, 1..model.links.len(), x),
             AT_REST_IN_PLACE => self.outward::<AT_REST_IN_PLACE>(model, 1..model.links.len(), x),
-            _ => self.outward::<MOVING>(model, 1..model.links.len(), x),
+            MOVING => self.outward::<MOVING>(model, 1..model.links.len(), x),
+            _ => self.outward::<MOVING_IN_PLACE>(model, 1..model.links.len(), x),
         }
     }
 
@@ -307,23 +332,33 @@ fn kind_of(balls: &mut usize, link: &Link) -> Option<Eliminated> {
     })
 }
 
-/// `S` of eq. (1): the variation of the body's wrench (see [`super::variation`] for the terms). `S` is zero before.
+/// Adds `S` of eq. (1): the variation of the body's wrench (see [`super::variation`] for the terms).
 #[inline]
-fn body<const N: usize>(link: &Link, at: &LinkMotion, a: &LinkAcceleration, gravity: &Vector3<f64>, S: &mut Blocks) {
+fn add_body<const N: usize>(
+    link: &Link,
+    at: &LinkMotion,
+    a: &LinkAcceleration,
+    gravity: &Vector3<f64>,
+    S: &mut [Column; N],
+) {
     let (m, c, w) = (link.mass, at.center, at.angular_velocity);
-    let C = c.cross_matrix();
-    // [b]× [c]× = c bᵀ − (b·c) 1
     let b = m * (a.linear - gravity);
-    S[TURN].moment = c * b.transpose() - Matrix3::from_diagonal_element(b.dot(&c));
+    S[TURN].moment += twice(&b, &c);
     if N < MOVING {
         return;
     }
-    let (W, J) = (w.cross_matrix(), at.inertia.matrix());
-    let varied = |y: Vector3<f64>| J * y.cross_matrix() - (at.inertia * y).cross_matrix();
-    S[TURN].force = -m * (a.angular.cross_matrix() + W * W) * C;
-    S[TURN].moment += varied(a.angular) + W * varied(w);
-    S[RATE].force = -m * (w.cross(&c).cross_matrix() + W * C);
-    S[RATE].moment = W * J - (at.inertia * w).cross_matrix();
-    S[TURN_ACCELERATION] = Column { force: -m * C, moment: J };
-    S[ACCELERATION] = Column { force: m * Matrix3::identity(), moment: m * C };
+    let (C, J) = (m * c.cross_matrix(), at.inertia.matrix());
+    let (dw, mw) = (a.angular, m * w);
+    // δω × (ω × c) + ω × (δω × c) and the like
+    let swinging = mw.cross(&c).cross_matrix() + twice(&mw, &c);
+    let turned = |y: &Vector3<f64>| times_cross(&J, y) - (at.inertia * *y).cross_matrix();
+    let spun = (turned(&w), at.inertia * w);
+    S[TURN].force -= m * twice(&dw, &c) + cross_times(&w, &twice(&mw, &c));
+    S[TURN].moment += turned(&dw) + cross_times(&w, &spun.0);
+    S[RATE].force -= swinging;
+    S[RATE].moment += cross_times(&w, &J) - spun.1.cross_matrix();
+    S[TURN_ACCELERATION].force -= C;
+    S[TURN_ACCELERATION].moment += J;
+    S[ACCELERATION].force += Matrix3::from_diagonal_element(m);
+    S[ACCELERATION].moment += C;
 }

@@ -1,7 +1,9 @@
 //! Derivatives against central differences, and the two ways of reading the transfer equations against each other.
 
 use crate::common::{Options, Random, build, random_scene, relative_difference};
+use nalgebra::Vector3;
 use stillpoint::dynamics::System;
+use stillpoint::model::description::{Description, ForceKind, Point};
 
 fn scenes() -> impl Iterator<Item = (u64, Options)> {
     (0..60).map(|seed| (seed, Options { bodies: 1 + (seed as usize * 7) % 13, springs: seed % 3 != 0, welds: true }))
@@ -109,11 +111,13 @@ fn acceleration_jacobians_match_central_differences() {
 fn tangent_sweep_solves_the_dense_tangent() {
     use faer::linalg::solvers::Solve;
     use stillpoint::dynamics::{Coefficients, TangentSolver};
+    let mut coupled = 0;
     for (seed, options) in scenes() {
-        let model = build(&random_scene(seed, &options));
+        let model = build(&neighbourly(seed, &options));
         if !TangentSolver::covers(&model) {
             continue;
         }
+        coupled += model.forces.iter().filter(|force| force.law.ends().iter().all(|end| end.link != 0)).count();
         let n = model.velocity_count();
         let mut random = Random::new(seed + 2000);
         let (a, rhs) = (random.list(n, -3.0, 3.0), random.list(n, -1.0, 1.0));
@@ -141,6 +145,24 @@ fn tangent_sweep_solves_the_dense_tangent() {
             assert!(error < 1e-6, "seed {seed} c1 {c1} c2 {c2}: {error}");
         }
     }
+    assert!(coupled > 50, "only {coupled} force elements between bodies");
+}
+
+/// A random scene whose forces between bodies are between a body and its parent, some of them two.
+fn neighbourly(seed: u64, options: &Options) -> Description {
+    let mut description = random_scene(seed, options);
+    let parents: Vec<String> = description.bodies.iter().map(|body| body.hinge.parent.clone()).collect();
+    let names: Vec<String> = description.bodies.iter().map(|body| body.name.clone()).collect();
+    for (index, force) in description.forces.iter_mut().enumerate() {
+        if let ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } = &mut force.kind {
+            let child = (index / 2) % names.len();
+            let order = [index % 2, 1 - index % 2];
+            between[order[0]].body.clone_from(&names[child]);
+            between[order[1]].body.clone_from(&parents[child]);
+            between.iter_mut().filter(|end| end.body == "ground").for_each(|end| end.point = Point::At(Vector3::x()));
+        }
+    }
+    description
 }
 
 /// The symmetric tangent of statics is the symmetric part of the stiffness, away from equilibrium too; with it the
@@ -149,10 +171,8 @@ fn tangent_sweep_solves_the_dense_tangent() {
 fn symmetric_tangent_counts_negative_eigenvalues() {
     use stillpoint::dynamics::{Coefficients, TangentSolver};
     for (seed, options) in scenes() {
-        let mut description = random_scene(seed, &options);
-        description
-            .forces
-            .retain(|force| matches!(force.kind, stillpoint::model::description::ForceKind::Spring { .. }));
+        let mut description = neighbourly(seed, &options);
+        description.forces.retain(|force| matches!(force.kind, ForceKind::Spring { .. }));
         let model = build(&description);
         if !TangentSolver::covers(&model) {
             continue;

@@ -21,6 +21,7 @@ mod rest;
 mod scenario;
 mod scenarios;
 mod statics;
+mod statics_cascade;
 mod statics_inverse;
 mod statics_methods;
 mod statics_path;

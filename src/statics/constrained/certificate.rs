@@ -2,6 +2,7 @@
 
 use super::view::{Tied, View};
 use crate::dynamics::{Fault, Linearization};
+use crate::statics::cascade::Stage;
 use crate::statics::equilibrium::Equilibrium;
 use crate::statics::search::Iteration;
 use crate::statics::stability::{
@@ -58,17 +59,27 @@ pub(super) fn certify(
     if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
         notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
     }
+    let stages = vec![Stage {
+        name: stage,
+        iterations: history.len(),
+        force_evaluations: tied.residuals,
+        factorizations: tied.stiffnesses,
+        relative_residual: view.place.residual().0,
+        balanced,
+    }];
     let mut residual = vec![0.0; n];
     tied.system.residual(&q, &tied.steady, &none, &mut residual)?;
     let (mut poses, mut reactions) = (Vec::new(), Vec::new());
     tied.system.poses(&mut poses);
     tied.system.reactions(&mut reactions);
+    let drive_forces = tied.system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
     let holding = tied.locked.iter().map(|i| (model.label(*i), residual[*i])).collect();
     Ok(Equilibrium {
         converged: balanced && (settings.want == Want::Any || verdict != Some(Verdict::Unstable)),
         balanced,
         method: if settings.method == Method::Auto { "newton" } else { settings.method.name() },
         stage,
+        stages,
         iterations: history.len(),
         force_evaluations: tied.residuals,
         acceleration_evaluations: 0,
@@ -77,6 +88,7 @@ pub(super) fn certify(
         residual_acceleration,
         residual_force: view.place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
         relative_residual: view.place.residual().0,
+        drive_forces,
         velocity: tied.steady.clone(),
         position: q,
         poses,

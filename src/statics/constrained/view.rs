@@ -128,16 +128,20 @@ impl<'m> Tied<'m> {
         let per = slides(self.model());
         // A coordinate in which next to nothing acts still feels the round-off of the loops around it.
         let unit = |i: usize| if per[i] { 1.0 } else { self.length };
+        let per_move = |i: usize| if per[i] { self.length } else { 1.0 };
         let strongest = (0..n).map(|i| (magnitudes.force[i] + held(i)) / unit(i)).fold(0.0, f64::max);
+        let stiffness = |i: usize| (magnitudes.force[i] + held(i)) / per_move(i) + magnitudes.stiffness[i];
+        // Where rows nearly hang on each other, closed positions are known to the round-off of a gap over their angle.
+        let unsure = f64::EPSILON * parts.values.get(rank.wrapping_sub(1)).map_or(1.0, |least| 1.0 / least);
         let scales = Scales {
             force: (0..n).map(|i| magnitudes.force[i] + held(i)).collect(),
-            noise: (0..n).map(|i| f64::EPSILON * (magnitudes.noise[i] + held(i) + strongest * unit(i))).collect(),
-            stiffness: (0..n)
+            noise: (0..n)
                 .map(|i| {
-                    let length = if per[i] { self.length } else { 1.0 };
-                    (magnitudes.force[i] + held(i)) / length + magnitudes.stiffness[i]
+                    let terms = magnitudes.noise[i] + held(i) + strongest * unit(i);
+                    f64::EPSILON * terms + unsure * stiffness(i) * per_move(i)
                 })
                 .collect(),
+            stiffness: (0..n).map(stiffness).collect(),
         };
         let energies = self.system.energies(q, &self.steady);
         let stiffest = (0..n).map(|i| scales.stiffness[i] / self.metric[i]).fold(0.0, f64::max);

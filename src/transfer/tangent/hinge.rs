@@ -1,7 +1,10 @@
 //! One hinge at the point of the tangent.
 
 use super::At;
-use super::blocks::{Column, MOVING, TURN, apply};
+use super::blocks::{
+    ACCELERATION, AT_REST_IN_PLACE, Column, MOVING, MOVING_IN_PLACE, RATE, TURN, TURN_ACCELERATION, VELOCITY, apply,
+    cross_times, position, twice,
+};
 use crate::model::{Joint, Link};
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
@@ -56,41 +59,48 @@ impl Hinge {
         }
     }
 
-    /// `S ← Xᵀ S T`.
+    /// `S ← S T`.
     #[inline]
     pub(super) fn compose<const N: usize>(&self, S: &mut [Column; N]) {
         let d = &self.arm;
-        if N > 1 {
-            let position = S[1];
+        if N == AT_REST_IN_PLACE || N == MOVING_IN_PLACE {
+            let position = S[position::<N>()];
             S[TURN].minus_cross(&position, d);
         }
-        if N == MOVING {
+        if N >= MOVING {
             self.compose_moving(S);
         }
-        for column in S.iter_mut() {
-            column.shift(d);
-        }
+    }
+
+    /// `S ← Xᵀ S`.
+    #[inline]
+    pub(super) fn shift<const N: usize>(&self, S: &mut [Column; N]) {
+        S.iter_mut().for_each(|column| column.shift(&self.arm));
     }
 
     /// What velocities and accelerations add to `S T`.
     fn compose_moving<const N: usize>(&self, S: &mut [Column; N]) {
-        let (d, W, D) = (&self.arm, self.w.cross_matrix(), self.arm.cross_matrix());
-        let swing = self.w.cross(d);
-        let swinging = W * D + self.slip.cross_matrix();
-        let [rate, velocity, turn_acceleration, acceleration] = [S[2], S[3], S[4], S[5]];
+        let (d, w) = (&self.arm, &self.w);
+        let (swing, slip) = (w.cross(d), self.slip.cross_matrix());
+        let turning = twice(w, d);
+        let swinging = turning + slip;
+        let [rate, turn_acceleration, acceleration] = [S[RATE], S[TURN_ACCELERATION], S[ACCELERATION]];
         S[TURN].minus_cross(&rate, &self.spin);
-        S[TURN].minus(&velocity, &swinging);
-        S[TURN].minus(&turn_acceleration, &(self.spin_rate.cross_matrix() + W * self.spin.cross_matrix()));
-        let by_turn =
-            self.dw.cross_matrix() * D + W * (swinging + self.slip.cross_matrix()) + self.slip_rate.cross_matrix();
+        S[TURN].minus(&turn_acceleration, &(self.spin_rate.cross_matrix() + twice(w, &self.spin)));
+        let by_turn = twice(&self.dw, d) + cross_times(w, &(swinging + slip)) + self.slip_rate.cross_matrix();
         S[TURN].minus(&acceleration, &by_turn);
-        S[2].minus_cross(&velocity, d);
-        S[2].minus_cross(&turn_acceleration, &self.spin);
-        S[2].minus(&acceleration, &((swing + 2.0 * self.slip).cross_matrix() + W * D));
-        S[4].minus_cross(&acceleration, d);
+        S[RATE].minus_cross(&turn_acceleration, &self.spin);
+        S[RATE].minus(&acceleration, &((swing + 2.0 * self.slip).cross_matrix() + turning));
+        S[TURN_ACCELERATION].minus_cross(&acceleration, d);
+        if N == MOVING_IN_PLACE {
+            let velocity = S[VELOCITY];
+            S[TURN].minus(&velocity, &swinging);
+            S[RATE].minus_cross(&velocity, d);
+        }
     }
 
     /// `S h` for one coordinate.
+    #[inline]
     pub(super) fn reach_one<const N: usize>(&self, S: &[Column; N]) -> Wrench {
         let mut h = LinkVariation::default();
         self.add_one(&mut h, 1.0);
@@ -98,6 +108,7 @@ impl Hinge {
     }
 
     /// `z += h δq` for one coordinate.
+    #[inline]
     pub(super) fn add_one(&self, z: &mut LinkVariation, step: f64) {
         let (c1, c2) = (self.c1, self.c2);
         let n = self.axis * step;
@@ -127,7 +138,7 @@ impl Hinge {
         let d = &self.arm;
         let arm = p.turn.cross(d);
         let mut z = LinkVariation { turn: p.turn, position: p.position + arm, ..LinkVariation::default() };
-        if N == MOVING {
+        if N >= MOVING {
             let (w, dw) = (self.w, p.angular_velocity);
             let (spin, slip) = (p.turn.cross(&self.spin), p.turn.cross(&self.slip));
             let swing = dw.cross(d) + w.cross(&arm);

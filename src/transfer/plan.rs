@@ -1,4 +1,4 @@
-//! How the links of a tree hang together, as the inward sweep sees it: worked out once per model.
+//! How the links of a tree hang together, as the inward sweeps see it: worked out once per model.
 
 use crate::model::{Joint, Model};
 

@@ -1,0 +1,27 @@
+"""The options of `run`."""
+
+import argparse
+import pathlib
+import re
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description="Measures stillpoint beside other simulators on the same models.")
+    parser.add_argument(
+        "--only", metavar="NAMES", help="these models (with --ode: problems) or families, as in chain,tree6"
+    )
+    parser.add_argument("--passes", type=int, metavar="N", help="how often each is measured; default 3, with --quick 1")
+    parser.add_argument("--quick", action="store_true", help="one short pass and the smaller models")
+    parser.add_argument("--ode", action="store_true", help="error against time of the integrators, instead")
+    parser.add_argument(
+        "--out", type=pathlib.Path, metavar="FOLDER", help="where results go; default: target/peers/results"
+    )
+    parser.add_argument("--docs", action="store_true", help="also put the tables into docs/speed.md")
+    parser.add_argument("--binary", type=pathlib.Path, metavar="PATH", help="a stillpoint that is built already")
+    return parser.parse_args()
+
+
+def chosen(given, names):
+    """Those of the names that --only asks for: by themselves, or by their family, a name without its number."""
+    wanted = given.only.split(",") if given.only else names
+    return [name for name in names if name in wanted or re.sub(r"\d+$", "", name) in wanted]

@@ -1,0 +1,132 @@
+"""Tables on the screen, as Markdown and as CSV."""
+
+import csv
+import dataclasses
+import datetime
+import os
+import pathlib
+import platform
+import shlex
+import subprocess
+
+from environment import BASE, HERE, ROOT, say
+
+
+@dataclasses.dataclass
+class Table:
+    title: str
+    text: str
+    columns: list
+    rows: list
+
+    def markdown(self):
+        widths = [max(len(str(row[i])) for row in [self.columns, *self.rows]) for i in range(len(self.columns))]
+
+        def line(row):
+            return "| " + " | ".join(str(cell).ljust(wide) for cell, wide in zip(row, widths, strict=True)) + " |"
+
+        rule = "|" + "|".join("-" * (wide + 2) for wide in widths) + "|"
+        return "\n".join([f"### {self.title}", "", self.text, "", line(self.columns), rule, *map(line, self.rows), ""])
+
+
+class Head:
+    """When, where and how: made before measuring, for the load of the machine."""
+
+    def __init__(self, options, passes):
+        self.options, self.passes, self.load = options, passes, os.getloadavg()[0]
+
+    def markdown(self):
+        options = [option for option in self.options if option != "--docs"]
+        command = shlex.join(["benches/peers/run", *options])
+        versions = (HERE / "requirements.txt").read_text().split()
+        peers = ", ".join(v.replace("==", " ") for v in versions if v.startswith(("pin=", "mujoco", "drake", "exudyn")))
+        return (
+            f"`{command}` on {datetime.date.today()}, commit {commit()}: {processor()}, {os.cpu_count()} cores, "
+            f"{platform.system()}; load {self.load:.1f} before and {os.getloadavg()[0]:.1f} after. One thread, "
+            f"{self.passes} pass{'es' if self.passes > 1 else ''}; {peers}.\n"
+        )
+
+
+def processor():
+    for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return platform.machine()
+
+
+def commit():
+    describe = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude=*"]
+    return subprocess.run(describe, capture_output=True, text=True).stdout.strip() or "unknown"
+
+
+def write(given, name, head, tables, columns, rows):
+    """Prints the tables and writes NAME.md and NAME.csv; with --docs also into the documentation."""
+    folder = given.out or BASE / "results"
+    folder.mkdir(parents=True, exist_ok=True)
+    text = "\n".join([head.markdown(), *(table.markdown() for table in tables)])
+    print(text)
+    (folder / f"{name}.md").write_text(text, encoding="utf-8")
+    with open(folder / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(rows)
+    say(f"written: {folder / name}.md, {folder / name}.csv")
+    if given.docs:
+        into_docs(name, text)
+
+
+def into_docs(name, text):
+    """Replaces what stands between `<!-- NAME -->` and `<!-- end of NAME -->` in docs/speed.md."""
+    page = ROOT / "docs" / "speed.md"
+    whole = page.read_text(encoding="utf-8")
+    before, rest = whole.split(f"<!-- {name} -->\n", 1)
+    after = rest.split(f"<!-- end of {name} -->", 1)[1]
+    page.write_text(f"{before}<!-- {name} -->\n{text}<!-- end of {name} -->{after}", encoding="utf-8")
+
+
+COLORS = {"stillpoint": "#c1121f", "MuJoCo": "#1f77b4", "Drake": "#2a9d3a", "Exudyn": "#8a5cc2"}
+MARKS = "osD^vPX"
+LEAST_ERROR = 1e-12  # m: so well is the reference known
+
+
+def plot(given, measured, titles):
+    """Error against time, one panel for each problem and one line for each integrator, as SVG."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    matplotlib.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "stillpoint", "font.size": 9})
+    import matplotlib.pyplot as pyplot
+
+    figure, panels = pyplot.subplots(
+        1, len(measured), figsize=(4.6 * len(measured) + 2.2, 5), layout="constrained", squeeze=False
+    )
+    lines = {}
+    for panel, (name, results) in zip(panels[0], measured.items(), strict=True):
+        marks = dict.fromkeys(COLORS, 0)
+        for program, integrator in dict.fromkeys((r.program, r.integrator) for r in results):
+            mark = MARKS[marks[program] % len(MARKS)]
+            marks[program] += 1
+            own = [r for r in results if (r.program, r.integrator) == (program, integrator)]
+            good = [(r.seconds, max(r.error, LEAST_ERROR)) for r in own if r.status == "ok" and r.error < 10]
+            if not good:
+                continue
+            ours = program == "stillpoint"
+            (line,) = panel.loglog(
+                [error for _, error in good],
+                [seconds for seconds, _ in good],
+                marker=mark,
+                color=COLORS[program],
+                linewidth=1.6 if ours else 0.9,
+                markersize=4.5 if ours else 3.5,
+                zorder=3 if ours else 2,
+            )
+            lines.setdefault(f"{program} {integrator}", line)
+        panel.invert_xaxis()
+        panel.set_title(titles[name], fontsize=9, wrap=True)
+        panel.set_xlabel("error of the last point (m; 1e-12 and less are one)")
+        panel.grid(alpha=0.3)
+    panels[0][0].set_ylabel("time (s)")
+    figure.legend(lines.values(), lines.keys(), loc="outside right center", fontsize=8, frameon=False)
+    folder = ROOT / "docs" if given.docs else given.out or BASE / "results"
+    figure.savefig(folder / "speed_integrators.svg", metadata={"Date": None})
+    say(f"written: {folder / 'speed_integrators.svg'}")
