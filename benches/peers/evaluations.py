@@ -111,9 +111,7 @@ def goals(ready, times):
     tangent = of("stillpoint tangent_solve")
     rows = [
         goal("an acceleration in half the time of the faster peer", 0.5, everything, ours, peers),
-        goal(
-            "a Jacobian in the time of Pinocchio's, to 100 dof", 1, small, of("stillpoint jacobian"), derivatives
-        ),
+        goal("a Jacobian in the time of Pinocchio's, to 100 dof", 1, small, of("stillpoint jacobian"), derivatives),
         goal("a tangent solve in less than Pinocchio's derivatives, from 5 dof", 1, many, tangent, derivatives),
         goal("a tangent solve in 5 accelerations at 10 links", 5, ["chain10"], tangent, ours),
         goal("a tangent solve in 4 accelerations at 1000 links", 4, ["chain1000"], tangent, ours),

@@ -3,6 +3,7 @@
 import csv
 import dataclasses
 import datetime
+import math
 import os
 import pathlib
 import platform
@@ -33,7 +34,8 @@ class Head:
     """When, where and how: made before measuring, for the load of the machine."""
 
     def __init__(self, options, passes):
-        self.options, self.passes, self.load = options, passes, os.getloadavg()[0]
+        self.options, self.passes = options, passes
+        self.load, self.commit = os.getloadavg()[0], commit()
 
     def markdown(self):
         options = [option for option in self.options if option != "--docs"]
@@ -41,7 +43,7 @@ class Head:
         versions = (HERE / "requirements.txt").read_text().split()
         peers = ", ".join(v.replace("==", " ") for v in versions if v.startswith(("pin=", "mujoco", "drake", "exudyn")))
         return (
-            f"`{command}` on {datetime.date.today()}, commit {commit()}: {processor()}, {os.cpu_count()} cores, "
+            f"`{command}` on {datetime.date.today()}, commit {self.commit}: {processor()}, {os.cpu_count()} cores, "
             f"{platform.system()}; load {self.load:.1f} before and {os.getloadavg()[0]:.1f} after. One thread, "
             f"{self.passes} pass{'es' if self.passes > 1 else ''}; {peers}.\n"
         )
@@ -55,8 +57,13 @@ def processor():
 
 
 def commit():
-    describe = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude=*"]
-    return subprocess.run(describe, capture_output=True, text=True).stdout.strip() or "unknown"
+    """What is measured: the last commit, and whether the code differs from it."""
+
+    def git(*command):
+        return subprocess.run(["git", "-C", str(ROOT), *command], capture_output=True, text=True).stdout.strip()
+
+    changed = git("status", "--porcelain", "--", "src", "benches", "Cargo.toml", "Cargo.lock")
+    return (git("rev-parse", "--short", "HEAD") or "unknown") + (" with changes" if changed else "")
 
 
 def write(given, name, head, tables, columns, rows):
@@ -84,13 +91,25 @@ def into_docs(name, text):
     page.write_text(f"{before}<!-- {name} -->\n{text}<!-- end of {name} -->{after}", encoding="utf-8")
 
 
-COLORS = {"stillpoint": "#c1121f", "MuJoCo": "#1f77b4", "Drake": "#2a9d3a", "Exudyn": "#8a5cc2"}
-MARKS = "osD^vPX"
+# Warm colours for us, one for each integrator; one cold colour for each peer.
+OURS = ["#7f0000", "#d7301f", "#fc8d59", "#e6550d", "#f4a000", "#dd1c77", "#ff5c5c", "#a63603", "#c51b8a", "#ffb347"]
+COLORS = {"MuJoCo": ["#1f77b4"], "Drake": ["#2a9d3a"], "Exudyn": ["#8a5cc2"], "stillpoint": OURS}
+MARKS = "osD^vPX<>*"
 LEAST_ERROR = 1e-12  # m: so well is the reference known
 
 
+def front(results):
+    """The runs that no shorter one of the same integrator beats, down to what is known of the reference."""
+    best, least = [], math.inf
+    for run in sorted((r for r in results if r.status == "ok" and r.error < 1), key=lambda r: r.seconds):
+        if max(run.error, LEAST_ERROR) < least:
+            best.append(run)
+            least = max(run.error, LEAST_ERROR)
+    return best
+
+
 def plot(given, measured, titles):
-    """Error against time, one panel for each problem and one line for each integrator, as SVG."""
+    """The best runs of each integrator, error against time, one panel for each problem, as SVG."""
     import matplotlib
 
     matplotlib.use("svg")
@@ -102,20 +121,18 @@ def plot(given, measured, titles):
     )
     lines = {}
     for panel, (name, results) in zip(panels[0], measured.items(), strict=True):
-        marks = dict.fromkeys(COLORS, 0)
+        drawn = dict.fromkeys(COLORS, 0)
         for program, integrator in dict.fromkeys((r.program, r.integrator) for r in results):
-            mark = MARKS[marks[program] % len(MARKS)]
-            marks[program] += 1
-            own = [r for r in results if (r.program, r.integrator) == (program, integrator)]
-            good = [(r.seconds, max(r.error, LEAST_ERROR)) for r in own if r.status == "ok" and r.error < 10]
-            if not good:
+            runs = front(r for r in results if (r.program, r.integrator) == (program, integrator))
+            number, colors, ours = drawn[program], COLORS[program], program == "stillpoint"
+            drawn[program] += 1
+            if not runs:
                 continue
-            ours = program == "stillpoint"
             (line,) = panel.loglog(
-                [error for _, error in good],
-                [seconds for seconds, _ in good],
-                marker=mark,
-                color=COLORS[program],
+                [max(run.error, LEAST_ERROR) for run in runs],
+                [run.seconds for run in runs],
+                marker=MARKS[number % len(MARKS)],
+                color=colors[number % len(colors)],
                 linewidth=1.6 if ours else 0.9,
                 markersize=4.5 if ours else 3.5,
                 zorder=3 if ours else 2,

@@ -77,12 +77,22 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "neutral_directions": stability.map(|s| s.neutral_directions),
         "frequencies_hz": frequencies,
         "modes": modes,
+        "damped_modes": stability.map_or(Vec::new(), |s| s.damped.iter().map(damped).collect::<Vec<_>>()),
         "reactions": reactions(model, &found.reactions),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "drives": drives(&found.drive_forces),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
+    })
+}
+
+fn damped(mode: &crate::statics::DampedMode) -> Value {
+    json!({
+        "decay_rate": mode.decay_rate,
+        "frequency_hz": mode.frequency_hz,
+        "damping_ratio": mode.damping_ratio,
+        "hinges": mode.shares.iter().take(5).map(|(name, share)| json!({ "hinge": name, "share": share })).collect::<Vec<_>>(),
     })
 }
 

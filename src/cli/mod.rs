@@ -7,6 +7,7 @@ mod inspect;
 mod json;
 mod output;
 mod path;
+mod poses;
 mod precision;
 mod rest;
 mod run;

@@ -2,11 +2,13 @@
 //! `forces` and `transfer` meet.
 
 mod constrained;
+mod jacobian;
 mod linearize;
 mod magnitudes;
 mod tangent;
 
 pub use constrained::Settled;
+pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};
@@ -63,8 +65,8 @@ pub enum Fault {
         /// (m; rad times the scene's length)
         gap: f64,
     },
-    /// A method of statics that knows trees only.
-    #[error("`{method}` knows no loops, drives or gears; the methods `auto` and `newton` do")]
+    /// Something that knows trees only.
+    #[error("`{method}` knows no loops, drives or gears yet")]
     Tied {
         /// Its name.
         method: &'static str,

@@ -17,6 +17,7 @@
 
 pub mod cascade;
 mod constrained;
+pub mod damped;
 pub mod equilibrium;
 pub mod inverse;
 mod lagrange;
@@ -34,7 +35,8 @@ mod subspace;
 mod trust_region;
 
 pub use cascade::Stage;
-pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed};
+pub use damped::DampedMode;
+pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed, equilibrium_watched};
 pub use inverse::{Held, hold};
 pub use settings::{Method, Settings, Want};
 pub use stability::{Mode, Stability, Verdict};

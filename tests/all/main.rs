@@ -24,5 +24,6 @@ mod statics;
 mod statics_cascade;
 mod statics_inverse;
 mod statics_methods;
+mod statics_modes;
 mod statics_path;
 mod statics_start;

@@ -135,12 +135,8 @@ fn classify(
     let model = tied.model();
     let (n, count) = (model.velocity_count(), linear.mass.nrows());
     if count == 0 {
-        return Stability {
-            verdict: Verdict::Stable,
-            unstable_directions: 0,
-            neutral_directions: 0,
-            modes: Vec::new(),
-        };
+        let (modes, damped) = (Vec::new(), Vec::new());
+        return Stability { verdict: Verdict::Stable, unstable_directions: 0, neutral_directions: 0, modes, damped };
     }
     let z = &view.tangent;
     let size = |j: usize| (0..n).map(|i| z[(i, j)].powi(2) * view.place.scales.stiffness[i]).sum::<f64>();
@@ -163,5 +159,7 @@ fn classify(
         let shapes = (0..count).map(|k| (0..count).map(|i| vectors[(i, k)]).collect::<Vec<f64>>());
         values.into_iter().zip(shapes).enumerate().map(mode).collect()
     });
-    Stability { verdict: verdict(unstable, neutral), unstable_directions: unstable, neutral_directions: neutral, modes }
+    // The damped motion of scenes with loops is not looked at yet.
+    let (verdict, damped) = (verdict(unstable, neutral), Vec::new());
+    Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped }
 }
