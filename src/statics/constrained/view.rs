@@ -132,7 +132,9 @@ impl<'m> Tied<'m> {
         let strongest = (0..n).map(|i| (magnitudes.force[i] + held(i)) / unit(i)).fold(0.0, f64::max);
         let stiffness = |i: usize| (magnitudes.force[i] + held(i)) / per_move(i) + magnitudes.stiffness[i];
         // Where rows nearly hang on each other, closed positions are known to the round-off of a gap over their angle.
-        let unsure = f64::EPSILON * parts.values.get(rank.wrapping_sub(1)).map_or(1.0, |least| 1.0 / least);
+        let slightest = sizes.iter().map(|size| size / largest).filter(|part| *part > DEPENDENT).fold(1.0, f64::min);
+        let least = parts.values.get(rank.wrapping_sub(1)).map_or(1.0, |least| *least);
+        let unsure = f64::EPSILON / (least * slightest);
         let scales = Scales {
             force: (0..n).map(|i| magnitudes.force[i] + held(i)).collect(),
             noise: (0..n)
