@@ -2,6 +2,7 @@
 
 use crate::constraint::Assembly;
 use crate::model::Model;
+use crate::simulate::events::Occurrence;
 use crate::simulate::{State, Summary};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::Equilibrium;
@@ -115,6 +116,11 @@ fn mode(mode: &crate::statics::Mode) -> Value {
     })
 }
 
+fn event(event: &Occurrence) -> Value {
+    let Occurrence { time, kind, name, value, speed } = event;
+    json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed })
+}
+
 pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
     let State { position, velocity } = &summary.state;
     let integrators: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
@@ -136,6 +142,8 @@ pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, 
         "energy_end": summary.energy_end,
         "energy_drift": summary.energy_drift,
         "constraint_error": summary.constraint_error,
+        "events": summary.events.iter().map(event).collect::<Vec<_>>(),
+        "stopped_by": summary.stopped_by,
         "samples": summary.samples,
         "final": {
             "positions": by_hinge(model, position, true),

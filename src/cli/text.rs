@@ -226,6 +226,15 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
         times(speed),
         methods.join(", then ")
     );
+    for (line, event) in summary.events.iter().take(MOST_LINES).enumerate() {
+        let head = if line == 0 { "events" } else { "" };
+        let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
+        let _ = writeln!(out, "  {head:<12} {time} s: {kind} of `{name}` at {value}, speed {}", number(event.speed));
+    }
+    more(&mut out, summary.events.len());
+    if let Some(event) = &summary.stopped_by {
+        let _ = writeln!(out, "  ended        by the event `{event}`");
+    }
     if let Some(choice) = &summary.choice {
         let _ = writeln!(out, "  method       {choice}");
     }

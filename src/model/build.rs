@@ -4,7 +4,7 @@ use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, ForceKind, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check, couple};
+use super::{Model, check, couple, watch};
 use crate::suggest;
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -12,12 +12,14 @@ use std::collections::HashMap;
 pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     let mut problems = check::check(description);
     couple::check(description, &mut problems);
+    problems.extend(watch::check(description));
     let names = index_names(description, &mut problems);
     let parents = resolve_parents(description, &names, &mut problems);
     let order = depth_first(description, &parents, &mut problems);
     let hinge_points = hinge_points(description, &parents, &mut problems);
     let mut places = Places { description, names: &names, problems: &mut problems };
     let (force_places, loop_places) = (force_places(description, &mut places), loop_places(description, &mut places));
+    let watched = event_places(description, &mut places);
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -30,7 +32,7 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    tree.finish(&force_places, &loop_places)
+    tree.finish(&force_places, &loop_places, &watched)
 }
 
 fn index_names<'a>(description: &'a Description, problems: &mut Vec<Problem>) -> HashMap<&'a str, usize> {
@@ -239,4 +241,12 @@ fn force_places(description: &Description, places: &mut Places<'_>) -> Vec<Vec<P
         }
     };
     description.forces.iter().enumerate().map(of_force).collect()
+}
+
+/// Which point every event watches.
+fn event_places(description: &Description, places: &mut Places<'_>) -> Vec<Option<Place>> {
+    let of_event = |(index, event): (usize, &watch::EventDescription)| {
+        watch::attachment(event).map(|on| places.resolve(on, Element::Event(index), "on"))
+    };
+    description.events.iter().enumerate().map(of_event).collect()
 }

@@ -5,6 +5,7 @@
 
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 use super::shape::Shape;
+pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// The name of the inertial frame where a parent or a body is asked for.
@@ -27,6 +28,8 @@ pub struct Description {
     pub drives: Vec<DriveDescription>,
     /// Coordinates in a fixed ratio.
     pub gears: Vec<GearDescription>,
+    /// What a run takes note of.
+    pub events: Vec<EventDescription>,
 }
 
 impl Default for Description {
@@ -39,6 +42,7 @@ impl Default for Description {
             loops: Vec::new(),
             drives: Vec::new(),
             gears: Vec::new(),
+            events: Vec::new(),
         }
     }
 }
@@ -99,6 +103,8 @@ pub struct HingeDescription {
     pub force: Vec<f64>,
     /// Held during statics.
     pub lock: bool,
+    /// Stops of its coordinates.
+    pub limits: Vec<LimitDescription>,
 }
 
 impl HingeDescription {
@@ -117,6 +123,7 @@ impl HingeDescription {
             armature: Vec::new(),
             force: Vec::new(),
             lock: false,
+            limits: Vec::new(),
         }
     }
 }
@@ -177,6 +184,15 @@ impl HingeKind {
             Self::Planar => "planar",
             Self::Spherical => "spherical",
             Self::Free => "free",
+        }
+    }
+
+    /// Number of leading coordinates that are angles or distances and have a velocity of the same place.
+    pub fn plain_coordinates(&self) -> usize {
+        match self {
+            Self::Spherical => 0,
+            Self::Free => 3,
+            _ => self.counts().0,
         }
     }
 

@@ -16,12 +16,14 @@ pub mod prescribed;
 pub mod problem;
 pub mod shape;
 mod tree;
+pub mod watch;
 
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use link::{Joint, Link};
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
+pub use watch::{Event, Stop, StopLaw, Watched};
 
 use crate::spatial::Pose;
 use description::{HingeKind, MassProperties};
@@ -52,6 +54,10 @@ pub struct Model {
     /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by
     /// `constraint::assemble`).
     pub independent_rows: Option<Vec<bool>>,
+    /// Stops of hinge coordinates; a run heeds them, statics does not.
+    pub stops: Vec<Stop>,
+    /// What a run takes note of.
+    pub events: Vec<Event>,
     /// Start or guess: hinge coordinates, `position_count` numbers.
     pub start_position: Vec<f64>,
     /// Start velocities, `velocity_count` numbers.

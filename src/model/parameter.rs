@@ -171,6 +171,8 @@ impl Parameter {
         let list = |list: &[f64]| list.get(self.index).copied().unwrap_or(0.0);
         match self.element {
             Element::Scene => description.gravity[self.index],
+            // Events have no parameters.
+            Element::Event(_) => f64::NAN,
             Element::Body(body) => {
                 let body = &description.bodies[body];
                 match self.field {
@@ -196,6 +198,7 @@ impl Parameter {
     pub fn set(&self, description: &mut Description, value: f64) {
         match self.element {
             Element::Scene => description.gravity[self.index] = value,
+            Element::Event(_) => {}
             Element::Body(body) => {
                 let body = &mut description.bodies[body];
                 let (positions, velocities) = body.hinge.kind.counts();
@@ -281,7 +284,9 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
         // What couples coordinates has no parameters.
-        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => return Vec::new(),
+        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Event(_) => {
+            return Vec::new();
+        }
         Element::Body(index) => {
             let body = &description.bodies[index];
             (&body.name, of_body(body, field))

@@ -30,6 +30,8 @@ pub enum Element {
     Drive(usize),
     /// Index into `Description::gears`.
     Gear(usize),
+    /// Index into `Description::events`.
+    Event(usize),
 }
 
 /// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.

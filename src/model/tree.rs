@@ -5,7 +5,7 @@ use super::couple::couple;
 use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProperties};
 use super::link::{Joint, Link};
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Hinge, Law, Model};
+use super::{Body, Coordinate, End, Force, Hinge, Law, Model, watch};
 use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -183,7 +183,12 @@ impl<'a> Tree<'a> {
         problems
     }
 
-    pub(super) fn finish(self, places: &[Vec<Place>], loops: &[[Place; 2]]) -> Result<Model, Vec<Problem>> {
+    pub(super) fn finish(
+        self,
+        places: &[Vec<Place>],
+        loops: &[[Place; 2]],
+        watched: &[Option<Place>],
+    ) -> Result<Model, Vec<Problem>> {
         let end = |place: &Place| {
             let (link, link_from_body) = self.carrier(place.0);
             End { link, body: place.0, point: seen_from(&link_from_body, &place.1) }
@@ -194,6 +199,9 @@ impl<'a> Tree<'a> {
             law: compile_force(&force.kind, places, &end, &turn),
         });
         let forces = forces.collect();
+        let bodies: Vec<Body> = self.bodies.iter().flatten().cloned().collect();
+        let stops = watch::stops(self.description, &bodies);
+        let events = watch::events(self.description, &bodies, end, watched);
         let mut model = Model {
             title: self.description.title.clone(),
             gravity: self.description.gravity,
@@ -202,7 +210,9 @@ impl<'a> Tree<'a> {
             drives: Vec::new(),
             gears: Vec::new(),
             independent_rows: None,
-            bodies: self.bodies.iter().flatten().cloned().collect(),
+            stops,
+            events,
+            bodies,
             links: self.links.clone(),
             coordinates: self.coordinates.clone(),
             start_position: self.start_position.clone(),

@@ -2,6 +2,7 @@
 
 use super::body::{Names, Template, template};
 use super::couplings::{closed_loop, drive, gear};
+use super::event::event;
 use super::findings::{Finding, Findings};
 use super::force::force;
 use super::format::MOST_BODIES;
@@ -48,6 +49,12 @@ pub(super) fn lower<'a>(
         if let Some(gear) = gear(table, index) {
             description.gears.push(gear);
             spans.gears.push(index);
+        }
+    }
+    for (index, table) in scenario.tables("event").iter().enumerate() {
+        if let Some(event) = event(table, index, &names) {
+            description.events.push(event);
+            spans.add_event(index);
         }
     }
     (description, spans)

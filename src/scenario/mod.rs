@@ -30,6 +30,7 @@ mod schema;
 mod body;
 mod check;
 mod couplings;
+mod event;
 mod findings;
 mod force;
 mod hinge;

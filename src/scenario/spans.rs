@@ -17,6 +17,7 @@ pub(super) struct SpanTable<'a> {
     pub(super) loops: Vec<usize>,
     pub(super) drives: Vec<usize>,
     pub(super) gears: Vec<usize>,
+    events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
 }
@@ -32,7 +33,8 @@ impl<'a> SpanTable<'a> {
     pub(super) fn new(document: &'a DeTable<'a>) -> Self {
         let (bodies, forces) = (Vec::new(), Vec::new());
         let (loops, drives, gears) = (Vec::new(), Vec::new(), Vec::new());
-        Self { document, bodies, forces, loops, drives, gears, nameless: false }
+        let events = Vec::new();
+        Self { document, bodies, forces, events, loops, drives, gears, nameless: false }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -48,6 +50,11 @@ impl<'a> SpanTable<'a> {
         self.forces.push(index);
     }
 
+    /// The next event of the description comes from `[[event]]` number `index`.
+    pub(super) fn add_event(&mut self, index: usize) {
+        self.events.push(index);
+    }
+
     /// A body's name could not be read: that others do not find it is not worth saying.
     pub(super) fn add_nameless(&mut self) {
         self.nameless = true;
@@ -61,6 +68,7 @@ impl<'a> SpanTable<'a> {
             Element::Loop(index) => ("loop", *self.loops.get(index)?),
             Element::Drive(index) => ("drive", *self.drives.get(index)?),
             Element::Gear(index) => ("gear", *self.gears.get(index)?),
+            Element::Event(event) => ("event", *self.events.get(event)?),
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)
     }
@@ -186,7 +194,7 @@ pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &F
 
 /// Whether a field names another body.
 fn is_reference(field: &str) -> bool {
-    field == "hinge.parent" || field == "on" || field.starts_with("between")
+    matches!(field, "hinge.parent" | "hinge" | "on") || field.starts_with("between")
 }
 
 /// A message without the numbers of copies: `link(12)` reads `link[]`.

@@ -2,6 +2,7 @@
 
 mod bordered;
 mod choice;
+pub mod events;
 mod ledger;
 pub mod precision;
 pub mod problem;
@@ -11,6 +12,7 @@ mod sampler;
 mod scene;
 pub mod settings;
 mod stiffness;
+mod stops;
 
 pub use run::{RunError, State, Summary, run};
 pub use scene::scene;

@@ -8,6 +8,7 @@ mod closed_forms;
 mod common;
 mod derivatives;
 mod diagnostics;
+mod events;
 mod faults;
 mod identities;
 mod integrators;

@@ -2,6 +2,7 @@
 
 mod body;
 mod couplings;
+mod event;
 mod force;
 mod hinge;
 mod settings;
@@ -9,8 +10,9 @@ mod start;
 
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
+pub use event::EVENT;
 pub use force::{BUSHING_VALUES, FORCE};
-pub use hinge::HINGE;
+pub use hinge::{HINGE, LIMIT};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
@@ -41,6 +43,7 @@ pub const SCENARIO: Table = Table {
         Key::new("record", Kind::Table(&RECORD), "The recording.").example("{ rate = 100.0 }"),
         Key::new("body", Kind::List(&Kind::Table(&BODY), &[]), "The bodies, in any order.").required(),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings and loads."),
+        Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
         Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
         Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),
