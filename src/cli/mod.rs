@@ -6,6 +6,7 @@ mod compare;
 mod inspect;
 mod json;
 mod output;
+mod palette;
 mod path;
 mod poses;
 mod precision;

@@ -20,6 +20,9 @@ pub(super) struct Arguments {
     /// Find it by every method from the same guess, and print what each needed and how far their answers are apart
     #[arg(long, conflicts_with = "method")]
     compare: bool,
+    /// With `--compare`: for several values of a number of the file, as `link.repeat=5,10,20`
+    #[arg(long, value_name = "PATH=VALUES", requires = "compare", conflicts_with = "start")]
+    over: Option<String>,
     /// Begin the search at the pose of this file, as `--save` writes it
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
@@ -34,7 +37,7 @@ pub(super) struct Arguments {
     iterates: Option<PathBuf>,
     #[command(flatten)]
     viewers: run::Viewers,
-    /// Write the result there as JSON; with `--compare` the table, as PATH.csv and PATH.json. Where the file has
+    /// Write the result there as JSON; with `--compare` table and plot, as PATH.csv, .json and .svg. Where the file has
     /// `[statics.path]`: beginning of the names PATH.path.csv, .svg and .mcap; default: the scenario's name
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -42,6 +45,9 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
+    if let Some(change) = &arguments.over {
+        return compare::over(common, change, arguments.out.as_deref());
+    }
     let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
