@@ -2,7 +2,7 @@
 
 use super::stopwatch::{Cost, time};
 use super::{Common, Exit, Memory, output, scene, text};
-use crate::dynamics::{Coefficients, System, TangentSolver};
+use crate::dynamics::{AccelerationJacobians, Coefficients, System, TangentSolver};
 use crate::integrate::{Method, Options, Start};
 use crate::model::Model;
 use crate::simulate::problem::Motion;
@@ -73,7 +73,10 @@ fn measure(scenario: &crate::scenario::Scenario, model: &Model, memory: fn() -> 
     system.accelerations(q, v, &mut a)?;
     let acceleration = time(|| system.accelerations(q, v, &mut a));
     let jacobian = match model.velocity_count() <= MOST_DENSE {
-        true => Some(time(|| system.acceleration_jacobians(q, v))),
+        true => {
+            let mut jacobians = AccelerationJacobians::new(model);
+            Some(time(|| system.acceleration_jacobians_into(q, v, &mut jacobians)))
+        }
         false => None,
     };
     // A step well within what happens in the scene, as an implicit method takes it.

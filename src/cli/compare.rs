@@ -1,10 +1,13 @@
-//! `statics --compare`: every method from the same guess, side by side.
+//! `statics --compare`: every method from the same guess, side by side; `--over`: for several values of a number.
+
+mod plot;
 
 use super::output::{self, bold};
-use super::{Common, Exit, statics, text};
+use super::{Common, Exit, scene, statics, text};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::statics::{Equilibrium, Method, Settings, equilibrium_observed};
+use anyhow::Context;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -25,7 +28,77 @@ struct Row {
     distance: Option<(f64, f64)>,
 }
 
+/// One scene.
+struct Run {
+    /// What was changed, as on the command line; empty for the scene as it stands.
+    value: String,
+    degrees_of_freedom: usize,
+    rows: Vec<Row>,
+}
+
 pub(super) fn main(scenario: &Scenario, model: &Model, common: &Common, out: Option<&Path>) -> anyhow::Result<Exit> {
+    let run = run(String::new(), scenario, model);
+    let table = json!({ "scenario": scenario.name, "methods": methods(&run.rows) });
+    let title = title(scenario, model);
+    if let Some(prefix) = out {
+        write_all(prefix, &csv(std::slice::from_ref(&run)), &plot::residuals(&run.rows, title)?, &table)?;
+    }
+    if common.json {
+        output::print(&table.to_string())?;
+    } else if !common.quiet {
+        output::print(&text::heading(model, &scenario.name))?;
+        output::print(&report(&run.rows))?;
+    }
+    Ok(exit([&run]))
+}
+
+/// The same for several values of a number of the file, `path=1,2,3`.
+pub(super) fn over(common: &Common, change: &str, out: Option<&Path>) -> anyhow::Result<Exit> {
+    let (path, values) =
+        change.split_once('=').context("`--over` takes a path and values, as `link.repeat=5,10,20`")?;
+    anyhow::ensure!(
+        common.scenario != Path::new("-"),
+        "`--over` reads its file again and again: standard input cannot"
+    );
+    let mut runs = Vec::new();
+    let mut named = None;
+    for value in values.split(',') {
+        let set = common.set.iter().cloned().chain([format!("{path}={value}")]).collect();
+        let one = Common { scenario: common.scenario.clone(), set, json: common.json, quiet: common.quiet };
+        let (scenario, model) = match scene::load(&one)? {
+            Ok(loaded) => loaded,
+            Err(exit) => return Ok(exit),
+        };
+        let run = run(value.trim().to_owned(), &scenario, &model);
+        if !common.json && !common.quiet {
+            output::print(&format!("{path} = {value}\n{}", text::heading(&model, &scenario.name)))?;
+            output::print(&report(&run.rows))?;
+        }
+        runs.push(run);
+        named.get_or_insert_with(|| (scenario.name.clone(), title(&scenario, &model).to_owned()));
+    }
+    let (name, title) = named.unwrap_or_default();
+    let of_run = |run: &Run| json!({ "value": run.value, "degrees_of_freedom": run.degrees_of_freedom, "methods": methods(&run.rows) });
+    let table = json!({ "scenario": name, "over": path, "runs": runs.iter().map(of_run).collect::<Vec<_>>() });
+    if let Some(prefix) = out {
+        write_all(prefix, &csv(&runs), &plot::times(&runs, &title)?, &table)?;
+    }
+    if common.json {
+        output::print(&table.to_string())?;
+    }
+    Ok(exit(&runs))
+}
+
+fn title<'t>(scenario: &'t Scenario, model: &'t Model) -> &'t str {
+    if model.title.is_empty() { &scenario.name } else { &model.title }
+}
+
+fn methods(rows: &[Row]) -> Vec<Value> {
+    rows.iter().map(Row::json).collect()
+}
+
+/// Every method on one scene.
+fn run(value: String, scenario: &Scenario, model: &Model) -> Run {
     let mut rows: Vec<Row> = Vec::new();
     for method in Method::ALL {
         let mut row = measured(model, &Settings { method, ..scenario.statics });
@@ -35,24 +108,24 @@ pub(super) fn main(scenario: &Scenario, model: &Model, common: &Common, out: Opt
         };
         rows.push(row);
     }
-    let table = json!({ "scenario": scenario.name, "methods": rows.iter().map(Row::json).collect::<Vec<_>>() });
-    if let Some(prefix) = out {
-        let with = |ending: &str| {
-            let mut name = prefix.as_os_str().to_owned();
-            name.push(ending);
-            PathBuf::from(name)
-        };
-        statics::write(&with(".csv"), &csv(&rows))?;
-        statics::write(&with(".json"), &format!("{table:#}\n"))?;
-    }
-    if common.json {
-        output::print(&table.to_string())?;
-    } else if !common.quiet {
-        output::print(&text::heading(model, &scenario.name))?;
-        output::print(&report(&rows))?;
-    }
-    let cascade = rows.first().and_then(|row| row.found.as_ref().ok());
-    Ok(if cascade.is_some_and(|found| found.converged) { Exit::Done } else { Exit::No })
+    Run { value, degrees_of_freedom: model.velocity_count(), rows }
+}
+
+fn write_all(prefix: &Path, csv: &str, svg: &str, table: &Value) -> anyhow::Result<()> {
+    let with = |ending: &str| {
+        let mut name = prefix.as_os_str().to_owned();
+        name.push(ending);
+        PathBuf::from(name)
+    };
+    statics::write(&with(".csv"), csv)?;
+    statics::write(&with(".svg"), svg)?;
+    statics::write(&with(".json"), &format!("{table:#}\n"))
+}
+
+/// The cascade has to find what was wanted, everywhere.
+fn exit<'r>(runs: impl IntoIterator<Item = &'r Run>) -> Exit {
+    let found = |run: &Run| run.rows.first().is_some_and(|row| row.found.as_ref().is_ok_and(|found| found.converged));
+    if runs.into_iter().all(found) { Exit::Done } else { Exit::No }
 }
 
 /// One method: its answer, and the time of its search.
@@ -139,17 +212,21 @@ const COLUMNS: [&str; 14] = [
     "outcome",
 ];
 
-/// One line per method; a number that does not exist is empty.
-fn csv(rows: &[Row]) -> String {
-    let mut out = format!("{}\n", COLUMNS.join(","));
-    for row in rows {
+/// One line per method; a number that does not exist is empty. Of several scenes each with its value before.
+fn csv(runs: &[Run]) -> String {
+    let several = runs.iter().any(|run| !run.value.is_empty());
+    let first = if several { "value,degrees_of_freedom," } else { "" };
+    let mut out = format!("{first}{}\n", COLUMNS.join(","));
+    for (run, row) in runs.iter().flat_map(|run| run.rows.iter().map(move |row| (run, row))) {
         let values = row.json();
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
         let field = |name: &&str| match &values[*name] {
             Value::Null => String::new(),
-            Value::String(text) => format!("\"{}\"", text.replace('"', "\"\"")),
+            Value::String(text) => quoted(text),
             other => other.to_string(),
         };
-        let _ = writeln!(out, "{}", COLUMNS.iter().map(field).collect::<Vec<_>>().join(","));
+        let first = if several { format!("{},{},", quoted(&run.value), run.degrees_of_freedom) } else { String::new() };
+        let _ = writeln!(out, "{first}{}", COLUMNS.iter().map(field).collect::<Vec<_>>().join(","));
     }
     out
 }

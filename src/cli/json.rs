@@ -1,6 +1,7 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
 use crate::model::Model;
+use crate::simulate::events::Occurrence;
 use crate::simulate::{State, Summary};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::Equilibrium;
@@ -65,11 +66,21 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "neutral_directions": stability.map(|s| s.neutral_directions),
         "frequencies_hz": frequencies,
         "modes": modes,
+        "damped_modes": stability.map_or(Vec::new(), |s| s.damped.iter().map(damped).collect::<Vec<_>>()),
         "reactions": reactions(model, &found.reactions),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
+    })
+}
+
+fn damped(mode: &crate::statics::DampedMode) -> Value {
+    json!({
+        "decay_rate": mode.decay_rate,
+        "frequency_hz": mode.frequency_hz,
+        "damping_ratio": mode.damping_ratio,
+        "hinges": mode.shares.iter().take(5).map(|(name, share)| json!({ "hinge": name, "share": share })).collect::<Vec<_>>(),
     })
 }
 
@@ -90,6 +101,11 @@ fn mode(mode: &crate::statics::Mode) -> Value {
         "growth_rate": mode.growth_rate,
         "hinges": mode.shares.iter().take(5).map(|(name, share)| json!({ "hinge": name, "share": share })).collect::<Vec<_>>(),
     })
+}
+
+fn event(event: &Occurrence) -> Value {
+    let Occurrence { time, kind, name, value, speed } = event;
+    json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed })
 }
 
 pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
@@ -113,6 +129,8 @@ pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, 
         "energy_end": summary.energy_end,
         "energy_drift": summary.energy_drift,
         "constraint_error": 0.0,
+        "events": summary.events.iter().map(event).collect::<Vec<_>>(),
+        "stopped_by": summary.stopped_by,
         "samples": summary.samples,
         "final": {
             "positions": by_hinge(model, position, true),

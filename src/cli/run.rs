@@ -21,6 +21,13 @@ pub(super) struct Arguments {
     /// Where the recording goes; default: the scenario's name with .mcap in this folder
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    viewers: Viewers,
+}
+
+/// Where a picture goes beside the recording.
+#[derive(Debug, Args)]
+pub(super) struct Viewers {
     /// Open the Rerun viewer and stream to it
     #[arg(long)]
     view: bool,
@@ -58,7 +65,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let opening =
         Opening { scene: &still, scenario: &scenario.text, statics: found.is_object().then_some(found_text.as_str()) };
     let mut recorder = Fanout::new().recorder(file.begin(&opening)?);
-    for sink in sinks(arguments) {
+    for sink in arguments.viewers.sinks() {
         recorder = add_viewer(recorder, &sink, &opening, common.quiet)?;
     }
     let run =
@@ -117,15 +124,17 @@ pub(super) fn recording_path(out: Option<&Path>, scenario: &Path) -> PathBuf {
     }
 }
 
-fn sinks(arguments: &Arguments) -> Vec<Sink> {
-    let view = arguments.view.then_some(Sink::Spawn);
-    let connect = arguments.connect.clone().map(Sink::Connect);
-    let save = arguments.rrd.clone().map(Sink::Save);
-    view.into_iter().chain(connect).chain(save).collect()
+impl Viewers {
+    pub(super) fn sinks(&self) -> Vec<Sink> {
+        let view = self.view.then_some(Sink::Spawn);
+        let connect = self.connect.clone().map(Sink::Connect);
+        let save = self.rrd.clone().map(Sink::Save);
+        view.into_iter().chain(connect).chain(save).collect()
+    }
 }
 
 /// A viewer that cannot be reached stops nothing; a file that cannot be written is a wrong call.
-fn add_viewer(recorder: Fanout, sink: &Sink, opening: &Opening<'_>, quiet: bool) -> anyhow::Result<Fanout> {
+pub(super) fn add_viewer(recorder: Fanout, sink: &Sink, opening: &Opening<'_>, quiet: bool) -> anyhow::Result<Fanout> {
     match Viewer::open(sink, opening) {
         Ok(viewer) => {
             if !quiet {

@@ -1,9 +1,9 @@
 //! `statics`: the equilibrium and what it is.
 
-use super::{Common, Exit, compare, json, output, path, scene, text};
+use super::{Common, Exit, compare, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
-use crate::statics::{Equilibrium, Method, equilibrium, hold};
+use crate::statics::{Equilibrium, Method, equilibrium, equilibrium_watched, hold};
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -20,13 +20,24 @@ pub(super) struct Arguments {
     /// Find it by every method from the same guess, and print what each needed and how far their answers are apart
     #[arg(long, conflicts_with = "method")]
     compare: bool,
+    /// With `--compare`: for several values of a number of the file, as `link.repeat=5,10,20`
+    #[arg(long, value_name = "PATH=VALUES", requires = "compare", conflicts_with = "start")]
+    over: Option<String>,
     /// Begin the search at the pose of this file, as `--save` writes it
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
     /// Write the equilibrium there, for `--start` of other commands; nothing where none is found
     #[arg(long, value_name = "START.toml", conflicts_with = "compare")]
     save: Option<PathBuf>,
-    /// Write the result there as JSON; with `--compare` the table, as PATH.csv and PATH.json. Where the file has
+    /// Record the mode shapes there, two seconds each, for `view`
+    #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
+    modes: Option<PathBuf>,
+    /// Record the poses of the search there, one per second, for `view`
+    #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
+    iterates: Option<PathBuf>,
+    #[command(flatten)]
+    viewers: run::Viewers,
+    /// Write the result there as JSON; with `--compare` table and plot, as PATH.csv, .json and .svg. Where the file has
     /// `[statics.path]`: beginning of the names PATH.path.csv, .svg and .mcap; default: the scenario's name
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -34,6 +45,9 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
+    if let Some(change) = &arguments.over {
+        return compare::over(common, change, arguments.out.as_deref());
+    }
     let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
@@ -46,7 +60,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         anyhow::ensure!(scenario.unknown.is_empty(), "there is one method for `statics.unknown`: nothing to compare");
         return compare::main(&scenario, &model, common, arguments.out.as_deref());
     }
-    let (found, wall) = find(&mut scenario, &mut model)?;
+    let sinks = arguments.viewers.sinks();
+    let watched = arguments.iterates.is_some() || !sinks.is_empty();
+    let mut trail = Vec::new();
+    let (found, wall) = find_watched(&mut scenario, &mut model, watched.then_some(&mut trail))?;
     let mut result = json::statics(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
@@ -59,6 +76,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         result["path"] = followed.json(&model);
     } else if let Some(path) = &arguments.out {
         write(path, &format!("{result:#}\n"))?;
+    }
+    if watched {
+        let outlets = (arguments.iterates.as_deref(), &sinks[..]);
+        result["iterates"] = poses::iterates(common, &scenario, &model, &found, trail, outlets)?.into();
+    }
+    if let Some(path) = arguments.modes.as_deref().filter(|_| found.balanced) {
+        let shown = poses::modes(common, &scenario, &model, &found, path)?;
+        if !common.json && !common.quiet {
+            let modes = text::count(shown, "mode", "modes");
+            output::print(&format!("  recording    {} ({modes}, two seconds each)", path.display()))?;
+        }
     }
     if let Some(path) = arguments.save.as_deref().filter(|_| found.converged) {
         let rest = vec![0.0; model.velocity_count()];
@@ -79,10 +107,27 @@ pub(super) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
 
 /// The equilibrium and the time it took. Where inputs are unknown, scene and model get those that were found.
 pub(super) fn find(scenario: &mut Scenario, model: &mut Model) -> anyhow::Result<(Equilibrium, Duration)> {
+    find_watched(scenario, model, None)
+}
+
+/// The same; the poses of the search go to `trail`.
+fn find_watched(
+    scenario: &mut Scenario,
+    model: &mut Model,
+    trail: Option<&mut Vec<Vec<f64>>>,
+) -> anyhow::Result<(Equilibrium, Duration)> {
     let before = Instant::now();
     let context = || format!("{}: statics cannot start", scenario.name);
     let found = match scenario.unknown.is_empty() {
-        true => equilibrium(model, &scenario.statics, &model.start_position).with_context(context)?,
+        true => match trail {
+            None => equilibrium(model, &scenario.statics, &model.start_position).with_context(context)?,
+            Some(trail) => {
+                let (found, poses) =
+                    equilibrium_watched(model, &scenario.statics, &model.start_position).with_context(context)?;
+                *trail = poses;
+                found
+            }
+        },
         false => {
             let pose = &model.start_position;
             let held = hold(&scenario.description, &scenario.unknown, pose, &scenario.statics).with_context(context)?;

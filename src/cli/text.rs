@@ -12,6 +12,8 @@ use std::time::Duration;
 const MOST_LINES: usize = 8;
 /// What is left of a sum of numbers of size one that should cancel.
 const ROUND_OFF: f64 = 1e-12;
+/// A smaller part of critical damping is round-off.
+const UNDAMPED: f64 = 1e-10;
 
 /// `3 bodies`, `1 body`.
 pub(super) fn count(n: usize, one: &str, many: &str) -> String {
@@ -106,12 +108,27 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         for (line, mode) in stability.modes.iter().take(MOST_LINES).enumerate() {
             let what = match mode.growth_rate > 0.0 {
                 true => format!("grows {} per second", number(mode.growth_rate)),
+                false if mode.frequency_hz == 0.0 => "costs nothing".to_owned(),
                 false => format!("{} Hz", number(mode.frequency_hz)),
             };
             let head = if line == 0 { "modes" } else { "" };
             let _ = writeln!(out, "  {head:<12} {what:<24} {}", carriers(&mode.shares));
         }
         more(&mut out, stability.modes.len());
+        for (line, mode) in stability.damped.iter().take(MOST_LINES).enumerate() {
+            let decay = match mode.decay_rate {
+                _ if mode.damping_ratio.abs() < UNDAMPED => "undamped".to_owned(),
+                rate if rate < 0.0 => format!("grows {} per second", number(-rate)),
+                rate => format!("decays {} per second", number(rate)),
+            };
+            let what = match mode.frequency_hz {
+                0.0 => decay,
+                hz => format!("{} Hz, {decay}", number(hz)),
+            };
+            let head = if line == 0 { "damped" } else { "" };
+            let _ = writeln!(out, "  {head:<12} {what:<42} {}", carriers(&mode.shares));
+        }
+        more(&mut out, stability.damped.len());
     }
     for (line, (name, value)) in found.unknowns.iter().enumerate() {
         let head = if line == 0 { "inputs" } else { "" };
@@ -200,6 +217,15 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
         times(speed),
         methods.join(", then ")
     );
+    for (line, event) in summary.events.iter().take(MOST_LINES).enumerate() {
+        let head = if line == 0 { "events" } else { "" };
+        let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
+        let _ = writeln!(out, "  {head:<12} {time} s: {kind} of `{name}` at {value}, speed {}", number(event.speed));
+    }
+    more(&mut out, summary.events.len());
+    if let Some(event) = &summary.stopped_by {
+        let _ = writeln!(out, "  ended        by the event `{event}`");
+    }
     if let Some(choice) = &summary.choice {
         let _ = writeln!(out, "  method       {choice}");
     }

@@ -1,5 +1,5 @@
-//! Dense derivatives: mass, damping and stiffness matrices, and the Jacobians of the accelerations (section 4 of the
-//! method: the transfer equations differentiated column by column, the same reduction for every column).
+//! Dense derivatives: mass, damping and stiffness matrices (section 4 of the method: the transfer equations
+//! differentiated column by column).
 
 use super::{Fault, System};
 use crate::forces;
@@ -20,7 +20,7 @@ pub struct Linearization {
 
 /// Which of the three a column belongs to.
 #[derive(Clone, Copy)]
-enum Of {
+pub(super) enum Of {
     Position,
     Velocity,
     Acceleration,
@@ -52,29 +52,6 @@ impl System<'_> {
         Ok(self.columns(q, &rest, Of::Position))
     }
 
-    /// Jacobians of the hinge accelerations: `(∂q̈/∂q, ∂q̈/∂q̇)`, each n×n.
-    ///
-    /// # Errors
-    /// A singular hinge, or the element whose numbers are not finite.
-    pub fn acceleration_jacobians(&mut self, q: &[f64], v: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
-        let n = self.model.velocity_count();
-        let (mut a, mut residual) = (vec![0.0; n], vec![0.0; n]);
-        self.accelerations(q, v, &mut a)?;
-        self.residual(q, v, &a, &mut residual)?;
-        let mut by_position = self.columns(q, &a, Of::Position);
-        let mut by_velocity = self.columns(q, &a, Of::Velocity);
-        for matrix in [&mut by_position, &mut by_velocity] {
-            for j in 0..n {
-                let rhs: Vec<f64> = (0..n).map(|i| -matrix[(i, j)]).collect();
-                self.solve_mass(&rhs, &mut residual);
-                for (i, x) in residual.iter().enumerate() {
-                    matrix[(i, j)] = *x;
-                }
-            }
-        }
-        Ok((by_position, by_velocity))
-    }
-
     /// `product ← M x` at the position of the last [`System::residual`], in O(n).
     pub fn mass_times(&mut self, a: &[f64], x: &[f64], product: &mut [f64]) {
         let by = Direction { acceleration: x, ..Direction::default() };
@@ -84,7 +61,7 @@ impl System<'_> {
     }
 
     /// One matrix, column by column; [`System::residual`] must have been called at this state.
-    fn columns(&mut self, q: &[f64], a: &[f64], of: Of) -> Mat<f64> {
+    pub(super) fn columns(&mut self, q: &[f64], a: &[f64], of: Of) -> Mat<f64> {
         let n = self.model.velocity_count();
         let mut matrix = Mat::zeros(n, n);
         let mut unit = vec![0.0; n];

@@ -1,10 +1,12 @@
 //! A model with its forces: accelerations, residuals, their derivatives and energies of a state. The only place where
 //! `forces` and `transfer` meet.
 
+mod jacobian;
 mod linearize;
 mod magnitudes;
 mod tangent;
 
+pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};

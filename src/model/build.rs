@@ -3,18 +3,19 @@
 use super::description::{Attachment, BodyDescription, Description, ForceKind, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check};
+use super::{Model, check, watch};
 use crate::suggest;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
 pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     let mut problems = check::check(description);
+    problems.extend(watch::check(description));
     let names = index_names(description, &mut problems);
     let parents = resolve_parents(description, &names, &mut problems);
     let order = depth_first(description, &parents, &mut problems);
     let hinge_points = hinge_points(description, &parents, &mut problems);
-    let places = force_places(description, &names, &mut problems);
+    let (places, watched) = places(description, &names, &mut problems);
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -27,7 +28,7 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    Ok(tree.finish(&places))
+    Ok(tree.finish(&places, &watched))
 }
 
 fn index_names<'a>(description: &'a Description, problems: &mut Vec<Problem>) -> HashMap<&'a str, usize> {
@@ -189,11 +190,12 @@ fn hinge_points(
 /// A point on a body (`None`: the ground).
 pub(super) type Place = (Option<usize>, Vector3<f64>);
 
-fn force_places(
+/// Where every force element acts, and which point every event watches.
+fn places(
     description: &Description,
     names: &HashMap<&str, usize>,
     problems: &mut Vec<Problem>,
-) -> Vec<Vec<Place>> {
+) -> (Vec<Vec<Place>>, Vec<Option<Place>>) {
     let mut resolve = |attachment: &Attachment, element: Element, field: &str| -> Place {
         let body = match attachment.body.as_str() {
             GROUND => None,
@@ -218,7 +220,7 @@ fn force_places(
             }
         }
     };
-    let of_force = |(index, force): (usize, &super::description::ForceDescription)| {
+    let mut of_force = |(index, force): (usize, &super::description::ForceDescription)| {
         let element = Element::Force(index);
         match &force.kind {
             ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } => {
@@ -227,5 +229,9 @@ fn force_places(
             ForceKind::Load { on, .. } => vec![resolve(on, element, "on")],
         }
     };
-    description.forces.iter().enumerate().map(of_force).collect()
+    let forces = description.forces.iter().enumerate().map(&mut of_force).collect();
+    let of_event = |(index, event): (usize, &watch::EventDescription)| {
+        watch::attachment(event).map(|on| resolve(on, Element::Event(index), "on"))
+    };
+    (forces, description.events.iter().enumerate().map(of_event).collect())
 }

@@ -4,6 +4,7 @@
 //! scenario files go through the same checks.
 
 use super::shape::Shape;
+pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// The name of the inertial frame where a parent or a body is asked for.
@@ -20,11 +21,19 @@ pub struct Description {
     pub bodies: Vec<BodyDescription>,
     /// Springs, bushings and loads.
     pub forces: Vec<ForceDescription>,
+    /// What a run takes note of.
+    pub events: Vec<EventDescription>,
 }
 
 impl Default for Description {
     fn default() -> Self {
-        Self { title: String::new(), gravity: Vector3::new(0.0, 0.0, -9.80665), bodies: Vec::new(), forces: Vec::new() }
+        Self {
+            title: String::new(),
+            gravity: Vector3::new(0.0, 0.0, -9.80665),
+            bodies: Vec::new(),
+            forces: Vec::new(),
+            events: Vec::new(),
+        }
     }
 }
 
@@ -84,6 +93,8 @@ pub struct HingeDescription {
     pub force: Vec<f64>,
     /// Held during statics.
     pub lock: bool,
+    /// Stops of its coordinates.
+    pub limits: Vec<LimitDescription>,
 }
 
 impl HingeDescription {
@@ -102,6 +113,7 @@ impl HingeDescription {
             armature: Vec::new(),
             force: Vec::new(),
             lock: false,
+            limits: Vec::new(),
         }
     }
 }
@@ -162,6 +174,15 @@ impl HingeKind {
             Self::Planar => "planar",
             Self::Spherical => "spherical",
             Self::Free => "free",
+        }
+    }
+
+    /// Number of leading coordinates that are angles or distances and have a velocity of the same place.
+    pub fn plain_coordinates(&self) -> usize {
+        match self {
+            Self::Spherical => 0,
+            Self::Free => 3,
+            _ => self.counts().0,
         }
     }
 

@@ -13,11 +13,13 @@ pub mod parameter;
 pub mod problem;
 pub mod shape;
 mod tree;
+pub mod watch;
 
 pub use description::Description;
 pub use link::{Joint, Link};
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
+pub use watch::{Event, Stop, StopLaw, Watched};
 
 use crate::spatial::Pose;
 use description::{HingeKind, MassProperties};
@@ -39,6 +41,10 @@ pub struct Model {
     pub coordinates: Vec<Coordinate>,
     /// Springs, bushings and loads.
     pub forces: Vec<Force>,
+    /// Stops of hinge coordinates; a run heeds them, statics does not.
+    pub stops: Vec<Stop>,
+    /// What a run takes note of.
+    pub events: Vec<Event>,
     /// Start or guess: hinge coordinates, `position_count` numbers.
     pub start_position: Vec<f64>,
     /// Start velocities, `velocity_count` numbers.

@@ -171,6 +171,8 @@ impl Parameter {
         let list = |list: &[f64]| list.get(self.index).copied().unwrap_or(0.0);
         match self.element {
             Element::Scene => description.gravity[self.index],
+            // Events have no parameters.
+            Element::Event(_) => f64::NAN,
             Element::Body(body) => {
                 let body = &description.bodies[body];
                 match self.field {
@@ -195,6 +197,7 @@ impl Parameter {
     pub fn set(&self, description: &mut Description, value: f64) {
         match self.element {
             Element::Scene => description.gravity[self.index] = value,
+            Element::Event(_) => {}
             Element::Body(body) => {
                 let body = &mut description.bodies[body];
                 let (positions, velocities) = body.hinge.kind.counts();
@@ -278,7 +281,7 @@ fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
-        Element::Scene => return Vec::new(),
+        Element::Scene | Element::Event(_) => return Vec::new(),
         Element::Body(index) => {
             let body = &description.bodies[index];
             (&body.name, of_body(body, field))

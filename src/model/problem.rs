@@ -24,6 +24,8 @@ pub enum Element {
     Body(usize),
     /// Index into `Description::forces`.
     Force(usize),
+    /// Index into `Description::events`.
+    Event(usize),
 }
 
 /// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.

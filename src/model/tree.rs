@@ -4,7 +4,7 @@ use super::build::Place;
 use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProperties};
 use super::link::{Joint, Link};
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Hinge, Law, Model};
+use super::{Body, Coordinate, End, Force, Hinge, Law, Model, watch};
 use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -182,7 +182,7 @@ impl<'a> Tree<'a> {
         problems
     }
 
-    pub(super) fn finish(self, places: &[Vec<Place>]) -> Model {
+    pub(super) fn finish(self, places: &[Vec<Place>], watched: &[Option<Place>]) -> Model {
         let end = |place: &Place| {
             let (link, link_from_body) = self.carrier(place.0);
             End { link, body: place.0, point: seen_from(&link_from_body, &place.1) }
@@ -193,11 +193,16 @@ impl<'a> Tree<'a> {
             law: compile_force(&force.kind, places, &end, &turn),
         });
         let forces = forces.collect();
+        let bodies: Vec<Body> = self.bodies.iter().flatten().cloned().collect();
+        let stops = watch::stops(self.description, &bodies);
+        let events = watch::events(self.description, &bodies, end, watched);
         Model {
+            stops,
+            events,
             title: self.description.title.clone(),
             gravity: self.description.gravity,
             forces,
-            bodies: self.bodies.iter().flatten().cloned().collect(),
+            bodies,
             links: self.links,
             coordinates: self.coordinates,
             start_position: self.start_position,

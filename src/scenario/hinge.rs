@@ -2,7 +2,7 @@
 
 use super::findings::Finding;
 use super::reader::{Reader, number, numbers, rows};
-use crate::model::description::{GROUND, HingeDescription, HingeKind, Point};
+use crate::model::description::{GROUND, HingeDescription, HingeKind, LimitDescription, Point, StopLaw};
 use nalgebra::Vector3;
 use toml::de::DeValue;
 
@@ -48,7 +48,7 @@ pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hi
             }
         }
     }
-    limits(&table, owner);
+    description.limits = limits(&table, owner);
     Hinge { description, next: next(body, &table, owner, repeat), each }
 }
 
@@ -96,20 +96,52 @@ fn next(body: &Reader<'_>, hinge: &Reader<'_>, owner: &str, repeat: Option<usize
     point(table, "next")
 }
 
-fn limits(table: &Reader<'_>, owner: &str) {
-    let Some(value) = table.value("limits") else { return };
+/// Stops: a pair, a pair per coordinate, or one in full.
+fn limits(table: &Reader<'_>, owner: &str) -> Vec<LimitDescription> {
+    let Some(value) = table.value("limits") else { return Vec::new() };
+    if let Some(inner) = table.open(value) {
+        return vec![limit(&inner, owner)];
+    }
     let pairs = rows(value.get_ref()).or_else(|| numbers(value.get_ref()).map(|pair| vec![pair])).unwrap_or_default();
-    for pair in pairs {
-        if let [low, high] = pair[..]
-            && low >= high
-        {
+    let mut limits = Vec::new();
+    for (coordinate, pair) in pairs.iter().enumerate() {
+        let [low, high] = pair[..] else { continue };
+        if low >= high {
             let message = format!("hinge of body `{owner}`: `limits` from {low} to {high} leave no room");
             table.findings.push_value(Finding::error(value.span(), message).label("the lower limit comes first"));
-            return;
+            return Vec::new();
+        }
+        limits.push(LimitDescription { coordinate, low, high, law: StopLaw::Rigid { restitution: 0.0 } });
+    }
+    limits
+}
+
+fn limit(table: &Reader<'_>, owner: &str) -> LimitDescription {
+    let compliant = table.has("stiffness");
+    for (key, other) in [("restitution", true), ("damping", false)] {
+        if table.has(key) && compliant == other {
+            let message = match other {
+                true => format!("hinge of body `{owner}`: a stop with `stiffness` has no `restitution`"),
+                false => format!("hinge of body `{owner}`: a stop with `damping` needs a `stiffness`"),
+            };
+            let help = "a stop is rigid, with `restitution`, or compliant, with `stiffness` and `damping`";
+            table.findings.push(Finding::error(table.key_span(key), message).help(help));
         }
     }
-    let message = format!("hinge of body `{owner}`: limits are not enforced yet");
-    table.findings.push(Finding::warning(table.key_span("limits"), message));
+    if !table.has("low") && !table.has("high") {
+        let message = format!("hinge of body `{owner}`: `limits` without `low` and `high` limit nothing");
+        table.findings.push(Finding::error(table.span.clone(), message));
+    }
+    let law = match table.number("stiffness") {
+        Some(stiffness) => StopLaw::Compliant { stiffness, damping: table.number("damping").unwrap_or(0.0) },
+        None => StopLaw::Rigid { restitution: table.number("restitution").unwrap_or(0.0) },
+    };
+    LimitDescription {
+        coordinate: table.count("coordinate").unwrap_or(0),
+        low: table.number("low").unwrap_or(f64::NEG_INFINITY),
+        high: table.number("high").unwrap_or(f64::INFINITY),
+        law,
+    }
 }
 
 /// A value for all copies or one for each.

@@ -1,6 +1,7 @@
 //! From a checked file to a description, and back from the description's elements to the file.
 
 use super::body::{Names, Template, template};
+use super::event::event;
 use super::findings::{Finding, Findings};
 use super::force::force;
 use super::format::MOST_BODIES;
@@ -29,6 +30,12 @@ pub(super) fn lower<'a>(
         if let Some(force) = force(table, index, &names) {
             description.forces.push(force);
             spans.add_force(index);
+        }
+    }
+    for (index, table) in scenario.tables("event").iter().enumerate() {
+        if let Some(event) = event(table, index, &names) {
+            description.events.push(event);
+            spans.add_event(index);
         }
     }
     (description, spans)

@@ -29,6 +29,7 @@ mod schema;
 
 mod body;
 mod check;
+mod event;
 mod findings;
 mod force;
 mod hinge;

@@ -13,6 +13,7 @@ pub(super) struct SpanTable<'a> {
     document: &'a DeTable<'a>,
     bodies: Vec<Origin>,
     forces: Vec<usize>,
+    events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
 }
@@ -26,7 +27,7 @@ struct Origin {
 
 impl<'a> SpanTable<'a> {
     pub(super) fn new(document: &'a DeTable<'a>) -> Self {
-        Self { document, bodies: Vec::new(), forces: Vec::new(), nameless: false }
+        Self { document, bodies: Vec::new(), forces: Vec::new(), events: Vec::new(), nameless: false }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -42,6 +43,11 @@ impl<'a> SpanTable<'a> {
         self.forces.push(index);
     }
 
+    /// The next event of the description comes from `[[event]]` number `index`.
+    pub(super) fn add_event(&mut self, index: usize) {
+        self.events.push(index);
+    }
+
     /// A body's name could not be read: that others do not find it is not worth saying.
     pub(super) fn add_nameless(&mut self) {
         self.nameless = true;
@@ -52,6 +58,7 @@ impl<'a> SpanTable<'a> {
             Element::Scene => return None,
             Element::Body(body) => ("body", self.bodies.get(body)?.index),
             Element::Force(force) => ("force", *self.forces.get(force)?),
+            Element::Event(event) => ("event", *self.events.get(event)?),
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)
     }
@@ -177,7 +184,7 @@ pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &F
 
 /// Whether a field names another body.
 fn is_reference(field: &str) -> bool {
-    field == "hinge.parent" || field == "on" || field.starts_with("between")
+    matches!(field, "hinge.parent" | "hinge" | "on") || field.starts_with("between")
 }
 
 /// A message without the numbers of copies: `link(12)` reads `link[]`.

@@ -1,7 +1,7 @@
 //! The energy ledger: where energy is, what loads put in, what dampers take out, and what the integrator lost.
 
-use crate::dynamics::{Energies, Powers, System};
-use crate::model::Model;
+use crate::dynamics::{Energies, Powers};
+use crate::model::{Model, StopLaw};
 use crate::record::Energy;
 
 /// Nodes and weights of the Gauss rule on 0…1 that integrates powers over a step: exact to degree 5, more than the
@@ -23,7 +23,9 @@ pub(super) struct Ledger {
 
 impl Ledger {
     pub(super) fn new(model: &Model, start: Energies) -> Self {
-        let flows = model.has_damping() || !model.is_conservative();
+        let damped = |law: StopLaw| matches!(law, StopLaw::Compliant { damping, .. } if damping > 0.0);
+        let stops = model.stops.iter().any(|stop| damped(stop.law));
+        let flows = model.has_damping() || stops || !model.is_conservative();
         Self { start, work: 0.0, dissipated: 0.0, drift: 0.0, flows }
     }
 
@@ -35,6 +37,11 @@ impl Ledger {
     pub(super) fn add(&mut self, powers: &Powers, duration: f64) {
         self.work += powers.input * duration;
         self.dissipated += powers.dissipated * duration;
+    }
+
+    /// Energy that an impact takes out (J).
+    pub(super) fn lose(&mut self, energy: f64) {
+        self.dissipated += energy;
     }
 
     /// The ledger of a state at the end of what was integrated.
@@ -50,8 +57,8 @@ impl Ledger {
     }
 
     /// Takes note of the state at the end of a step.
-    pub(super) fn close_step(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64]) {
-        let energy = self.energy(&system.energies(q, v));
+    pub(super) fn close_step(&mut self, now: &Energies) {
+        let energy = self.energy(now);
         self.drift = self.drift.max(energy.error.abs());
     }
 }

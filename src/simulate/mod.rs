@@ -1,6 +1,7 @@
 //! Runs: a model stepped through time, recorded, and checked to stay where it rests.
 
 mod choice;
+pub mod events;
 mod ledger;
 pub mod precision;
 pub mod problem;
@@ -10,6 +11,7 @@ mod sampler;
 mod scene;
 pub mod settings;
 mod stiffness;
+mod stops;
 
 pub use run::{RunError, State, Summary, run};
 pub use scene::scene;

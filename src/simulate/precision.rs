@@ -348,7 +348,7 @@ impl<'a> Bench<'a, '_> {
             }
             let State { mut position, mut velocity } = self.start.clone();
             stepper.interpolate(&mut self.motion, due, &mut position, &mut velocity)?;
-            let energies = self.motion.at(due).energies(&position, &velocity);
+            let energies = self.motion.energies(due, &position, &velocity);
             let energy = energies.kinetic + energies.potential;
             looks.push(Look { state: State { position, velocity }, energy });
         }

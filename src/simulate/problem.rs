@@ -1,10 +1,13 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
-use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
+use crate::dynamics::{Coefficients, Energies, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
-use crate::model::{Joint, Model};
+use crate::model::{End, Joint, Model};
+use crate::simulate::run::State;
+use crate::simulate::stops::{Side, Stops};
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
+use nalgebra::Vector3;
 
 /// [`System`] with what integrators ask for.
 pub struct Motion<'m> {
@@ -12,6 +15,8 @@ pub struct Motion<'m> {
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
     tangent: Tangent,
+    /// `None` for a model without stops.
+    stops: Option<Stops<'m>>,
 }
 
 /// The factorized tangents of an implicit step, one per slot.
@@ -44,7 +49,7 @@ impl<'m> Motion<'m> {
             true => Tangent::Sweep(Vec::new()),
             false => Tangent::Dense(Vec::new()),
         };
-        Self { system: System::new(model), position_scales, velocity_scales, tangent }
+        Self { system: System::new(model), position_scales, velocity_scales, tangent, stops: Stops::new(model) }
     }
 
     /// The system at a time (s), for what is recorded between steps.
@@ -55,6 +60,114 @@ impl<'m> Motion<'m> {
     /// The model.
     pub fn model(&self) -> &'m Model {
         self.system.model()
+    }
+
+    /// `a ← q̈(t, q, v)`, stops included.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
+        let system = at_time(&mut self.system, time);
+        system.accelerations(q, v, a)?;
+        if let Some(stops) = &mut self.stops {
+            stops.correct(q, v, a, &mut |rhs, x| system.solve_mass(rhs, x));
+        }
+        Ok(())
+    }
+
+    /// Kinetic and potential energy, stops included.
+    pub fn energies(&mut self, time: f64, q: &[f64], v: &[f64]) -> Energies {
+        let mut energies = self.at(time).energies(q, v);
+        energies.potential += self.stops.as_ref().map_or(0.0, |stops| stops.potential(q));
+        energies
+    }
+
+    /// Powers that no potential stands for, stops included.
+    pub fn powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
+        let mut powers = self.at(time).powers(q, v);
+        powers.dissipated += self.stops.as_ref().map_or(0.0, |stops| stops.dissipated(v));
+        powers
+    }
+
+    /// Coordinates that rest on a rigid stop.
+    pub(super) fn held(&self) -> &[Side] {
+        self.stops.as_ref().map_or(&[], |stops| &stops.held)
+    }
+
+    /// Whether a compliant stop pushes.
+    pub(super) fn pushes(&self, side: Side) -> bool {
+        self.stops.as_ref().is_some_and(|stops| stops.pushing.contains(&side))
+    }
+
+    /// Lets a compliant stop push from now on, or no longer.
+    pub(super) fn push(&mut self, side: Side, pushes: bool) {
+        if let Some(stops) = &mut self.stops {
+            stops.pushing.retain(|other| *other != side);
+            if pushes {
+                stops.pushing.push(side);
+            }
+        }
+    }
+
+    /// Holds a coordinate on a stop from now on.
+    pub(super) fn hold(&mut self, side: Side) {
+        if let Some(stops) = &mut self.stops {
+            stops.held.push(side);
+        }
+    }
+
+    /// Lets the coordinate in this place of the list go.
+    pub(super) fn release(&mut self, held: usize) {
+        if let Some(stops) = &mut self.stops {
+            stops.held.remove(held);
+        }
+    }
+
+    /// What presses on the stop in this place of the list; not a number where that cannot be evaluated.
+    pub(super) fn pressure(&mut self, time: f64, state: &State, held: usize) -> f64 {
+        let mut a = vec![0.0; state.velocity.len()];
+        match self.accelerations(time, &state.position, &state.velocity, &mut a) {
+            Ok(()) => self.stops.as_ref().map_or(f64::NAN, |stops| stops.pressure(held)),
+            Err(_) => f64::NAN,
+        }
+    }
+
+    /// The velocities after a coordinate hit a stop.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    pub(super) fn strike(&mut self, time: f64, state: &mut State, side: Side, restitution: f64) -> Result<(), Fault> {
+        let State { position, velocity } = state;
+        let mut a = vec![0.0; velocity.len()];
+        let system = at_time(&mut self.system, time);
+        system.accelerations(position, velocity, &mut a)?;
+        if let Some(stops) = &mut self.stops {
+            stops.strike(side, restitution, velocity, &mut |rhs, x| system.solve_mass(rhs, x));
+        }
+        Ok(())
+    }
+
+    /// The rate of a coordinate that has one (not of a quaternion's numbers).
+    pub(super) fn position_speed(&self, index: usize, state: &State) -> f64 {
+        let mut rate = vec![0.0; state.position.len()];
+        self.position_rate(&state.position, &state.velocity, &mut rate);
+        rate[index]
+    }
+
+    /// Where a point is (m).
+    pub(super) fn point(&mut self, time: f64, end: &End, state: &State) -> Vector3<f64> {
+        let system = self.at(time);
+        system.energies(&state.position, &state.velocity);
+        let link = &system.motion().links[end.link];
+        link.position + link.turn * end.point
+    }
+
+    /// How fast a point moves (m/s).
+    pub(super) fn point_velocity(&mut self, time: f64, end: &End, state: &State) -> Vector3<f64> {
+        let system = self.at(time);
+        system.energies(&state.position, &state.velocity);
+        let link = &system.motion().links[end.link];
+        link.velocity + link.angular_velocity.cross(&(link.turn * end.point))
     }
 }
 
@@ -83,7 +196,7 @@ impl Problem for Motion<'_> {
     }
 
     fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.at(time).accelerations(q, v, a)?)
+        Ok(self.accelerations(time, q, v, a)?)
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
@@ -140,7 +253,11 @@ impl ImplicitProblem for Motion<'_> {
     }
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.at(time).residual(q, v, a, r)?)
+        at_time(&mut self.system, time).residual(q, v, a, r)?;
+        if let Some(stops) = &self.stops {
+            stops.balance(q, v, r);
+        }
+        Ok(())
     }
 
     fn reserve(&mut self, slots: usize) {
@@ -157,9 +274,10 @@ impl ImplicitProblem for Motion<'_> {
     fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let Point { time, q, v, a } = at;
         let system = at_time(&mut self.system, time);
+        let shift = self.stops.as_mut().map_or(&[][..], |stops| stops.diagonal(c1));
         match &mut self.tangent {
             Tangent::Sweep(solvers) => {
-                let with = Coefficients { c1, c2, ..Coefficients::default() };
+                let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
                 if !system.factorize_tangent(&mut solvers[slot], q, v, a, &with)? {
                     return Err(Failure { message: "the tangent of the implicit step is singular".to_owned() });
                 }
@@ -167,8 +285,13 @@ impl ImplicitProblem for Motion<'_> {
             Tangent::Dense(factors) => {
                 let linear = system.linearize(q, v, a)?;
                 let n = a.len();
+                let held = |i: usize| shift.get(i).is_some_and(|shift| shift.is_infinite());
                 let tangent = Mat::from_fn(n, n, |i, j| {
-                    linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)]
+                    if held(i) || held(j) {
+                        return f64::from(u8::from(i == j));
+                    }
+                    let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };
+                    linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)] + own
                 });
                 factors[slot] = Some(tangent.partial_piv_lu());
             }

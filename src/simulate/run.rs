@@ -1,14 +1,16 @@
 //! The time loop.
 
 use super::choice::Choice;
+use super::events::{Events, Hit, Kind, Occurrence, Turn};
 use super::ledger::{GAUSS, Ledger};
 use super::problem::Motion;
 use super::sampler::Sampler;
-use super::settings::Settings;
+use super::settings::{Settings, Start as At};
 use super::stiffness::fastest;
+use super::stops::Side;
 use crate::dynamics::Fault;
-use crate::integrate::{Component, Limit, Method, Options, Start, Statistics, StepError, Stepper};
-use crate::model::Model;
+use crate::integrate::{Component, Limit, Method, Options, Problem, Start, Statistics, StepError, Stepper};
+use crate::model::{Model, StopLaw};
 use crate::record::{RecordError, Recorder};
 use crate::spatial::Pose;
 use std::time::{Duration, Instant};
@@ -18,6 +20,11 @@ const FIXED_STEP: f64 = 0.01;
 
 /// An explicit method that cannot take longer steps is refused (s).
 const SHORTEST_USEFUL_STEP: f64 = 1e-9;
+
+/// What comes back from an impact with fewer than this many tolerances of a speed comes to rest.
+const REST_SPEEDS: f64 = 10.0;
+/// Rounding of a coordinate on its limit, of one and more.
+const ON_THE_LIMIT: f64 = 1e-12;
 
 /// A state to start from.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +42,10 @@ pub struct Summary {
     pub end_time: f64,
     /// Whether it was stopped from outside before its end.
     pub interrupted: bool,
+    /// What happened on the way, in order of time.
+    pub events: Vec<Occurrence>,
+    /// The event that ended the run.
+    pub stopped_by: Option<String>,
     /// The methods that were used, in order.
     pub integrators: Vec<Method>,
     /// Why the method is what it is, where it was chosen.
@@ -78,6 +89,20 @@ pub enum RunError {
         /// Longest stable step (s).
         step: f64,
     },
+    /// The start is beyond a stop.
+    #[error("the hinge of `{hinge}` starts at {value}, beyond its limits {low} to {high}{how}")]
+    Limit {
+        /// Body whose hinge it is.
+        hinge: String,
+        /// (m or rad)
+        value: f64,
+        /// (m or rad)
+        low: f64,
+        /// (m or rad)
+        high: f64,
+        /// What is to be known of it.
+        how: &'static str,
+    },
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
     Sample {
@@ -105,7 +130,14 @@ pub fn run(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
 ) -> Result<Summary, RunError> {
     let mut motion = Motion::new(model);
-    let energies = motion.at(0.0).energies(&start.position, &start.velocity);
+    check_limits(model, settings, start)?;
+    for (index, stop) in model.stops.iter().enumerate() {
+        for side in stop.signs().map(|sign| Side { stop: index, sign }) {
+            let depth = stop.depth(side.sign, &start.position);
+            motion.push(side, depth > 0.0 && stop.push(side.sign, &start.position, &start.velocity) > 0.0);
+        }
+    }
+    let energies = motion.energies(0.0, &start.position, &start.velocity);
     let mut run = Run {
         model,
         ledger: Ledger::new(model, energies),
@@ -115,15 +147,22 @@ pub fn run(
         integrators: Vec::new(),
         choice: None,
         statistics: Statistics::default(),
+        events: Events::new(model, start),
+        stopped_by: None,
     };
+    if let Some(events) = &mut run.events {
+        events.arm(&mut motion, 0.0, start);
+    }
     run.sampler.sample(&mut motion, &run.ledger, 0.0, start, recorder)?;
     let end_time = run.go(&mut motion, settings, recorder, go_on)?;
-    let now = motion.at(end_time).energies(&run.state.position, &run.state.velocity);
+    let now = motion.energies(end_time, &run.state.position, &run.state.velocity);
     let mut poses = Vec::new();
     motion.at(end_time).poses(&mut poses);
     Ok(Summary {
         end_time,
-        interrupted: end_time < settings.duration,
+        interrupted: end_time < settings.duration && run.stopped_by.is_none(),
+        events: run.events.map_or_else(Vec::new, |events| events.happened),
+        stopped_by: run.stopped_by,
         integrators: run.integrators,
         choice: run.choice,
         statistics: run.statistics,
@@ -146,6 +185,9 @@ struct Run<'m> {
     integrators: Vec<Method>,
     choice: Option<String>,
     statistics: Statistics,
+    /// `None` for a model without stops and events.
+    events: Option<Events>,
+    stopped_by: Option<String>,
 }
 
 impl<'m> Run<'m> {
@@ -160,20 +202,30 @@ impl<'m> Run<'m> {
         let mut choice = Choice::new(settings);
         let mut time = 0.0;
         loop {
-            self.integrators.push(choice.method);
-            let mut stepper = self.stepper(motion, settings, choice.method, time)?;
-            let mut switch = false;
-            let mut stopped = false;
-            while !stepper.finished() && !switch && !stopped {
-                self.step(motion, stepper.as_mut())?;
-                self.sampler.up_to(motion, &self.ledger, stepper.as_mut(), recorder)?;
-                stopped = !go_on(stepper.time(), &self.state);
-                switch = choice.review(motion, stepper.as_ref());
+            if self.integrators.last() != Some(&choice.method) {
+                self.refuse_hopeless(motion, choice.method, time)?;
+                self.integrators.push(choice.method);
             }
-            time = stepper.time();
+            let mut stepper = self.stepper(motion, settings, choice.method, time)?;
+            let (mut switch, mut stopped, mut turn) = (false, false, None);
+            while !stepper.finished() && !switch && !stopped && turn.is_none() {
+                let hit = self.step(motion, stepper.as_mut())?;
+                time = hit.map_or(stepper.time(), |hit| hit.time);
+                turn = hit.map(|hit| hit.turn);
+                self.sampler.up_to(motion, &self.ledger, stepper.as_mut(), time, recorder)?;
+                stopped = !go_on(time, &self.state);
+                switch = turn.is_none() && choice.review(motion, stepper.as_ref());
+            }
             add(&mut self.statistics, stepper.statistics());
             self.choice = choice.said();
-            if stepper.finished() || stopped {
+            if let Some(turn) = turn {
+                self.turn(motion, settings, time, turn)?;
+            }
+            if self.stopped_by.is_some() {
+                let state = self.state.clone();
+                self.sampler.sample(motion, &self.ledger, time, &state, recorder)?;
+            }
+            if time >= settings.duration || stopped || self.stopped_by.is_some() {
                 return Ok(time);
             }
         }
@@ -194,7 +246,6 @@ impl<'m> Run<'m> {
             rho_infinity: settings.rho_infinity,
             ..Options::default()
         };
-        self.refuse_hopeless(motion, method, time)?;
         let start =
             Start { time, position: &self.state.position, velocity: &self.state.velocity, end: settings.duration };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
@@ -217,25 +268,106 @@ impl<'m> Run<'m> {
         })
     }
 
-    fn step(&mut self, motion: &mut Motion<'m>, stepper: &mut dyn Stepper<Motion<'m>>) -> Result<(), RunError> {
+    /// One step, and the account of it up to its end or to what happens before.
+    fn step(
+        &mut self,
+        motion: &mut Motion<'m>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+    ) -> Result<Option<Hit>, RunError> {
         let before = Instant::now();
         stepper.step(motion).map_err(|error| named(self.model, &error))?;
         self.wall += before.elapsed();
-        self.state.position.copy_from_slice(stepper.position());
-        self.state.velocity.copy_from_slice(stepper.velocity());
+        let hit = match &mut self.events {
+            Some(events) => events.look(motion, stepper)?,
+            None => None,
+        };
+        let until = hit.map_or(stepper.time(), |hit| hit.time);
+        let State { position, velocity } = &mut self.state;
+        stepper.interpolate(motion, until, position, velocity).map_err(|error| named(self.model, &error))?;
         if self.ledger.flows() {
-            let (from, length) = (stepper.previous_time(), stepper.time() - stepper.previous_time());
+            let (from, length) = (stepper.previous_time(), until - stepper.previous_time());
             for (node, weight) in GAUSS {
                 let time = from + node * length;
                 self.sampler.interpolate(motion, stepper, time)?;
                 let State { position, velocity } = &self.sampler.state;
-                let powers = motion.at(time).powers(position, velocity);
+                let powers = motion.powers(time, position, velocity);
                 self.ledger.add(&powers, weight * length);
             }
         }
-        self.ledger.close_step(motion.at(stepper.time()), &self.state.position, &self.state.velocity);
+        self.ledger.close_step(&motion.energies(until, &self.state.position, &self.state.velocity));
+        Ok(hit)
+    }
+
+    /// What follows from an event.
+    fn turn(&mut self, motion: &mut Motion<'m>, settings: &Settings, time: f64, turn: Turn) -> Result<(), RunError> {
+        match turn {
+            Turn::Push(side, pushes) => {
+                // A pad that lets go before it is relaxed takes its spring's energy with it.
+                let before = self.energy(motion, time);
+                motion.push(side, pushes);
+                self.ledger.lose(before - self.energy(motion, time));
+            }
+            Turn::Stop(event) => self.stopped_by = Some(self.model.events[event].name.clone()),
+            Turn::Release(held) => motion.release(held),
+            Turn::Strike(side) => self.strike(motion, settings, time, side)?,
+        }
+        if let Some(events) = &mut self.events {
+            events.arm(motion, time, &self.state);
+        }
         Ok(())
     }
+
+    /// Kinetic plus potential energy now (J).
+    fn energy(&self, motion: &mut Motion<'m>, time: f64) -> f64 {
+        let energies = motion.energies(time, &self.state.position, &self.state.velocity);
+        energies.kinetic + energies.potential
+    }
+
+    /// An impact: the speed comes back, or the coordinate stays where something presses it on.
+    fn strike(&mut self, motion: &mut Motion<'m>, settings: &Settings, time: f64, side: Side) -> Result<(), RunError> {
+        let fault = |fault| RunError::Sample { time, fault };
+        let stop = &self.model.stops[side.stop];
+        let StopLaw::Rigid { restitution } = stop.law else { return Ok(()) };
+        self.state.position[stop.position] = stop.limit(side.sign);
+        let speed = self.state.velocity[stop.velocity];
+        let (_, scales) = motion.scales();
+        let slow = restitution * speed.abs() <= REST_SPEEDS * settings.absolute_tolerance * scales[stop.velocity];
+        let restitution = if slow { 0.0 } else { restitution };
+        let before = self.energy(motion, time);
+        motion.strike(time, &mut self.state, side, restitution).map_err(fault)?;
+        self.ledger.lose(before - self.energy(motion, time));
+        let mut kind = Kind::Impact;
+        if slow {
+            motion.hold(side);
+            let held = motion.held().len() - 1;
+            if motion.pressure(time, &self.state, held) > 0.0 {
+                kind = Kind::Rest;
+            } else {
+                motion.release(held);
+            }
+        }
+        if let Some(events) = &mut self.events {
+            let name = self.model.bodies[stop.body].name.clone();
+            events.happened.push(Occurrence { time, kind, name, value: stop.limit(side.sign), speed });
+        }
+        Ok(())
+    }
+}
+
+/// A run starts within its limits: stops are walls, and statics knows nothing of them.
+fn check_limits(model: &Model, settings: &Settings, start: &State) -> Result<(), RunError> {
+    for stop in &model.stops {
+        let rigid = matches!(stop.law, StopLaw::Rigid { .. });
+        let value = start.position[stop.position];
+        let slack = ON_THE_LIMIT * value.abs().max(1.0);
+        let beyond = value < stop.range[0] - slack || value > stop.range[1] + slack;
+        if beyond && (rigid || settings.start == At::Equilibrium) {
+            let hinge = model.bodies[stop.body].name.clone();
+            let how = if settings.start == At::Equilibrium { " (statics does not heed limits)" } else { "" };
+            return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1], how });
+        }
+    }
+    Ok(())
 }
 
 fn add(sum: &mut Statistics, part: &Statistics) {

@@ -50,18 +50,19 @@ impl Sampler {
         stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))
     }
 
-    /// Every sample due within the last step.
+    /// Every sample due within the last step up to a time.
     pub(super) fn up_to<'m>(
         &mut self,
         motion: &mut Motion<'m>,
         ledger: &Ledger,
         stepper: &mut dyn Stepper<Motion<'m>>,
+        until: f64,
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
         loop {
             let due = (self.next as f64 / self.rate).min(self.end);
-            let last = stepper.finished() && due >= self.end;
-            if due > stepper.time() {
+            let last = due >= self.end;
+            if due > until {
                 return Ok(());
             }
             self.interpolate(motion, stepper, due)?;
@@ -82,14 +83,14 @@ impl Sampler {
         state: &State,
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
-        let system = motion.at(time);
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
-        system.accelerations(q, v, &mut self.accelerations).map_err(fault)?;
+        motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
+        let system = motion.at(time);
         system.residual(q, v, &self.accelerations, &mut self.residual).map_err(fault)?;
         system.reactions(&mut self.reactions);
         system.poses(&mut self.poses);
-        let energy = ledger.energy(&system.energies(q, v));
+        let energy = ledger.energy(&motion.energies(time, q, v));
         recorder.sample(&Sample {
             time,
             positions: q,

@@ -80,8 +80,31 @@ pub fn equilibrium_observed(
     start: &[f64],
     searched: &mut dyn FnMut(),
 ) -> Result<Equilibrium, Fault> {
+    search(model, settings, start, searched, None).map(|(found, _)| found)
+}
+
+/// The same with the way there: every pose whose forces the search has looked at, the guess first.
+///
+/// # Errors
+/// As [`equilibrium`].
+pub fn equilibrium_watched(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
+    search(model, settings, start, &mut || {}, Some(Vec::new()))
+}
+
+fn search(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    searched: &mut dyn FnMut(),
+    trail: Option<Vec<Vec<f64>>>,
+) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
+    landscape.trail = trail;
     let mut history = Vec::new();
     let first = Place::at(&mut landscape, start.to_vec())?;
     let guess = first.clone();
@@ -94,7 +117,8 @@ pub fn equilibrium_observed(
         }
         notes.push(unbalanced(&mut landscape, &place));
     }
-    certify(landscape, settings, place, effort, history, notes)
+    let trail = landscape.trail.take().unwrap_or_default();
+    Ok((certify(landscape, settings, place, effort, history, notes)?, trail))
 }
 
 /// The certificate of a pose as it stands: nothing is searched for. `by` is its method and stage.

@@ -21,6 +21,8 @@ pub struct Landscape<'s, 'm> {
     pub stiffnesses: usize,
     /// Factorizations of them.
     pub factorizations: usize,
+    /// Every position whose forces were looked at, for whoever watches the search; `None` where nobody does.
+    pub(super) trail: Option<Vec<Vec<f64>>>,
     stiffness: Stiffness,
     /// Which velocity coordinates are distances, and the scene's length.
     slides: Vec<bool>,
@@ -65,6 +67,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
             residuals,
             stiffnesses,
             factorizations,
+            trail: None,
             stiffness,
             slides: slides(model),
             length: model.length_scale(),

@@ -16,6 +16,7 @@
 //! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
 pub mod cascade;
+pub mod damped;
 pub mod equilibrium;
 pub mod inverse;
 mod lagrange;
@@ -33,7 +34,8 @@ mod subspace;
 mod trust_region;
 
 pub use cascade::Stage;
-pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed};
+pub use damped::DampedMode;
+pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed, equilibrium_watched};
 pub use inverse::{Held, hold};
 pub use settings::{Method, Settings, Want};
 pub use stability::{Mode, Stability, Verdict};

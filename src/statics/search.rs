@@ -37,6 +37,9 @@ pub(super) struct Place {
 impl Place {
     pub(super) fn at(landscape: &mut Landscape<'_, '_>, q: Vec<f64>) -> Result<Self, Fault> {
         let (force, scales) = landscape.forces_and_scales(&q)?;
+        if let Some(trail) = &mut landscape.trail {
+            trail.push(q.clone());
+        }
         Ok(Self { q, force, scales })
     }
 

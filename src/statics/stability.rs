@@ -4,6 +4,7 @@
 //! `N^(-1/2) K N^(-1/2)`, `N` being the magnitude of the terms that make up `K`: an eigenvalue within [`NEUTRAL`] of
 //! zero is round-off, not stiffness. Without a potential the eigenvalues of the linearized motion decide.
 
+use super::damped::{self, DampedMode};
 use crate::dynamics::{Fault, Linearization, System, TangentSolver};
 use crate::model::Model;
 use faer::{Mat, Side};
@@ -60,6 +61,9 @@ pub struct Stability {
     pub neutral_directions: usize,
     /// All modes, of a large system the lowest ([`MOST_DENSE`]): running away first, then neutral, then by frequency.
     pub modes: Vec<Mode>,
+    /// Modes of the damped motion, where something damps; of a large system those within the space of its lowest
+    /// undamped ones.
+    pub damped: Vec<DampedMode>,
 }
 
 /// Classifies the equilibrium `q`. `free` are the coordinates that may move, `magnitude` the sizes of the stiffness
@@ -75,7 +79,7 @@ pub fn classify(
     conservative: bool,
 ) -> Result<Stability, Fault> {
     let model = system.model();
-    if free.len() > MOST_DENSE && conservative && !model.has_damping() && TangentSolver::covers(model) {
+    if free.len() > MOST_DENSE && conservative && TangentSolver::covers(model) {
         return classify_by_sweeps(system, q, free, magnitude);
     }
     let rest = vec![0.0; model.velocity_count()];
@@ -85,7 +89,8 @@ pub fn classify(
         Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
     if free.is_empty() {
         let (unstable_directions, neutral_directions) = (0, 0);
-        return Ok(Stability { verdict: Verdict::Stable, unstable_directions, neutral_directions, modes: Vec::new() });
+        let (modes, damped) = (Vec::new(), Vec::new());
+        return Ok(Stability { verdict: Verdict::Stable, unstable_directions, neutral_directions, modes, damped });
     }
     let (unstable, neutral) = match conservative {
         true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
@@ -98,11 +103,12 @@ pub fn classify(
     if conservative && unstable + neutral == 0 && free.len() == rest.len() {
         sharpen(&mut modes, system, q, &symmetric(&linear.stiffness))?;
     }
-    if model.has_damping() && conservative {
-        grow(&mut modes, &linear, unstable);
+    let damped = if model.has_damping() { damped::modes(model, free, &linear) } else { Vec::new() };
+    if conservative && !damped.is_empty() {
+        damped::grow(&mut modes, &damped, unstable);
     }
     let verdict = verdict(unstable, neutral);
-    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes })
+    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
 
 /// A large system: counts and lowest modes by sweeps.
@@ -115,18 +121,22 @@ fn classify_by_sweeps(
     let model = system.model();
     let found = super::subspace::lowest(system, q, free, magnitude)?;
     let (unstable, neutral) = (found.unstable, found.neutral);
+    let damped = match model.has_damping() {
+        true => damped::within(system, q, free, &found.modes, &found.momenta),
+        false => Vec::new(),
+    };
     let modes = found.modes.into_iter().zip(&found.momenta).enumerate();
     let modes = modes.map(|(i, ((value, shape), momentum))| {
         let (frequency_hz, growth_rate) = rates_of(value, i, unstable, neutral);
         let shares = shares(model, free, momentum, &shape);
         Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
     });
-    Ok(Stability {
-        verdict: verdict(unstable, neutral),
-        unstable_directions: unstable,
-        neutral_directions: neutral,
-        modes: modes.collect(),
-    })
+    let mut modes: Vec<Mode> = modes.collect();
+    if !damped.is_empty() {
+        damped::grow(&mut modes, &damped, unstable);
+    }
+    let verdict = verdict(unstable, neutral);
+    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
 
 fn verdict(unstable: usize, neutral: usize) -> Verdict {
@@ -147,7 +157,7 @@ fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64)
 }
 
 /// Largest entry 1.
-fn scaled(shape: &[f64]) -> Vec<f64> {
+pub(super) fn scaled(shape: &[f64]) -> Vec<f64> {
     let largest = shape.iter().fold(0.0_f64, |m, x| if x.abs() > m.abs() { *x } else { m });
     shape.iter().map(|x| x / largest).collect()
 }
@@ -254,7 +264,7 @@ fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> V
     modes
 }
 
-fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
+pub(super) fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
     let n = shape.len();
     (0..n).map(|row| (0..n).map(|j| mass[(row, j)] * shape[j]).sum()).collect()
 }
@@ -284,14 +294,6 @@ fn sharpen(modes: &mut [Mode], system: &mut System<'_>, q: &[f64], stiffness: &M
     Ok(())
 }
 
-/// With damping the growth rates are those of the damped motion.
-fn grow(modes: &mut [Mode], linear: &Linearization, unstable: usize) {
-    let values = rates(linear);
-    for (mode, value) in modes.iter_mut().take(unstable).zip(values) {
-        mode.growth_rate = value.re;
-    }
-}
-
 /// Eigenvalues, ascending, and vectors of `A x = λ B x` with `B` positive definite.
 pub(super) fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
     let n = a.nrows();
@@ -312,17 +314,14 @@ pub(super) fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f
     values.iter().all(|x| x.is_finite()).then_some((values, vectors))
 }
 
-/// Each hinge's share of a mode's kinetic energy.
-fn shares(model: &Model, free: &[usize], momentum: &[f64], shape: &[f64]) -> Vec<(String, f64)> {
-    let mut shares: Vec<(usize, f64)> = Vec::new();
+/// Each hinge's share of a mode's kinetic energy; a coordinate may stand in several rows.
+pub(super) fn shares(model: &Model, free: &[usize], momentum: &[f64], shape: &[f64]) -> Vec<(String, f64)> {
+    let mut of_body: Vec<Option<f64>> = vec![None; model.bodies.len()];
     for (row, at) in free.iter().enumerate() {
-        let part = shape[row] * momentum[row];
-        let body = model.coordinates[*at].body;
-        match shares.last_mut() {
-            Some((last, sum)) if *last == body => *sum += part,
-            _ => shares.push((body, part)),
-        }
+        *of_body[model.coordinates[*at].body].get_or_insert(0.0) += shape[row] * momentum[row];
     }
+    let shares: Vec<(usize, f64)> =
+        of_body.iter().enumerate().filter_map(|(body, part)| Some((body, (*part)?))).collect();
     let total: f64 = shares.iter().map(|(_, part)| part.abs()).sum();
     let mut named: Vec<(String, f64)> =
         shares.iter().map(|(body, part)| (model.bodies[*body].name.clone(), part.abs() / total)).collect();

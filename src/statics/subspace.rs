@@ -108,8 +108,10 @@ impl Sweeps<'_, '_> {
         let mut momenta: Vec<Vec<f64>> = basis.iter().map(|x| self.mass_times(x)).collect();
         let mut values = vec![f64::INFINITY; count];
         for _ in 0..MOST_ITERATIONS {
-            let images: Vec<Vec<f64>> = momenta.iter().map(|p| self.solve(p)).collect();
-            let moved: Vec<Vec<f64>> = images.iter().map(|y| self.mass_times(y)).collect();
+            let mut images: Vec<Vec<f64>> = momenta.iter().map(|p| self.solve(p)).collect();
+            let mut moved: Vec<Vec<f64>> = images.iter().map(|y| self.mass_times(y)).collect();
+            // Images lean towards the softest direction, all of them: upright again, or their products are round-off.
+            orthonormalize(&mut images, &mut moved, &mut momenta);
             // (K + sM) Y = M X, so the projected stiffness is Yᵀ M X.
             let stiffness = gram(&images, &momenta);
             let mass = gram(&images, &moved);
@@ -123,6 +125,9 @@ impl Sweeps<'_, '_> {
                 break;
             }
         }
+        if values.iter().any(|value| !value.is_finite()) {
+            return Ok((Vec::new(), Vec::new()));
+        }
         let wanted = WANTED.min(count);
         momenta.truncate(wanted);
         Ok((values.iter().map(|value| value - s).zip(basis).take(wanted).collect(), momenta))
@@ -135,6 +140,26 @@ fn start(n: usize, count: usize) -> Vec<Vec<f64>> {
     (0..count)
         .map(|j| (0..n).map(|i| ((i * (j + 1) + j * j) as f64 * golden + 0.5 / (j + 1) as f64).fract() - 0.5).collect())
         .collect()
+}
+
+/// Makes the images `Y` orthonormal in the mass, `M Y` and `(K + sM) Y` along with them (Gram and Schmidt, twice).
+fn orthonormalize(images: &mut [Vec<f64>], moved: &mut [Vec<f64>], pulled: &mut [Vec<f64>]) {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    for j in 0..images.len() {
+        for i in (0..j).chain(0..j) {
+            let part = dot(&moved[i], &images[j]);
+            for lists in [&mut *images, &mut *moved, &mut *pulled] {
+                let (before, after) = lists.split_at_mut(j);
+                after[0].iter_mut().zip(&before[i]).for_each(|(x, y)| *x -= part * y);
+            }
+        }
+        let size = dot(&images[j], &moved[j]).max(0.0).sqrt();
+        if size > 0.0 {
+            for list in [&mut images[j], &mut moved[j], &mut pulled[j]] {
+                list.iter_mut().for_each(|x| *x /= size);
+            }
+        }
+    }
 }
 
 fn gram(left: &[Vec<f64>], right: &[Vec<f64>]) -> Mat<f64> {

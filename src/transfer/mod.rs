@@ -27,12 +27,14 @@
 //! (5) and (7) for `S` are a factorization; (6) to (8) solve with it for any number of right sides. The first, with
 //! weight and velocities, is solved in the sweep that factorizes ([`Reduction::accelerations`]), others follow
 //! ([`Reduction::solve`]). The same relations read the other way are inverse dynamics ([`balance`]), and their
-//! differentiation in one direction is the action of the tangent ([`variation`]).
+//! differentiation in one direction is the action of the tangent ([`variation`]); in all directions at once it gives the
+//! Jacobians of the accelerations ([`jacobian`]).
 
 #![allow(non_snake_case)]
 
 pub mod balance;
 pub mod element;
+pub mod jacobian;
 mod plan;
 pub mod reduce;
 pub mod tangent;

@@ -6,6 +6,7 @@ mod interrupt;
 mod keys;
 mod output;
 mod path;
+mod poses;
 mod precision;
 mod start;
 

@@ -140,7 +140,13 @@ pub(crate) fn random_scene(seed: u64, options: &Options) -> Description {
             forces.push(random_force(&mut random, index, &bodies));
         }
     }
-    Description { title: format!("random {seed}"), gravity: random.vector(10.0), bodies, forces }
+    Description {
+        title: format!("random {seed}"),
+        gravity: random.vector(10.0),
+        bodies,
+        forces,
+        ..Description::default()
+    }
 }
 
 fn random_force(random: &mut Random, index: usize, bodies: &[BodyDescription]) -> ForceDescription {

@@ -2,8 +2,9 @@
 
 use crate::common::{Options, Random, build, random_scene, relative_difference};
 use nalgebra::Vector3;
-use stillpoint::dynamics::System;
-use stillpoint::model::description::{Description, ForceKind, Point};
+use stillpoint::dynamics::{AccelerationJacobians, System};
+use stillpoint::model::Model;
+use stillpoint::model::description::{Description, ForceKind, GROUND, HingeDescription, HingeKind, Point};
 
 fn scenes() -> impl Iterator<Item = (u64, Options)> {
     (0..60).map(|seed| (seed, Options { bodies: 1 + (seed as usize * 7) % 13, springs: seed % 3 != 0, welds: true }))
@@ -30,12 +31,7 @@ fn accelerations_balance_the_forces() {
 }
 
 /// Central differences of `f(q, v)` along every velocity coordinate; `of_position` picks what is varied.
-fn difference(
-    model: &stillpoint::model::Model,
-    of_position: bool,
-    j: usize,
-    mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>,
-) -> Vec<f64> {
+fn difference(model: &Model, of_position: bool, j: usize, mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>) -> Vec<f64> {
     let step = 1e-5;
     let mut at = |sign: f64| {
         let (mut q, mut v) = (model.start_position.clone(), model.start_velocity.clone());
@@ -102,6 +98,78 @@ fn acceleration_jacobians_match_central_differences() {
             let error = relative_difference(&found, &expected);
             assert!(error < 1e-6, "seed {seed} position {of_position}: {error}");
         }
+    }
+}
+
+/// `−M⁻¹ K` and `−M⁻¹ C` from the dense derivatives at the true accelerations.
+fn jacobians_by_columns(model: &Model, q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
+    let n = model.velocity_count();
+    let mut system = System::new(model);
+    let mut a = vec![0.0; n];
+    system.accelerations(q, v, &mut a).unwrap();
+    let dense = system.linearize(q, v, &a).unwrap();
+    [dense.stiffness, dense.damping].map(|matrix| {
+        let column = |j: usize| {
+            let (rhs, mut x) = ((0..n).map(|i| -matrix[(i, j)]).collect::<Vec<_>>(), vec![0.0; n]);
+            system.solve_mass(&rhs, &mut x);
+            x
+        };
+        (0..n).flat_map(column).collect()
+    })
+}
+
+fn flat(matrix: &faer::Mat<f64>) -> Vec<f64> {
+    (0..matrix.ncols()).flat_map(|j| (0..matrix.nrows()).map(move |i| matrix[(i, j)])).collect()
+}
+
+/// All columns side by side, in scenes without force elements, against the dense derivatives column by column: with and
+/// without hinge springs, dampers and armatures, moving and at rest, from one body to forests of forty.
+#[test]
+fn jacobians_by_sweeps_are_those_by_columns() {
+    for seed in 0..80 {
+        let bodies = if seed % 8 == 0 { 40 } else { 1 + (seed as usize * 7) % 13 };
+        let mut description = random_scene(seed, &Options { bodies, springs: seed % 3 != 0, welds: true });
+        description.forces.clear();
+        let model = build(&description);
+        let (q, rest) = (&model.start_position, vec![0.0; model.velocity_count()]);
+        let mut jacobians = AccelerationJacobians::new(&model);
+        for v in [&model.start_velocity, &rest] {
+            let expected = jacobians_by_columns(&model, q, v);
+            System::new(&model).acceleration_jacobians_into(q, v, &mut jacobians).unwrap();
+            for (found, expected) in [&jacobians.by_position, &jacobians.by_velocity].into_iter().zip(expected) {
+                let error = relative_difference(&flat(found), &expected);
+                // Round-off of both ways, conditioned like the mass matrices of up to some sixty coordinates.
+                assert!(error < 1e-10, "seed {seed}: {error}");
+            }
+        }
+    }
+}
+
+/// A scene that flies as a whole has the same Jacobians to the last digits: only relative velocities enter.
+#[test]
+fn jacobians_do_not_depend_on_a_common_velocity() {
+    let mut description = random_scene(3, &Options { bodies: 6, springs: true, welds: false });
+    description.forces.clear();
+    description.bodies[0].hinge = HingeDescription::new(HingeKind::Free);
+    description.bodies[0].hinge.velocity = vec![0.3, -0.2, 0.1, 1.0, -0.5, 0.7];
+    for body in &mut description.bodies[1..] {
+        if body.hinge.parent == GROUND {
+            body.hinge.parent = "b0".to_owned();
+        }
+    }
+    let slow = build(&description);
+    for (speed, velocity) in [7e3, -5e3, 2e3].iter().zip(&mut description.bodies[0].hinge.velocity) {
+        *velocity += speed;
+    }
+    let fast = build(&description);
+    let jacobians = |model: &Model| {
+        let found = System::new(model).acceleration_jacobians(&model.start_position, &model.start_velocity).unwrap();
+        [flat(&found.0), flat(&found.1)]
+    };
+    for (slow, fast) in jacobians(&slow).iter().zip(&jacobians(&fast)) {
+        let error = relative_difference(fast, slow);
+        // The relative velocities themselves lose four digits.
+        assert!(error < 1e-11, "{error}");
     }
 }
 

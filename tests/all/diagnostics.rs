@@ -713,12 +713,47 @@ fn color_is_only_there_when_it_is_asked_for() {
 }
 
 #[test]
-fn limits_are_a_warning() {
-    let text = "[[body]]\nname = \"bob\"\nmass = 1.0\n\
-                hinge = { type = \"prismatic\", axis = [0, 0, 1], limits = [-1, 1] }\n";
-    let scenario = scenario::parse("scene.toml", text, &[]).expect("a warning is no error");
-    let warning = scenario.warnings.iter().next().expect("one warning");
-    assert_eq!(warning.message, "hinge of body `bob`: limits are not enforced yet");
-    assert_eq!(warning.place.as_ref().map(|place| (place.line, place.column)), Some((4, 49)));
-    assert_eq!(scenario.warnings.summary(), "scene.toml: 1 warning");
+fn a_stop_is_rigid_or_compliant_and_on_a_coordinate_that_has_a_size() {
+    let text = r#"
+[[body]]
+name = "bob"
+mass = 1.0
+hinge = { type = "prismatic", axis = [0, 0, 1], limits = { low = 0, stiffness = 5.0, restitution = 0.5 } }
+
+[[body]]
+name = "ball"
+mass = 1.0
+hinge = { type = "spherical", limits = [-1, 1] }
+
+[[event]]
+hinge = "bobb"
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `bob`: a stop with `stiffness` has no `restitution`
+     --> scene.toml:4:86
+      |
+    4 | hinge = { type = "prismatic", axis = [0, 0, 1], limits = { low = 0, stiffness = 5.0, restitution = 0.5 } }
+      |                                                                                      ^^^^^^^^^^^
+      |
+      = help: a stop is rigid, with `restitution`, or compliant, with `stiffness` and `damping`
+
+    error: the spherical hinge of `ball` has no coordinate 0 that can be limited
+     --> scene.toml:9:40
+      |
+    9 | hinge = { type = "spherical", limits = [-1, 1] }
+      |                                        ^^^^^^^
+      |
+      = help: angles and distances can; the numbers of a quaternion cannot
+
+    error: there is no body `bobb`
+      --> scene.toml:12:9
+       |
+    12 | hinge = "bobb"
+       |         ^^^^^^
+       |
+       = help: did you mean `bob`?
+
+    scene.toml: 3 errors
+    "#);
 }

@@ -3,7 +3,7 @@
 use crate::common::{Options, build, random_scene};
 use std::collections::{BTreeSet, HashSet};
 use std::mem::discriminant;
-use stillpoint::dynamics::System;
+use stillpoint::dynamics::{AccelerationJacobians, System};
 use stillpoint::integrate::{Method, Options as Settings, Start};
 use stillpoint::simulate::problem::Motion;
 
@@ -30,6 +30,20 @@ fn evaluating_a_system_allocates_nothing() {
     count("residual", &mut |system| system.residual(q, v, v, &mut residual).unwrap());
     count("energies", &mut |system| assert!(system.energies(q, v).kinetic > 0.0));
     count("powers", &mut |system| assert!(system.powers(q, v).dissipated > 0.0));
+}
+
+/// The Jacobians neither, once their matrices are there: in a scene without force elements.
+#[test]
+fn jacobians_allocate_nothing() {
+    let mut description = random_scene(17, &Options { bodies: 40, springs: true, welds: true });
+    description.forces.clear();
+    let model = build(&description);
+    let (mut system, mut jacobians) = (System::new(&model), AccelerationJacobians::new(&model));
+    let counted = allocation_counter::measure(|| {
+        system.acceleration_jacobians_into(&model.start_position, &model.start_velocity, &mut jacobians).unwrap();
+    });
+    assert_eq!(counted.count_total, 0, "{counted:?}");
+    assert!(jacobians.by_position.norm_max() > 0.0);
 }
 
 /// Steps of every method, after the first ones; dense output included.

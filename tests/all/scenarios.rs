@@ -116,6 +116,8 @@ fn the_scenarios_show_every_hinge_and_every_force() {
         "damping",
         "rest = ",
         "lock = true",
+        "limits = {",
+        "[[event]]",
         "rpy",
         "want = \"any\"",
         "box",

@@ -199,6 +199,8 @@ fn compare_prints_and_writes_one_line_per_method() {
     let json: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.path().join("table.json")).expect("a table"))
             .expect("JSON");
+    let plot = std::fs::read_to_string(folder.path().join("table.svg")).expect("a plot");
+    assert!(plot.contains("residual against iteration") && plot.contains("lagrange"), "residuals are drawn");
     let (_, printed) = call(&["statics", "--compare", scene, "--json"]);
     let printed: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(printed["methods"].as_array().map(Vec::len), Some(Method::ALL.len()));
@@ -208,4 +210,29 @@ fn compare_prints_and_writes_one_line_per_method() {
     let (code, one) = call(&["statics", scene, "--method", "lagrange", "--json"]);
     let one: serde_json::Value = serde_json::from_str(&one).expect("JSON");
     assert_eq!((code, one["method"].as_str()), (Some(0), Some("lagrange")));
+}
+
+/// Over several values: one table, and times against the size of the scene.
+#[test]
+fn compare_goes_over_the_values_of_a_number() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = file("hanging_chain");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stillpoint"));
+    command.current_dir(folder.path()).args(["statics", "--compare", "--json", "--out", "chains"]);
+    command.args(["--set", "link.position=0.1", "--over", "link.repeat=2,5"]).arg(scene);
+    let output = command.output().expect("the program starts");
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let sizes: Vec<_> =
+        found["runs"].as_array().expect("runs").iter().map(|run| run["degrees_of_freedom"].as_u64()).collect();
+    assert_eq!((found["over"].as_str(), sizes), (Some("link.repeat"), vec![Some(2), Some(5)]));
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
+    let table = read("chains.csv");
+    assert_eq!(table.lines().count(), 1 + 2 * Method::ALL.len());
+    assert!(
+        table.starts_with("value,degrees_of_freedom,method,") && table.contains("\n\"5\",5,\"lagrange\","),
+        "{table}"
+    );
+    let plot = read("chains.svg");
+    assert!(plot.contains("degrees of freedom") && plot.contains("relaxation"), "times are drawn");
 }

@@ -1,5 +1,6 @@
 //! The plot of a path: parameter against coordinate.
 
+use super::super::palette::{BLUE, GREEN, VERMILION};
 use super::{Followed, text};
 use crate::statics::Verdict;
 use crate::statics::path::{EventKind, PathPoint};
@@ -7,16 +8,11 @@ use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (960, 640);
 
-/// Readable on white and by the colour-blind: Okabe and Ito.
-const STABLE: RGBColor = RGBColor(0, 114, 178);
-const UNSTABLE: RGBColor = RGBColor(213, 94, 0);
-const NEUTRAL: RGBColor = RGBColor(0, 158, 115);
-
 fn color(verdict: Verdict) -> RGBColor {
     match verdict {
-        Verdict::Stable => STABLE,
-        Verdict::Unstable => UNSTABLE,
-        Verdict::Neutral => NEUTRAL,
+        Verdict::Stable => BLUE,
+        Verdict::Unstable => VERMILION,
+        Verdict::Neutral => GREEN,
     }
 }
 

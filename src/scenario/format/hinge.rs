@@ -2,7 +2,7 @@
 
 use super::super::fields::{Key, Kind, Range, Table};
 use super::body::POINT;
-use super::{NOT_NEGATIVE, NUMBER, VECTOR};
+use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 
 /// `hinge = { … }`
 pub const HINGE: Table = Table {
@@ -105,7 +105,7 @@ pub const HINGE: Table = Table {
         Key::new(
             "limits",
             LIMITS,
-            "Lowest and highest coordinate, or a list of such pairs. Read, but not enforced yet.",
+            "Lowest and highest coordinate, or a list of such pairs, of stops that hold; or one stop in full. A run heeds them, statics does not.",
         )
         .unit("m or rad")
         .only(MOVING)
@@ -122,5 +122,34 @@ const PER_COORDINATE: Kind =
 const PER_VELOCITY: Kind =
     Kind::Either(&[NOT_NEGATIVE, Kind::List(&NOT_NEGATIVE, &[]), Kind::List(&Kind::List(&NOT_NEGATIVE, &[]), &[])]);
 
-const LIMITS: Kind =
-    Kind::Either(&[Kind::List(&Kind::Number(Range::Any), &[2]), Kind::List(&Kind::List(&NUMBER, &[2]), &[])]);
+const LIMITS: Kind = Kind::Either(&[
+    Kind::List(&Kind::Number(Range::Any), &[2]),
+    Kind::List(&Kind::List(&NUMBER, &[2]), &[]),
+    Kind::Table(&LIMIT),
+]);
+
+/// A stop in full.
+pub const LIMIT: Table = Table {
+    name: "limits",
+    doc: "A stop on one or both sides: rigid, or with `stiffness` compliant.",
+    types: &[],
+    keys: &[
+        Key::new("low", NUMBER, "Lowest coordinate; without it there is none.").unit("m or rad").example("-1.0"),
+        Key::new("high", NUMBER, "Highest coordinate; without it there is none.").unit("m or rad").example("1.0"),
+        Key::new("coordinate", Kind::Integer(Range::AtLeast(0.0)), "Which of the hinge's coordinates, from 0.")
+            .default("0")
+            .example("0"),
+        Key::new(
+            "restitution",
+            Kind::Number(Range::Between(0.0, 1.0)),
+            "Rigid: the part of the speed that comes back.",
+        )
+        .default("0.0")
+        .example("0.5"),
+        Key::new("stiffness", POSITIVE, "Compliant: stiffness.").unit("N/m or N m/rad").example("1e5"),
+        Key::new("damping", NOT_NEGATIVE, "Compliant: damping; the stop never pulls.")
+            .unit("N s/m or N m s/rad")
+            .default("0.0")
+            .example("10.0"),
+    ],
+};

@@ -1,14 +1,16 @@
 //! The scenario format, declared: every table, key, unit, range, default and sentence, said once.
 
 mod body;
+mod event;
 mod force;
 mod hinge;
 mod settings;
 mod start;
 
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
+pub use event::EVENT;
 pub use force::{BUSHING_VALUES, FORCE};
-pub use hinge::HINGE;
+pub use hinge::{HINGE, LIMIT};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
@@ -39,6 +41,7 @@ pub const SCENARIO: Table = Table {
         Key::new("record", Kind::Table(&RECORD), "The recording.").example("{ rate = 100.0 }"),
         Key::new("body", Kind::List(&Kind::Table(&BODY), &[]), "The bodies, in any order.").required(),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings and loads."),
+        Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
         Key::new("loop", Kind::Refused("closed loops cannot be simulated by this version"), "Closes a kinematic loop."),
         Key::new("drive", Kind::Refused("drives cannot be simulated by this version"), "Prescribes a motion."),
         Key::new("gear", Kind::Refused("gears cannot be simulated by this version"), "Couples coordinates."),

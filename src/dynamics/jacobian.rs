@@ -1,0 +1,124 @@
+//! The Jacobians of the accelerations: by the sweeps of [`crate::transfer::jacobian`], or where force elements act, by
+//! columns of the dense derivatives.
+
+use super::linearize::Of;
+use super::{Fault, System};
+use crate::forces;
+use crate::model::Model;
+use crate::transfer::jacobian::{Jacobian, TOGETHER};
+use faer::Mat;
+
+/// ∂q̈/∂q and ∂q̈/∂q̇, and the memory to find them in.
+#[derive(Debug, Clone)]
+pub struct AccelerationJacobians {
+    /// ∂q̈/∂q, n×n, one row and one column per velocity; the columns are small steps as [`System::displace`] takes them,
+    /// turns of balls in link axes (m/s² or rad/s² of the row for each m or rad of the column).
+    pub by_position: Mat<f64>,
+    /// ∂q̈/∂q̇, n×n (m/s² or rad/s² of the row for each m/s or rad/s of the column).
+    pub by_velocity: Mat<f64>,
+    sweep: Jacobian,
+    accelerations: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+impl AccelerationJacobians {
+    /// Room for a model; all zero.
+    pub fn new(model: &Model) -> Self {
+        let n = model.velocity_count();
+        Self {
+            by_position: Mat::zeros(n, n),
+            by_velocity: Mat::zeros(n, n),
+            sweep: Jacobian::new(model),
+            accelerations: vec![0.0; n],
+            residual: vec![0.0; n],
+        }
+    }
+}
+
+impl System<'_> {
+    /// Jacobians of the hinge accelerations: `(∂q̈/∂q, ∂q̈/∂q̇)`, each n×n. What calls for them often keeps their memory:
+    /// [`System::acceleration_jacobians_into`].
+    ///
+    /// ```
+    /// # use stillpoint::model::{description::*, Model};
+    /// # use stillpoint::dynamics::System;
+    /// # use nalgebra::{Matrix3, Vector3};
+    /// // A pendulum of length 2 m that hangs and is let go: θ̈ = −g/l sin θ, of which the derivative is −g/l.
+    /// let mut hinge = HingeDescription::new(HingeKind::Revolute { axis: Vector3::y() });
+    /// hinge.damping = vec![0.4];
+    /// let mass = MassProperties { mass: 1.0, center: Vector3::new(0.0, 0.0, -2.0), inertia: Matrix3::zeros() };
+    /// let body = BodyDescription { name: "bob".into(), mass, markers: vec![], shapes: vec![], hinge };
+    /// let gravity = Vector3::new(0.0, 0.0, -9.81);
+    /// let model = Model::build(&Description { bodies: vec![body], gravity, ..Description::default() }).unwrap();
+    /// let (by_position, by_velocity) = System::new(&model).acceleration_jacobians(&[0.0], &[0.0]).unwrap();
+    /// assert!((by_position[(0, 0)] + 9.81 / 2.0).abs() < 1e-14);
+    /// // The damper: −c/(m l²).
+    /// assert!((by_velocity[(0, 0)] + 0.4 / 4.0).abs() < 1e-14);
+    /// ```
+    ///
+    /// # Errors
+    /// A singular hinge, or the element whose numbers are not finite.
+    pub fn acceleration_jacobians(&mut self, q: &[f64], v: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
+        let mut jacobians = AccelerationJacobians::new(self.model);
+        self.acceleration_jacobians_into(q, v, &mut jacobians)?;
+        Ok((jacobians.by_position, jacobians.by_velocity))
+    }
+
+    /// The same into memory that was made before. Where nothing but hinge springs, dampers, motors and armatures acts,
+    /// it asks for no more memory and goes through all columns side by side; with force elements it takes a tangent
+    /// sweep and a solution for each column, which is O(n²) too, but an order of magnitude slower.
+    ///
+    /// # Errors
+    /// As [`System::acceleration_jacobians`]; then the matrices are not to be used.
+    pub fn acceleration_jacobians_into(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        out: &mut AccelerationJacobians,
+    ) -> Result<(), Fault> {
+        self.accelerations(q, v, &mut out.accelerations)?;
+        self.residual(q, v, &out.accelerations, &mut out.residual)?;
+        match self.model.forces.is_empty() {
+            true => self.jacobians_by_sweeps(q, v, out),
+            false => {
+                self.jacobians_by_columns(q, out);
+                Ok(())
+            }
+        }
+    }
+
+    fn jacobians_by_sweeps(&self, q: &[f64], v: &[f64], out: &mut AccelerationJacobians) -> Result<(), Fault> {
+        let model = self.model;
+        let spring = |link: &_| forces::hinge::ball_tangent(model, link, q);
+        out.sweep
+            .update(model, &self.motion, &self.balance, spring)
+            .map_err(|singular| self.singular(&singular, q, v))?;
+        let n = model.velocity_count();
+        for first in (0..n).step_by(TOGETHER) {
+            let (touched, rows) = out.sweep.columns(first);
+            for k in 0..TOGETHER.min(n - first) {
+                for (lane, matrix) in [(k, &mut out.by_position), (TOGETHER + k, &mut out.by_velocity)] {
+                    let column = matrix.col_as_slice_mut(first + k);
+                    column[..touched.start].fill(0.0);
+                    column[touched.end..].fill(0.0);
+                    for (entry, row) in column[touched.clone()].iter_mut().zip(rows) {
+                        *entry = row[lane];
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn jacobians_by_columns(&mut self, q: &[f64], out: &mut AccelerationJacobians) {
+        for (of, matrix) in [(Of::Position, &mut out.by_position), (Of::Velocity, &mut out.by_velocity)] {
+            *matrix = self.columns(q, &out.accelerations, of);
+            for j in 0..matrix.ncols() {
+                let column = matrix.col_as_slice_mut(j);
+                column.iter_mut().for_each(|x| *x = -*x);
+                self.solve_mass(column, &mut out.residual);
+                column.copy_from_slice(&out.residual);
+            }
+        }
+    }
+}

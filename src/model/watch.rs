@@ -1,0 +1,237 @@
+//! What is watched for while a scene moves: stops of hinge coordinates, and crossings that the user asks for.
+
+use super::build::Place;
+use super::description::{Attachment, Description};
+use super::problem::{Element, Problem};
+use super::{Body, End};
+use crate::suggest;
+use nalgebra::Vector3;
+
+/// A hinge coordinate that cannot go on for ever.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LimitDescription {
+    /// Which of the hinge's coordinates, from 0; not one of a quaternion.
+    pub coordinate: usize,
+    /// Lowest value (m or rad); −∞ for none.
+    pub low: f64,
+    /// Highest value (m or rad); ∞ for none.
+    pub high: f64,
+    /// What happens there.
+    pub law: StopLaw,
+}
+
+/// What a stop does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StopLaw {
+    /// Turns the speed around at once and leaves this part of it, 0…1; holds what comes to rest on it.
+    Rigid {
+        /// Coefficient of restitution.
+        restitution: f64,
+    },
+    /// Pushes back: stiffness times depth plus damping times speed, never pulling.
+    Compliant {
+        /// (N/m, N m/rad), > 0.
+        stiffness: f64,
+        /// (N s/m, N m s/rad), ≥ 0.
+        damping: f64,
+    },
+}
+
+/// Something a run takes note of, or ends with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EventDescription {
+    /// Unique name.
+    pub name: String,
+    /// What is watched.
+    pub of: WatchedDescription,
+    /// The value that it crosses (m or rad).
+    pub value: f64,
+    /// Which way counts.
+    pub direction: Direction,
+    /// Whether the run ends there.
+    pub stops: bool,
+}
+
+/// A number that changes as a scene moves.
+#[derive(Debug, Clone, PartialEq)]
+pub enum WatchedDescription {
+    /// A hinge coordinate.
+    Hinge {
+        /// Body whose hinge it is.
+        body: String,
+        /// Which coordinate, from 0.
+        coordinate: usize,
+    },
+    /// Where a point is along a direction, inertial axes.
+    Point {
+        /// The point.
+        on: Attachment,
+        /// The direction; need not be of unit length.
+        axis: Vector3<f64>,
+    },
+}
+
+/// Which way a crossing counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// From below to above.
+    Up,
+    /// From above to below.
+    Down,
+    /// Either.
+    Both,
+}
+
+/// A stop, compiled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// Index of the body whose hinge it is.
+    pub body: usize,
+    /// Index into the position vector.
+    pub position: usize,
+    /// Index into the velocity vector.
+    pub velocity: usize,
+    /// Lowest and highest value (m or rad); infinite for none.
+    pub range: [f64; 2],
+    /// What happens there.
+    pub law: StopLaw,
+}
+
+/// An event, compiled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Name.
+    pub name: String,
+    /// What is watched.
+    pub of: Watched,
+    /// The value that it crosses (m or rad).
+    pub value: f64,
+    /// Which way counts.
+    pub direction: Direction,
+    /// Whether the run ends there.
+    pub stops: bool,
+}
+
+/// What an event watches, compiled.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Watched {
+    /// Index into the position vector.
+    Position(usize),
+    /// A point, and a unit vector in inertial axes.
+    Point(End, Vector3<f64>),
+}
+
+/// The problems of all limits and events.
+pub(super) fn check(description: &Description) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    for (index, body) in description.bodies.iter().enumerate() {
+        let mut add = |message: String, help: &str| {
+            let help = (!help.is_empty()).then(|| help.to_owned());
+            let (element, field) = (Element::Body(index), "hinge.limits".to_owned());
+            problems.push(Problem { element, field, message, help });
+        };
+        let (name, hinge) = (&body.name, &body.hinge);
+        for limit in &hinge.limits {
+            let LimitDescription { coordinate, low, high, law } = *limit;
+            if coordinate >= hinge.kind.plain_coordinates() {
+                let message = format!(
+                    "the {} hinge of `{name}` has no coordinate {coordinate} that can be limited",
+                    hinge.kind.name()
+                );
+                add(message, "angles and distances can; the numbers of a quaternion cannot");
+            } else if !(low < high) || (low.is_infinite() && high.is_infinite()) {
+                add(format!("the limits of the hinge of `{name}` from {low} to {high} are none"), "low comes first");
+            }
+            let fine = match law {
+                StopLaw::Rigid { restitution } => (0.0..=1.0).contains(&restitution),
+                StopLaw::Compliant { stiffness, damping } => {
+                    stiffness > 0.0 && stiffness.is_finite() && damping >= 0.0 && damping.is_finite()
+                }
+            };
+            if !fine {
+                let allowed = "allowed: restitution 0 to 1, or a stiffness above 0 and a damping of at least 0";
+                add(format!("the stop of the hinge of `{name}` is {law:?}"), allowed);
+            }
+        }
+    }
+    for (index, event) in description.events.iter().enumerate() {
+        let element = Element::Event(index);
+        let mut add = |field: &str, message: String, help: Option<String>| {
+            problems.push(Problem { element, field: field.to_owned(), message, help });
+        };
+        if description.events[..index].iter().any(|other| other.name == event.name) {
+            add("name", format!("two events are called `{}`", event.name), Some("names must be unique".to_owned()));
+        }
+        if !event.value.is_finite() {
+            add("value", format!("the value of event `{}` is {}", event.name, event.value), None);
+        }
+        let known = || description.bodies.iter().map(|body| body.name.as_str());
+        match &event.of {
+            WatchedDescription::Hinge { body, coordinate } => match description.bodies.iter().find(|b| b.name == *body)
+            {
+                None => {
+                    let help = suggest::closest(body, known()).map(|near| format!("did you mean `{near}`?"));
+                    add("hinge", format!("there is no body `{body}`"), help);
+                }
+                Some(found) if *coordinate >= found.hinge.kind.plain_coordinates() => {
+                    let kind = found.hinge.kind.name();
+                    let message = format!("the {kind} hinge of `{body}` has no coordinate {coordinate} to watch");
+                    let help = "angles and distances can be watched; for a quaternion watch a point of the body";
+                    add("coordinate", message, Some(help.to_owned()));
+                }
+                Some(_) => {}
+            },
+            WatchedDescription::Point { axis, .. } => {
+                if !(axis.norm() > 0.0 && axis.norm().is_finite()) {
+                    add("axis", format!("the axis of event `{}` has no direction", event.name), None);
+                }
+            }
+        }
+    }
+    problems
+}
+
+/// The stops of a scene without problems.
+pub(super) fn stops(description: &Description, bodies: &[Body]) -> Vec<Stop> {
+    let of_body = |(body, (written, built)): (usize, (&super::description::BodyDescription, &Body))| {
+        let (position, velocity) = (built.hinge.position, built.hinge.velocity);
+        let stop = move |limit: &LimitDescription| Stop {
+            body,
+            position: position + limit.coordinate,
+            velocity: velocity + limit.coordinate,
+            range: [limit.low, limit.high],
+            law: limit.law,
+        };
+        written.hinge.limits.iter().map(stop).collect::<Vec<_>>()
+    };
+    description.bodies.iter().zip(bodies).enumerate().flat_map(of_body).collect()
+}
+
+/// The events of a scene without problems; `end` compiles a point on a body.
+pub(super) fn events(
+    description: &Description,
+    bodies: &[Body],
+    end: impl Fn(&Place) -> End,
+    points: &[Option<Place>],
+) -> Vec<Event> {
+    let event = |(event, point): (&EventDescription, &Option<Place>)| {
+        let of = match (&event.of, point) {
+            (WatchedDescription::Hinge { body, coordinate }, _) => {
+                let built = bodies.iter().find(|built| built.name == *body)?;
+                Watched::Position(built.hinge.position + coordinate)
+            }
+            (WatchedDescription::Point { axis, .. }, Some(place)) => Watched::Point(end(place), axis.normalize()),
+            (WatchedDescription::Point { .. }, None) => return None,
+        };
+        Some(Event { name: event.name.clone(), of, value: event.value, direction: event.direction, stops: event.stops })
+    };
+    description.events.iter().zip(points).filter_map(event).collect()
+}
+
+/// The point that an event watches.
+pub(super) fn attachment(event: &EventDescription) -> Option<&Attachment> {
+    match &event.of {
+        WatchedDescription::Point { on, .. } => Some(on),
+        WatchedDescription::Hinge { .. } => None,
+    }
+}

@@ -1,0 +1,37 @@
+//! What a run takes note of.
+
+use super::super::fields::{Key, Kind, Range, Table};
+use super::body::ATTACHMENT;
+use super::{NUMBER, VECTOR};
+
+/// `[[event]]`
+pub const EVENT: Table = Table {
+    name: "event",
+    doc: "A hinge coordinate or a point that crosses a value; its time is found to twelve digits.",
+    types: &[],
+    keys: &[
+        Key::new("name", Kind::Text, "Unique name; `event[i]` with its place in the file, from 0, where left out.")
+            .example("\"lowest point\""),
+        Key::new("hinge", Kind::Text, "Body whose hinge coordinate is watched.").example("\"arm\""),
+        Key::new("coordinate", Kind::Integer(Range::AtLeast(0.0)), "Which of the hinge's coordinates, from 0.")
+            .default("0")
+            .example("0"),
+        Key::new(
+            "on",
+            Kind::Either(&[Kind::Text, Kind::Table(&ATTACHMENT)]),
+            "Point that is watched, in place of `hinge`.",
+        )
+        .example("\"arm.tip\""),
+        Key::new("axis", VECTOR, "Direction along which the point is measured from the origin, inertial axes.")
+            .default("[0.0, 0.0, 1.0]")
+            .example("[0.0, 0.0, 1.0]"),
+        Key::new("value", NUMBER, "The value that is crossed.").unit("m or rad").default("0.0").example("0.5"),
+        Key::new("direction", Kind::Choice(DIRECTIONS), "Which way counts.").default("\"both\"").example("\"up\""),
+        Key::new("action", Kind::Choice(ACTIONS), "What happens then.").default("\"log\"").example("\"stop\""),
+    ],
+};
+
+const DIRECTIONS: &[(&str, &str)] =
+    &[("both", "Either way."), ("up", "From below to above."), ("down", "From above to below.")];
+
+const ACTIONS: &[(&str, &str)] = &[("log", "It is noted."), ("stop", "The run ends.")];

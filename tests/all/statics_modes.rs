@@ -1,0 +1,112 @@
+//! Damped modes: roots of `M s² + C s + K`, against closed forms and by their own equation.
+
+use crate::common::{Options, build, random_scene};
+use faer::Mat;
+use stillpoint::dynamics::System;
+use stillpoint::model::Model;
+use stillpoint::scenario;
+use stillpoint::statics::{Equilibrium, equilibrium};
+
+fn rest(text: &str) -> (Model, Equilibrium) {
+    let scenario = scenario::parse("modes.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+    let model = build(&scenario.description);
+    let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");
+    assert!(found.converged, "{:?}", found.notes);
+    (model, found)
+}
+
+/// A mass of 2 kg on a slide with a spring of 50 N/m: ω = 5/s, critical damping 20 N s/m.
+#[test]
+fn a_damped_slide_swings_creeps_or_sits_between() {
+    for damping in [0.0, 1.0, 12.0, 20.0, 50.0] {
+        let (_, found) = rest(&format!(
+            "[[body]]\nname = \"mass\"\nmass = 2\nhinge = {{ type = \"prismatic\", axis = [0, 0, 1], stiffness = 50, \
+             damping = {damping} }}\n"
+        ));
+        let damped = found.stability.expect("a verdict").damped;
+        let half = damping / 4.0;
+        let roots: Vec<(f64, f64)> = match half {
+            0.0 => Vec::new(),
+            half if half < 5.0 => vec![(half, (25.0_f64 - half * half).sqrt())],
+            half => [-1.0, 1.0].map(|sign| (half + sign * (half * half - 25.0_f64).sqrt(), 0.0)).to_vec(),
+        };
+        assert_eq!(damped.len(), roots.len(), "{damping}");
+        for (mode, (decay, rate)) in damped.iter().zip(roots) {
+            // At critical damping both roots are one: they are known to the square root of the machine precision.
+            let tolerance = if damping == 20.0 { 1e-6 } else { 1e-12 };
+            assert!((mode.decay_rate - decay).abs() < tolerance, "{damping}: {} {decay}", mode.decay_rate);
+            assert!((mode.frequency_hz * std::f64::consts::TAU - rate).abs() < tolerance, "{damping}");
+            assert!((mode.damping_ratio - decay / decay.hypot(rate)).abs() < 1e-9);
+            assert_eq!(mode.shares[0].0, "mass");
+        }
+    }
+}
+
+/// Every mode of random damped scenes solves `(M s² + C s + K) X = 0`.
+#[test]
+fn damped_modes_solve_their_equation() {
+    let mut checked = 0;
+    for seed in 0..40 {
+        let mut description = random_scene(seed, &Options { bodies: 5, springs: true, welds: false });
+        // Every hinge held by a spring of its own: scenes that rest.
+        for body in &mut description.bodies {
+            body.hinge.stiffness = vec![40.0; body.hinge.kind.counts().1];
+        }
+        let model = build(&description);
+        let found =
+            equilibrium(&model, &stillpoint::statics::Settings::default(), &model.start_position).expect("numbers");
+        let Some(stability) = found.stability.filter(|_| found.converged) else { continue };
+        let n = model.velocity_count();
+        assert!(stability.damped.len() >= n && stability.damped.len() <= 2 * n, "one or two for every coordinate");
+        let zero = vec![0.0; n];
+        let linear = System::new(&model).linearize(&found.position, &zero, &zero).expect("numbers");
+        let size = |m: &Mat<f64>| m.norm_max();
+        for mode in &stability.damped {
+            let (re, im) = (-mode.decay_rate, mode.frequency_hz * std::f64::consts::TAU);
+            let [a, b] = &mode.shape;
+            let times = |m: &Mat<f64>, x: &[f64], i: usize| (0..n).map(|j| m[(i, j)] * x[j]).sum::<f64>();
+            let (square_re, square_im) = (re * re - im * im, 2.0 * re * im);
+            let scale = size(&linear.mass) * (re * re + im * im)
+                + size(&linear.damping) * re.hypot(im)
+                + size(&linear.stiffness);
+            for i in 0..n {
+                let [m_a, m_b] = [a, b].map(|x| times(&linear.mass, x, i));
+                let [c_a, c_b] = [a, b].map(|x| times(&linear.damping, x, i));
+                let [k_a, k_b] = [a, b].map(|x| times(&linear.stiffness, x, i));
+                let real = square_re * m_a - square_im * m_b + re * c_a - im * c_b + k_a;
+                let imaginary = square_re * m_b + square_im * m_a + re * c_b + im * c_a + k_b;
+                // Eigenvectors of matrices whose condition is some 1e4.
+                assert!(real.hypot(imaginary) < 1e-9 * scale, "seed {seed}: {:e}", real.hypot(imaginary) / scale);
+            }
+            checked += 1;
+        }
+    }
+    assert!(checked > 100, "{checked}");
+}
+
+/// Damping in proportion to stiffness, `C = β K`: every mode decays with `β ω² / 2`, also where only the lowest modes of
+/// a large system are known.
+#[test]
+fn proportional_damping_of_a_long_chain() {
+    let beta = 0.01;
+    let (model, found) = rest(&format!(
+        "gravity = [0, 0, 0]\n[[body]]\nname = \"link\"\nrepeat = 230\nmass = 1\ncenter = [0.5, 0, 0]\ninertia = \
+         [0.1, 0.1, 0.1]\nnext = [1, 0, 0]\nhinge = {{ type = \"revolute\", axis = [0, 1, 0], stiffness = 1e7, damping = \
+         {:?} }}\n",
+        1e7 * beta
+    ));
+    let stability = found.stability.expect("a verdict");
+    assert!(stability.modes.len() < model.velocity_count(), "by sweeps");
+    for mode in &stability.modes {
+        let omega = mode.frequency_hz * std::f64::consts::TAU;
+        let decay = 0.5 * beta * omega * omega;
+        let rate = (omega * omega - decay * decay).sqrt();
+        let found = stability
+            .damped
+            .iter()
+            .map(|one| (one.frequency_hz * std::f64::consts::TAU - rate).hypot(one.decay_rate - decay));
+        let nearest = found.fold(f64::INFINITY, f64::min);
+        // The eigenvalues stand still to 1e-10, their vectors to the root of that.
+        assert!(nearest < 1e-6 * omega, "{omega}: {nearest:e}");
+    }
+}
