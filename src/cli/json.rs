@@ -3,6 +3,7 @@
 use crate::constraint::Assembly;
 use crate::model::Model;
 use crate::simulate::events::Occurrence;
+use crate::simulate::verify::{Verified, quaternion_error};
 use crate::simulate::{State, Summary};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::Equilibrium;
@@ -116,6 +117,15 @@ fn mode(mode: &crate::statics::Mode) -> Value {
     })
 }
 
+/// What `run --verify` found.
+pub(super) fn verified(verified: &Verified) -> Value {
+    let Verified { method, tolerance, length, angle, speed, rate, time } = verified;
+    json!({
+        "method": method.name(), "tolerance": tolerance,
+        "length": length, "angle": angle, "speed": speed, "rate": rate, "time": time,
+    })
+}
+
 fn event(event: &Occurrence) -> Value {
     let Occurrence { time, kind, name, value, speed } = event;
     json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed })
@@ -142,6 +152,7 @@ pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, 
         "energy_end": summary.energy_end,
         "energy_drift": summary.energy_drift,
         "constraint_error": summary.constraint_error,
+        "quaternion_error": quaternion_error(model, &summary.state),
         "events": summary.events.iter().map(event).collect::<Vec<_>>(),
         "stopped_by": summary.stopped_by,
         "samples": summary.samples,

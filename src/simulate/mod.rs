@@ -13,6 +13,7 @@ mod scene;
 pub mod settings;
 mod stiffness;
 mod stops;
+pub mod verify;
 
 pub use run::{RunError, State, Summary, run};
 pub use scene::scene;

@@ -79,7 +79,7 @@ pub enum RunError {
     /// An explicit method on a scene that is far too stiff for it.
     #[error(
         "`{method}` is an explicit method and would need steps below {step:.1e} s: the hinge coordinate {hinge} moves at \
-         {rate:.1e} per second; try `integrator = \"radau9\"`, \"sdirk4\" or \"auto\", or a softer spring or damper there"
+         {rate:.1e} per second; try `integrator = \"radau9\"`, \"sdirk4\" or \"auto\", or softer springs and dampers around it"
     )]
     Stiff {
         /// The method.

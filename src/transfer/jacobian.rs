@@ -40,8 +40,8 @@
 //!
 //! Precision: nothing is carried to a distant common point and no mass matrix is factorized, so the error does not grow
 //! with the condition of a long chain's mass matrix but with that of single pivots. Relative to the largest entry it is
-//! some hundred ε, and about ε J_max/J_min where balls carry bodies as slender as that (one step of refinement
-//! corrects chains of 10 and of 100 balls by so much).
+//! some hundred ε, and some ten ε J_max/J_min where balls carry bodies as slender as that: so much does one step of
+//! refinement correct in chains of up to 100 balls.
 
 mod cause;
 mod lanes;

@@ -1,10 +1,12 @@
 //! Derivatives against central differences, and the two ways of reading the transfer equations against each other.
 
-use crate::common::{Options, Random, build, random_scene, relative_difference};
-use nalgebra::Vector3;
+use crate::common::{Options, Random, build, position_of, random_scene, relative_difference};
+use nalgebra::{Matrix3, Vector3};
 use stillpoint::dynamics::{AccelerationJacobians, System};
 use stillpoint::model::Model;
-use stillpoint::model::description::{Description, ForceKind, GROUND, HingeDescription, HingeKind, Point};
+use stillpoint::model::description::{
+    BodyDescription, Description, ForceKind, GROUND, HingeDescription, HingeKind, MassProperties, Point,
+};
 
 fn scenes() -> impl Iterator<Item = (u64, Options)> {
     (0..60).map(|seed| (seed, Options { bodies: 1 + (seed as usize * 7) % 13, springs: seed % 3 != 0, welds: true }))
@@ -142,6 +144,69 @@ fn jacobians_by_sweeps_are_those_by_columns() {
                 assert!(error < 1e-10, "seed {seed}: {error}");
             }
         }
+    }
+}
+
+/// Forty slender bodies on balls: one step of refinement, whose residual comes from the tangent's action and not from a
+/// matrix, finds next to nothing to correct.
+#[test]
+fn jacobians_of_long_chains_keep_their_digits() {
+    use stillpoint::motion::variation::Direction;
+    use stillpoint::transfer::balance::Balance;
+    use stillpoint::transfer::jacobian::{Jacobian, TOGETHER};
+    use stillpoint::transfer::reduce::{Load, Reduction};
+    use stillpoint::transfer::variation::Variation;
+    const SLENDERNESS: f64 = 1e-4;
+    let mut random = Random::new(5);
+    let mut bodies: Vec<BodyDescription> = Vec::new();
+    for index in 0..40 {
+        let mut hinge = HingeDescription::new(HingeKind::Spherical);
+        hinge.position = position_of(&mut random, &hinge.kind);
+        hinge.velocity = random.list(3, -1.0, 1.0);
+        if let Some(before) = bodies.last() {
+            hinge.parent.clone_from(&before.name);
+            hinge.at = Point::At(Vector3::new(0.0, 0.0, -0.2));
+        }
+        let inertia = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, SLENDERNESS)) / 300.0;
+        let mass = MassProperties { mass: 1.0, center: Vector3::new(0.0, 0.0, -0.1), inertia };
+        bodies.push(BodyDescription { name: format!("b{index}"), mass, markers: vec![], shapes: vec![], hinge });
+    }
+    let model = build(&Description { bodies, gravity: Vector3::new(0.0, 0.0, -9.81), ..Description::default() });
+    let n = model.velocity_count();
+    let (q, v, none) = (&model.start_position, &model.start_velocity, vec![0.0; n]);
+    let (mut a, mut residual) = (none.clone(), none.clone());
+    let mut motion = stillpoint::motion::Motion::new(&model);
+    motion.update(&model, q, v);
+    let (mut reduction, mut balance) = (Reduction::new(&model), Balance::new(&model));
+    reduction.accelerations(&model, &motion, &Load { applied: &[], tau: &none }, &mut a).unwrap();
+    let applied = vec![stillpoint::spatial::Wrench::ZERO; model.links.len()];
+    balance.update(&model, &motion, &applied, &none, &a, &mut residual);
+    let mut jacobian = Jacobian::new(&model);
+    jacobian.update(&model, &motion, &balance, |_| None).unwrap();
+    let mut variation = Variation::new(&model);
+    for (way, name) in ["position", "velocity"].into_iter().enumerate() {
+        let (mut largest, mut worst) = (0.0_f64, 0.0_f64);
+        for j in 0..n {
+            let first = j - j % TOGETHER;
+            let (touched, rows) = jacobian.columns(first);
+            assert_eq!(touched, 0..n);
+            let x: Vec<f64> = rows.iter().map(|row| row[way * TOGETHER + j - first]).collect();
+            let mut unit = none.clone();
+            unit[j] = 1.0;
+            let by = match way {
+                0 => Direction { position: &unit, acceleration: &x, ..Direction::default() },
+                _ => Direction { velocity: &unit, acceleration: &x, ..Direction::default() },
+            };
+            variation.outward(&model, &motion, &balance, &a, &by);
+            variation.inward(&model, &motion, &balance, &by, &mut residual);
+            let mut correction = none.clone();
+            reduction.solve(&model, &motion, &Load { applied: &[], tau: &residual }, &mut correction);
+            largest = x.iter().fold(largest, |m, x| m.max(x.abs()));
+            worst = correction.iter().fold(worst, |m, x| m.max(x.abs()));
+        }
+        // The digits that a slender body's smallest moment keeps in inertial axes, less those of sums along the chain.
+        assert!(worst < 100.0 * f64::EPSILON / SLENDERNESS * largest, "by {name}: {}", worst / largest);
+        assert!(worst > 0.0);
     }
 }
 

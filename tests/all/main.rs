@@ -28,3 +28,4 @@ mod statics_methods;
 mod statics_modes;
 mod statics_path;
 mod statics_start;
+mod verify;

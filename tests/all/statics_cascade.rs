@@ -1,6 +1,7 @@
 //! The cascade: later stages where earlier ones fail, what each worked, and clear answers where none can help.
 
 use crate::common::{Options, Random, build, random_scene};
+use crate::scenarios::shipped;
 use stillpoint::model::Model;
 use stillpoint::model::description::{Description, HingeKind};
 use stillpoint::scenario;
@@ -145,4 +146,16 @@ fn chains_of_twenty_hang_from_a_thousand_guesses() {
         stable += usize::from(hangs && found.stability.is_some_and(|s| s.verdict == Verdict::Stable));
     }
     assert_eq!(stable, guesses as usize);
+}
+
+/// The lamp thrown over backwards: from there Newton's method comes to a stand, and letting go the forces that would hold
+/// it there leads to a balance.
+#[test]
+fn a_lamp_thrown_over_is_let_go() {
+    let (scenario, model) = shipped("spring_arm", &["statics.want=any", "upper_arm.position=3"]);
+    assert!(!find(&model, Method::Newton).balanced);
+    let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");
+    assert!(found.converged, "{:?}", found.notes);
+    let ends: Vec<(&str, bool)> = found.stages.iter().map(|stage| (stage.name, stage.balanced)).collect();
+    assert_eq!(ends, [("newton", false), ("release", true)]);
 }
