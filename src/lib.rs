@@ -67,6 +67,7 @@
 //! | [`motion`] | where every link is and how fast it moves |
 //! | [`forces`] | springs, bushings, loads, hinge springs |
 //! | [`transfer`] | the core: accelerations, reactions and tangents in O(n) |
+//! | [`constraint`] | closed loops, drives and gears: rows solved with the core's factorization |
 //! | [`dynamics`] | `System`, a model with its forces: the one place where those two meet |
 //! | [`statics`] | the equilibrium and its certificate: residual, stability, modes |
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
@@ -80,6 +81,7 @@
 //! w, x, y, z. Errors name the element, the value and what is allowed.
 
 pub mod cli;
+pub mod constraint;
 pub mod dynamics;
 pub mod forces;
 pub mod integrate;

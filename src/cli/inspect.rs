@@ -1,9 +1,10 @@
 //! `inspect`: what the model is, and its accelerations at the given state.
 
 use super::{Common, Exit, json, output, scene, text};
+use crate::constraint;
 use crate::dynamics::System;
 use crate::model::Model;
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use nalgebra::Vector3;
 use serde_json::json;
@@ -30,13 +31,19 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     system
         .accelerations(q, v, &mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
+    let forces: Vec<(String, f64)> = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
     let energies = system.energies(q, v);
+    let assembly = constraint::assemble(&mut model.clone())
+        .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
     let center = center_of_mass(&model, &system);
     if common.json {
         let result = json!({
             "bodies": model.bodies.len(),
-            "degrees_of_freedom": model.velocity_count(),
-            "loops": 0,
+            "degrees_of_freedom": assembly.degrees_of_freedom,
+            "loops": model.loops.len(),
+            "redundant": json::redundant(&assembly),
+            "gap": assembly.gap,
+            "drives": json::drives(&forces),
             "total_mass": model.total_mass(),
             "center_of_mass": [center.x, center.y, center.z],
             "kinetic_energy": energies.kinetic,
@@ -57,6 +64,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         text::number(energies.kinetic),
         text::number(energies.potential)
     ))?;
+    for line in text::couplings(&assembly) {
+        output::print(&format!("  {line}"))?;
+    }
     output::print(&table(&model, &accelerations))?;
     Ok(Exit::Done)
 }

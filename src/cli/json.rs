@@ -1,7 +1,9 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
+use crate::constraint::Assembly;
 use crate::model::Model;
 use crate::simulate::events::Occurrence;
+use crate::simulate::verify::{Verified, quaternion_error};
 use crate::simulate::{State, Summary};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::Equilibrium;
@@ -21,6 +23,17 @@ pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Val
         }
     }
     Value::Object(map)
+}
+
+/// Loops and gears with redundant rows.
+pub(super) fn redundant(assembly: &Assembly) -> Value {
+    let one = |(name, redundant, rows): &(String, usize, usize)| json!({ "element": name, "redundant": redundant, "rows": rows });
+    Value::Array(assembly.redundant.iter().map(one).collect())
+}
+
+/// What every drive pushes, by its name (N or N m).
+pub(super) fn drives(forces: &[(String, f64)]) -> Value {
+    Value::Object(forces.iter().map(|(name, force)| (name.clone(), json!(force))).collect())
 }
 
 pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
@@ -70,6 +83,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "reactions": reactions(model, &found.reactions),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
+        "drives": drives(&found.drive_forces),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
     })
@@ -103,6 +117,15 @@ fn mode(mode: &crate::statics::Mode) -> Value {
     })
 }
 
+/// What `run --verify` found.
+pub(super) fn verified(verified: &Verified) -> Value {
+    let Verified { method, tolerance, length, angle, speed, rate, time } = verified;
+    json!({
+        "method": method.name(), "tolerance": tolerance,
+        "length": length, "angle": angle, "speed": speed, "rate": rate, "time": time,
+    })
+}
+
 fn event(event: &Occurrence) -> Value {
     let Occurrence { time, kind, name, value, speed } = event;
     json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed })
@@ -128,7 +151,8 @@ pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, 
         "energy_start": summary.energy_start,
         "energy_end": summary.energy_end,
         "energy_drift": summary.energy_drift,
-        "constraint_error": 0.0,
+        "constraint_error": summary.constraint_error,
+        "quaternion_error": quaternion_error(model, &summary.state),
         "events": summary.events.iter().map(event).collect::<Vec<_>>(),
         "stopped_by": summary.stopped_by,
         "samples": summary.samples,

@@ -6,7 +6,8 @@ use crate::model::Model;
 use crate::record::view::{Sink, Viewer};
 use crate::record::{Fanout, Opening, Outcome, Recorder, RecordingFile};
 use crate::scenario::Scenario;
-use crate::simulate::{self, RunError, Start, State};
+use crate::simulate::verify::{Verified, verify};
+use crate::simulate::{self, RunError, Start, State, Summary};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -21,6 +22,9 @@ pub(super) struct Arguments {
     /// Where the recording goes; default: the scenario's name with .mcap in this folder
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// Run once more, tighter and by another method, and say what the run is wrong by at its end
+    #[arg(long)]
+    verify: bool,
     #[command(flatten)]
     viewers: Viewers,
 }
@@ -68,8 +72,15 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     for sink in arguments.viewers.sinks() {
         recorder = add_viewer(recorder, &sink, &opening, common.quiet)?;
     }
-    let run =
-        Run { common, scenario: &scenario, model: &model, path: &path, from: arguments.start.as_deref(), interrupt };
+    let run = Run {
+        common,
+        scenario: &scenario,
+        model: &model,
+        path: &path,
+        from: arguments.start.as_deref(),
+        verify: arguments.verify,
+        interrupt,
+    };
     run.go(&start, found, recorder)
 }
 
@@ -108,7 +119,7 @@ pub(super) fn start(
             ));
         }
     }
-    Ok(Some((State { position: found.position, velocity: vec![0.0; model.velocity_count()] }, value)))
+    Ok(Some((State { position: found.position, velocity: found.velocity }, value)))
 }
 
 fn given(model: &Model) -> State {
@@ -157,6 +168,8 @@ struct Run<'a> {
     path: &'a Path,
     /// The start file.
     from: Option<&'a Path>,
+    /// Run again to see what the run is wrong by.
+    verify: bool,
     interrupt: Interrupt,
 }
 
@@ -190,6 +203,13 @@ impl Run<'_> {
         if let Some(from) = self.from {
             result["start_file"] = json!(from.display().to_string());
         }
+        let verified = match self.verify && !summary.interrupted {
+            true => self.verify(start, &summary)?,
+            false => None,
+        };
+        if let Some(verified) = &verified {
+            result["verified"] = json::verified(verified);
+        }
         recorder.finish(&Outcome { summary: result.to_string() })?;
         for lost in recorder.take_lost() {
             output::warning(&format!("{lost}\nthe recording is not affected"));
@@ -198,7 +218,28 @@ impl Run<'_> {
             output::print(&result.to_string())?;
         } else if !self.common.quiet {
             output::print(&text::run(&summary, &path))?;
+            if let Some(verified) = &verified {
+                output::print(&text::verified(verified))?;
+            }
         }
         Ok(if summary.interrupted { Exit::Interrupted } else { Exit::Done })
+    }
+
+    /// The second run; one that cannot be made is said, and costs nothing of the first.
+    fn verify(&self, start: &State, first: &Summary) -> anyhow::Result<Option<Verified>> {
+        let settings = &self.scenario.simulate;
+        let mut progress = Progress::new(settings.duration, self.common.quiet || self.common.json);
+        let mut go_on = |time: f64| {
+            progress.at(time);
+            !self.interrupt.requested()
+        };
+        match verify(self.model, settings, start, first, &mut go_on) {
+            Ok(verified) => Ok(verified),
+            Err(RunError::Record(error)) => Err(error.into()),
+            Err(error) => {
+                output::warning(&format!("the run could not be verified: {error}"));
+                Ok(None)
+            }
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! Loading a scenario for a command: everything that is wrong is said here, once.
 
 use super::{Common, Exit, output, text};
-use crate::model::Model;
+use crate::constraint;
+use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
 use anyhow::anyhow;
 use std::path::Path;
@@ -17,9 +18,22 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
     if !scenario.warnings.is_empty() && !common.quiet {
         output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
     }
-    let model = Model::build(&scenario.description)
-        .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
+    let mut model = Model::build(&scenario.description).map_err(listed)?;
+    assemble(common, &mut model)?;
     Ok(Ok((scenario, model)))
+}
+
+fn listed(problems: Vec<Problem>) -> anyhow::Error {
+    anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+}
+
+/// Closes the loops, and says what that took.
+fn assemble(common: &Common, model: &mut Model) -> anyhow::Result<()> {
+    let assembly = constraint::assemble(model).map_err(listed)?;
+    for note in assembly.notes.iter().filter(|_| !common.quiet) {
+        output::note(note);
+    }
+    Ok(())
 }
 
 /// The same, at the start that a file gives.
@@ -29,7 +43,7 @@ pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<R
         Err(exit) => return Ok(Err(exit)),
     };
     let Some(path) = start else { return Ok(Ok((scenario, model))) };
-    let started = match load_start(path, &scenario.description) {
+    let mut started = match load_start(path, &scenario.description) {
         Ok(started) => started,
         Err(LoadError::Problems(problems)) => return Ok(Err(refused(&problems))),
         Err(other) => return Err(other.into()),
@@ -39,6 +53,7 @@ pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<R
         output::note(&format!("{}: `{address}` is {now} (the scenario says {before})", path.display()));
     }
     scenario.description = started.description;
+    assemble(common, &mut started.model)?;
     Ok(Ok((scenario, started.model)))
 }
 

@@ -1,9 +1,11 @@
 //! Reports for people.
 
 use super::output::bold;
+use crate::constraint::Assembly;
 use crate::model::Model;
 pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
+use crate::simulate::verify::Verified;
 use crate::statics::Equilibrium;
 use std::fmt::Write;
 use std::time::Duration;
@@ -50,9 +52,17 @@ pub(super) fn heading(model: &Model, name: &str) -> String {
         "{}\n  {}, {}, {} kg",
         bold(title),
         count(model.bodies.len(), "body", "bodies"),
-        count(model.velocity_count(), "degree of freedom", "degrees of freedom"),
+        count(model.degrees_of_freedom(), "degree of freedom", "degrees of freedom"),
         number(model.total_mass())
     )
+}
+
+/// What is said of loops, drives and gears.
+pub(super) fn couplings(assembly: &Assembly) -> Vec<String> {
+    let redundant = |(name, redundant, rows): &(String, usize, usize)| {
+        format!("{name}: {redundant} of {rows} rows redundant, its reactions and those around it are not unique")
+    };
+    assembly.redundant.iter().map(redundant).collect()
 }
 
 /// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.
@@ -199,6 +209,25 @@ fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
         let _ = writeln!(out, "  {head:<12} {:<20} {} = {values}", body.name, names.join(", "));
     }
     more(out, total);
+}
+
+/// What `run --verify` found.
+pub(super) fn verified(verified: &Verified) -> String {
+    let kinds = [
+        (verified.length, "m"),
+        (verified.angle, "rad"),
+        (verified.speed, "m/s"),
+        (verified.rate, "rad/s"),
+        (verified.time, "s"),
+    ];
+    let parts: Vec<String> = kinds
+        .iter()
+        .filter(|(error, _)| *error > 0.0)
+        .map(|(error, unit)| format!("{} {unit}", small(*error)))
+        .collect();
+    let errors = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
+    let (method, tolerance) = (verified.method.name(), verified.tolerance);
+    format!("  error        {errors} at the end at most, by {method} at {tolerance:.0e}")
 }
 
 /// The end of a run.

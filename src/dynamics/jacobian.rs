@@ -76,6 +76,9 @@ impl System<'_> {
         v: &[f64],
         out: &mut AccelerationJacobians,
     ) -> Result<(), Fault> {
+        if self.constraints.is_some() {
+            return Err(Fault::Tied { method: "the Jacobian of the accelerations" });
+        }
         self.accelerations(q, v, &mut out.accelerations)?;
         self.residual(q, v, &out.accelerations, &mut out.residual)?;
         match self.model.forces.is_empty() {

@@ -84,11 +84,18 @@ impl System<'_> {
         let subtree = link..self.model.links[link].subtree_end;
         let (model, motion, balance) = (self.model, &self.motion, &self.balance);
         self.variation.outward_subtree(model, motion, balance, a, &by, subtree.clone());
-        let forces = !model.forces.is_empty() && !matches!(of, Of::Acceleration);
+        let constrained = self.constraints.is_some();
+        let forces = (!model.forces.is_empty() || constrained) && !matches!(of, Of::Acceleration);
         if forces {
             forces::vary(model, motion, &self.variation.links, &mut self.variation.applied);
         }
-        if forces && model.forces.iter().any(|force| reaches_far(&force.law)) {
+        if forces && constrained {
+            let mut applied = std::mem::take(&mut self.variation.applied);
+            self.vary_multipliers(&self.variation.links, &mut applied);
+            self.variation.applied = applied;
+        }
+        let (motion, balance) = (&self.motion, &self.balance);
+        if forces && (constrained || model.forces.iter().any(|force| reaches_far(&force.law))) {
             self.variation.inward(model, motion, balance, &by, out);
         } else {
             self.variation.inward_subtree(model, motion, balance, &by, subtree.clone(), out);

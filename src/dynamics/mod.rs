@@ -2,24 +2,27 @@
 //! `forces` and `transfer` meet.
 
 mod border;
+mod constrained;
 mod jacobian;
 mod linearize;
 mod magnitudes;
 mod tangent;
 
+pub use constrained::Settled;
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::forces;
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::motion::Motion;
 use crate::spatial::{Pose, Wrench};
 use crate::transfer::balance::Balance;
 pub use crate::transfer::mass::MassAction;
 use crate::transfer::reduce::{Load, Reduction, Singular};
 use crate::transfer::variation::Variation;
+use constrained::Constrained;
 use nalgebra::Vector3;
 
 /// A model and the scratch memory to evaluate it. States come in from outside; nothing of them is kept but the last
@@ -37,6 +40,8 @@ pub struct System<'m> {
     /// Hinge forces, and scratch of the same length.
     tau: Vec<f64>,
     scratch: Vec<f64>,
+    /// Loops, drives and gears, where there are any.
+    constraints: Option<Box<Constrained>>,
 }
 
 /// Why a system could not be evaluated.
@@ -51,6 +56,22 @@ pub enum Fault {
         body: String,
         /// (kg or kg m²)
         pivot: f64,
+    },
+    /// A loop that opens, or a drive or gear that cannot be followed.
+    #[error(
+        "{element} cannot be closed: a gap of {gap:.3e} m remains (a position that cannot be reached or where the mechanism is singular)"
+    )]
+    Open {
+        /// Which.
+        element: String,
+        /// (m; rad times the scene's length)
+        gap: f64,
+    },
+    /// Something that knows trees only.
+    #[error("`{method}` knows no loops, drives or gears yet")]
+    Tied {
+        /// Its name.
+        method: &'static str,
     },
     /// A number that is not finite.
     #[error("{what} of `{element}` is not a finite number")]
@@ -93,6 +114,7 @@ impl<'m> System<'m> {
             applied: vec![Wrench::ZERO; n],
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
+            constraints: Constrained::new(model),
         }
     }
 
@@ -109,7 +131,7 @@ impl<'m> System<'m> {
     /// Positions, velocities and forces; no accelerations.
     fn prepare(&mut self, q: &[f64], v: &[f64]) {
         self.motion.update(self.model, q, v);
-        if !self.model.forces.is_empty() {
+        if !self.model.forces.is_empty() || self.constraints.is_some() {
             forces::apply(self.model, &self.motion, &mut self.applied);
         }
         forces::hinge::apply(self.model, q, v, &mut self.tau);
@@ -126,6 +148,9 @@ impl<'m> System<'m> {
         if let Err(singular) = self.reduction.accelerations(self.model, &self.motion, &load, a) {
             return Err(self.singular(&singular, q, v));
         }
+        if self.constraints.is_some() {
+            self.constrain(q, a);
+        }
         self.check_finite("the acceleration", a, q, v)
     }
 
@@ -135,6 +160,9 @@ impl<'m> System<'m> {
     /// The element whose numbers are not finite.
     pub fn residual(&mut self, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) -> Result<(), Fault> {
         self.prepare(q, v);
+        if self.constraints.is_some() {
+            self.apply_multipliers(q);
+        }
         self.balance.update(self.model, &self.motion, &self.applied, &self.tau, a, residual);
         self.check_finite("the force balance", residual, q, v)
     }
@@ -218,7 +246,11 @@ impl<'m> System<'m> {
         let inertia = turn * body.mass.inertia * turn.transpose();
         let force = body.mass.mass * (at_center - self.model.gravity);
         let moment = c.cross(&force) + inertia * dw + w.cross(&(inertia * w));
-        Wrench { force, moment } - forces::on_body(self.model, &self.motion, index).shifted(-arm)
+        let mut applied = forces::on_body(self.model, &self.motion, index);
+        if let Some(constrained) = &self.constraints {
+            applied += constrained.on_body(index);
+        }
+        Wrench { force, moment } - applied.shifted(-arm)
     }
 
     /// Kinetic and potential energy of a state.
@@ -233,9 +265,10 @@ impl<'m> System<'m> {
 
     /// Powers of a state that no potential stands for.
     pub fn powers(&mut self, q: &[f64], v: &[f64]) -> Powers {
+        let driven = if self.model.drives.is_empty() { 0.0 } else { self.drive_power(q, v) };
         self.motion.update(self.model, q, v);
         Powers {
-            input: forces::input(self.model, &self.motion, v),
+            input: forces::input(self.model, &self.motion, v) + driven,
             dissipated: forces::dissipated(self.model, &self.motion, v),
         }
     }
@@ -280,21 +313,8 @@ impl<'m> System<'m> {
         })
     }
 
-    /// `q ← q ⊞ step`: plain coordinates add, balls turn by the rotation vector in link axes.
+    /// [`crate::motion::displace`].
     pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
-        for link in &model.links {
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => q[link.position] += step[link.velocity],
-                Joint::Ball { .. } => {
-                    let at = &mut q[link.position..link.position + 4];
-                    let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);
-                    if turn != Vector3::zeros() {
-                        let new = crate::motion::unit_quaternion(at) * nalgebra::UnitQuaternion::from_scaled_axis(turn);
-                        at.copy_from_slice(&[new.w, new.i, new.j, new.k]);
-                    }
-                }
-            }
-        }
+        crate::motion::displace(model, q, step);
     }
 }

@@ -66,17 +66,18 @@ impl TangentSolver {
         }
     }
 
-    /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent.
-    /// Others cost a dozen more right sides each in [`TangentSolver::solve`], and the count of negative pivots leaves
-    /// them out.
+    /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent, and no
+    /// loop, drive or gear ties coordinates together. Forces that reach further cost a dozen more right sides each in
+    /// [`TangentSolver::solve`], and the count of negative pivots leaves them out.
     pub fn covers(model: &Model) -> bool {
-        model.forces.iter().all(|force| is_near(model, &force.law))
+        !model.is_constrained() && model.forces.iter().all(|force| is_near(model, &force.law))
     }
 
-    /// Whether the dense tangent is cheaper: far elements bring more unknowns than the scene has.
+    /// Whether the dense tangent has to do: far elements bring more unknowns than the scene has, or loops, drives or gears
+    /// tie coordinates together.
     pub fn is_for_dense(model: &Model) -> bool {
         let far = model.forces.iter().filter(|force| !is_near(model, &force.law)).count();
-        UNKNOWNS * far > model.velocity_count()
+        model.is_constrained() || UNKNOWNS * far > model.velocity_count()
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.

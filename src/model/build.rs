@@ -1,21 +1,25 @@
 //! From a description to a model: names resolved, every problem collected.
 
+use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, ForceKind, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check, watch};
+use super::{Model, check, couple, watch};
 use crate::suggest;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
 pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     let mut problems = check::check(description);
+    couple::check(description, &mut problems);
     problems.extend(watch::check(description));
     let names = index_names(description, &mut problems);
     let parents = resolve_parents(description, &names, &mut problems);
     let order = depth_first(description, &parents, &mut problems);
     let hinge_points = hinge_points(description, &parents, &mut problems);
-    let (places, watched) = places(description, &names, &mut problems);
+    let mut places = Places { description, names: &names, problems: &mut problems };
+    let (force_places, loop_places) = (force_places(description, &mut places), loop_places(description, &mut places));
+    let watched = event_places(description, &mut places);
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -28,7 +32,7 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    Ok(tree.finish(&places, &watched))
+    tree.finish(&force_places, &loop_places, &watched)
 }
 
 fn index_names<'a>(description: &'a Description, problems: &mut Vec<Problem>) -> HashMap<&'a str, usize> {
@@ -190,48 +194,59 @@ fn hinge_points(
 /// A point on a body (`None`: the ground).
 pub(super) type Place = (Option<usize>, Vector3<f64>);
 
-/// Where every force element acts, and which point every event watches.
-fn places(
-    description: &Description,
-    names: &HashMap<&str, usize>,
-    problems: &mut Vec<Problem>,
-) -> (Vec<Vec<Place>>, Vec<Option<Place>>) {
-    let mut resolve = |attachment: &Attachment, element: Element, field: &str| -> Place {
+/// Resolves attachments to places, and keeps what is wrong with them.
+pub(super) struct Places<'a> {
+    description: &'a Description,
+    names: &'a HashMap<&'a str, usize>,
+    problems: &'a mut Vec<Problem>,
+}
+
+impl Places<'_> {
+    pub(super) fn resolve(&mut self, attachment: &Attachment, element: Element, field: &str) -> Place {
+        let nowhere = (None, Vector3::zeros());
         let body = match attachment.body.as_str() {
             GROUND => None,
-            name => match names.get(name) {
+            name => match self.names.get(name) {
                 Some(index) => Some(*index),
                 None => {
-                    problems.push(unknown_body(element, field, name, description));
-                    return (None, Vector3::zeros());
+                    self.problems.push(unknown_body(element, field, name, self.description));
+                    return nowhere;
                 }
             },
         };
-        match point_on(body.map(|index| &description.bodies[index]), &attachment.point, element, field) {
+        match point_on(body.map(|index| &self.description.bodies[index]), &attachment.point, element, field) {
             Ok(at) if at.iter().all(|x| x.is_finite()) => (body, at),
             Ok(_) => {
                 let message = "a point has a coordinate that is not finite".to_owned();
-                problems.push(Problem { element, field: field.to_owned(), message, help: None });
-                (None, Vector3::zeros())
+                self.problems.push(Problem { element, field: field.to_owned(), message, help: None });
+                nowhere
             }
             Err(problem) => {
-                problems.push(problem);
-                (None, Vector3::zeros())
+                self.problems.push(problem);
+                nowhere
             }
         }
-    };
-    let mut of_force = |(index, force): (usize, &super::description::ForceDescription)| {
+    }
+}
+
+fn force_places(description: &Description, places: &mut Places<'_>) -> Vec<Vec<Place>> {
+    let of_force = |(index, force): (usize, &super::description::ForceDescription)| {
         let element = Element::Force(index);
         match &force.kind {
-            ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } => {
-                vec![resolve(&between[0], element, "between[0]"), resolve(&between[1], element, "between[1]")]
-            }
-            ForceKind::Load { on, .. } => vec![resolve(on, element, "on")],
+            ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } => vec![
+                places.resolve(&between[0], element, "between[0]"),
+                places.resolve(&between[1], element, "between[1]"),
+            ],
+            ForceKind::Load { on, .. } => vec![places.resolve(on, element, "on")],
         }
     };
-    let forces = description.forces.iter().enumerate().map(&mut of_force).collect();
+    description.forces.iter().enumerate().map(of_force).collect()
+}
+
+/// Which point every event watches.
+fn event_places(description: &Description, places: &mut Places<'_>) -> Vec<Option<Place>> {
     let of_event = |(index, event): (usize, &watch::EventDescription)| {
-        watch::attachment(event).map(|on| resolve(on, Element::Event(index), "on"))
+        watch::attachment(event).map(|on| places.resolve(on, Element::Event(index), "on"))
     };
-    (forces, description.events.iter().enumerate().map(of_event).collect())
+    description.events.iter().enumerate().map(of_event).collect()
 }

@@ -3,6 +3,7 @@
 //! SI units and radians throughout. Nothing here is resolved: parents and markers are still names, so that code and
 //! scenario files go through the same checks.
 
+use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -21,6 +22,12 @@ pub struct Description {
     pub bodies: Vec<BodyDescription>,
     /// Springs, bushings and loads.
     pub forces: Vec<ForceDescription>,
+    /// What closes kinematic loops.
+    pub loops: Vec<LoopDescription>,
+    /// Coordinates with a given motion.
+    pub drives: Vec<DriveDescription>,
+    /// Coordinates in a fixed ratio.
+    pub gears: Vec<GearDescription>,
     /// What a run takes note of.
     pub events: Vec<EventDescription>,
 }
@@ -32,6 +39,9 @@ impl Default for Description {
             gravity: Vector3::new(0.0, 0.0, -9.80665),
             bodies: Vec::new(),
             forces: Vec::new(),
+            loops: Vec::new(),
+            drives: Vec::new(),
+            gears: Vec::new(),
             events: Vec::new(),
         }
     }

@@ -7,14 +7,18 @@
 
 mod build;
 mod check;
+mod couple;
+pub mod couplings;
 pub mod description;
 mod link;
 pub mod parameter;
+pub mod prescribed;
 pub mod problem;
 pub mod shape;
 mod tree;
 pub mod watch;
 
+pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use link::{Joint, Link};
 pub use parameter::Parameter;
@@ -41,6 +45,15 @@ pub struct Model {
     pub coordinates: Vec<Coordinate>,
     /// Springs, bushings and loads.
     pub forces: Vec<Force>,
+    /// What closes kinematic loops.
+    pub loops: Vec<Loop>,
+    /// Coordinates with a given motion.
+    pub drives: Vec<Drive>,
+    /// Coordinates in a fixed ratio.
+    pub gears: Vec<Gear>,
+    /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by
+    /// `constraint::assemble`).
+    pub independent_rows: Option<Vec<bool>>,
     /// Stops of hinge coordinates; a run heeds them, statics does not.
     pub stops: Vec<Stop>,
     /// What a run takes note of.
@@ -202,6 +215,17 @@ impl Model {
     /// Number of hinge velocities: the degrees of freedom of the tree.
     pub fn velocity_count(&self) -> usize {
         self.start_velocity.len()
+    }
+
+    /// Whether loops, drives or gears tie coordinates together.
+    pub fn is_constrained(&self) -> bool {
+        !(self.loops.is_empty() && self.drives.is_empty() && self.gears.is_empty())
+    }
+
+    /// Degrees of freedom that loops, gears and drives leave, once it is decided which of their rows are independent.
+    pub fn degrees_of_freedom(&self) -> usize {
+        let rank = self.independent_rows.as_ref().map_or(0, |rows| rows.iter().filter(|row| **row).count());
+        self.velocity_count() - rank
     }
 
     /// Index of a body by name.

@@ -190,6 +190,7 @@ impl Parameter {
                 (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index],
                 (ForceKind::Load { force, .. }, _) => force[self.index],
             },
+            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => f64::NAN,
         }
     }
 
@@ -227,6 +228,7 @@ impl Parameter {
                 (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index] = value,
                 (ForceKind::Load { force, .. }, _) => force[self.index] = value,
             },
+            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => {}
         }
     }
 }
@@ -281,7 +283,10 @@ fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
-        Element::Scene | Element::Event(_) => return Vec::new(),
+        // What couples coordinates has no parameters.
+        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Event(_) => {
+            return Vec::new();
+        }
         Element::Body(index) => {
             let body = &description.bodies[index];
             (&body.name, of_body(body, field))

@@ -24,6 +24,12 @@ pub enum Element {
     Body(usize),
     /// Index into `Description::forces`.
     Force(usize),
+    /// Index into `Description::loops`.
+    Loop(usize),
+    /// Index into `Description::drives`.
+    Drive(usize),
+    /// Index into `Description::gears`.
+    Gear(usize),
     /// Index into `Description::events`.
     Event(usize),
 }

@@ -1,6 +1,7 @@
 //! The compiled tree: hinges taken apart into elementary ones, welds merged.
 
 use super::build::Place;
+use super::couple::couple;
 use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProperties};
 use super::link::{Joint, Link};
 use super::problem::{Element, Problem};
@@ -182,7 +183,12 @@ impl<'a> Tree<'a> {
         problems
     }
 
-    pub(super) fn finish(self, places: &[Vec<Place>], watched: &[Option<Place>]) -> Model {
+    pub(super) fn finish(
+        self,
+        places: &[Vec<Place>],
+        loops: &[[Place; 2]],
+        watched: &[Option<Place>],
+    ) -> Result<Model, Vec<Problem>> {
         let end = |place: &Place| {
             let (link, link_from_body) = self.carrier(place.0);
             End { link, body: place.0, point: seen_from(&link_from_body, &place.1) }
@@ -196,17 +202,26 @@ impl<'a> Tree<'a> {
         let bodies: Vec<Body> = self.bodies.iter().flatten().cloned().collect();
         let stops = watch::stops(self.description, &bodies);
         let events = watch::events(self.description, &bodies, end, watched);
-        Model {
-            stops,
-            events,
+        let mut model = Model {
             title: self.description.title.clone(),
             gravity: self.description.gravity,
             forces,
+            loops: Vec::new(),
+            drives: Vec::new(),
+            gears: Vec::new(),
+            independent_rows: None,
+            stops,
+            events,
             bodies,
-            links: self.links,
-            coordinates: self.coordinates,
-            start_position: self.start_position,
-            start_velocity: self.start_velocity,
+            links: self.links.clone(),
+            coordinates: self.coordinates.clone(),
+            start_position: self.start_position.clone(),
+            start_velocity: self.start_velocity.clone(),
+        };
+        let carrier = |place: &Place| (end(place), turn(place));
+        match couple(self.description, loops, &carrier, &mut model) {
+            problems if problems.is_empty() => Ok(model),
+            problems => Err(problems),
         }
     }
 }

@@ -165,3 +165,21 @@ pub(crate) fn hinge_from_link(p: &[f64]) -> Matrix3<f64> {
 pub(crate) fn unit_quaternion(p: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(p[0], p[1], p[2], p[3]))
 }
+
+/// `q ← q ⊞ step`: plain coordinates add, balls turn by the rotation vector in link axes.
+pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
+    for link in &model.links {
+        match link.joint {
+            Joint::None => {}
+            Joint::Turn | Joint::Slide { .. } => q[link.position] += step[link.velocity],
+            Joint::Ball { .. } => {
+                let at = &mut q[link.position..link.position + 4];
+                let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);
+                if turn != Vector3::zeros() {
+                    let new = unit_quaternion(at) * UnitQuaternion::from_scaled_axis(turn);
+                    at.copy_from_slice(&[new.w, new.i, new.j, new.k]);
+                }
+            }
+        }
+    }
+}

@@ -18,7 +18,7 @@ pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Opt
         "spring" => spring(table, &name, bodies)?,
         "bushing" => ForceKind::Bushing {
             between: between(table, bodies)?,
-            frame: table.turn(),
+            frame: table.turn("rpy"),
             stiffness: six(table, "stiffness"),
             damping: six(table, "damping"),
         },
@@ -48,7 +48,7 @@ fn spring(table: &Reader<'_>, name: &str, bodies: &Names<'_>) -> Option<ForceKin
     })
 }
 
-fn between(table: &Reader<'_>, bodies: &Names<'_>) -> Option<[Attachment; 2]> {
+pub(super) fn between(table: &Reader<'_>, bodies: &Names<'_>) -> Option<[Attachment; 2]> {
     match &table.value("between")?.get_ref().as_array()?[..] {
         [first, second] => Some([end(table, first, bodies)?, end(table, second, bodies)?]),
         _ => None,

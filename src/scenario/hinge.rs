@@ -27,7 +27,7 @@ pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hi
     let mut description = HingeDescription::new(kind.unwrap_or(HingeKind::Fixed));
     description.parent = table.text("parent").unwrap_or(GROUND).to_owned();
     description.at = point(&table, "at").unwrap_or(description.at);
-    description.frame = table.turn();
+    description.frame = table.turn("rpy");
     description.lock = table.flag("lock").unwrap_or(false);
     let mut each = Vec::new();
     if let Some(kind) = kind {
@@ -52,7 +52,7 @@ pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hi
     Hinge { description, next: next(body, &table, owner, repeat), each }
 }
 
-fn kind(table: &Reader<'_>) -> Option<HingeKind> {
+pub(super) fn kind(table: &Reader<'_>) -> Option<HingeKind> {
     // An axis that could not be read has been said already; any other one will do to look at the rest.
     let axis = || table.vector("axis").unwrap_or_else(Vector3::z);
     Some(match table.text("type")? {
@@ -68,7 +68,7 @@ fn kind(table: &Reader<'_>) -> Option<HingeKind> {
     })
 }
 
-fn axes(table: &Reader<'_>) -> Option<[Vector3<f64>; 2]> {
+pub(super) fn axes(table: &Reader<'_>) -> Option<[Vector3<f64>; 2]> {
     match rows(table.value("axes")?.get_ref())?.as_slice() {
         [first, second] => Some([Vector3::from_column_slice(first), Vector3::from_column_slice(second)]),
         _ => None,

@@ -1,6 +1,7 @@
 //! From a checked file to a description, and back from the description's elements to the file.
 
 use super::body::{Names, Template, template};
+use super::couplings::{closed_loop, drive, gear};
 use super::event::event;
 use super::findings::{Finding, Findings};
 use super::force::force;
@@ -30,6 +31,24 @@ pub(super) fn lower<'a>(
         if let Some(force) = force(table, index, &names) {
             description.forces.push(force);
             spans.add_force(index);
+        }
+    }
+    for (index, table) in scenario.tables("loop").iter().enumerate() {
+        if let Some(closed) = closed_loop(table, index, &names) {
+            description.loops.push(closed);
+            spans.loops.push(index);
+        }
+    }
+    for (index, table) in scenario.tables("drive").iter().enumerate() {
+        if let Some(drive) = drive(table, index) {
+            description.drives.push(drive);
+            spans.drives.push(index);
+        }
+    }
+    for (index, table) in scenario.tables("gear").iter().enumerate() {
+        if let Some(gear) = gear(table, index) {
+            description.gears.push(gear);
+            spans.gears.push(index);
         }
     }
     for (index, table) in scenario.tables("event").iter().enumerate() {

@@ -29,6 +29,7 @@ mod schema;
 
 mod body;
 mod check;
+mod couplings;
 mod event;
 mod findings;
 mod force;
@@ -54,7 +55,7 @@ pub use schema::schema;
 pub use start::{Started, load_start};
 
 use crate::model::{Description, Model, Parameter, Problem};
-use crate::{record, simulate, statics};
+use crate::{constraint, record, simulate, statics};
 use findings::Findings;
 use reader::Reader;
 use sources::Sources;
@@ -110,9 +111,12 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
     parse_owned(name, text.to_owned(), overrides, problems)
 }
 
-/// What the model finds wrong with a description.
+/// What the model finds wrong with a description, and what keeps its loops from closing.
 fn problems(description: &Description) -> Vec<Problem> {
-    Model::build(description).err().unwrap_or_default()
+    match Model::build(description) {
+        Ok(mut model) => constraint::assemble(&mut model).err().unwrap_or_default(),
+        Err(problems) => problems,
+    }
 }
 
 fn parse_owned(

@@ -70,9 +70,9 @@ impl<'a> Reader<'a> {
         vector(self.value(key)?.get_ref())
     }
 
-    /// `rpy`: roll, pitch, yaw as in URDF.
-    pub(super) fn turn(&self) -> UnitQuaternion<f64> {
-        self.vector("rpy")
+    /// Roll, pitch, yaw as in URDF.
+    pub(super) fn turn(&self, key: &str) -> UnitQuaternion<f64> {
+        self.vector(key)
             .map_or_else(UnitQuaternion::identity, |rpy| UnitQuaternion::from_euler_angles(rpy.x, rpy.y, rpy.z))
     }
 

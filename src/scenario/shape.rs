@@ -32,7 +32,7 @@ fn shape(table: &Reader<'_>, owner: &str, folder: &Path) -> Option<Shape> {
     let at = table.vector("at").unwrap_or_default();
     Some(Shape {
         geometry: geometry(table, solid, folder)?,
-        pose: Isometry3::from_parts(Translation3::from(at), table.turn()),
+        pose: Isometry3::from_parts(Translation3::from(at), table.turn("rpy")),
         color: color(table, owner),
     })
 }

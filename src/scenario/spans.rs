@@ -13,6 +13,10 @@ pub(super) struct SpanTable<'a> {
     document: &'a DeTable<'a>,
     bodies: Vec<Origin>,
     forces: Vec<usize>,
+    /// Which `[[loop]]`, `[[drive]]`, `[[gear]]` the description's ones come from.
+    pub(super) loops: Vec<usize>,
+    pub(super) drives: Vec<usize>,
+    pub(super) gears: Vec<usize>,
     events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
@@ -27,7 +31,10 @@ struct Origin {
 
 impl<'a> SpanTable<'a> {
     pub(super) fn new(document: &'a DeTable<'a>) -> Self {
-        Self { document, bodies: Vec::new(), forces: Vec::new(), events: Vec::new(), nameless: false }
+        let (bodies, forces) = (Vec::new(), Vec::new());
+        let (loops, drives, gears) = (Vec::new(), Vec::new(), Vec::new());
+        let events = Vec::new();
+        Self { document, bodies, forces, events, loops, drives, gears, nameless: false }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -58,6 +65,9 @@ impl<'a> SpanTable<'a> {
             Element::Scene => return None,
             Element::Body(body) => ("body", self.bodies.get(body)?.index),
             Element::Force(force) => ("force", *self.forces.get(force)?),
+            Element::Loop(index) => ("loop", *self.loops.get(index)?),
+            Element::Drive(index) => ("drive", *self.drives.get(index)?),
+            Element::Gear(index) => ("gear", *self.gears.get(index)?),
             Element::Event(event) => ("event", *self.events.get(event)?),
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)

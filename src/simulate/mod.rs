@@ -1,5 +1,6 @@
 //! Runs: a model stepped through time, recorded, and checked to stay where it rests.
 
+mod bordered;
 mod choice;
 pub mod events;
 mod ledger;
@@ -12,6 +13,7 @@ mod scene;
 pub mod settings;
 mod stiffness;
 mod stops;
+pub mod verify;
 
 pub use run::{RunError, State, Summary, run};
 pub use scene::scene;

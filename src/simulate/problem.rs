@@ -1,5 +1,6 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
+use super::bordered::Bordered;
 use crate::dynamics::{Coefficients, Energies, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Joint, Model};
@@ -17,6 +18,37 @@ pub struct Motion<'m> {
     tangent: Tangent,
     /// `None` for a model without stops.
     stops: Option<Stops<'m>>,
+    /// Where a run stands with respect to singular positions; `None` without loops.
+    passage: Option<Passage>,
+}
+
+/// How a run passes singular positions of its loops.
+///
+/// A state that is off the loops by `e` gets accelerations that are off by `e / c`, `c` being the clearance, and stages of
+/// explicit methods are off by more than their steps' errors. So where the clearance is small the accelerations are
+/// taken from the settled state: that is the same system on the loops, and as smooth beside them as the motion itself.
+struct Passage {
+    /// Steps may be asked for again, shorter: they are adaptive.
+    retries: bool,
+    /// How far from a singular position the last step ended.
+    clearance: f64,
+    /// The farthest that one has ended.
+    widest: f64,
+    /// A state to settle.
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl Passage {
+    /// Nearer than this part of the farthest is near.
+    const NEAR: f64 = 0.4;
+    /// A step that starts with at least the first clearance is not ended within the second part of it: what is left to
+    /// round-off there would be amplified most. The next step passes it.
+    const SKIP: [f64; 2] = [1e-3, 0.2];
+
+    fn is_near(&self) -> bool {
+        self.clearance < Self::NEAR * self.widest
+    }
 }
 
 /// The factorized tangents of an implicit step, one per slot.
@@ -25,6 +57,8 @@ enum Tangent {
     Sweep(Vec<TangentSolver>),
     /// Dense: where more forces reach across the tree than it has coordinates.
     Dense(Vec<Option<PartialPivLu<f64>>>),
+    /// Dense and bordered: with loops, drives or gears.
+    Bordered(Vec<Option<Bordered>>),
 }
 
 impl From<Fault> for Failure {
@@ -45,16 +79,32 @@ impl<'m> Motion<'m> {
                 velocity_scales[link.velocity] = length / time;
             }
         }
-        let tangent = match !TangentSolver::is_for_dense(model) {
-            true => Tangent::Sweep(Vec::new()),
-            false => Tangent::Dense(Vec::new()),
+        let passage = model.is_constrained().then(|| Passage {
+            retries: false,
+            clearance: 0.0,
+            widest: f64::MIN_POSITIVE,
+            position: model.start_position.clone(),
+            velocity: model.start_velocity.clone(),
+        });
+        let tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
+            (true, _) => Tangent::Bordered(Vec::new()),
+            (false, false) => Tangent::Sweep(Vec::new()),
+            (false, true) => Tangent::Dense(Vec::new()),
         };
-        Self { system: System::new(model), position_scales, velocity_scales, tangent, stops: Stops::new(model) }
+        let stops = Stops::new(model);
+        Self { system: System::new(model), position_scales, velocity_scales, tangent, stops, passage }
     }
 
     /// The system at a time (s), for what is recorded between steps.
     pub fn at(&mut self, time: f64) -> &mut System<'m> {
         at_time(&mut self.system, time)
+    }
+
+    /// Whether steps can be asked for again, shorter.
+    pub fn set_retries(&mut self, retries: bool) {
+        if let Some(passage) = &mut self.passage {
+            passage.retries = retries;
+        }
     }
 
     /// The model.
@@ -171,8 +221,9 @@ impl<'m> Motion<'m> {
     }
 }
 
-/// The one way from a time to the system; nothing in a system depends on time yet.
-fn at_time<'a, 'm>(system: &'a mut System<'m>, _time: f64) -> &'a mut System<'m> {
+/// The one way from a time to the system.
+fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
+    system.set_time(time);
     system
 }
 
@@ -196,7 +247,17 @@ impl Problem for Motion<'_> {
     }
 
     fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
-        Ok(self.accelerations(time, q, v, a)?)
+        match &mut self.passage {
+            Some(passage) if passage.is_near() => {
+                let Passage { position, velocity, .. } = passage;
+                position.copy_from_slice(q);
+                velocity.copy_from_slice(v);
+                let system = at_time(&mut self.system, time);
+                system.settle(position, velocity)?;
+                Ok(system.accelerations(position, velocity, a)?)
+            }
+            _ => Ok(self.accelerations(time, q, v, a)?),
+        }
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
@@ -220,6 +281,21 @@ impl Problem for Motion<'_> {
                 p.iter_mut().for_each(|x| *x /= norm);
             }
         }
+    }
+
+    fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {
+        let settled = self.at(time).settle(q, v)?;
+        if let Some(passage) = &mut self.passage {
+            let [far, part] = Passage::SKIP;
+            if passage.retries && passage.clearance > far && settled.clearance < part * passage.clearance {
+                return Err(Failure {
+                    message: "the step ends too near to a singular position of the loops".to_owned(),
+                });
+            }
+            passage.clearance = settled.clearance;
+            passage.widest = passage.widest.max(settled.clearance);
+        }
+        Ok(settled.moved)
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {
@@ -253,7 +329,12 @@ impl ImplicitProblem for Motion<'_> {
     }
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        at_time(&mut self.system, time).residual(q, v, a, r)?;
+        let system = at_time(&mut self.system, time);
+        if system.constraints().is_some() {
+            // The multipliers of this state, see `bordered`.
+            system.accelerations(q, v, r)?;
+        }
+        system.residual(q, v, a, r)?;
         if let Some(stops) = &self.stops {
             stops.balance(q, v, r);
         }
@@ -267,7 +348,8 @@ impl ImplicitProblem for Motion<'_> {
                 solvers.resize_with(slots, || TangentSolver::new(model))
             }
             Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || None),
-            Tangent::Sweep(_) | Tangent::Dense(_) => {}
+            Tangent::Bordered(factors) if factors.len() < slots => factors.resize_with(slots, || None),
+            Tangent::Sweep(_) | Tangent::Dense(_) | Tangent::Bordered(_) => {}
         }
     }
 
@@ -295,6 +377,7 @@ impl ImplicitProblem for Motion<'_> {
                 });
                 factors[slot] = Some(tangent.partial_piv_lu());
             }
+            Tangent::Bordered(factors) => factors[slot] = Some(Bordered::of(system, q, v, a, c1, c2)?),
         }
         Ok(())
     }
@@ -310,6 +393,10 @@ impl ImplicitProblem for Motion<'_> {
                     *value = x[(i, 0)];
                 }
             }
+            Tangent::Bordered(factors) => match &factors[slot] {
+                Some(factor) => factor.solve(rhs),
+                None => rhs.fill(f64::NAN),
+            },
         }
     }
 }

@@ -74,7 +74,7 @@ pub fn rest(
     let pushed = Push::of(model, equilibrium);
     let start = match &pushed {
         Some(push) => push.start(model, equilibrium),
-        None => State { position: equilibrium.position.clone(), velocity: vec![0.0; model.velocity_count()] },
+        None => State { position: equilibrium.position.clone(), velocity: equilibrium.velocity.clone() },
     };
     let duration = pushed.as_ref().map_or(settings.duration, |push| push.duration().min(settings.duration));
     let settings = Settings {

@@ -58,6 +58,8 @@ pub struct Summary {
     pub energy_end: f64,
     /// Largest |E − E₀ − work done + dissipated| at the ends of steps (J).
     pub energy_drift: f64,
+    /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
+    pub constraint_error: f64,
     /// The last state.
     pub state: State,
     /// Root markers of the named bodies at the end.
@@ -77,7 +79,7 @@ pub enum RunError {
     /// An explicit method on a scene that is far too stiff for it.
     #[error(
         "`{method}` is an explicit method and would need steps below {step:.1e} s: the hinge coordinate {hinge} moves at \
-         {rate:.1e} per second; try `integrator = \"radau9\"`, \"sdirk4\" or \"auto\", or a softer spring or damper there"
+         {rate:.1e} per second; try `integrator = \"radau9\"`, \"sdirk4\" or \"auto\", or softer springs and dampers around it"
     )]
     Stiff {
         /// The method.
@@ -130,6 +132,12 @@ pub fn run(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
 ) -> Result<Summary, RunError> {
     let mut motion = Motion::new(model);
+    let mut start = start.clone();
+    motion
+        .at(0.0)
+        .settle(&mut start.position, &mut start.velocity)
+        .map_err(|fault| RunError::Sample { time: 0.0, fault })?;
+    let start = &start;
     check_limits(model, settings, start)?;
     for (index, stop) in model.stops.iter().enumerate() {
         for side in stop.signs().map(|sign| Side { stop: index, sign }) {
@@ -140,6 +148,7 @@ pub fn run(
     let energies = motion.energies(0.0, &start.position, &start.velocity);
     let mut run = Run {
         model,
+        gap: motion.at(0.0).gap(&start.position),
         ledger: Ledger::new(model, energies),
         sampler: Sampler::new(model, rate, settings.duration),
         state: start.clone(),
@@ -169,6 +178,7 @@ pub fn run(
         energy_start: energies.kinetic + energies.potential,
         energy_end: now.kinetic + now.potential,
         energy_drift: run.ledger.drift,
+        constraint_error: run.gap,
         state: run.state,
         poses,
         samples: run.sampler.count,
@@ -178,6 +188,7 @@ pub fn run(
 
 struct Run<'m> {
     model: &'m Model,
+    gap: f64,
     ledger: Ledger,
     sampler: Sampler,
     state: State,
@@ -246,6 +257,8 @@ impl<'m> Run<'m> {
             rho_infinity: settings.rho_infinity,
             ..Options::default()
         };
+        motion.set_retries(!options.fixed && !method.needs_step());
+        self.refuse_hopeless(motion, method, time)?;
         let start =
             Start { time, position: &self.state.position, velocity: &self.state.velocity, end: settings.duration };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
@@ -284,6 +297,9 @@ impl<'m> Run<'m> {
         let until = hit.map_or(stepper.time(), |hit| hit.time);
         let State { position, velocity } = &mut self.state;
         stepper.interpolate(motion, until, position, velocity).map_err(|error| named(self.model, &error))?;
+        if self.model.is_constrained() {
+            self.gap = self.gap.max(motion.at(until).gap(position));
+        }
         if self.ledger.flows() {
             let (from, length) = (stepper.previous_time(), until - stepper.previous_time());
             for (node, weight) in GAUSS {

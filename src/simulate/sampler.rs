@@ -47,7 +47,10 @@ impl Sampler {
         time: f64,
     ) -> Result<(), RunError> {
         let State { position, velocity } = &mut self.state;
-        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))
+        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))?;
+        // Between the ends of a step loops are closed to the accuracy of the interpolation only.
+        motion.at(time).settle(position, velocity).map_err(|fault| RunError::Sample { time, fault })?;
+        Ok(())
     }
 
     /// Every sample due within the last step up to a time.

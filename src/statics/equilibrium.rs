@@ -4,7 +4,7 @@ use super::cascade::{self, Effort, Found, Stage};
 use super::landscape::Landscape;
 use super::search::{BALANCED, Iteration, Place};
 use super::stability::{Stability, Verdict, classify};
-use super::{Method, Settings, Want};
+use super::{Method, Settings, Want, constrained};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
@@ -44,6 +44,10 @@ pub struct Equilibrium {
     pub relative_residual: f64,
     /// Hinge coordinates.
     pub position: Vec<f64>,
+    /// What every drive pushes, by its name (N or N m).
+    pub drive_forces: Vec<(String, f64)>,
+    /// Hinge velocities: zero, but for drives that keep theirs.
+    pub velocity: Vec<f64>,
     /// Root markers of the named bodies: `world_from_body`.
     pub poses: Vec<Pose>,
     /// What the hinge passes to each named body at its root marker, inertial axes.
@@ -102,6 +106,12 @@ fn search(
     searched: &mut dyn FnMut(),
     trail: Option<Vec<Vec<f64>>>,
 ) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
+    if model.is_constrained() {
+        let found = constrained::equilibrium(model, settings, start)?;
+        searched();
+        let way = if trail.is_some() { vec![start.to_vec(), found.position.clone()] } else { Vec::new() };
+        return Ok((found, way));
+    }
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
     landscape.trail = trail;
@@ -243,6 +253,8 @@ fn certify(
         residual_acceleration,
         residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
         relative_residual: place.residual().0,
+        drive_forces: Vec::new(),
+        velocity: vec![0.0; model.velocity_count()],
         position: place.q,
         poses,
         reactions,

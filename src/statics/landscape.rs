@@ -49,6 +49,9 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// A singular hinge, or the element whose numbers are not finite.
     pub fn new(system: &'s mut System<'m>, q: &[f64]) -> Result<Self, Fault> {
         let model = system.model();
+        if model.is_constrained() {
+            return Err(Fault::Tied { method: "this search" });
+        }
         let n = model.velocity_count();
         let rest = vec![0.0; n];
         let mut full = vec![0.0; n];

@@ -139,7 +139,7 @@ fn classify_by_sweeps(
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
 
-fn verdict(unstable: usize, neutral: usize) -> Verdict {
+pub(super) fn verdict(unstable: usize, neutral: usize) -> Verdict {
     match (unstable, neutral) {
         (0, 0) => Verdict::Stable,
         (0, _) => Verdict::Neutral,
@@ -148,7 +148,7 @@ fn verdict(unstable: usize, neutral: usize) -> Verdict {
 }
 
 /// Frequency and growth rate of the `i`-th eigenvalue: the first ones run away, the next cost nothing.
-fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64) {
+pub(super) fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64) {
     match i {
         i if i < unstable => (0.0, (-value).max(0.0).sqrt()),
         i if i < unstable + neutral => (0.0, 0.0),
@@ -162,7 +162,7 @@ pub(super) fn scaled(shape: &[f64]) -> Vec<f64> {
     shape.iter().map(|x| x / largest).collect()
 }
 
-fn symmetric(m: &Mat<f64>) -> Mat<f64> {
+pub(super) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
 }
 

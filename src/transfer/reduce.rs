@@ -1,6 +1,7 @@
 //! The reduction: a factorization of the tree, and solutions with it.
 
 mod ball;
+mod way;
 
 use super::element::{Reduced, bias, moment_in_link_axes};
 use super::plan::{Place, To, plan};

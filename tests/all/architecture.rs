@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Module → the modules of ours that it may import. Dependencies point one way: no module stands below itself.
-const MAY_IMPORT: [(&str, &[&str]); 13] = [
+const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("suggest", &[]),
     ("spatial", &[]),
     ("integrate", &[]),
@@ -13,18 +13,20 @@ const MAY_IMPORT: [(&str, &[&str]); 13] = [
     ("motion", &["model", "spatial"]),
     ("forces", &["model", "motion", "spatial"]),
     ("transfer", &["model", "motion", "spatial"]),
-    ("dynamics", &["model", "motion", "forces", "transfer", "spatial"]),
+    ("constraint", &["model", "motion", "transfer", "spatial"]),
+    ("dynamics", &["model", "motion", "forces", "transfer", "constraint", "spatial"]),
     // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
-    ("statics", &["model", "motion", "forces", "dynamics", "transfer", "spatial"]),
+    ("statics", &["model", "motion", "forces", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
-    ("scenario", &["model", "simulate", "statics", "record", "suggest"]),
-    ("cli", &["model", "dynamics", "statics", "integrate", "record", "simulate", "scenario", "spatial"]),
+    ("scenario", &["model", "constraint", "simulate", "statics", "record", "suggest"]),
+    ("cli", &["model", "constraint", "dynamics", "statics", "integrate", "record", "simulate", "scenario", "spatial"]),
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 11] = [
+const FOREIGN: [(&str, &[&str]); 12] = [
     ("toml", &["scenario"]),
+    ("exmex", &["model"]),
     ("annotate_snippets", &["scenario"]),
     ("mcap", &["record"]),
     ("foxglove", &["record"]),

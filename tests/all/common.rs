@@ -1,6 +1,7 @@
 //! Random scenes with fixed seeds.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
 
@@ -186,7 +187,9 @@ fn random_force(random: &mut Random, index: usize, bodies: &[BodyDescription]) -
 }
 
 pub(crate) fn build(description: &Description) -> Model {
-    Model::build(description).unwrap_or_else(|problems| panic!("{problems:?}"))
+    let mut model = Model::build(description).unwrap_or_else(|problems| panic!("{problems:?}"));
+    assemble(&mut model).unwrap_or_else(|problems| panic!("{problems:?}"));
+    model
 }
 
 /// Largest difference relative to the largest number of the second list.

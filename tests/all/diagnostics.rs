@@ -526,8 +526,6 @@ name = "bob"
 mass = 1.0
 hinge = { type = "free", friction = 0.1 }
 
-[[loop]]
-type = "revolute"
 "#
     .trim_start();
     insta::assert_snapshot!(said(text, &[]), @r#"
@@ -537,13 +535,7 @@ type = "revolute"
     4 | hinge = { type = "free", friction = 0.1 }
       |                          ^^^^^^^^
 
-    error: closed loops cannot be simulated by this version
-     --> scene.toml:6:3
-      |
-    6 | [[loop]]
-      |   ^^^^
-
-    scene.toml: 2 errors
+    scene.toml: 1 error
     "#);
 }
 

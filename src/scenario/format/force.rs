@@ -64,7 +64,7 @@ pub const FORCE: Table = Table {
 
 const LINKS: &[&str] = &["spring", "bushing"];
 
-const END: Kind = Kind::Either(&[Kind::Text, Kind::Table(&ATTACHMENT)]);
+pub(super) const END: Kind = Kind::Either(&[Kind::Text, Kind::Table(&ATTACHMENT)]);
 
 const SIX: Kind = Kind::Either(&[Kind::List(&NOT_NEGATIVE, &[6]), Kind::Table(&BUSHING_VALUES)]);
 

@@ -1,6 +1,7 @@
 //! The scenario format, declared: every table, key, unit, range, default and sentence, said once.
 
 mod body;
+mod couplings;
 mod event;
 mod force;
 mod hinge;
@@ -8,6 +9,7 @@ mod settings;
 mod start;
 
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
+pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use event::EVENT;
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::{HINGE, LIMIT};
@@ -42,8 +44,8 @@ pub const SCENARIO: Table = Table {
         Key::new("body", Kind::List(&Kind::Table(&BODY), &[]), "The bodies, in any order.").required(),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings and loads."),
         Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
-        Key::new("loop", Kind::Refused("closed loops cannot be simulated by this version"), "Closes a kinematic loop."),
-        Key::new("drive", Kind::Refused("drives cannot be simulated by this version"), "Prescribes a motion."),
-        Key::new("gear", Kind::Refused("gears cannot be simulated by this version"), "Couples coordinates."),
+        Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
+        Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
+        Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),
     ],
 };

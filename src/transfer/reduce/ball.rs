@@ -106,6 +106,13 @@ impl Ball {
         }
     }
 
+    /// Eq. (6) for a load without velocity terms and hinge forces, nothing of it kept: `u`, `D⁻¹ u` and `e + S H D⁻¹ u`.
+    pub(super) fn pass(&self, at: &LinkMotion, e: &Wrench) -> (Vector3<f64>, Vector3<f64>, Wrench) {
+        let mut ball = *self;
+        let passed = ball.load(at, &Vector3::zeros(), e, || at.turn.tr_mul(&e.moment));
+        (ball.u, ball.inverse * ball.u, passed)
+    }
+
     /// The moments of inertia it sees about the link's axes.
     pub(super) fn inertia(&self, at: &LinkMotion) -> [f64; 3] {
         [0, 1, 2].map(|i| {

@@ -3,7 +3,9 @@
 
 pub(crate) mod case;
 mod chains;
+mod drives;
 mod follower;
+mod loops;
 mod pendulums;
 mod scene;
 mod several_equilibria;

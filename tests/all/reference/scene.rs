@@ -1,6 +1,7 @@
 //! Scenes from scenario text, put to rest or run through a list of times.
 
 use nalgebra::{Isometry3, Vector3};
+use stillpoint::constraint::assemble;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening};
@@ -25,7 +26,8 @@ impl Scene {
     pub(super) fn read(text: &str) -> Self {
         let scenario = scenario::parse("reference.toml", text, &[])
             .unwrap_or_else(|problems| panic!("{}\n{text}", problems.render(false)));
-        let model = Model::build(&scenario.description).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let mut model = Model::build(&scenario.description).unwrap_or_else(|problems| panic!("{problems:?}"));
+        assemble(&mut model).unwrap_or_else(|problems| panic!("{problems:?}"));
         Self { scenario, model }
     }
 
@@ -60,7 +62,7 @@ impl Scene {
     /// A run from the start.
     pub(super) fn run(&self) -> Run<'_> {
         let state = State { position: self.model.start_position.clone(), velocity: self.model.start_velocity.clone() };
-        Run { scene: self, time: 0.0, state, poses: Vec::new(), drift: 0.0, energy: f64::NAN, steps: 0 }
+        Run { scene: self, time: 0.0, state, poses: Vec::new(), drift: 0.0, energy: f64::NAN, steps: 0, gap: 0.0 }
     }
 
     fn range(&self, body: &str, velocities: bool) -> std::ops::Range<usize> {
@@ -105,6 +107,8 @@ pub(super) struct Run<'a> {
     /// Largest imbalance of energy so far (J).
     pub(super) drift: f64,
     energy: f64,
+    /// Widest gap of loops so far (m).
+    pub(super) gap: f64,
     /// Accepted steps so far.
     pub(super) steps: usize,
 }
@@ -127,6 +131,7 @@ impl Run<'_> {
         self.poses = summary.poses;
         self.drift = self.drift.max(summary.energy_drift);
         self.energy = summary.energy_end;
+        self.gap = self.gap.max(summary.constraint_error);
         self.steps += summary.statistics.steps as usize;
     }
 

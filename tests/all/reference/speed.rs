@@ -57,6 +57,23 @@ fn stiff_chain_ends_where_another_program_says() {
     }
 }
 
+/// At a tolerance of 1e-10 all three are met to 1e-8.
+#[test]
+fn a_tolerance_of_ten_digits_gives_eight() {
+    for (name, methods) in [
+        ("five_links", &["dopri5", "dop853", "radau9"][..]),
+        ("heavy_top", &["dopri5", "dop853", "sdirk4", "radau5", "radau9"]),
+        ("stiff_chain", &["sdirk4", "radau5", "radau9", "auto"]),
+    ] {
+        for method in methods {
+            let (summary, tip) = run(name, method, 1e-10);
+            let error = error(name, &tip);
+            println!("{name} {method}: error {error:.1e}, {} steps", summary.statistics.steps);
+            assert!(error < 1e-8, "{name} {method}: {error:e}");
+        }
+    }
+}
+
 /// Work that counts: accelerations of `dop853`, and for the stiff chain residuals and tangents of `radau9`.
 #[test]
 fn an_error_of_a_millionth_and_of_a_billionth_cost_what_is_told() {

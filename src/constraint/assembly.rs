@@ -1,0 +1,355 @@
+//! Assembly: given positions and velocities are a guess; here they are brought onto the loops, drives and gears.
+
+use super::close::{Closing, OpenGap, ROUND_OFF};
+use super::rank::decide;
+use super::rows::{Owner, locks, second_frame};
+use super::{Constraints, Element};
+use crate::model::problem::{Element as Place, Problem, number};
+use crate::model::{Joint, Model};
+use crate::motion::Motion;
+use nalgebra::{DMatrix, DVector};
+
+/// A gap below this part of the scene's length is closed; exact data close to round-off, numbers with six digits to
+/// less.
+const CLOSED: f64 = 1e-6;
+/// Positions that moved by less than this part of the scene's length (or rad) are said to be where they were given.
+const MOVED: f64 = 1e-6;
+
+/// What assembly found.
+#[derive(Debug, Clone, Default)]
+pub struct Assembly {
+    /// Degrees of freedom left by loops, gears and drives.
+    pub degrees_of_freedom: usize,
+    /// Loops and gears with rows that others already stand for: name, how many, of how many.
+    pub redundant: Vec<(String, usize, usize)>,
+    /// Widest gap at the positions as given (m; rad times the scene's length).
+    pub given_gap: f64,
+    /// Widest gap that is left.
+    pub gap: f64,
+    /// What a person should know.
+    pub notes: Vec<String>,
+}
+
+/// Closes the loops of a model: its start positions and velocities become ones that all loops, drives and gears agree
+/// with, the nearest in the metric of the inertia; locked coordinates and given velocities stay as they are.
+///
+/// # Errors
+/// Where a gap cannot be closed, where a mechanism cannot move, and where a drive has nothing left to prescribe; each
+/// names the element.
+pub fn assemble(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
+    if !model.is_constrained() {
+        return Ok(Assembly { degrees_of_freedom: model.velocity_count(), ..Assembly::default() });
+    }
+    freeze_frames(model);
+    let mut notes = Vec::new();
+    let (given_gap, gap) = close_positions(model, &mut notes)?;
+    let ranking = decide(model, &model.start_position, 0.0);
+    let rows = Constraints::all(model, &[]);
+    let problems = [locked(model, &rows, &ranking.independent), overdriven(&rows, &ranking.independent)].concat();
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    if ranking.singular {
+        notes.push(
+            "the start is a singular position: around it the mechanism has fewer ways to move than there".to_owned(),
+        );
+    }
+    let left_out = |element: &Element| element.rows.clone().filter(|row| !ranking.independent[*row]).count();
+    let redundant = rows.elements.iter().map(|element| (element.name.clone(), left_out(element), element.rows.len()));
+    let redundant: Vec<_> = redundant.filter(|(_, left_out, _)| *left_out > 0).collect();
+    let rank = ranking.independent.iter().filter(|row| **row).count();
+    model.independent_rows = Some(ranking.independent);
+    close_velocities(model, &mut notes)?;
+    Ok(Assembly { degrees_of_freedom: model.velocity_count() - rank, redundant, given_gap, gap, notes })
+}
+
+/// Loops whose second frame follows from the given positions keep it from now on.
+fn freeze_frames(model: &mut Model) {
+    let mut given = Motion::new(model);
+    given.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
+    for closed in &mut model.loops {
+        closed.second_frame = Some(second_frame(closed, &given));
+    }
+}
+
+fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f64), Vec<Problem>> {
+    let given = model.start_position.clone();
+    let length = model.length_scale();
+    let mut q = given.clone();
+    let (given_gap, mut gap, widest) = {
+        let mut closing = Closing::new(model, &locks(model), 0.0);
+        let given_gap = closing.gap(&q);
+        let mut gap = closing.close(&mut q).map_err(|singular| vec![undetermined(model, singular.link)])?;
+        let mut try_again = 0;
+        // From a stretched or symmetric guess no direction closes: look from a little beside it.
+        while gap > CLOSED * length && try_again < 4 {
+            try_again += 1;
+            let mut beside = given.clone();
+            nudge(model, &mut beside, try_again);
+            if let Ok(other) = closing.close(&mut beside)
+                && other < gap
+            {
+                (gap, q) = (other, beside);
+            }
+        }
+        closing.gap(&q);
+        (given_gap, gap, closing.widest())
+    };
+    if !(gap <= CLOSED * length) {
+        return Err(vec![cannot_close(model, &widest)]);
+    }
+    if let Some(turned) = turned_over(model, &q) {
+        return Err(vec![turned]);
+    }
+    if gap < 1e-13 * length {
+        gap = gap.min(given_gap);
+    }
+    let moved = largest_move(model, &given, &q);
+    if moved > MOVED {
+        notes.push(format!(
+            "the given positions did not close the loops (gap {} m); taken is the nearest assembly, up to {} away",
+            number(given_gap),
+            number(moved)
+        ));
+    }
+    model.start_position = q;
+    Ok((given_gap, gap))
+}
+
+/// Given velocities that are not zero, and those of hinges that no loop or drive concerns, weigh so much more than the
+/// others that these give way.
+const GIVEN: f64 = 1e-6;
+
+/// The velocities nearest to the given ones that agree with loops, gears and drives.
+fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Vec<Problem>> {
+    let q = model.start_position.clone();
+    let given = model.start_velocity.clone();
+    let mut closing = Closing::new(model, &[], 0.0);
+    let mut v = given.clone();
+    let before = closing.speeds(&q, &v);
+    let scale = model.length_scale() / model.time_scale();
+    let size = v.iter().fold(scale, |m, v| m.max(v.abs() * model.length_scale()));
+    if before.amax() > ROUND_OFF * size {
+        let rows = closing.matrix();
+        let yielding = yielding(model, &closing.rows, &given);
+        let weighted =
+            DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * if yielding[j] { 1.0 } else { GIVEN });
+        // Rows may be redundant: the shortest step that meets them.
+        let step = weighted.svd(true, true).solve(&-before, 1e-11).unwrap_or_else(|_| DVector::zeros(v.len()));
+        for (j, v) in v.iter_mut().enumerate() {
+            *v += step[j] * if yielding[j] { 1.0 } else { GIVEN };
+        }
+    }
+    let mut left = closing.close_rates(&q, &mut v).map_err(|singular| vec![undetermined(model, singular.link)])?;
+    let changed = |i: usize| given[i] != 0.0 && (v[i] - given[i]).abs() > 1e-6 * given[i].abs();
+    let driven = |i: usize| model.drives.iter().any(|drive| drive.coordinate.velocity == i);
+    if (0..v.len()).any(|i| changed(i) && !driven(i)) {
+        notes.push("the given velocities contradict the loops; taken are the nearest that do not".to_owned());
+    }
+    if left.is_nan() {
+        left = f64::INFINITY;
+    }
+    if left > 1e-6 * size {
+        let driven = model.drives.iter().map(|drive| format!("`{}`", drive.name)).collect::<Vec<_>>().join(", ");
+        let message = format!("no velocities agree with the drives {driven} and the loops at the start");
+        let help = "at this position the driven hinge cannot move the way it is asked to (a dead centre?)".to_owned();
+        let field = "type".to_owned();
+        return Err(vec![Problem { element: Place::Drive(0), field, message, help: Some(help) }]);
+    }
+    model.start_velocity = v;
+    Ok(())
+}
+
+/// The velocities that follow from others: of driven hinges, and of hinges in loops and gears whose own is not given.
+fn yielding(model: &Model, rows: &Constraints, given: &[f64]) -> Vec<bool> {
+    let mut yielding = vec![false; given.len()];
+    for element in &rows.elements {
+        for link in between_ends(element) {
+            let link = &model.links[link];
+            for i in link.velocity..link.velocity + link.joint.counts().1 {
+                yielding[i] |= given[i] == 0.0;
+            }
+        }
+    }
+    model.drives.iter().for_each(|drive| yielding[drive.coordinate.velocity] = true);
+    yielding
+}
+
+fn undetermined(model: &Model, link: usize) -> Problem {
+    let body = model.links[link].body;
+    let name = &model.bodies[body].name;
+    Problem {
+        element: Place::Body(body),
+        field: "inertia".to_owned(),
+        message: format!("the hinge of `{name}` has no inertia to accelerate while the loops are closed"),
+        help: Some("a point mass on its own axis needs `inertia`, or the hinge an `armature`".to_owned()),
+    }
+}
+
+fn place_of(owner: Owner) -> Place {
+    match owner {
+        Owner::Loop(index) => Place::Loop(index),
+        Owner::Drive(index) => Place::Drive(index),
+        Owner::Gear(index) => Place::Gear(index),
+        Owner::Held(_) => Place::Scene,
+    }
+}
+
+fn cannot_close(model: &Model, widest: &OpenGap) -> Problem {
+    let rows = Constraints::all(model, &[]);
+    let owner = rows.elements.iter().find(|e| e.name == widest.element).map_or(Owner::Held(0), |e| e.owner);
+    let locked = model.coordinates.iter().any(|c| c.lock);
+    let held = match (locked, model.drives.is_empty()) {
+        (true, true) => ", or a lock",
+        (true, false) => ", a lock or a drive",
+        (false, true) => "",
+        (false, false) => ", or a drive",
+    };
+    let help = format!("a length or a place{held} does not fit, or the given positions are too far away");
+    Problem {
+        element: place_of(owner),
+        field: "between".to_owned(),
+        message: format!("{} cannot be closed: a gap of {} m remains", widest.element, number(widest.gap)),
+        help: Some(help),
+    }
+}
+
+/// Rows on axes are also met when the axes point against each other: that is no closed hinge.
+fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
+    let mut motion = Motion::new(model);
+    motion.update(model, q, &vec![0.0; model.velocity_count()]);
+    let rows = Constraints::all(model, &[]);
+    rows.elements.iter().find(|element| rows.is_turned_over(element, model, &motion)).map(|element| Problem {
+        element: place_of(element.owner),
+        field: "between".to_owned(),
+        message: format!(
+            "{} can only be closed with its axes against each other from the given positions",
+            element.name
+        ),
+        help: Some("give positions nearer to the assembled ones".to_owned()),
+    })
+}
+
+/// Mechanisms in which nothing can move: the coordinates between the ends of their loops are all taken.
+fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
+    let count = rows.elements.len();
+    let inner: Vec<Vec<usize>> = rows.elements.iter().map(between_ends).collect();
+    let mut root: Vec<usize> = (0..count).collect();
+    let find = |root: &[usize], mut at: usize| {
+        while root[at] != at {
+            at = root[at];
+        }
+        at
+    };
+    let mut owner_of_link = vec![usize::MAX; model.links.len()];
+    for (element, links) in inner.iter().enumerate() {
+        if matches!(rows.elements[element].owner, Owner::Drive(_)) {
+            continue;
+        }
+        for link in links {
+            match owner_of_link[*link] {
+                usize::MAX => owner_of_link[*link] = element,
+                other => {
+                    let (a, b) = (find(&root, element), find(&root, other));
+                    root[a.max(b)] = a.min(b);
+                }
+            }
+        }
+    }
+    let mut problems = Vec::new();
+    for first in 0..count {
+        let is_drive = |e: usize| matches!(rows.elements[e].owner, Owner::Drive(_));
+        if find(&root, first) != first || is_drive(first) {
+            continue;
+        }
+        let members: Vec<usize> = (0..count).filter(|e| find(&root, *e) == first && !is_drive(*e)).collect();
+        let mut links: Vec<usize> = members.iter().flat_map(|e| inner[*e].iter().copied()).collect();
+        links.sort_unstable();
+        links.dedup();
+        let freedoms: usize = links.iter().map(|link| model.links[*link].joint.counts().1).sum();
+        let taken = members.iter().flat_map(|e| rows.elements[*e].rows.clone()).filter(|row| independent[*row]).count();
+        if taken >= freedoms && taken > 0 {
+            let names: Vec<&str> = members.iter().map(|e| rows.elements[*e].name.as_str()).collect();
+            let mut bodies: Vec<&str> =
+                links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
+            bodies.dedup();
+            let shown = |list: &[&str], quote: &str| {
+                let all: Vec<String> = list.iter().take(6).map(|n| format!("{quote}{n}{quote}")).collect();
+                format!("{}{}", all.join(", "), if list.len() > 6 { ", …" } else { "" })
+            };
+            problems.push(Problem {
+                element: place_of(rows.elements[first].owner),
+                field: "type".to_owned(),
+                message: format!(
+                    "{} lock the mechanism: {taken} conditions on {freedoms} coordinates leave {} nothing to move",
+                    shown(&names, ""),
+                    shown(&bodies, "`")
+                ),
+                help: Some("take one off, free a hinge, or weld the bodies with fixed hinges".to_owned()),
+            });
+        }
+    }
+    problems
+}
+
+/// The links whose coordinates move the ends against each other.
+fn between_ends(element: &Element) -> Vec<usize> {
+    let named = element.named.iter().copied().filter(|link| *link != 0);
+    element.branches.iter().flatten().copied().chain(named).collect()
+}
+
+/// Drives of a motion that others already prescribe.
+fn overdriven(rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
+    let dependent = |element: &&Element| matches!(element.owner, Owner::Drive(_)) && !independent[element.rows.start];
+    let others: Vec<&str> = rows
+        .elements
+        .iter()
+        .filter(|element| matches!(element.owner, Owner::Drive(_)) && independent[element.rows.start])
+        .map(|element| element.name.as_str())
+        .collect();
+    rows.elements
+        .iter()
+        .filter(dependent)
+        .map(|element| Problem {
+            element: place_of(element.owner),
+            field: "hinge".to_owned(),
+            message: match others.is_empty() {
+                true => format!("{} cannot move its hinge: the loops hold it", element.name),
+                false => format!(
+                    "{} has nothing left to move: {} and the loops prescribe it",
+                    element.name,
+                    others.join(", ")
+                ),
+            },
+            help: Some("as many drives as the mechanism has degrees of freedom, on hinges that can move".to_owned()),
+        })
+        .collect()
+}
+
+/// Turns and shifts by a little, another one each time.
+fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
+    let length = model.length_scale();
+    let mut step = vec![0.0; model.velocity_count()];
+    for (index, link) in model.links.iter().enumerate().skip(1) {
+        let size = if matches!(link.joint, Joint::Slide { .. }) { 0.02 * length } else { 0.1 };
+        for i in link.velocity..link.velocity + link.joint.counts().1 {
+            if !model.coordinates[i].lock {
+                step[i] = size * attempt as f64 * ((1 + index * attempt) as f64 * 1.7 + i as f64).sin();
+            }
+        }
+    }
+    crate::motion::displace(model, q, &step);
+}
+
+/// The largest change of a coordinate (rad, or part of the scene's length).
+fn largest_move(model: &Model, from: &[f64], to: &[f64]) -> f64 {
+    let mut largest = 0.0_f64;
+    for link in &model.links {
+        let per = if matches!(link.joint, Joint::Slide { .. }) { model.length_scale() } else { 1.0 };
+        let (count, _) = link.joint.counts();
+        for i in link.position..link.position + count {
+            largest = largest.max((to[i] - from[i]).abs() / per);
+        }
+    }
+    largest
+}

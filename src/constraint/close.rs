@@ -1,0 +1,209 @@
+//! Closing gaps: positions and velocities brought onto the rows by steps in the metric of the inertia.
+//!
+//! ```text
+//! q ← q − M⁻¹ Gᵀ (A + μ D)⁻¹ g
+//! ```
+//!
+//! is the step of Levenberg and Marquardt for `½ |g|²`: the damping μ makes it short where the gaps are wide and the rows
+//! hang on each other, and goes away as they close. All rows take part; none has to be independent.
+
+use super::{Constraints, Held, Rate};
+use crate::model::{Joint, Model};
+use crate::motion::{Motion, displace};
+use crate::spatial::Wrench;
+use crate::transfer::Reduction;
+use crate::transfer::reduce::{Load, Singular};
+use nalgebra::{DMatrix, DVector};
+
+/// Gaps below this part of the scene's length are round-off.
+pub(crate) const ROUND_OFF: f64 = 1e-14;
+/// A gap that counts as closed where rows with few digits are redundant.
+const LEFT_OPEN: f64 = 1e-6;
+const FIRST_DAMPING: f64 = 1e-3;
+const LEAST_DAMPING: f64 = 1e-11;
+const MOST_DAMPING: f64 = 1e6;
+const MOST_STEPS: usize = 300;
+/// Largest turn (rad), and part of the scene's length, of one step.
+const LONGEST_STEP: f64 = 0.3;
+
+/// The widest gap that is left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenGap {
+    /// Its element: ``loop `coupler-ground` ``.
+    pub element: String,
+    /// (m; rad times the scene's length)
+    pub gap: f64,
+}
+
+/// Closes positions of a model whose locked coordinates stay where they are given.
+pub(crate) struct Closer<'m>(Closing<'m>);
+
+impl<'m> Closer<'m> {
+    pub(crate) fn new(model: &'m Model) -> Self {
+        Self(Closing::new(model, &super::rows::locks(model), 0.0))
+    }
+
+    /// Closes `q`; false where a gap is left, or the tree is singular.
+    pub(crate) fn close(&mut self, q: &mut [f64]) -> bool {
+        let before = self.0.gap(q);
+        if before <= ROUND_OFF * self.0.length {
+            return true;
+        }
+        matches!(self.0.close(q), Ok(gap) if gap <= LEFT_OPEN * self.0.length)
+    }
+}
+
+/// A model's rows, and the tree they push on.
+pub(super) struct Closing<'m> {
+    model: &'m Model,
+    pub(super) rows: Constraints,
+    pub(super) motion: Motion,
+    pub(super) reduction: Reduction,
+    length: f64,
+    loads: Vec<Wrench>,
+    tau: Vec<f64>,
+    step: Vec<f64>,
+    rest: Vec<f64>,
+}
+
+impl<'m> Closing<'m> {
+    pub(super) fn new(model: &'m Model, held: &[Held], time: f64) -> Self {
+        let n = model.velocity_count();
+        let mut rows = Constraints::all(model, held);
+        rows.set_time(time);
+        Self {
+            rows,
+            motion: Motion::new(model),
+            reduction: Reduction::new(model),
+            length: model.length_scale(),
+            loads: vec![Wrench::ZERO; model.links.len()],
+            tau: vec![0.0; n],
+            step: vec![0.0; n],
+            rest: vec![0.0; n],
+            model,
+        }
+    }
+
+    /// The widest gap of all rows at a position.
+    pub(super) fn gap(&mut self, q: &[f64]) -> f64 {
+        self.motion.update(self.model, q, &self.rest);
+        self.rows.place(self.model, &self.motion, q, true);
+        self.rows.largest(&self.motion, Rate::Gap, true).0
+    }
+
+    /// Where the widest gap of the last placement is.
+    pub(super) fn widest(&self) -> OpenGap {
+        self.rows.widest(&self.motion)
+    }
+
+    /// Closes the gaps from `q`, to round-off where that is possible; gives the widest gap left.
+    pub(super) fn close(&mut self, q: &mut [f64]) -> Result<f64, Singular> {
+        let mut damping = FIRST_DAMPING;
+        let mut gap = self.gap(q);
+        let mut size = self.squares();
+        let mut trial = q.to_vec();
+        for _ in 0..MOST_STEPS {
+            if gap <= ROUND_OFF * self.length {
+                break;
+            }
+            self.gap(q);
+            self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
+            self.rows.factorize(self.model, &self.motion, &self.reduction, damping);
+            self.push(Rate::Gap);
+            self.shorten();
+            trial.copy_from_slice(q);
+            displace(self.model, &mut trial, &self.step);
+            let (wider, new_size) = (self.gap(&trial), self.squares());
+            if new_size < size {
+                // What is left is round-off once it no longer halves with almost no damping.
+                let stalled = damping <= LEAST_DAMPING && new_size > 0.25 * size;
+                (gap, size) = (wider, new_size);
+                q.copy_from_slice(&trial);
+                damping = (damping * 0.1).max(LEAST_DAMPING);
+                if stalled && gap < 1e-12 * self.length {
+                    break;
+                }
+            } else {
+                damping *= 10.0;
+                if damping > MOST_DAMPING || gap < 1e-13 * self.length {
+                    break;
+                }
+            }
+        }
+        Ok(self.gap(q))
+    }
+
+    /// Closes velocities at a closed position; gives the largest rate left (m/s; rad/s times the scene's length).
+    pub(super) fn close_rates(&mut self, q: &[f64], v: &mut [f64]) -> Result<f64, Singular> {
+        self.motion.update(self.model, q, v);
+        self.rows.place(self.model, &self.motion, q, true);
+        self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
+        self.rows.factorize(self.model, &self.motion, &self.reduction, LEAST_DAMPING);
+        let mut left = self.rows.largest(&self.motion, Rate::Speed(v), true).0;
+        // Damping by 1e-11 leaves that part of a rate: two rounds bring it to round-off.
+        for _ in 0..4 {
+            self.push(Rate::Speed(v));
+            let before = v.to_vec();
+            v.iter_mut().zip(&self.step).for_each(|(v, step)| *v += step);
+            self.motion.update(self.model, q, v);
+            let now = self.rows.largest(&self.motion, Rate::Speed(v), true).0;
+            if now >= left {
+                v.copy_from_slice(&before);
+                self.motion.update(self.model, q, v);
+                break;
+            }
+            left = now;
+        }
+        Ok(left)
+    }
+
+    /// Factorizes the tree where the motion is; false where it is singular there.
+    pub(super) fn prepare(&mut self) -> bool {
+        self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step).is_ok()
+    }
+
+    /// The rates of all rows at a closed position.
+    pub(super) fn speeds(&mut self, q: &[f64], v: &[f64]) -> DVector<f64> {
+        self.motion.update(self.model, q, v);
+        self.rows.place(self.model, &self.motion, q, true);
+        let mut rates = DVector::zeros(self.rows.rank());
+        self.rows.rates(&self.motion, Rate::Speed(v), rates.as_mut_slice());
+        rates
+    }
+
+    /// `G` of all rows as placed last, one row per row, one column per velocity.
+    pub(super) fn matrix(&mut self) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(self.rows.rank(), self.rest.len());
+        self.rows.gradient(self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
+        matrix
+    }
+
+    /// `step ← M⁻¹ Gᵀ λ` with the multipliers that take a rate away.
+    fn push(&mut self, rate: Rate<'_>) {
+        self.rows.solve(&self.motion, rate);
+        self.loads.fill(Wrench::ZERO);
+        self.tau.fill(0.0);
+        self.rows.add_loads(&mut self.loads, &mut self.tau);
+        let load = Load { applied: &self.loads, tau: &self.tau };
+        self.reduction.solve(self.model, &self.motion, &load, &mut self.step);
+    }
+
+    fn shorten(&mut self) {
+        let mut longest = 0.0_f64;
+        for link in &self.model.links {
+            let (_, count) = link.joint.counts();
+            let per = if matches!(link.joint, Joint::Slide { .. }) { self.length } else { 1.0 };
+            for step in &self.step[link.velocity..link.velocity + count] {
+                longest = longest.max(step.abs() / per);
+            }
+        }
+        if longest > LONGEST_STEP {
+            self.step.iter_mut().for_each(|step| *step *= LONGEST_STEP / longest);
+        }
+    }
+
+    fn squares(&self) -> f64 {
+        let rows = self.rows.placed.iter().zip(&self.rows.weights);
+        rows.map(|(placed, weight)| (weight * placed.gap).powi(2)).sum()
+    }
+}

@@ -1,0 +1,488 @@
+//! What ties coordinates together beyond the tree: closed loops, drives, gears.
+//!
+//! Everything is rows: a loop is a cut hinge whose rows say how its two ends may move against each other, a
+//! drive is a row on one coordinate that depends on time, a gear a row between two. Rows are solved with the tree's own
+//! factorization `M` ([`crate::transfer`]); no matrix of the size of the system is ever made:
+//!
+//! ```text
+//! (1)  M q̈ = f + Gᵀ λ,   G q̈ + bias = 0     ⇒     A λ = −(G q̈₀ + bias),   A = G M⁻¹ Gᵀ,   M q̈₀ = f
+//! (2)  A = Uᵀ D⁻¹ U                               the inward pass of each row's load, over its way to the root only
+//! (3)  position   q ← q ⊞ M⁻¹ Gᵀ μ,   A μ = −g    repeated: the nearest closed position in the metric of the inertia
+//! (4)  velocity   v ← v + M⁻¹ Gᵀ ν,   A ν = −(G v + g_t)
+//! ```
+//!
+//! **Redundant rows are normal**: a planar four-bar of four spatial revolute hinges has three. Which rows are
+//! independent is decided once, on closed positions (see [`assemble`]): where a stage of an integrator is off by a little,
+//! redundant rows look independent. The others are left out until the mechanism's rank really changes.
+//!
+//! A row costs its way to the root and its neighbours: loops in a long chain cost a time proportional to their number.
+
+pub mod assembly;
+mod close;
+mod envelope;
+mod plan;
+mod rank;
+mod row;
+mod rows;
+
+use crate::model::couplings::Closure;
+use crate::model::description::HingeKind;
+use crate::model::{Joint, Model, Scalar};
+use crate::motion::variation::{LinkAcceleration, LinkVariation};
+use crate::motion::{LinkMotion, Motion};
+use crate::spatial::Wrench;
+use crate::transfer::Reduction;
+pub use assembly::{Assembly, assemble};
+pub(crate) use close::Closer;
+pub use close::OpenGap;
+pub(crate) use close::ROUND_OFF;
+use envelope::Envelope;
+use nalgebra::Vector3;
+use plan::Plan;
+use row::{Ends, Placed, Rule, place_motion, power};
+use rows::Held;
+pub use rows::{Element, Owner};
+
+/// The rows of a model and the scratch memory to solve with them.
+#[derive(Debug, Clone)]
+pub struct Constraints {
+    /// Loops, drives, gears, in this order; then coordinates that are held.
+    elements: Vec<Element>,
+    rules: Vec<Rule>,
+    placed: Vec<Placed>,
+    /// From each element's ends to the root, tips first.
+    ways: Vec<Vec<usize>>,
+    /// What makes angles comparable with lengths (m), per row; 1 for lengths.
+    weights: Vec<f64>,
+    plan: Plan,
+    matrix: Envelope,
+    /// `u` and `D⁻¹ u` of eq. (2), per group, link of its way and row.
+    pushes: Vec<[Vector3<f64>; 2]>,
+    /// `e` along one way.
+    passed: Vec<Wrench>,
+    unknowns: Vec<f64>,
+    /// What the pivots of the unknowns are compared with.
+    sizes: Vec<f64>,
+    /// Multipliers of all rows (N or N m).
+    multipliers: Vec<f64>,
+    /// (s)
+    time: f64,
+}
+
+/// What a rate of the rows is made of.
+#[derive(Clone, Copy)]
+pub(crate) enum Rate<'a> {
+    /// `g`.
+    Gap,
+    /// `ġ` with these hinge velocities; the links' are in the motion.
+    Speed(&'a [f64]),
+    /// `g̈` with these accelerations of links and hinges.
+    Acceleration(&'a [LinkAcceleration], &'a [f64]),
+}
+
+impl Constraints {
+    /// All rows of a model and those that hold coordinates beside them, none left out.
+    fn all(model: &Model, held: &[Held]) -> Self {
+        let (elements, rules) = rows::of_model(model, held);
+        let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
+        let length = model.length_scale();
+        let weights = rules.iter().map(|rule| if rule.turns() { length } else { 1.0 }).collect();
+        let mut all = Self {
+            placed: vec![Placed::default(); rules.len()],
+            multipliers: vec![0.0; rules.len()],
+            passed: vec![Wrench::ZERO; model.links.len()],
+            elements,
+            rules,
+            ways,
+            weights,
+            plan: Plan::default(),
+            matrix: Envelope::default(),
+            pushes: Vec::new(),
+            unknowns: Vec::new(),
+            sizes: Vec::new(),
+            time: 0.0,
+        };
+        all.keep(|_| true);
+        all
+    }
+
+    /// The rows of a model; `None` where it has none. Which of them are independent is what [`assemble`] found, or is
+    /// decided here at the given positions where the model has not been assembled.
+    pub fn new(model: &Model) -> Option<Self> {
+        if !model.is_constrained() {
+            return None;
+        }
+        let mut rows = Self::all(model, &[]);
+        let independent = match &model.independent_rows {
+            Some(rows) => rows.clone(),
+            None => rank::decide(model, &model.start_position, 0.0).independent,
+        };
+        rows.keep(|row| independent[row]);
+        Some(rows)
+    }
+
+    /// Solves from now on for the rows that `wanted` says.
+    fn keep(&mut self, wanted: impl Fn(usize) -> bool) {
+        let rows_of = self.elements.iter().map(|element| element.rows.clone().filter(|row| wanted(*row)).collect());
+        self.plan = Plan::new(rows_of.collect(), &self.ways);
+        self.matrix = Envelope::new(self.plan.first_columns.clone());
+        self.pushes = vec![[Vector3::zeros(); 2]; self.plan.pushes];
+        self.unknowns = vec![0.0; self.plan.unknowns];
+        self.sizes = vec![0.0; self.plan.unknowns];
+    }
+
+    /// The time at which drives are looked at (s).
+    pub fn set_time(&mut self, time: f64) {
+        self.time = time;
+    }
+
+    /// The time at which drives are looked at (s).
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Loops, drives, gears, in this order.
+    pub fn elements(&self) -> &[Element] {
+        &self.elements
+    }
+
+    /// The multipliers of the last solution, one per row: what each row pushes with (N or N m). Zero for rows left out.
+    pub fn multipliers(&self) -> &[f64] {
+        &self.multipliers
+    }
+
+    /// Sine of the smallest angle between a row and those before it at the last factorization, in the metric of the
+    /// inertia: 0 in a singular position.
+    pub(crate) fn clearance(&self) -> f64 {
+        self.matrix.smallest_pivot().sqrt()
+    }
+
+    /// Number of rows that are solved for.
+    pub fn rank(&self) -> usize {
+        self.plan.unknowns
+    }
+
+    /// Places rows at a state: those solved for, or all of them.
+    pub(crate) fn place(&mut self, model: &Model, motion: &Motion, q: &[f64], all: bool) {
+        let Self { elements, rules, placed, plan, time, .. } = self;
+        let mut place = |index: usize, rows: &mut dyn Iterator<Item = usize>| {
+            let element: &Element = &elements[index];
+            match &element.ends {
+                Some(ends) => {
+                    let ends = Ends::of(ends, &element.branches, motion);
+                    rows.for_each(|row| placed[row] = ends.place(&rules[row]));
+                }
+                None => {
+                    let now = element.target(model, *time);
+                    for row in rows {
+                        if let Rule::Motion { parts } = &rules[row] {
+                            placed[row] = place_motion(parts, q, &now);
+                        }
+                    }
+                }
+            }
+        };
+        if all {
+            (0..elements.len()).for_each(|index| place(index, &mut elements[index].rows.clone()));
+        } else {
+            plan.groups.iter().for_each(|group| place(group.element, &mut group.rows.iter().copied()));
+        }
+    }
+
+    /// Eq. (2) and its factorization, at the position of the tree's last factorization; `damping` (0 for none) is added
+    /// to the diagonal in units of the largest entry.
+    pub(crate) fn factorize(&mut self, model: &Model, motion: &Motion, reduction: &Reduction, damping: f64) {
+        self.assemble(model, motion, reduction);
+        self.size_rows();
+        if damping > 0.0 {
+            let weight = |row: usize| self.weights[row] * self.weights[row];
+            let rows: Vec<usize> = self.plan.rows().collect();
+            let largest = rows.iter().enumerate().map(|(i, row)| weight(*row) * self.matrix.get(i, i));
+            let shift = damping * largest.fold(0.0, f64::max);
+            for (i, row) in rows.iter().enumerate() {
+                *self.matrix.entry(i, i) += shift / weight(*row);
+            }
+        }
+        self.matrix.factorize(&self.sizes);
+    }
+
+    /// What the pivots of rows are compared with: the largest entry of the same element, angles as lengths.
+    fn size_rows(&mut self) {
+        for group in &self.plan.groups {
+            let weighted = group.rows.iter().enumerate().map(|(k, row)| {
+                let at = group.first + k;
+                self.weights[*row] * self.weights[*row] * self.matrix.get(at, at)
+            });
+            let largest = weighted.fold(0.0, f64::max);
+            for (k, row) in group.rows.iter().enumerate() {
+                self.sizes[group.first + k] = largest / (self.weights[*row] * self.weights[*row]);
+            }
+        }
+    }
+
+    /// Eq. (2), not factorized.
+    fn assemble(&mut self, model: &Model, motion: &Motion, reduction: &Reduction) {
+        for group in 0..self.plan.groups.len() {
+            self.push(model, motion, reduction, group);
+        }
+        self.matrix.clear();
+        for meeting in &self.plan.meetings {
+            let [later, earlier] = meeting.groups.map(|group| &self.plan.groups[group]);
+            let (rows, columns) = (later.rows.len(), earlier.rows.len());
+            for [i, j] in &self.plan.common[meeting.common.clone()] {
+                let mine = &self.pushes[later.pushes + *i as usize * rows..][..rows];
+                let other = &self.pushes[earlier.pushes + *j as usize * columns..][..columns];
+                for (r, [u, _]) in mine.iter().enumerate() {
+                    // Of a group with itself only the lower half.
+                    let until = if std::ptr::eq(later, earlier) { r + 1 } else { columns };
+                    for (c, [_, du]) in other[..until].iter().enumerate() {
+                        *self.matrix.entry(later.first + r, earlier.first + c) += u.dot(du);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The inward pass of the loads of one group.
+    fn push(&mut self, model: &Model, motion: &Motion, reduction: &Reduction, group: usize) {
+        let group = &self.plan.groups[group];
+        let way = &self.ways[group.element];
+        for (k, row) in group.rows.iter().enumerate() {
+            way.iter().for_each(|link| self.passed[*link] = Wrench::ZERO);
+            if let Some(ends) = &self.elements[group.element].ends {
+                for (end, wrench) in ends.iter().zip(self.placed[*row].wrenches) {
+                    self.passed[end.link] += Wrench::ZERO - wrench;
+                }
+            }
+            for (at, link) in way.iter().enumerate() {
+                let tau = self.rules[*row].tau(*link);
+                let mut e = self.passed[*link];
+                let (u, du) = reduction.pass(model, motion, *link, tau, &mut e);
+                self.pushes[group.pushes + at * group.rows.len() + k] = [u, du];
+                self.passed[model.links[*link].parent] += e.shifted(motion.links[*link].arm);
+            }
+        }
+    }
+
+    /// One rate of a row.
+    fn rate(&self, row: usize, ends: Option<[usize; 2]>, motion: &Motion, rate: Rate<'_>) -> f64 {
+        let placed = &self.placed[row];
+        let parts = |numbers: &[f64]| match &self.rules[row] {
+            Rule::Motion { parts } => parts.iter().map(|(scalar, factor)| factor * numbers[scalar.velocity]).sum(),
+            _ => 0.0,
+        };
+        let over_ends = |of: &dyn Fn(&Wrench, usize) -> f64| {
+            ends.map_or(0.0, |ends| of(&placed.wrenches[0], ends[0]) + of(&placed.wrenches[1], ends[1]))
+        };
+        match rate {
+            Rate::Gap => placed.gap,
+            Rate::Speed(v) => {
+                let speed = |w: &Wrench, link: usize| {
+                    let at: &LinkMotion = &motion.links[link];
+                    power(w, &at.velocity, &at.angular_velocity)
+                };
+                over_ends(&speed) + parts(v) + placed.drift
+            }
+            Rate::Acceleration(links, hinges) => {
+                let acceleration = |w: &Wrench, link: usize| power(w, &links[link].linear, &links[link].angular);
+                over_ends(&acceleration) + parts(hinges) + placed.bias
+            }
+        }
+    }
+
+    /// `A λ = −rate`: the multipliers that take a rate away.
+    pub(crate) fn solve(&mut self, motion: &Motion, rate: Rate<'_>) {
+        let mut unknowns = std::mem::take(&mut self.unknowns);
+        for group in &self.plan.groups {
+            let ends = self.elements[group.element].links();
+            for (k, row) in group.rows.iter().enumerate() {
+                unknowns[group.first + k] = -self.rate(*row, ends, motion, rate);
+            }
+        }
+        self.matrix.solve(&mut unknowns);
+        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
+            self.multipliers[row] = *unknown;
+        }
+        self.unknowns = unknowns;
+    }
+
+    /// One rate of every row that is solved for.
+    pub(crate) fn rates(&self, motion: &Motion, rate: Rate<'_>, out: &mut [f64]) {
+        for group in &self.plan.groups {
+            let ends = self.elements[group.element].links();
+            for (k, row) in group.rows.iter().enumerate() {
+                out[group.first + k] = self.rate(*row, ends, motion, rate);
+            }
+        }
+    }
+
+    /// The largest rate of the rows, angles times the scene's length, and the row; of all rows or of those solved for.
+    pub(crate) fn largest(&self, motion: &Motion, rate: Rate<'_>, all: bool) -> (f64, Option<usize>) {
+        let mut largest = (0.0, None);
+        let mut look = |element: &Element, row: usize| {
+            let value = self.weights[row] * self.rate(row, element.links(), motion, rate).abs();
+            if value > largest.0 || value.is_nan() {
+                largest = (value, Some(row));
+            }
+        };
+        if all {
+            self.elements.iter().for_each(|element| element.rows.clone().for_each(|row| look(element, row)));
+        } else {
+            for group in &self.plan.groups {
+                group.rows.iter().for_each(|row| look(&self.elements[group.element], *row));
+            }
+        }
+        largest
+    }
+
+    /// Adds what the multipliers push to the links' wrenches and to the hinge forces.
+    pub(crate) fn add_loads(&self, wrenches: &mut [Wrench], tau: &mut [f64]) {
+        for group in &self.plan.groups {
+            let ends = &self.elements[group.element].ends;
+            for row in &group.rows {
+                let multiplier = self.multipliers[*row];
+                if let Some(ends) = ends {
+                    for (end, w) in ends.iter().zip(&self.placed[*row].wrenches) {
+                        let link = &mut wrenches[end.link];
+                        link.force += multiplier * w.force;
+                        link.moment += multiplier * w.moment;
+                    }
+                }
+                if let Rule::Motion { parts } = &self.rules[*row] {
+                    parts.iter().for_each(|(scalar, factor)| tau[scalar.velocity] += factor * multiplier);
+                }
+            }
+        }
+    }
+
+    /// Adds what the multipliers push to the named bodies of the loops' ends, at the root markers of their links.
+    pub(crate) fn add_to_bodies(&self, wrenches: &mut [Wrench]) {
+        for group in &self.plan.groups {
+            let Some(ends) = &self.elements[group.element].ends else { continue };
+            for row in &group.rows {
+                for (end, w) in ends.iter().zip(&self.placed[*row].wrenches) {
+                    if let Some(body) = end.body {
+                        wrenches[body].force += self.multipliers[*row] * w.force;
+                        wrenches[body].moment += self.multipliers[*row] * w.moment;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Where the widest gap of the last placement of all rows is.
+    pub(crate) fn widest(&self, motion: &Motion) -> OpenGap {
+        let (gap, row) = self.largest(motion, Rate::Gap, true);
+        let element = row.and_then(|row| self.element_of(row)).map_or(String::new(), |e| e.name.clone());
+        OpenGap { element, gap }
+    }
+
+    /// Adds how the wrenches of [`Constraints::add_loads`], taken as applied ones, vary with the links at fixed
+    /// multipliers.
+    pub(crate) fn add_variation(&self, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
+        for group in &self.plan.groups {
+            let element = &self.elements[group.element];
+            let Some(ends) = &element.ends else { continue };
+            let geometry = Ends::of(ends, &element.branches, motion);
+            let links = [&by[ends[0].link], &by[ends[1].link]];
+            for row in &group.rows {
+                let multiplier = self.multipliers[*row];
+                for (end, w) in ends.iter().zip(geometry.vary(&self.rules[*row], links)) {
+                    let link = &mut wrenches[end.link];
+                    link.force += multiplier * w.force;
+                    link.moment += multiplier * w.moment;
+                }
+            }
+        }
+    }
+
+    /// The entries of `G` for the rows solved for, as placed last: `put(unknown, velocity, entry)`.
+    pub(crate) fn gradient(&mut self, model: &Model, motion: &Motion, mut put: impl FnMut(usize, usize, f64)) {
+        let Self { plan, elements, rules, placed, passed, ways, .. } = self;
+        for group in &plan.groups {
+            let (element, way) = (&elements[group.element], &ways[group.element]);
+            for (k, row) in group.rows.iter().enumerate() {
+                let unknown = group.first + k;
+                if let Rule::Motion { parts } = &rules[*row] {
+                    parts.iter().filter(|part| part.1 != 0.0).for_each(|(s, factor)| put(unknown, s.velocity, *factor));
+                    continue;
+                }
+                way.iter().for_each(|link| passed[*link] = Wrench::ZERO);
+                if let Some(ends) = &element.ends {
+                    ends.iter().zip(placed[*row].wrenches).for_each(|(end, wrench)| passed[end.link] += wrench);
+                }
+                for link in way {
+                    let (given, at, w) = (&model.links[*link], &motion.links[*link], passed[*link]);
+                    let first = given.velocity;
+                    match given.joint {
+                        Joint::None => {}
+                        Joint::Turn => put(unknown, first, at.axis.dot(&w.moment)),
+                        Joint::Slide { .. } => put(unknown, first, at.axis.dot(&w.force)),
+                        Joint::Ball { .. } => {
+                            let moment = at.turn.tr_mul(&w.moment);
+                            (0..3).for_each(|i| put(unknown, first + i, moment[i]));
+                        }
+                    }
+                    passed[given.parent] += w.shifted(at.arm);
+                }
+            }
+        }
+    }
+
+    /// Takes these as the multipliers, one per row solved for.
+    pub(crate) fn set_multipliers(&mut self, unknowns: &[f64]) {
+        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
+            self.multipliers[row] = *unknown;
+        }
+    }
+
+    /// The drives and what each pushes at the last solution (N or N m).
+    pub fn drive_forces(&self) -> impl Iterator<Item = (String, f64)> {
+        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
+        driven.map(|element| {
+            let name = element.name.trim_start_matches("drive `").trim_end_matches('`');
+            (name.to_owned(), self.multipliers[element.rows.start])
+        })
+    }
+
+    /// Power that drives put in at the last solution (W).
+    pub fn power(&self) -> f64 {
+        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
+        driven.map(|element| -self.multipliers[element.rows.start] * self.placed[element.rows.start].drift).sum()
+    }
+
+    /// Whether the axes of a loop stand against each other instead of together.
+    fn is_turned_over(&self, element: &Element, model: &Model, motion: &Motion) -> bool {
+        let Owner::Loop(index) = element.owner else { return false };
+        let closed = &model.loops[index];
+        let [first, second] = [&motion.links[closed.ends[0].link], &motion.links[closed.ends[1].link]];
+        let Some(second_frame) = closed.second_frame else { return false };
+        let against = |axis: &Vector3<f64>| {
+            (first.turn * (closed.frame * axis)).dot(&(second.turn * (second_frame * axis))) < 0.0
+        };
+        match &closed.closure {
+            Closure::Hinge(HingeKind::Revolute { axis } | HingeKind::Cylindrical { axis }) => against(axis),
+            Closure::Hinge(HingeKind::Planar) => against(&Vector3::z()),
+            Closure::Hinge(HingeKind::Fixed | HingeKind::Prismatic { .. }) => {
+                (0..3).any(|axis| against(&Vector3::ith(axis, 1.0)))
+            }
+            Closure::Hinge(HingeKind::Universal { .. } | HingeKind::Spherical | HingeKind::Free)
+            | Closure::Rod { .. } => false,
+        }
+    }
+
+    /// Which element a row belongs to.
+    pub(crate) fn element_of(&self, row: usize) -> Option<&Element> {
+        self.elements.iter().find(|element| element.rows.contains(&row))
+    }
+}
+
+impl Rule {
+    /// The hinge force of a unit multiplier on a link's coordinate.
+    #[inline]
+    fn tau(&self, link: usize) -> f64 {
+        let Self::Motion { parts } = self else { return 0.0 };
+        let of = |(scalar, factor): &(Scalar, f64)| if scalar.link == link { *factor } else { 0.0 };
+        parts.iter().map(of).sum()
+    }
+}

@@ -1,0 +1,160 @@
+//! Which rows are solved together, in which order, and where they meet: the sparse structure of `A = G M⁻¹ Gᵀ`.
+//!
+//! A row loads two links; what it does to the tree is felt on the ways from these to the root. Two rows meet where their
+//! ways do: loops that share no moving link have no entry in `A`. Elements are ordered by Cuthill and McKee's rule,
+//! reversed, so that the entries of a chain of loops stay near the diagonal.
+
+use std::ops::Range;
+
+/// The rows of one element that are solved for.
+#[derive(Debug, Clone)]
+pub(super) struct Group {
+    /// Index of the element.
+    pub(super) element: usize,
+    /// Indices of its rows.
+    pub(super) rows: Vec<usize>,
+    /// Unknown of its first row.
+    pub(super) first: usize,
+    /// Where its pushes begin: one per link of its way and row.
+    pub(super) pushes: usize,
+}
+
+/// Two groups that meet, and the places on both ways where they do.
+#[derive(Debug, Clone)]
+pub(super) struct Meeting {
+    pub(super) groups: [usize; 2],
+    pub(super) common: Range<usize>,
+}
+
+/// Structure and order of one system of rows.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Plan {
+    pub(super) groups: Vec<Group>,
+    /// Every pair of groups that meet, the later one first; a group meets itself.
+    pub(super) meetings: Vec<Meeting>,
+    /// Places on the ways of both groups of a meeting.
+    pub(super) common: Vec<[u32; 2]>,
+    /// Number of unknowns.
+    pub(super) unknowns: usize,
+    /// Number of pushes.
+    pub(super) pushes: usize,
+    /// First column of every row of the matrix.
+    pub(super) first_columns: Vec<usize>,
+}
+
+impl Plan {
+    /// The plan for `rows_of` each element; `ways` are the links from the ends to the root, tips first.
+    pub(super) fn new(rows_of: Vec<Vec<usize>>, ways: &[Vec<usize>]) -> Self {
+        let with_rows: Vec<usize> = (0..ways.len()).filter(|element| !rows_of[*element].is_empty()).collect();
+        let order = reordered(&with_rows, ways);
+        let mut plan = Self::default();
+        for element in order {
+            let rows = rows_of[element].clone();
+            let group = Group { element, first: plan.unknowns, pushes: plan.pushes, rows };
+            plan.unknowns += group.rows.len();
+            plan.pushes += group.rows.len() * ways[element].len();
+            plan.groups.push(group);
+        }
+        let mut at_link: Vec<Vec<usize>> = Vec::new();
+        for later in 0..plan.groups.len() {
+            let way = &ways[plan.groups[later].element];
+            let mut earlier: Vec<usize> = way.iter().filter_map(|link| at_link.get(*link)).flatten().copied().collect();
+            earlier.sort_unstable();
+            earlier.dedup();
+            earlier.push(later);
+            let mut first_column = plan.groups[later].first;
+            for other in earlier {
+                let start = plan.common.len();
+                meet(way, &ways[plan.groups[other].element], &mut plan.common);
+                plan.meetings.push(Meeting { groups: [later, other], common: start..plan.common.len() });
+                first_column = first_column.min(plan.groups[other].first);
+            }
+            plan.first_columns.extend(vec![first_column; plan.groups[later].rows.len()]);
+            for link in way {
+                if at_link.len() <= *link {
+                    at_link.resize(link + 1, Vec::new());
+                }
+                at_link[*link].push(later);
+            }
+        }
+        plan
+    }
+
+    /// The rows in the order of the unknowns.
+    pub(super) fn rows(&self) -> impl Iterator<Item = usize> + '_ {
+        self.groups.iter().flat_map(|group| group.rows.iter().copied())
+    }
+}
+
+/// The places that two ways, both from tips to root, have in common.
+fn meet(one: &[usize], other: &[usize], common: &mut Vec<[u32; 2]>) {
+    let (mut i, mut j) = (0, 0);
+    while i < one.len() && j < other.len() {
+        match one[i].cmp(&other[j]) {
+            std::cmp::Ordering::Equal => {
+                common.push([i as u32, j as u32]);
+                i += 1;
+                j += 1;
+            }
+            std::cmp::Ordering::Greater => i += 1,
+            std::cmp::Ordering::Less => j += 1,
+        }
+    }
+}
+
+/// Elements by the reversed rule of Cuthill and McKee: breadth first from one with few neighbours.
+fn reordered(elements: &[usize], ways: &[Vec<usize>]) -> Vec<usize> {
+    let links = elements.iter().flat_map(|e| &ways[*e]).max().map_or(0, |link| link + 1);
+    let mut at_link: Vec<Vec<usize>> = vec![Vec::new(); links];
+    for (index, element) in elements.iter().enumerate() {
+        ways[*element].iter().for_each(|link| at_link[*link].push(index));
+    }
+    let neighbours: Vec<Vec<usize>> = elements
+        .iter()
+        .map(|element| {
+            let mut all: Vec<usize> = ways[*element].iter().flat_map(|link| at_link[*link].iter().copied()).collect();
+            all.sort_unstable();
+            all.dedup();
+            all
+        })
+        .collect();
+    let mut by_degree: Vec<usize> = (0..elements.len()).collect();
+    by_degree.sort_by_key(|index| neighbours[*index].len());
+    let mut seen = vec![false; elements.len()];
+    let mut order = Vec::with_capacity(elements.len());
+    for start in by_degree {
+        if std::mem::replace(&mut seen[start], true) {
+            continue;
+        }
+        let mut next = order.len();
+        order.push(start);
+        while next < order.len() {
+            let mut fresh: Vec<usize> = neighbours[order[next]].iter().copied().filter(|n| !seen[*n]).collect();
+            fresh.sort_by_key(|index| neighbours[*index].len());
+            for index in fresh {
+                seen[index] = true;
+                order.push(index);
+            }
+            next += 1;
+        }
+    }
+    order.reverse();
+    order.into_iter().map(|index| elements[index]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Loops along a chain, given in a shuffled order: every row's entries stay within the neighbouring loop.
+    #[test]
+    fn a_chain_of_loops_stays_near_the_diagonal() {
+        let loops = 12;
+        let shuffled: Vec<usize> = (0..loops).map(|i| (7 * i) % loops).collect();
+        let ways: Vec<Vec<usize>> = shuffled.iter().map(|i| vec![2 * i + 3, 2 * i + 2, 2 * i + 1]).collect();
+        let plan = Plan::new(vec![vec![0, 1]; loops], &ways);
+        for (row, first) in plan.first_columns.iter().enumerate() {
+            assert!(row - first <= 3, "row {row} starts at {first}");
+        }
+    }
+}

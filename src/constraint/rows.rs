@@ -1,0 +1,211 @@
+//! The rows of a model's loops, drives, gears and locks.
+
+use super::row::Rule;
+use crate::model::couplings::Closure;
+use crate::model::description::HingeKind;
+use crate::model::prescribed::Instant;
+use crate::model::{End, Joint, Loop, Model, Scalar};
+use crate::motion::Motion;
+use nalgebra::{Matrix3, Vector3};
+use std::ops::Range;
+
+/// Where rows come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Owner {
+    /// Index into `Model::loops`.
+    Loop(usize),
+    /// Index into `Model::drives`.
+    Drive(usize),
+    /// Index into `Model::gears`.
+    Gear(usize),
+    /// A velocity coordinate that is held while positions or velocities are closed.
+    Held(usize),
+}
+
+/// A coordinate that is held, and where or at which rate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Held {
+    pub(super) coordinate: Scalar,
+    pub(super) at: Instant,
+}
+
+/// A loop, drive, gear or held coordinate and its rows.
+#[derive(Debug, Clone)]
+pub struct Element {
+    /// What it is.
+    pub owner: Owner,
+    /// What messages call it: ``loop `coupler-ground` ``.
+    pub name: String,
+    /// Its rows.
+    pub rows: Range<usize>,
+    /// Both ends of a loop.
+    pub(super) ends: Option<[End; 2]>,
+    /// The links from each end of a loop to where the two ways meet, that one left out.
+    pub(super) branches: [Vec<usize>; 2],
+    /// The links whose coordinates it names; 0 for none.
+    pub(super) named: [usize; 2],
+    held: Instant,
+}
+
+impl Element {
+    /// The links of both ends of a loop.
+    pub(super) fn links(&self) -> Option<[usize; 2]> {
+        self.ends.as_ref().map(|ends| [ends[0].link, ends[1].link])
+    }
+
+    /// What a motion row follows.
+    pub(super) fn target(&self, model: &Model, time: f64) -> Instant {
+        match self.owner {
+            Owner::Drive(index) => model.drives[index].motion.at(time),
+            Owner::Gear(index) => Instant { position: model.gears[index].offset, ..Instant::default() },
+            Owner::Loop(_) | Owner::Held(_) => self.held,
+        }
+    }
+}
+
+/// The links from `a` and from `b` to where both ways meet, that one left out.
+pub(super) fn branches(model: &Model, mut a: usize, mut b: usize) -> [Vec<usize>; 2] {
+    let mut branches = [Vec::new(), Vec::new()];
+    while a != b {
+        // Parents have lower indices than their children.
+        let (end, branch) = if a > b { (&mut a, &mut branches[0]) } else { (&mut b, &mut branches[1]) };
+        branch.push(*end);
+        *end = model.links[*end].parent;
+    }
+    branches
+}
+
+/// The links from the ends of an element to the root, tips first; the ground is left out.
+pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
+    let tips = element.links().unwrap_or(element.named);
+    let mut way = Vec::new();
+    for tip in tips {
+        let mut link = tip;
+        while link != 0 && !way.contains(&link) {
+            way.push(link);
+            link = model.links[link].parent;
+        }
+    }
+    way.sort_unstable_by(|a, b| b.cmp(a));
+    way
+}
+
+/// The coordinates that are locked, held where they are given. A locked ball is not among them: it has no plain
+/// coordinate.
+pub(super) fn locks(model: &Model) -> Vec<Held> {
+    let locked = scalars(model).filter(|scalar| model.coordinates[scalar.velocity].lock);
+    locked
+        .map(|coordinate| {
+            let at = Instant { position: model.start_position[coordinate.position], ..Instant::default() };
+            Held { coordinate, at }
+        })
+        .collect()
+}
+
+fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
+    let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.counts().0 == 1);
+    plain.map(|(index, link)| Scalar {
+        link: index,
+        position: link.position,
+        velocity: link.velocity,
+        slides: matches!(link.joint, Joint::Slide { .. }),
+    })
+}
+
+/// Elements and rows of a model, and of coordinates that are held beside them.
+pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>) {
+    let mut rules = Vec::new();
+    let mut elements = Vec::new();
+    let mut given = Motion::new(model);
+    if !model.loops.is_empty() {
+        given.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
+    }
+    let nothing = Instant::default();
+    for (index, closed) in model.loops.iter().enumerate() {
+        let first = rules.len();
+        of_loop(closed, &given, &mut rules);
+        let rows = first..rules.len();
+        let name = format!("loop `{}`", closed.name);
+        let ends = Some(closed.ends);
+        let branches = branches(model, closed.ends[0].link, closed.ends[1].link);
+        let owner = Owner::Loop(index);
+        elements.push(Element { owner, name, rows, ends, branches, named: [0, 0], held: nothing });
+    }
+    let mut motion = |owner: Owner, name: String, parts: [(Scalar, f64); 2], held: Instant| {
+        let rows = rules.len()..rules.len() + 1;
+        rules.push(Rule::Motion { parts });
+        let named = parts.map(|(scalar, factor)| if factor == 0.0 { 0 } else { scalar.link });
+        let branches = [Vec::new(), Vec::new()];
+        elements.push(Element { owner, name, rows, ends: None, branches, named, held });
+    };
+    for (index, drive) in model.drives.iter().enumerate() {
+        let parts = [(drive.coordinate, 1.0), (drive.coordinate, 0.0)];
+        motion(Owner::Drive(index), format!("drive `{}`", drive.name), parts, nothing);
+    }
+    for (index, gear) in model.gears.iter().enumerate() {
+        let parts = [(gear.coordinates[0], 1.0), (gear.coordinates[1], -gear.ratio)];
+        motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
+    }
+    for Held { coordinate, at } in held {
+        let name = format!("held {}", model.label(coordinate.velocity));
+        motion(Owner::Held(coordinate.velocity), name, [(*coordinate, 1.0), (*coordinate, 0.0)], *at);
+    }
+    (elements, rules)
+}
+
+/// Turns of the loops' frames on their second links, taken where they stand at the given positions.
+pub(super) fn second_frame(closed: &Loop, given: &Motion) -> Matrix3<f64> {
+    let [first, second] = [&given.links[closed.ends[0].link], &given.links[closed.ends[1].link]];
+    closed.second_frame.unwrap_or_else(|| second.turn.transpose() * first.turn * closed.frame)
+}
+
+/// The rows of one loop; both frames are taken where they stand at `given`.
+fn of_loop(closed: &Loop, given: &Motion, rules: &mut Vec<Rule>) {
+    let kind = match closed.closure {
+        Closure::Rod { length } => {
+            rules.push(Rule::Distance { length });
+            return;
+        }
+        Closure::Hinge(kind) => kind,
+    };
+    let (one, other) = (closed.frame, second_frame(closed, given));
+    let along = |axis: &Vector3<f64>| Rule::Along { axis: one * axis };
+    let aligned =
+        |a: &Vector3<f64>, b: &Vector3<f64>, cosine: f64| Rule::Aligned { first: one * a, second: other * b, cosine };
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    match kind {
+        HingeKind::Free => {}
+        HingeKind::Spherical => rules.extend([along(&x), along(&y), along(&z)]),
+        HingeKind::Revolute { axis } => {
+            let [t, u, n] = around(&axis);
+            rules.extend([along(&t), along(&u), along(&n), aligned(&t, &n, 0.0), aligned(&u, &n, 0.0)]);
+        }
+        HingeKind::Cylindrical { axis } => {
+            let [t, u, n] = around(&axis);
+            rules.extend([along(&t), along(&u), aligned(&t, &n, 0.0), aligned(&u, &n, 0.0)]);
+        }
+        HingeKind::Prismatic { axis } => {
+            let [t, u, n] = around(&axis);
+            rules.extend([along(&t), along(&u)]);
+            rules.extend([aligned(&t, &u, 0.0), aligned(&u, &n, 0.0), aligned(&n, &t, 0.0)]);
+        }
+        HingeKind::Planar => rules.extend([along(&z), aligned(&x, &z, 0.0), aligned(&y, &z, 0.0)]),
+        HingeKind::Universal { axes } => {
+            let [a, b] = [axes[0].normalize(), axes[1].normalize()];
+            rules.extend([along(&x), along(&y), along(&z), aligned(&a, &b, a.dot(&b))]);
+        }
+        HingeKind::Fixed => {
+            rules.extend([along(&x), along(&y), along(&z)]);
+            rules.extend([aligned(&x, &y, 0.0), aligned(&y, &z, 0.0), aligned(&z, &x, 0.0)]);
+        }
+    }
+}
+
+/// Two unit vectors across an axis, and its own; coordinate axes where that is possible.
+fn around(axis: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    let n = axis.normalize();
+    let t = Vector3::ith(n.iamin(), 1.0);
+    let t = (t - n * n.dot(&t)).normalize();
+    let all = Matrix3::from_columns(&[t, n.cross(&t), n]);
+    [all.column(0).into(), all.column(1).into(), all.column(2).into()]
+}

@@ -1,0 +1,279 @@
+//! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
+
+use super::{Fault, System};
+use crate::constraint::{Constraints, ROUND_OFF, Rate};
+use crate::model::Model;
+use crate::motion::variation::LinkVariation;
+use crate::motion::{Motion, displace};
+use crate::spatial::Wrench;
+use crate::transfer::reduce::Load;
+use faer::Mat;
+
+/// Rounds of a projection: the gap of an accepted step is small, two rounds are the rule.
+const MOST_ROUNDS: usize = 12;
+/// A wider gap at the start means that the model has not been assembled.
+const ROUGH: f64 = 1e-6;
+/// A gap that may be left where rows are left out as redundant: this part of the scene's length.
+const OPEN: f64 = 1e-9;
+
+/// The rows of a model and scratch memory to push with them.
+#[derive(Debug, Clone)]
+pub(super) struct Constrained {
+    rows: Constraints,
+    length: f64,
+    /// Widest gap of redundant rows at the start: what numbers with few digits leave open.
+    left_open: f64,
+    loads: Vec<Wrench>,
+    tau: Vec<f64>,
+    step: Vec<f64>,
+    /// What was before a round of a projection.
+    before: Vec<f64>,
+    /// What the last multipliers apply to named bodies, for reactions of welds.
+    on_bodies: Vec<Wrench>,
+}
+
+/// What settling a state on the loops did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settled {
+    /// Whether the state changed.
+    pub moved: bool,
+    /// Widest gap before (m; rad times the scene's length).
+    pub gap_before: f64,
+    /// Widest gap left.
+    pub gap: f64,
+    /// How far the mechanism is from a singular position, where rows hang on each other that do not elsewhere: the sine
+    /// of the smallest angle between a row and those before it, in the metric of the inertia. 1 without rows.
+    pub clearance: f64,
+}
+
+impl Settled {
+    /// What there is to say of a system without loops.
+    const FREE: Self = Self { moved: false, gap_before: 0.0, gap: 0.0, clearance: 1.0 };
+}
+
+impl Constrained {
+    pub(super) fn new(model: &Model) -> Option<Box<Self>> {
+        let mut rows = Constraints::new(model)?;
+        let mut given = Motion::new(model);
+        given.update(model, &model.start_position, &model.start_velocity);
+        rows.place(model, &given, &model.start_position, true);
+        let left_open = rows.largest(&given, Rate::Gap, true).0;
+        let (n, length) = (model.velocity_count(), model.length_scale());
+        Some(Box::new(Self {
+            rows,
+            length,
+            left_open: if left_open <= ROUGH * length { left_open } else { 0.0 },
+            loads: vec![Wrench::ZERO; model.links.len()],
+            tau: vec![0.0; n],
+            step: vec![0.0; n],
+            before: vec![0.0; model.position_count().max(n)],
+            on_bodies: vec![Wrench::ZERO; if model.loops.is_empty() { 0 } else { model.bodies.len() }],
+        }))
+    }
+
+    pub(super) fn on_body(&self, body: usize) -> Wrench {
+        self.on_bodies.get(body).copied().unwrap_or(Wrench::ZERO)
+    }
+}
+
+impl System<'_> {
+    /// The time at which drives are looked at (s); nothing else depends on time.
+    pub fn set_time(&mut self, time: f64) {
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.set_time(time);
+        }
+    }
+
+    /// The rows of loops, drives and gears, with the multipliers of the last accelerations; `None` without any.
+    pub fn constraints(&self) -> Option<&Constraints> {
+        self.constraints.as_ref().map(|constrained| &constrained.rows)
+    }
+
+    /// From the accelerations `a` of the free tree to those that the rows allow.
+    pub(super) fn constrain(&mut self, q: &[f64], a: &mut [f64]) {
+        let Some(constrained) = &mut self.constraints else { return };
+        let rows = &mut constrained.rows;
+        rows.place(self.model, &self.motion, q, false);
+        rows.factorize(self.model, &self.motion, &self.reduction, 0.0);
+        rows.solve(&self.motion, Rate::Acceleration(self.reduction.links(), a));
+        self.push();
+        let Some(constrained) = &self.constraints else { return };
+        a.iter_mut().zip(&constrained.step).for_each(|(a, step)| *a += step);
+    }
+
+    /// `step ← M⁻¹ Gᵀ λ` with the last multipliers.
+    fn push(&mut self) {
+        let Some(constrained) = &mut self.constraints else { return };
+        let Constrained { rows, loads, tau, step, .. } = &mut **constrained;
+        loads.fill(Wrench::ZERO);
+        tau.fill(0.0);
+        rows.add_loads(loads, tau);
+        let load = Load { applied: loads, tau };
+        self.reduction.solve(self.model, &self.motion, &load, step);
+    }
+
+    /// Adds what the last multipliers push to the wrenches and hinge forces of a force balance.
+    pub(super) fn apply_multipliers(&mut self, q: &[f64]) {
+        let Some(constrained) = &mut self.constraints else { return };
+        constrained.rows.place(self.model, &self.motion, q, false);
+        constrained.rows.add_loads(&mut self.applied, &mut self.tau);
+        if !constrained.on_bodies.is_empty() {
+            constrained.on_bodies.fill(Wrench::ZERO);
+            constrained.rows.add_to_bodies(&mut constrained.on_bodies);
+        }
+    }
+
+    /// Adds how what [`System::apply_multipliers`] applied varies with the links at fixed multipliers.
+    pub(super) fn vary_multipliers(&self, motion_by: &[LinkVariation], applied: &mut [Wrench]) {
+        if let Some(constrained) = &self.constraints {
+            constrained.rows.add_variation(&self.motion, motion_by, applied);
+        }
+    }
+
+    /// `G` at the last evaluation's position: one row per independent row of loops, gears and drives, one column per
+    /// velocity.
+    pub fn constraint_matrix(&mut self, q: &[f64]) -> Mat<f64> {
+        let n = self.model.velocity_count();
+        let Some(constrained) = &mut self.constraints else { return Mat::zeros(0, n) };
+        constrained.rows.place(self.model, &self.motion, q, false);
+        let mut matrix = Mat::zeros(constrained.rows.rank(), n);
+        constrained.rows.gradient(self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
+        matrix
+    }
+
+    /// `G a + bias` of the independent rows for accelerations `a`: zero where they agree with the rows.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn constraint_rates(&mut self, q: &[f64], v: &[f64], a: &[f64], rates: &mut [f64]) -> Result<(), Fault> {
+        let mut residual = std::mem::take(&mut self.scratch);
+        let evaluated = self.residual(q, v, a, &mut residual);
+        self.scratch = residual;
+        evaluated?;
+        if let Some(constrained) = &mut self.constraints {
+            let rate = Rate::Acceleration(&self.balance.accelerations, a);
+            constrained.rows.rates(&self.motion, rate, rates);
+        }
+        Ok(())
+    }
+
+    /// Takes multipliers, one per row of [`System::constraint_matrix`], for residuals and linearizations that follow.
+    pub fn set_multipliers(&mut self, multipliers: &[f64]) {
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.set_multipliers(multipliers);
+        }
+    }
+
+    /// Power that drives put in (W).
+    pub(super) fn drive_power(&mut self, q: &[f64], v: &[f64]) -> f64 {
+        let mut a = std::mem::take(&mut self.scratch);
+        let evaluated = self.accelerations(q, v, &mut a);
+        self.scratch = a;
+        match (evaluated, &self.constraints) {
+            (Ok(()), Some(constrained)) => constrained.rows.power(),
+            _ => f64::NAN,
+        }
+    }
+
+    /// The widest gap of loops, gears and drives at a position (m; rad times the scene's length); 0 without any.
+    pub fn gap(&mut self, q: &[f64]) -> f64 {
+        let Some(constrained) = &mut self.constraints else { return 0.0 };
+        self.scratch.fill(0.0);
+        self.motion.update(self.model, q, &self.scratch);
+        constrained.rows.place(self.model, &self.motion, q, true);
+        constrained.rows.largest(&self.motion, Rate::Gap, true).0
+    }
+
+    /// Brings a state onto the loops, drives and gears: positions, then velocities, each the nearest in the metric of
+    /// the inertia. A state that is closed to round-off comes back bit for bit.
+    ///
+    /// # Errors
+    /// The loop that cannot be closed from here, a singular hinge, or a number that is not finite.
+    pub fn settle(&mut self, q: &mut [f64], v: &mut [f64]) -> Result<Settled, Fault> {
+        if self.constraints.is_none() {
+            return Ok(Settled::FREE);
+        }
+        self.motion.update(self.model, q, v);
+        let gap_before = self.place_gap(q);
+        if let Some(constrained) = &mut self.constraints {
+            constrained.tau.fill(0.0);
+            let Constrained { rows, tau, step, .. } = &mut **constrained;
+            if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau, step) {
+                return Err(self.singular(&singular, q, v));
+            }
+            rows.factorize(self.model, &self.motion, &self.reduction, 0.0);
+        }
+        let moved = self.settle_position(q, v);
+        let moved = self.settle_velocity(q, v) || moved;
+        let gap = self.place_gap(q);
+        let Some(constrained) = &self.constraints else { return Ok(Settled::FREE) };
+        if !(gap <= OPEN * constrained.length + 2.0 * constrained.left_open) {
+            let open = constrained.rows.widest(&self.motion);
+            return Err(Fault::Open { element: open.element, gap: open.gap });
+        }
+        let clearance = constrained.rows.clearance();
+        Ok(Settled { moved, gap_before, gap, clearance })
+    }
+
+    /// Places all rows where the motion is; the widest gap.
+    fn place_gap(&mut self, q: &[f64]) -> f64 {
+        let Some(constrained) = &mut self.constraints else { return 0.0 };
+        constrained.rows.place(self.model, &self.motion, q, true);
+        constrained.rows.largest(&self.motion, Rate::Gap, true).0
+    }
+
+    /// Rounds of eq. (3) of [`crate::constraint`] with one factorization, while they help.
+    fn settle_position(&mut self, q: &mut [f64], v: &[f64]) -> bool {
+        let mut moved = false;
+        let Some(constrained) = &self.constraints else { return false };
+        // Near a singular position a small gap stands for a large distance.
+        let enough = ROUND_OFF * constrained.length * constrained.rows.clearance().powi(2);
+        let mut gap = constrained.rows.largest(&self.motion, Rate::Gap, false).0;
+        for _ in 0..MOST_ROUNDS {
+            if gap <= enough {
+                break;
+            }
+            let Some(constrained) = &mut self.constraints else { break };
+            constrained.rows.solve(&self.motion, Rate::Gap);
+            self.push();
+            let Some(constrained) = &mut self.constraints else { break };
+            constrained.before[..q.len()].copy_from_slice(q);
+            displace(self.model, q, &constrained.step);
+            self.motion.update(self.model, q, v);
+            constrained.rows.place(self.model, &self.motion, q, false);
+            let now = constrained.rows.largest(&self.motion, Rate::Gap, false).0;
+            if !(now < 0.5 * gap) {
+                q.copy_from_slice(&constrained.before[..q.len()]);
+                self.motion.update(self.model, q, v);
+                constrained.rows.place(self.model, &self.motion, q, false);
+                break;
+            }
+            moved = true;
+            gap = now;
+        }
+        moved
+    }
+
+    /// Rounds of eq. (4), while they help.
+    fn settle_velocity(&mut self, q: &[f64], v: &mut [f64]) -> bool {
+        let mut moved = false;
+        let mut left = f64::INFINITY;
+        for _ in 0..MOST_ROUNDS {
+            let Some(constrained) = &mut self.constraints else { break };
+            let now = constrained.rows.largest(&self.motion, Rate::Speed(v), false).0;
+            let size = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            let enough = ROUND_OFF * constrained.length * size * constrained.rows.clearance().powi(2);
+            if !(now < 0.5 * left) || now <= enough {
+                break;
+            }
+            left = now;
+            constrained.rows.solve(&self.motion, Rate::Speed(v));
+            self.push();
+            let Some(constrained) = &self.constraints else { break };
+            v.iter_mut().zip(&constrained.step).for_each(|(v, step)| *v += step);
+            self.motion.update(self.model, q, v);
+            moved = true;
+        }
+        moved
+    }
+}

@@ -1,0 +1,267 @@
+//! Motions that are given: position, velocity and acceleration of a coordinate as functions of time.
+
+use super::couplings::MotionDescription;
+use exmex::{Differentiate, Express, FlatEx};
+use std::f64::consts::TAU;
+
+/// A motion, compiled.
+#[derive(Debug, Clone)]
+pub enum Prescribed {
+    /// `start + rate t`.
+    Line {
+        /// At t = 0.
+        start: f64,
+        /// Per second.
+        rate: f64,
+    },
+    /// From one position to another by the polynomial of degree 5 whose velocity and acceleration vanish at both ends.
+    Ramp {
+        /// Before.
+        from: f64,
+        /// After.
+        to: f64,
+        /// (s)
+        begin: f64,
+        /// (s)
+        duration: f64,
+    },
+    /// `offset + amplitude sin(pace t + phase)`.
+    Sine {
+        /// Mean.
+        offset: f64,
+        /// Amplitude.
+        amplitude: f64,
+        /// (rad/s)
+        pace: f64,
+        /// (rad)
+        phase: f64,
+    },
+    /// Cubic spline.
+    Spline(Spline),
+    /// A formula and its first two derivatives.
+    Formula(Box<[FlatEx<f64>; 3]>),
+}
+
+/// Position, velocity and acceleration of a prescribed coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Instant {
+    /// (m or rad)
+    pub position: f64,
+    /// (m/s or rad/s)
+    pub velocity: f64,
+    /// (m/s² or rad/s²)
+    pub acceleration: f64,
+}
+
+impl Prescribed {
+    /// Compiles a motion; `given` is the coordinate's position as given.
+    ///
+    /// # Errors
+    /// What is wrong with a formula or a number of it, for people.
+    pub fn compile(motion: &MotionDescription, given: f64) -> Result<Self, String> {
+        let compiled = match motion {
+            MotionDescription::Hold => Self::Line { start: given, rate: 0.0 },
+            MotionDescription::Rate { rate } => Self::Line { start: given, rate: *rate },
+            MotionDescription::Ramp { to, begin, duration } => {
+                Self::Ramp { from: given, to: *to, begin: *begin, duration: *duration }
+            }
+            MotionDescription::Sine { offset, amplitude, frequency, phase } => Self::Sine {
+                offset: offset.unwrap_or(given),
+                amplitude: *amplitude,
+                pace: TAU * frequency,
+                phase: *phase,
+            },
+            MotionDescription::Table { times, values } => Self::Spline(Spline::new(times, values)?),
+            MotionDescription::Expression { text } => Self::Formula(Box::new(formula(text)?)),
+        };
+        let now = compiled.at(0.0);
+        if [now.position, now.velocity, now.acceleration].iter().all(|x| x.is_finite()) {
+            Ok(compiled)
+        } else {
+            Err("at t = 0 its position, velocity or acceleration is not a finite number".to_owned())
+        }
+    }
+
+    /// The motion at `time` (s).
+    pub fn at(&self, time: f64) -> Instant {
+        match self {
+            Self::Line { start, rate } => Instant { position: start + rate * time, velocity: *rate, acceleration: 0.0 },
+            Self::Ramp { from, to, begin, duration } => {
+                let x = ((time - begin) / duration).clamp(0.0, 1.0);
+                let way = to - from;
+                Instant {
+                    position: from + way * x * x * x * (10.0 + x * (6.0 * x - 15.0)),
+                    velocity: way * 30.0 * x * x * (x - 1.0) * (x - 1.0) / duration,
+                    acceleration: way * 60.0 * x * (x - 1.0) * (2.0 * x - 1.0) / (duration * duration),
+                }
+            }
+            Self::Sine { offset, amplitude, pace, phase } => {
+                let (sin, cos) = (pace * time + phase).sin_cos();
+                Instant {
+                    position: offset + amplitude * sin,
+                    velocity: amplitude * pace * cos,
+                    acceleration: -amplitude * pace * pace * sin,
+                }
+            }
+            Self::Spline(spline) => spline.at(time),
+            Self::Formula(parts) => {
+                // A formula that uses no time has no variables.
+                let value = |part: &FlatEx<f64>| {
+                    let variables = &[time][..part.var_names().len().min(1)];
+                    part.eval(variables).unwrap_or(f64::NAN)
+                };
+                Instant { position: value(&parts[0]), velocity: value(&parts[1]), acceleration: value(&parts[2]) }
+            }
+        }
+    }
+
+    /// Whether the velocity never changes.
+    pub fn is_steady(&self) -> bool {
+        matches!(self, Self::Line { .. })
+    }
+}
+
+/// A formula in `t` with its derivatives.
+fn formula(text: &str) -> Result<[FlatEx<f64>; 3], String> {
+    let wrong = |error: exmex::ExError| format!("the formula `{text}` cannot be used: {error}");
+    let position = FlatEx::<f64>::parse(text).map_err(wrong)?;
+    match position.var_names() {
+        [] => {}
+        [name] if name == "t" => {}
+        names => {
+            let others: Vec<String> =
+                names.iter().filter(|name| *name != "t").map(|name| format!("`{name}`")).collect();
+            return Err(format!(
+                "the formula `{text}` uses {}: the only variable is the time `t` in s",
+                others.join(", ")
+            ));
+        }
+    }
+    if position.var_names().is_empty() {
+        let zero = FlatEx::<f64>::parse("0").map_err(wrong)?;
+        return Ok([position, zero.clone(), zero]);
+    }
+    let velocity = position.clone().partial(0).map_err(wrong)?;
+    let acceleration = velocity.clone().partial(0).map_err(wrong)?;
+    Ok([position, velocity, acceleration])
+}
+
+/// A cubic spline with continuous second derivative inside and no slope at its ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spline {
+    times: Vec<f64>,
+    values: Vec<f64>,
+    /// Second derivatives at the points.
+    curvatures: Vec<f64>,
+}
+
+impl Spline {
+    /// Through the points `(times, values)`; `times` must increase.
+    ///
+    /// # Errors
+    /// What is wrong with the points, for people.
+    pub fn new(times: &[f64], values: &[f64]) -> Result<Self, String> {
+        if times.len() != values.len() {
+            return Err(format!("{} times and {} values: there must be as many", times.len(), values.len()));
+        }
+        if times.len() < 2 {
+            return Err("a table needs at least two points".to_owned());
+        }
+        if let Some(bad) = times.iter().chain(values).find(|x| !x.is_finite()) {
+            return Err(format!("a table holds {bad}: all its numbers must be finite"));
+        }
+        if let Some(at) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+            return Err(format!("times must increase, but {} s comes after {} s", times[at + 1], times[at]));
+        }
+        // Clamped spline: continuity of the first derivative, a tridiagonal system for the second derivatives.
+        let n = times.len();
+        let slope = |i: usize| (values[i + 1] - values[i]) / (times[i + 1] - times[i]);
+        let (mut diagonal, mut rhs) = (vec![0.0; n], vec![0.0; n]);
+        for i in 0..n {
+            let before = if i > 0 { times[i] - times[i - 1] } else { 0.0 };
+            let after = if i + 1 < n { times[i + 1] - times[i] } else { 0.0 };
+            diagonal[i] = (before + after) / 3.0;
+            rhs[i] = if i + 1 < n { slope(i) } else { 0.0 } - if i > 0 { slope(i - 1) } else { 0.0 };
+        }
+        for i in 1..n {
+            let across = (times[i] - times[i - 1]) / 6.0;
+            let factor = across / diagonal[i - 1];
+            diagonal[i] -= factor * across;
+            rhs[i] -= factor * rhs[i - 1];
+        }
+        let mut curvatures = vec![0.0; n];
+        curvatures[n - 1] = rhs[n - 1] / diagonal[n - 1];
+        for i in (0..n - 1).rev() {
+            let across = (times[i + 1] - times[i]) / 6.0;
+            curvatures[i] = (rhs[i] - across * curvatures[i + 1]) / diagonal[i];
+        }
+        Ok(Self { times: times.to_vec(), values: values.to_vec(), curvatures })
+    }
+
+    /// The spline at `time`; outside its points it rests.
+    pub fn at(&self, time: f64) -> Instant {
+        let last = self.times.len() - 1;
+        let rest = |position: f64| Instant { position, velocity: 0.0, acceleration: 0.0 };
+        if time < self.times[0] {
+            return rest(self.values[0]);
+        }
+        if time > self.times[last] {
+            return rest(self.values[last]);
+        }
+        let i = self.times.partition_point(|t| *t <= time).clamp(1, last) - 1;
+        let h = self.times[i + 1] - self.times[i];
+        let (a, b) = ((self.times[i + 1] - time) / h, (time - self.times[i]) / h);
+        let (ca, cb) = (self.curvatures[i], self.curvatures[i + 1]);
+        let slope = (self.values[i + 1] - self.values[i]) / h;
+        Instant {
+            position: a * self.values[i]
+                + b * self.values[i + 1]
+                + ((a * a * a - a) * ca + (b * b * b - b) * cb) * h * h / 6.0,
+            velocity: slope + ((3.0 * b * b - 1.0) * cb - (3.0 * a * a - 1.0) * ca) * h / 6.0,
+            acceleration: a * ca + b * cb,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motions() -> Vec<Prescribed> {
+        let table = MotionDescription::Table { times: vec![0.0, 0.5, 1.5, 2.0], values: vec![0.1, 0.7, -0.2, 0.0] };
+        let ramp = MotionDescription::Ramp { to: 2.0, begin: 0.25, duration: 1.5 };
+        let sine = MotionDescription::Sine { offset: None, amplitude: 0.3, frequency: 0.8, phase: 0.2 };
+        let formula = MotionDescription::Expression { text: "asin(0.1*sin(10*t)) + 0.2*t^2".to_owned() };
+        [table, ramp, sine, formula].iter().map(|motion| Prescribed::compile(motion, 0.4).unwrap()).collect()
+    }
+
+    /// Velocity and acceleration are the derivatives of the position.
+    #[test]
+    fn rates_are_derivatives() {
+        for motion in motions() {
+            for time in [0.3, 0.77, 1.2, 1.9] {
+                let (h, now) = (1e-5, motion.at(time));
+                let (before, after) = (motion.at(time - h), motion.at(time + h));
+                // Central differences: h² times the third derivatives (below 1e3) over six.
+                assert!((now.velocity - (after.position - before.position) / (2.0 * h)).abs() < 1e-7, "{motion:?}");
+                assert!((now.acceleration - (after.velocity - before.velocity) / (2.0 * h)).abs() < 1e-6, "{motion:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_passes_through_its_points_and_rests_at_its_ends() {
+        let Prescribed::Spline(spline) = &motions()[0] else { panic!() };
+        for (time, value) in spline.times.iter().zip(&spline.values) {
+            assert!((spline.at(*time).position - value).abs() < 1e-15);
+        }
+        assert!(spline.at(0.0).velocity.abs() < 1e-15 && spline.at(2.0).velocity.abs() < 1e-14);
+    }
+
+    #[test]
+    fn formulas_say_what_is_wrong() {
+        let wrong = |text: &str| formula(text).unwrap_err();
+        assert!(wrong("0.1*sin(omega*t)").contains("`omega`"), "{}", wrong("0.1*sin(omega*t)"));
+        assert!(wrong("sin(").contains("cannot be used"));
+    }
+}

@@ -1,0 +1,85 @@
+//! `[[loop]]`, `[[drive]]`, `[[gear]]`.
+
+use super::body::Names;
+use super::force::between;
+use super::hinge::{axes, kind};
+use super::reader::{Reader, Value};
+use crate::model::couplings::{
+    Closure, CoordinateName, DriveDescription, GearDescription, GearKind, LoopDescription, MotionDescription,
+};
+use toml::de::DeValue;
+
+fn name(table: &Reader<'_>, what: &str, index: usize) -> String {
+    table.text("name").map_or_else(|| format!("{what}[{index}]"), str::to_owned)
+}
+
+/// Reads a `[[loop]]`; `None` where too little of it is readable.
+pub(super) fn closed_loop(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Option<LoopDescription> {
+    let closure = match table.text("type")? {
+        "rod" => Closure::Rod { length: table.number("length")? },
+        "universal" => {
+            axes(table)?;
+            Closure::Hinge(kind(table)?)
+        }
+        _ => Closure::Hinge(kind(table)?),
+    };
+    Some(LoopDescription {
+        name: name(table, "loop", index),
+        closure,
+        between: between(table, bodies)?,
+        frame: table.turn("rpy"),
+        second_frame: table.has("rpy_second").then(|| table.turn("rpy_second")),
+    })
+}
+
+/// Reads a `[[drive]]`; `None` where too little of it is readable.
+pub(super) fn drive(table: &Reader<'_>, index: usize) -> Option<DriveDescription> {
+    let motion = match table.text("type")? {
+        "hold" => MotionDescription::Hold,
+        "rate" => MotionDescription::Rate { rate: table.number("rate")? },
+        "ramp" => MotionDescription::Ramp {
+            to: table.number("to")?,
+            begin: table.number("begin").unwrap_or(0.0),
+            duration: table.number("duration")?,
+        },
+        "sine" => MotionDescription::Sine {
+            offset: table.number("offset"),
+            amplitude: table.number("amplitude")?,
+            frequency: table.number("frequency")?,
+            phase: table.number("phase").unwrap_or(0.0),
+        },
+        "table" => MotionDescription::Table { times: table.numbers("times")?, values: table.numbers("values")? },
+        "expression" => MotionDescription::Expression { text: table.text("expression")?.to_owned() },
+        _ => return None,
+    };
+    let index_of = table.count("coordinate").unwrap_or(0);
+    let coordinate = CoordinateName { body: table.text("hinge")?.to_owned(), index: index_of };
+    Some(DriveDescription { name: name(table, "drive", index), coordinate, motion })
+}
+
+/// Reads a `[[gear]]`; `None` where too little of it is readable.
+pub(super) fn gear(table: &Reader<'_>, index: usize) -> Option<GearDescription> {
+    let kind = match table.text("type")? {
+        "ratio" => GearKind::Ratio { ratio: table.number("ratio")? },
+        "rack" => GearKind::Rack { radius: table.number("radius")? },
+        "screw" => GearKind::Screw { lead: table.number("lead")? },
+        _ => return None,
+    };
+    let between = match &table.value("between")?.get_ref().as_array()?[..] {
+        [first, second] => [coordinate(table, first)?, coordinate(table, second)?],
+        _ => return None,
+    };
+    Some(GearDescription { name: name(table, "gear", index), between, kind })
+}
+
+fn coordinate(table: &Reader<'_>, value: Value<'_>) -> Option<CoordinateName> {
+    match value.get_ref() {
+        DeValue::String(body) => Some(CoordinateName { body: body.as_ref().to_owned(), index: 0 }),
+        DeValue::Table(inner) => {
+            let inner = Reader::new(inner, value.span(), table.findings);
+            let index = inner.count("coordinate").unwrap_or(0);
+            Some(CoordinateName { body: inner.text("hinge")?.to_owned(), index })
+        }
+        _ => None,
+    }
+}

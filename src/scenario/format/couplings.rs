@@ -1,0 +1,148 @@
+//! What couples hinges beyond the tree: loops, drives, gears.
+
+use super::super::fields::{Key, Kind, Range, Table};
+use super::force::END;
+use super::{NUMBER, POSITIVE, VECTOR};
+
+/// `[[loop]]`
+pub const LOOP: Table = Table {
+    name: "loop",
+    doc: "Closes a kinematic loop: a hinge or a rigid rod between two points that hang together through the tree. \
+          Its frame is carried by the first end: the axes of the first body, turned by `rpy`. On the second body it is \
+          the frame that coincides with this one in the positions as given, or what `rpy_second` says.",
+    types: &[
+        ("fixed", "Welds both ends together."),
+        ("revolute", "Turns about `axis`."),
+        ("prismatic", "Slides along `axis`."),
+        ("cylindrical", "Slides along and turns about `axis`."),
+        ("universal", "Turns about the first of `axes` (on the first body) and about the second (on the second body)."),
+        ("planar", "Slides in the xy plane of the loop's frame and turns about its z."),
+        ("spherical", "Turns freely: the two points stay together."),
+        ("rod", "A rigid rod without mass: the two points keep the distance `length`."),
+    ],
+    keys: &[
+        Key::new("name", Kind::Text, "Unique name; `loop[i]` with its place in the file, from 0, where left out.")
+            .example("\"coupler-ground\""),
+        Key::new("between", Kind::List(&END, &[2]), "Its two ends, on different bodies.")
+            .required()
+            .example("[\"coupler.tip\", { body = \"ground\", at = [0.4, 0.0, 0.0] }]"),
+        Key::new("axis", VECTOR, "Axis in the loop's frame, of any length but zero.")
+            .required()
+            .only(&["revolute", "prismatic", "cylindrical"])
+            .example("[0.0, 1.0, 0.0]"),
+        Key::new("axes", Kind::List(&VECTOR, &[2]), "Both axes in the loop's frame, not parallel.")
+            .required()
+            .only(&["universal"])
+            .example("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]"),
+        Key::new("rpy", VECTOR, "Turn of the loop's frame in the first body: roll, pitch, yaw as in URDF.")
+            .unit("rad")
+            .default("[0.0, 0.0, 0.0]")
+            .only(FRAMED)
+            .example("[0.0, 0.0, 1.5708]"),
+        Key::new(
+            "rpy_second",
+            VECTOR,
+            "Turn of the loop's frame in the second body; where it is left out, the frames coincide in the positions as given.",
+        )
+        .unit("rad")
+        .only(FRAMED)
+        .example("[0.0, 0.0, 0.0]"),
+        Key::new("length", POSITIVE, "Length of the rod.").unit("m").required().only(&["rod"]).example("0.5"),
+    ],
+};
+
+const FRAMED: &[&str] = &["fixed", "revolute", "prismatic", "cylindrical", "universal", "planar", "spherical"];
+
+/// `[[drive]]`
+pub const DRIVE: Table = Table {
+    name: "drive",
+    doc: "A hinge coordinate that follows a given motion, whatever force that takes; the force is reported.",
+    types: &[
+        ("hold", "Stays where it is given."),
+        ("rate", "At a constant rate from the given position."),
+        ("ramp", "Smoothly from the given position to `to`, at rest before and after."),
+        ("sine", "offset + amplitude sin(2π frequency t + phase)."),
+        ("table", "A cubic spline through points, at rest before the first and after the last."),
+        ("expression", "A formula in the time `t`."),
+    ],
+    keys: &[
+        Key::new("name", Kind::Text, "Unique name; `drive[i]` with its place in the file, from 0, where left out.")
+            .example("\"motor\""),
+        Key::new("hinge", Kind::Text, "The body whose hinge is driven.").required().example("\"crank\""),
+        Key::new("coordinate", Kind::Integer(Range::AtLeast(0.0)), "Which of the hinge's angles and distances, from 0.")
+            .default("0")
+            .example("0"),
+        Key::new("rate", NUMBER, "Rate.").unit("m/s or rad/s").required().only(&["rate"]).example("6.28"),
+        Key::new("to", NUMBER, "Where it ends.").unit("m or rad").required().only(&["ramp"]).example("0.5"),
+        Key::new("begin", NUMBER, "When it begins.").unit("s").default("0.0").only(&["ramp"]).example("1.0"),
+        Key::new("duration", POSITIVE, "How long it takes.").unit("s").required().only(&["ramp"]).example("2.0"),
+        Key::new("amplitude", NUMBER, "Amplitude.").unit("m or rad").required().only(&["sine"]).example("0.1"),
+        Key::new("frequency", NUMBER, "Frequency.").unit("Hz").required().only(&["sine"]).example("2.0"),
+        Key::new("phase", NUMBER, "Phase at t = 0.").unit("rad").default("0.0").only(&["sine"]).example("1.5708"),
+        Key::new("offset", NUMBER, "Mean; the given position where it is left out.")
+            .unit("m or rad")
+            .only(&["sine"])
+            .example("0.0"),
+        Key::new("times", Kind::List(&NUMBER, &[]), "Times of the points, increasing.")
+            .unit("s")
+            .required()
+            .only(&["table"])
+            .example("[0.0, 1.0, 2.0]"),
+        Key::new("values", Kind::List(&NUMBER, &[]), "Positions at the points, as many as times.")
+            .unit("m or rad")
+            .required()
+            .only(&["table"])
+            .example("[0.0, 0.3, 0.0]"),
+        Key::new(
+            "expression",
+            Kind::Text,
+            "Position [m or rad] as a formula in `t` [s]: + − * / ^, sin, cos, tan, asin, acos, atan, exp, log, sqrt, PI.",
+        )
+        .required()
+        .only(&["expression"])
+        .example("\"0.1*sin(2*PI*t)\""),
+    ],
+};
+
+/// `[[gear]]`
+pub const GEAR: Table = Table {
+    name: "gear",
+    doc: "A fixed ratio between two hinge coordinates, engaged in the positions as given.",
+    types: &[
+        ("ratio", "The first moves `ratio` times as far as the second; both turn or both slide."),
+        ("rack", "A rack (first, slides) on a pinion (second, turns): `radius` times the angle."),
+        ("screw", "A nut (first, slides) on a screw (second, turns): `lead` per full turn."),
+    ],
+    keys: &[
+        Key::new("name", Kind::Text, "Unique name; `gear[i]` with its place in the file, from 0, where left out.")
+            .example("\"reduction\""),
+        Key::new("between", Kind::List(&COORDINATE, &[2]), "The two coordinates.")
+            .required()
+            .example("[\"wheel\", \"pinion\"]"),
+        Key::new("ratio", NUMBER, "How far the first moves while the second moves by 1; negative for the other way.")
+            .required()
+            .only(&["ratio"])
+            .example("-0.25"),
+        Key::new("radius", NUMBER, "Radius of the pinion.").unit("m").required().only(&["rack"]).example("0.05"),
+        Key::new("lead", NUMBER, "Way per full turn.").unit("m").required().only(&["screw"]).example("0.002"),
+    ],
+};
+
+const COORDINATE: Kind = Kind::Either(&[Kind::Text, Kind::Table(&HINGE_COORDINATE)]);
+
+/// A coordinate of a hinge.
+pub const HINGE_COORDINATE: Table = Table {
+    name: "coordinate",
+    doc: "One coordinate of a body's hinge; a body's name alone means its first.",
+    types: &[],
+    keys: &[
+        Key::new("hinge", Kind::Text, "The body whose hinge it is.").required().example("\"nut\""),
+        Key::new(
+            "coordinate",
+            Kind::Integer(Range::AtLeast(0.0)),
+            "Which of the hinge's angles and distances, from 0.",
+        )
+        .default("0")
+        .example("1"),
+    ],
+};

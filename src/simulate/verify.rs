@@ -1,0 +1,119 @@
+//! How wrong a run is: the same run once more, tighter and by another method.
+//!
+//! The second run has a hundredth of the tolerance, or half the step where that is fixed, and is made by a method that
+//! shares nothing with the first but the system: what the two end states differ by is the error of the first, as long
+//! as the second is much the better one. On a chaotic scene they differ by as much as the motion itself: then no method
+//! can say where it ends.
+
+use super::run::{RunError, State, Summary, run};
+use super::settings::{Integrator, Settings};
+use crate::integrate::Method;
+use crate::model::{Joint, Model};
+use crate::motion::unit_quaternion;
+use crate::record::Fanout;
+use crate::spatial::rotation::rotation_vector;
+
+/// The second run's tolerance is this part of the first one's.
+const TIGHTER: f64 = 1e-2;
+const TIGHTEST: f64 = 1e-13;
+
+/// The estimated error of a run at its end, the largest of each kind of coordinate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verified {
+    /// The method of the second run.
+    pub method: Method,
+    /// Its tolerance.
+    pub tolerance: f64,
+    /// Of distances (m).
+    pub length: f64,
+    /// Of angles, and of the turn between quaternions (rad).
+    pub angle: f64,
+    /// Of speeds along hinges (m/s).
+    pub speed: f64,
+    /// Of rates (rad/s).
+    pub rate: f64,
+    /// Of the end itself, where an event ended the run (s).
+    pub time: f64,
+}
+
+/// Runs again and compares. `None` where it was stopped from outside.
+///
+/// # Errors
+/// Where the second run cannot be made.
+pub fn verify(
+    model: &Model,
+    settings: &Settings,
+    start: &State,
+    first: &Summary,
+    go_on: &mut dyn FnMut(f64) -> bool,
+) -> Result<Option<Verified>, RunError> {
+    // What stability held, or could have held, is not given to an explicit method.
+    let last = first.integrators.last().copied().unwrap_or(Method::Radau9);
+    let method = match last {
+        Method::Rk4 | Method::Dopri5 | Method::Gauss => Method::Dop853,
+        Method::Radau9 => Method::Radau5,
+        Method::Dop853 | Method::Sdirk4 | Method::Radau5 | Method::GeneralizedAlpha => Method::Radau9,
+    };
+    let tolerance = (TIGHTER * settings.tolerance).max(TIGHTEST);
+    let settings = Settings {
+        duration: if first.stopped_by.is_some() { settings.duration } else { first.end_time },
+        integrator: Integrator::Method(method),
+        tolerance,
+        absolute_tolerance: (TIGHTER * settings.absolute_tolerance).max(TIGHTEST),
+        step: None,
+        ..*settings
+    };
+    let rate = 1.0 / settings.duration;
+    let second = run(model, &settings, rate, start, &mut Fanout::new(), &mut |time, _| go_on(time))?;
+    if second.interrupted {
+        return Ok(None);
+    }
+    let mut found = Verified {
+        method,
+        tolerance,
+        length: 0.0,
+        angle: 0.0,
+        speed: 0.0,
+        rate: 0.0,
+        time: (second.end_time - first.end_time).abs(),
+    };
+    compare(model, &first.state, &second.state, &mut found);
+    Ok(Some(found))
+}
+
+fn compare(model: &Model, a: &State, b: &State, found: &mut Verified) {
+    let apart = |from: &[f64], to: &[f64], at: usize| (from[at] - to[at]).abs();
+    for link in &model.links {
+        let (at, from) = (link.position, link.velocity);
+        match link.joint {
+            Joint::None => {}
+            Joint::Slide { .. } => {
+                found.length = found.length.max(apart(&a.position, &b.position, at));
+                found.speed = found.speed.max(apart(&a.velocity, &b.velocity, from));
+            }
+            Joint::Turn => {
+                found.angle = found.angle.max(apart(&a.position, &b.position, at));
+                found.rate = found.rate.max(apart(&a.velocity, &b.velocity, from));
+            }
+            Joint::Ball { .. } => {
+                let [a_turn, b_turn] = [a, b].map(|state| unit_quaternion(&state.position[at..at + 4]));
+                found.angle = found.angle.max(rotation_vector(&(a_turn.inverse() * b_turn)).norm());
+                for i in from..from + 3 {
+                    found.rate = found.rate.max(apart(&a.velocity, &b.velocity, i));
+                }
+            }
+        }
+    }
+}
+
+/// How far the quaternions of a state are from unit length, the largest.
+pub fn quaternion_error(model: &Model, state: &State) -> f64 {
+    let of_link = |link: &crate::model::Link| match link.joint {
+        Joint::Ball { .. } => {
+            let p = &state.position[link.position..link.position + 4];
+            (p.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs()
+        }
+        _ => 0.0,
+    };
+    model.links.iter().map(of_link).fold(0.0, f64::max)
+}

@@ -1,0 +1,53 @@
+//! What a run says of its own error, what the program chooses, and what it refuses.
+
+use stillpoint::integrate::Method;
+use stillpoint::record::Fanout;
+use stillpoint::simulate::verify::{Verified, quaternion_error, verify};
+use stillpoint::simulate::{RunError, State, Summary, run};
+
+use crate::scenarios::shipped;
+
+fn go(name: &str, changes: &[&str]) -> Result<(Summary, Verified), RunError> {
+    let (scenario, model) = shipped(name, changes);
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let summary = run(&model, &scenario.simulate, 1.0, &start, &mut Fanout::new(), &mut |_, _| true)?;
+    // A few roundings of four squares.
+    assert!(quaternion_error(&model, &summary.state) < 1e-15);
+    let verified = verify(&model, &scenario.simulate, &start, &summary, &mut |_| true)?.expect("nobody stopped it");
+    Ok((summary, verified))
+}
+
+/// Against the same run at a tolerance that leaves rounding alone: the estimate is the error within a tenth of it.
+#[test]
+fn the_estimated_error_of_a_run_is_its_error() {
+    for (name, method) in
+        [("five_links", "dopri5"), ("five_links", "dop853"), ("heavy_top", "radau5"), ("heavy_top", "sdirk4")]
+    {
+        let method = format!("simulate.integrator={method:?}");
+        let (loose, verified) = go(name, &[&method, "simulate.tolerance=1e-6"]).expect("a run");
+        let (exact, _) = go(name, &["simulate.integrator=\"dop853\"", "simulate.tolerance=1e-12"]).expect("a run");
+        let pairs = loose.state.velocity.iter().zip(&exact.state.velocity);
+        let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!((verified.rate / error - 1.0).abs() < 0.1, "{name} {method}: {verified:?} {error:e}");
+        assert!(verified.angle > 0.0 && verified.length == 0.0 && verified.method != loose.integrators[0]);
+    }
+}
+
+#[test]
+fn auto_leaves_the_explicit_method_where_the_scene_is_stiff_and_only_there() {
+    let (stiff, verified) =
+        go("stiff_chain", &["simulate.integrator=\"auto\"", "simulate.tolerance=1e-8"]).expect("a run");
+    assert_eq!(stiff.integrators, [Method::Dop853, Method::Radau9]);
+    assert!(stiff.choice.as_ref().is_some_and(|said| said.contains("held by stability")), "{:?}", stiff.choice);
+    assert!(stiff.statistics.steps < 400 && verified.angle < 1e-7, "{:?} {verified:?}", stiff.statistics);
+    let (smooth, _) = go("heavy_top", &["simulate.integrator=\"auto\"", "simulate.tolerance=1e-8"]).expect("a run");
+    assert_eq!(smooth.integrators, [Method::Dop853]);
+}
+
+#[test]
+fn an_explicit_method_on_a_scene_far_too_stiff_is_refused_with_advice() {
+    let changes = ["lower.damping=1e12", "simulate.duration=0.1", "simulate.integrator=\"dopri5\""];
+    let error = go("double_pendulum", &changes).expect_err("too stiff").to_string();
+    assert!(error.contains("`dopri5` is an explicit method") && error.contains("`lower`"), "{error}");
+    assert!(error.contains("radau9"), "{error}");
+}
