@@ -70,7 +70,7 @@ impl<'m> Routines<'m> {
         let model = self.system.model();
         match routine {
             Routine::Acceleration => true,
-            Routine::Jacobian if model.velocity_count() > MOST_DENSE => false,
+            Routine::Jacobian if model.is_constrained() || model.velocity_count() > MOST_DENSE => false,
             Routine::Jacobian => {
                 self.jacobians.get_or_insert_with(|| AccelerationJacobians::new(model));
                 true
@@ -130,7 +130,7 @@ pub(super) fn main(arguments: &Arguments, memory: fn() -> Memory) -> anyhow::Res
         let mut routines = Routines::new(&model)?;
         if !routines.prepare(routine) {
             anyhow::bail!(
-                "{}: this scene is too large for the dense Jacobians, or has forces that reach further than the sweep of the tangent",
+                "{}: this scene does not have that routine: it is too large for the dense Jacobians, or has loops, drives, gears or forces that the sweep of the tangent does not cover",
                 scenario.name
             );
         }
@@ -149,7 +149,7 @@ pub(super) fn main(arguments: &Arguments, memory: fn() -> Memory) -> anyhow::Res
             "static_step_ns": cost(costs.static_step),
             "statics_ms": costs.statics.min * 1e-6,
             "bodies": model.bodies.len(),
-            "degrees_of_freedom": model.velocity_count(),
+            "degrees_of_freedom": model.degrees_of_freedom(),
             "bytes_per_body": costs.bytes_per_body,
             "allocations_per_step": costs.allocations_per_step,
         });
