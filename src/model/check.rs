@@ -79,7 +79,7 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
     moments.sort_by(f64::total_cmp);
     let (small, middle, large) = (moments[0], moments[1], moments[2]);
     let shown = format!("principal moments {}, {}, {} kg m²", number(small), number(middle), number(large));
-    if small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
+    if !unphysical && small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
         found.add(element, "inertia", format!("the inertia of `{name}` has a negative principal moment: {shown}"), "");
     } else if !unphysical && large > (small + middle) * (1.0 + TRIANGLE_SLACK) {
         let short = 100.0 * (large - small - middle) / large;

@@ -52,7 +52,7 @@ pub const BODY: Table = Table {
         Key::new(
             "unphysical",
             Kind::Flag,
-            "Take `inertia` though no body can have it: its largest principal moment above the sum of the others, or no mass with it. Models of other programs have such.",
+            "Take `inertia` though no body can have it: its largest principal moment above the sum of the others, one below zero, or no mass with it. Models of other programs have such.",
         )
         .default("false")
         .example("true"),
