@@ -40,6 +40,8 @@ pub(super) fn refused(text: &str) -> String {
 
 /// The notes, a line each.
 pub(super) fn notes(imported: &Imported) -> String {
-    let line = |note: &stillpoint::import::Note| format!("{}: {}: {}: {}\n", note.line, note.verdict.word(), note.element, note.what);
+    let line = |note: &stillpoint::import::Note| {
+        format!("{}: {}: {}: {}\n", note.line, note.verdict.word(), note.element, note.what)
+    };
     imported.notes.iter().map(line).collect()
 }

@@ -5,10 +5,33 @@ use std::path::Path;
 use stillpoint::import::Options;
 use stillpoint::scenario::convert_text;
 
-const ROBOTS: [&str; 2] = [include_str!("../../../scenarios/robots/arm.urdf"), include_str!("../../../scenarios/robots/gripper.urdf")];
+const ROBOTS: [&str; 2] =
+    [include_str!("../../../scenarios/robots/arm.urdf"), include_str!("../../../scenarios/robots/gripper.urdf")];
 const PIECES: [&str; 24] = [
-    "", "<", ">", "/>", "\"", "&", "&lt;", "<!--", "]]>", "\0", "µ", "nan", "inf", "-1", "1e999", "0 0", "<link/>", "<joint name=\"j\"/>",
-    "<mimic joint=\"elbow\"/>", "<inertial/>", "type=\"planar\"", "type=\"floating\"", "<!DOCTYPE a [<!ENTITY b \"c\">]>", "xmlns:a=\"b\"",
+    "",
+    "<",
+    ">",
+    "/>",
+    "\"",
+    "&",
+    "&lt;",
+    "<!--",
+    "]]>",
+    "\0",
+    "µ",
+    "nan",
+    "inf",
+    "-1",
+    "1e999",
+    "0 0",
+    "<link/>",
+    "<joint name=\"j\"/>",
+    "<mimic joint=\"elbow\"/>",
+    "<inertial/>",
+    "type=\"planar\"",
+    "type=\"floating\"",
+    "<!DOCTYPE a [<!ENTITY b \"c\">]>",
+    "xmlns:a=\"b\"",
 ];
 
 fn answered(text: String) {
@@ -71,7 +94,8 @@ fn swapped_words_are_answered() {
 fn what_is_nested_deeply_or_long_is_answered() {
     answered(format!("<robot>{}{}</robot>", "<a>".repeat(100_000), "</a>".repeat(100_000)));
     answered(format!("<robot>{}", "<a>".repeat(100_000)));
-    let entities: String = (0..9).map(|i| format!("<!ENTITY e{} \"{}\">", i + 1, format!("&e{i};").repeat(10))).collect();
+    let entities: String =
+        (0..9).map(|i| format!("<!ENTITY e{} \"{}\">", i + 1, format!("&e{i};").repeat(10))).collect();
     answered(format!("<!DOCTYPE robot [<!ENTITY e0 \"ha\">{entities}]><robot name=\"&e9;\"/>"));
     // Each link hangs on the one before it.
     let links: String = (0..3_000)

@@ -13,7 +13,8 @@ const G: f64 = 9.80665;
 fn model(text: &str, options: &Options, changes: &[&str]) -> Model {
     let changes: Vec<Override> = changes.iter().map(|text| Override::parse(text).expect("a change")).collect();
     let imported = import(text, options);
-    let scenario = scenario::parse("robot.toml", &imported.scenario, &changes).unwrap_or_else(|error| panic!("{error}"));
+    let scenario =
+        scenario::parse("robot.toml", &imported.scenario, &changes).unwrap_or_else(|error| panic!("{error}"));
     build(&scenario.description)
 }
 
@@ -49,9 +50,44 @@ fn a_robot_reads_like_a_scenario() {
         joint("slide", "prismatic", ["upper", "lower"], "<axis xyz=\"0 0 -1\"/><limit lower=\"0.2\" upper=\"0.5\"/>"),
     ));
     let imported = import(&text, &Options { prefix: "left/".into(), at: [0.0, 0.0, 1.0], ..Options::default() });
-    insta::assert_snapshot!(imported.scenario, @"");
-    insta::assert_snapshot!(notes(&imported), @"");
-    assert_eq!(imported.joints, [("shoulder", "left/upper"), ("slide", "left/lower")].map(|(a, b)| (a.into(), b.into())));
+    insta::assert_snapshot!(imported.scenario, @r###"
+    # Imported from robot.urdf.
+    title = "test"
+
+    [[body]]
+    name = "left/base"
+    hinge = { type = "fixed", at = [0.0, 0.0, 1.0] }
+
+    # joint `shoulder`, revolute
+    [[body]]
+    name = "left/upper"
+    hinge = { type = "revolute", parent = "left/base", at = [0.0, 0.0, 2.0], rpy = [0.0, 0.0, 0.1], axis = [0.0, 1.0, 0.0], limits = [-1.0, 0.1], damping = 0.3 }
+    mass = 2.0
+    center = [0.0, 0.0, -0.5]
+    inertia = [0.2, 0.2, 0.05]
+    shape = { box = [0.1, 0.1, 1.0], at = [0.0, 0.0, -0.5], color = [1.0, 0.0, 0.0, 1.0] }
+
+    # joint `slide`, prismatic
+    [[body]]
+    name = "left/lower"
+    hinge = { type = "prismatic", parent = "left/upper", axis = [0.0, 0.0, -1.0], position = 0.2, limits = [0.2, 0.5] }
+    mass = 2.0
+    center = [0.0, 0.0, -0.5]
+    inertia = [0.2, 0.2, 0.05]
+    shape = [
+      { sphere = 0.1, color = [1.0, 0.0, 0.0, 1.0] },
+      { cylinder = [0.1, 0.3] },
+    ]
+    "###);
+    insta::assert_snapshot!(notes(&imported), @r###"
+    4: ignored: <limit> of joint `shoulder`: `effort = 10`, `velocity = 3`: hinges have no largest force or speed
+    4: ignored: <dynamics> of joint `shoulder`: `friction = 0.1`: dry friction is not simulated
+    6: used: <limit> of joint `slide`: 0 is beyond them: the joint starts at 0.2
+    "###);
+    assert_eq!(
+        imported.joints,
+        [("shoulder", "left/upper"), ("slide", "left/lower")].map(|(a, b)| (a.into(), b.into()))
+    );
 }
 
 #[test]
@@ -64,11 +100,28 @@ fn what_is_not_taken_is_listed_line_by_line() {
              <visual><geometry><mesh filename=\"package://parts/arm.stl\"/></geometry></visual>\n\
              <sensor name=\"eye\"><camera/></sensor></link>"
         ),
-        joint("turn", "continuous", ["base", "arm"], "<safety_controller k_velocity=\"3\"/><limit effort=\"2\" lower=\"1\"/>"),
+        joint(
+            "turn",
+            "continuous",
+            ["base", "arm"],
+            "<safety_controller k_velocity=\"3\"/><limit effort=\"2\" lower=\"1\"/>"
+        ),
         "<transmission name=\"motor\"><joint name=\"turn\"/></transmission>\n<gazebo reference=\"arm\"/>\n\
          <wheel name=\"spare\"><rim/></wheel>\nstray words\n",
     ));
-    insta::assert_snapshot!(notes(&import(&text.replace("<link name=\"base\"/>", "<link name=\"base\" colour=\"red\"/>"), &Options::default())), @"");
+    insta::assert_snapshot!(notes(&import(&text.replace("<link name=\"base\"/>", "<link name=\"base\" colour=\"red\"/>"), &Options::default())), @r###"
+    2: ignored: link `base`: `colour = "red"` is not known here
+    3: ignored: <collision> of link `arm`: contacts between bodies are not simulated
+    4: ignored: <mesh> of <geometry> of <visual> of link `arm`: no file `package://parts/arm.stl`: it is not drawn; say where the package is with `--package parts=FOLDER` or ROS_PACKAGE_PATH
+    5: ignored: sensor `eye`: sensors are not simulated
+    6: ignored: <safety_controller> of joint `turn`: controllers are not simulated
+    6: ignored: <limit> of joint `turn`: `effort = 2`: hinges have no largest force or speed
+    6: ignored: <limit> of joint `turn`: a continuous joint has no `lower` and `upper`
+    7: ignored: transmission `motor`: actuators and their gears are not simulated
+    8: ignored: <gazebo>: meant for Gazebo
+    9: ignored: wheel `spare`: not known here, nor is anything within it
+    9: ignored: <robot>: the text `stray words`
+    "###);
 }
 
 /// One joint of every type, and what its link does when it is let go.
@@ -86,7 +139,10 @@ fn every_joint_moves_as_its_type_says() {
         assert!((found[0] + pendulum).abs() < 1e-12 || (found[0] - pendulum).abs() < 1e-12, "{kind}: {found:?}");
     }
     // Down a slope of 30°.
-    let slope = fall("prismatic", "<origin rpy=\"0 0.5235987755982988 0\"/><axis xyz=\"2 0 0\"/><limit lower=\"-1\" upper=\"1\"/>");
+    let slope = fall(
+        "prismatic",
+        "<origin rpy=\"0 0.5235987755982988 0\"/><axis xyz=\"2 0 0\"/><limit lower=\"-1\" upper=\"1\"/>",
+    );
     assert!((slope[0] - 0.5 * G).abs() < 1e-12, "{slope:?}");
     assert_eq!(fall("fixed", ""), [0.0; 0]);
     let free = fall("floating", "");
@@ -104,7 +160,7 @@ fn every_joint_moves_as_its_type_says() {
 /// The link of a planar joint keeps its own axes at zero, wherever the normal points.
 #[test]
 fn a_tilted_plane_leaves_the_link_where_its_joint_says() {
-    for axis in ["1 0 0", "0 -2 0", "0 0 -1", "0.3 -0.4 0.5"] {
+    for axis in ["1 0 0", "0 -2 0", "0.3 -0.4 0.5", "-0.1 0 -1"] {
         let inner = format!("<origin xyz=\"1 2 3\" rpy=\"0.1 0.2 0.3\"/><axis xyz=\"{axis}\"/>");
         let text = robot(&format!("{}{}", link("sledge"), joint("slide", "planar", ["base", "sledge"], &inner)));
         let imported = import(&text, &Options::default());
@@ -149,7 +205,12 @@ fn mimics_follow_with_factor_and_offset() {
         link("b"),
         link("c"),
         joint("lead", "revolute", ["base", "a"], "<axis xyz=\"0 1 0\"/><limit effort=\"1\" velocity=\"1\"/>"),
-        joint("follow", "continuous", ["a", "b"], "<axis xyz=\"0 1 0\"/><mimic joint=\"lead\" multiplier=\"-2\" offset=\"0.3\"/>"),
+        joint(
+            "follow",
+            "continuous",
+            ["a", "b"],
+            "<axis xyz=\"0 1 0\"/><mimic joint=\"lead\" multiplier=\"-2\" offset=\"0.3\"/>"
+        ),
         joint("slide", "prismatic", ["b", "c"], "<axis xyz=\"0 0 1\"/><mimic joint=\"follow\" multiplier=\"0.1\"/>"),
     );
     let model = model(&robot(&inner), &Options::default(), &["a.position=0.4", "a.velocity=1.0"]);
@@ -168,7 +229,12 @@ fn a_turn_that_follows_a_slide_is_a_rack() {
         link("rack"),
         link("pinion"),
         joint("slide", "prismatic", ["base", "rack"], "<axis xyz=\"1 0 0\"/>"),
-        joint("turn", "continuous", ["base", "pinion"], "<axis xyz=\"0 1 0\"/><mimic joint=\"slide\" multiplier=\"20\" offset=\"1\"/>"),
+        joint(
+            "turn",
+            "continuous",
+            ["base", "pinion"],
+            "<axis xyz=\"0 1 0\"/><mimic joint=\"slide\" multiplier=\"20\" offset=\"1\"/>"
+        ),
     );
     let model = model(&robot(&inner), &Options::default(), &["rack.position=0.05", "pinion.position=2.0"]);
     assert_eq!(model.start_position, [0.05, 2.0]);
@@ -188,7 +254,11 @@ fn a_root_that_floats_falls() {
 /// Links without mass on fixed joints are names for places, no more.
 #[test]
 fn welded_links_without_mass_change_nothing() {
-    let arm = format!("{}{}", link("arm"), joint("j", "continuous", ["base", "arm"], "<origin rpy=\"0 1 0\"/><axis xyz=\"0 1 0\"/>"));
+    let arm = format!(
+        "{}{}",
+        link("arm"),
+        joint("j", "continuous", ["base", "arm"], "<origin rpy=\"0 1 0\"/><axis xyz=\"0 1 0\"/>")
+    );
     let tool = format!("<link name=\"tool\"/>{}", joint("mount", "fixed", ["arm", "tool"], "<origin xyz=\"0 0 -1\"/>"));
     let bare = accelerations(&model(&robot(&arm), &Options::default(), &[]));
     assert_eq!(accelerations(&model(&robot(&format!("{arm}{tool}")), &Options::default(), &[])), bare);
@@ -198,9 +268,15 @@ fn welded_links_without_mass_change_nothing() {
 #[test]
 fn no_digit_is_lost() {
     let digits = "0.12345678901234567 -1e-300 7.000000000000001e22";
-    let text = robot(&format!("{}{}", link("arm"), joint("j", "continuous", ["base", "arm"], &format!("<origin xyz=\"{digits}\"/>"))));
+    let text = robot(&format!(
+        "{}{}",
+        link("arm"),
+        joint("j", "continuous", ["base", "arm"], &format!("<origin xyz=\"{digits}\"/>"))
+    ));
     let imported = import(&text, &Options::default());
     let written = imported.scenario.split_once("at = [").and_then(|(_, rest)| rest.split_once(']')).expect("a point").0;
-    let bits = |list: &str, cut: &str| list.split(cut).map(|x| x.trim().parse::<f64>().expect("a number").to_bits()).collect::<Vec<_>>();
+    let bits = |list: &str, cut: &str| {
+        list.split(cut).map(|x| x.trim().parse::<f64>().expect("a number").to_bits()).collect::<Vec<_>>()
+    };
     assert_eq!(bits(written, ","), bits(digits, " "));
 }
