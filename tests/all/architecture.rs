@@ -24,12 +24,13 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 12] = [
+const FOREIGN: [(&str, &[&str]); 13] = [
     ("toml", &["scenario"]),
     ("exmex", &["model"]),
     ("annotate_snippets", &["scenario"]),
     ("mcap", &["record"]),
     ("foxglove", &["record"]),
+    ("re_cdr", &["record"]),
     ("rerun", &["record"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),

@@ -2,7 +2,7 @@
 
 use super::fixture::{Motion, record};
 use std::time::{Duration, Instant};
-use stillpoint::record::view::{Sink, view};
+use stillpoint::record::view::{Sink, Wishes, view};
 
 #[cfg(not(feature = "rerun"))]
 #[test]
@@ -10,7 +10,7 @@ fn without_the_feature_the_error_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("swing.mcap");
     record(&path, &Motion::double_link(), 0.1);
-    let error = view(&path, &Sink::Save(folder.path().join("swing.rrd"))).expect_err("no viewer").to_string();
+    let error = view(&path, &Sink::Save(folder.path().join("swing.rrd")), &Wishes::default()).expect_err("no viewer").to_string();
     assert!(error.contains("built without the `rerun` feature"), "{error}");
     assert!(Instant::now().elapsed() < Duration::from_secs(1));
 }
@@ -35,7 +35,7 @@ mod with_rerun {
         let folder = tempfile::tempdir().expect("a folder");
         let (mcap, rrd) = (folder.path().join("swing.mcap"), folder.path().join("swing.rrd"));
         record(&mcap, &Motion::double_link(), 4.0);
-        let shown = view(&mcap, &Sink::Save(rrd.clone())).expect("saved");
+        let shown = view(&mcap, &Sink::Save(rrd.clone()), &Wishes::default()).expect("saved");
         assert_eq!((shown.samples, shown.complete, shown.notes.len()), (401, true, 0));
         verify(&rrd);
     }
