@@ -13,8 +13,8 @@
 //! | `/energy` | `stillpoint.Energy`, each sample |
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
-//! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; up to 1000 bodies |
-//! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: hinges with one coordinate, where there are up to 64 |
+//! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; where `ros` is asked for, up to 1000 bodies |
+//! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, where there are up to 64 |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
 //!
 //! Log times are simulated nanoseconds from 0; the messages of one sample share time and sequence number, and a chunk

@@ -39,8 +39,14 @@ pub struct FileWriter {
 }
 
 impl FileWriter {
-    pub(super) fn begin(file: File, target: PathBuf, partial: PathBuf, opening: &Opening) -> Result<Self, RecordError> {
-        let output = Output::begin(file, opening).map_err(|error| write_error(&partial, error))?;
+    pub(super) fn begin(
+        file: File,
+        target: PathBuf,
+        partial: PathBuf,
+        opening: &Opening,
+        ros: bool,
+    ) -> Result<Self, RecordError> {
+        let output = Output::begin(file, opening, ros).map_err(|error| write_error(&partial, error))?;
         let transforms = frames::transforms(opening.scene);
         Ok(Self { target, partial, output: Some(output), scene: opening.scene.clone(), transforms })
     }
@@ -102,7 +108,7 @@ struct Channels {
 }
 
 impl Output {
-    fn begin(file: File, opening: &Opening) -> McapResult<Self> {
+    fn begin(file: File, opening: &Opening, ros: bool) -> McapResult<Self> {
         let options = WriteOptions::new()
             .compression(Some(Compression::Zstd))
             .compression_threads(0)
@@ -122,11 +128,11 @@ impl Output {
         };
         let header = MessageHeader { channel_id: pictures, sequence: 0, log_time: 0, publish_time: 0 };
         mcap.write_to_known_channel(&header, &scene_update(scene).encode_to_vec())?;
-        if let Some(description) = ros::description(scene) {
+        if let Some(description) = ros.then(|| ros::description(scene)).flatten() {
             let channel_id = ros_channel(&mut mcap, ROBOT_TOPIC, ros::STRING, ros::STRING_SCHEMA)?;
             mcap.write_to_known_channel(&MessageHeader { channel_id, ..header }, &description)?;
         }
-        let joints = match Joints::new(scene) {
+        let joints = match ros.then(|| Joints::new(scene)).flatten() {
             Some(joints) => Some((ros_channel(&mut mcap, JOINTS_TOPIC, ros::JOINTS, ros::JOINTS_SCHEMA)?, joints)),
             None => None,
         };

@@ -16,7 +16,7 @@ fn label_first(line: &str) -> Option<String> {
 }
 
 fn label_last(line: &str) -> Option<String> {
-    label(line.strip_suffix(')')?.rsplit_once('(')?.1).filter(|_| line.contains("  "))
+    label(line.strip_suffix(')')?.rsplit_once('(')?.1).filter(|_| line.contains("  ") && !line.contains("paper"))
 }
 
 fn label(text: &str) -> Option<String> {
