@@ -53,11 +53,7 @@ pub use crate::text_file::{LARGEST_FILE, ReadError};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use model::convert;
 pub use overrides::{Override, OverrideError};
-<<<<<<< HEAD
-pub use read::{LARGEST_FILE, LoadError};
 pub use reference::reference;
-=======
->>>>>>> main
 pub use schema::schema;
 pub use start::{Started, load_start};
 
