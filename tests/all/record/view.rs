@@ -41,6 +41,31 @@ mod with_rerun {
     }
 
     #[test]
+    fn one_instant_is_saved_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mcap, rrd) = (folder.path().join("swing.mcap"), folder.path().join("swing.rrd"));
+        record(&mcap, &Motion::double_link(), 1.0);
+        let wishes = Wishes { at: Some(0.501), reactions: true };
+        let shown = view(&mcap, &Sink::Save(rrd.clone()), &wishes).expect("saved");
+        assert_eq!(shown.samples, 1);
+        verify(&rrd);
+    }
+
+    /// Thousands of things would keep the viewer from moving.
+    #[test]
+    fn many_bodies_are_drawn_as_few_things() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mcap, rrd) = (folder.path().join("chain.mcap"), folder.path().join("chain.rrd"));
+        record(&mcap, &Motion::chain(400), 0.05);
+        view(&mcap, &Sink::Save(rrd.clone()), &Wishes::default()).expect("saved");
+        verify(&rrd);
+        let Ok(print) = Command::new("rerun").args(["rrd", "print"]).arg(&rrd).output() else { return };
+        let print = String::from_utf8_lossy(&print.stdout);
+        assert!(print.contains("/world/bodies/joined"), "{print}");
+        assert!(!print.contains("/world/link"), "{print}");
+    }
+
+    #[test]
     fn a_running_motion_is_saved_as_a_picture() {
         let folder = tempfile::tempdir().expect("a folder");
         let rrd = folder.path().join("chain.rrd");
