@@ -23,8 +23,8 @@ bodies = window.crop((0, int(0.075 * height), int(0.596 * width), int(0.96 * hei
 def stands(pixel):
     return max(pixel) - min(pixel) > 40 or max(pixel) < 170
 small = bodies.resize((bodies.width // 2, bodies.height // 2), Image.Resampling.BOX)
-mask = Image.new("L", small.size)
-mask.putdata([255 if stands(pixel) else 0 for pixel in small.getdata()])
+pixels = zip(*(band.tobytes() for band in small.split()))
+mask = Image.frombytes("L", small.size, bytes(255 if stands(pixel) else 0 for pixel in pixels))
 found = mask.getbbox()
 if found is None:
     sys.exit(f"{sys.argv[1]}: nothing is drawn")
