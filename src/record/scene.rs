@@ -10,7 +10,7 @@ pub struct Scene {
     pub title: String,
     /// Every named body, in the order of the samples' poses.
     pub bodies: Vec<BodyPicture>,
-    /// Springs and bushings: drawn as lines between two points.
+    /// Springs, bushings and rigid rods: drawn as lines between two points.
     pub lines: Vec<LinePicture>,
     /// Constant loads: drawn as arrows.
     #[serde(default)]
@@ -63,7 +63,7 @@ pub struct ShapePicture {
     pub color: Option<[f64; 4]>,
 }
 
-/// A spring or bushing as it is drawn.
+/// A spring, bushing or rigid rod as it is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LinePicture {
     /// Name.

@@ -157,7 +157,9 @@ fn several(kind: &Kind) -> String {
             let counts: Vec<String> = lengths.iter().map(usize::to_string).collect();
             format!("lists of {} {}", counts.join(" or "), several(of))
         }
-        Kind::Either(kinds) => format!("items, each a {}", kinds.iter().map(of_kind).collect::<Vec<_>>().join(" or a ")),
+        Kind::Either(kinds) => {
+            format!("items, each a {}", kinds.iter().map(of_kind).collect::<Vec<_>>().join(" or a "))
+        }
         other => of_kind(other),
     }
 }

@@ -1,8 +1,9 @@
 //! The still part of a recording, from a model.
 
+use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Body, End, Law, Model};
+use crate::model::{Body, End, Law, Loop, Model};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
@@ -21,10 +22,12 @@ pub fn scene(model: &Model) -> Scene {
         };
         by_position.iter().flat_map(of_body).collect()
     };
+    let springs = model.forces.iter().filter_map(|force| line(model, &force.name, &force.law));
+    let rods = model.loops.iter().filter_map(|closed| rod(model, closed));
     Scene {
         title: model.title.clone(),
         bodies: model.bodies.iter().map(picture).collect(),
-        lines: model.forces.iter().filter_map(|force| line(model, &force.name, &force.law)).collect(),
+        lines: springs.chain(rods).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, &force.law)).collect(),
         positions: channels(Model::position_names),
         velocities: channels(Model::velocity_names),
@@ -85,6 +88,13 @@ fn line(model: &Model, name: &str, law: &Law) -> Option<LinePicture> {
     };
     let ends = [0, 1].map(|i| (ends[i].body, on_body(model, &ends[i])));
     Some(LinePicture { name: name.to_owned(), ends, spring })
+}
+
+/// Rigid rods that close loops have no body that could be drawn.
+fn rod(model: &Model, closed: &Loop) -> Option<LinePicture> {
+    let Closure::Rod { .. } = closed.closure else { return None };
+    let ends = [0, 1].map(|i| (closed.ends[i].body, on_body(model, &closed.ends[i])));
+    Some(LinePicture { name: closed.name.clone(), ends, spring: None })
 }
 
 /// A load on the ground moves nothing and is not drawn.

@@ -170,7 +170,10 @@ fn ros_messages_are_written_where_they_are_asked_for() {
         match ros {
             false => assert!(cdr.is_empty(), "{cdr:?}"),
             true => {
-                assert_eq!((cdr.len(), cdr[0].0.as_str(), cdr[1].0.as_str()), (2, "/robot_description", "/joint_states"));
+                assert_eq!(
+                    (cdr.len(), cdr[0].0.as_str(), cdr[1].0.as_str()),
+                    (2, "/robot_description", "/joint_states")
+                );
                 assert!(cdr[1].1.abs_diff(joints) < 8, "{cdr:?}");
             }
         }

@@ -70,7 +70,8 @@ fn urdf(scene: &Scene) -> String {
 
 fn visual(text: &mut String, name: &str, solid: &Solid) {
     let Isometry3 { rotation, .. } = solid.pose;
-    let at = |along: f64| Isometry3::from_parts((solid.pose * Translation3::new(0.0, 0.0, along)).translation, rotation);
+    let at =
+        |along: f64| Isometry3::from_parts((solid.pose * Translation3::new(0.0, 0.0, along)).translation, rotation);
     let parts: Vec<(String, Isometry3<f64>)> = match &solid.form {
         Form::Box([x, y, z]) => vec![(format!("<box size=\"{x} {y} {z}\"/>"), at(0.0))],
         Form::Ball(radius) => vec![(format!("<sphere radius=\"{radius}\"/>"), at(0.0))],
@@ -155,11 +156,10 @@ impl Joints {
         out.write_string("");
         out.write_sequence_length(self.joints.len());
         self.joints.iter().for_each(|joint| out.write_string(&joint.name));
-        let values: [&dyn Fn(&Joint) -> f64; 3] = [
-            &|joint| sample.positions[joint.position],
-            &|joint| sample.velocities[joint.velocity],
-            &|joint| joint.effort(sample),
-        ];
+        let values: [&dyn Fn(&Joint) -> f64; 3] =
+            [&|joint| sample.positions[joint.position], &|joint| sample.velocities[joint.velocity], &|joint| {
+                joint.effort(sample)
+            }];
         for value in values {
             out.write_sequence_length(self.joints.len());
             self.joints.iter().for_each(|joint| out.write_f64(value(joint)));

@@ -219,12 +219,7 @@ fn foxglove_channel<M: Encode>(mcap: &mut mcap::Writer<BufWriter<File>>, topic: 
     mcap.add_channel(schema, topic, &M::get_message_encoding(), &BTreeMap::new())
 }
 
-fn ros_channel(
-    mcap: &mut mcap::Writer<BufWriter<File>>,
-    topic: &str,
-    name: &str,
-    schema: &str,
-) -> McapResult<u16> {
+fn ros_channel(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str, name: &str, schema: &str) -> McapResult<u16> {
     let schema = mcap.add_schema(name, "ros2msg", schema.as_bytes())?;
     mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())
 }

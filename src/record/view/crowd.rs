@@ -176,11 +176,15 @@ fn joined_path() -> EntityPath {
 
 impl Group {
     fn path(&self) -> EntityPath {
-        path(&["world", "bodies", match self.kind {
-            Kind::Box => "boxes",
-            Kind::Ball => "balls",
-            Kind::Cylinder => "cylinders",
-            Kind::Capsule => "capsules",
-        }])
+        path(&[
+            "world",
+            "bodies",
+            match self.kind {
+                Kind::Box => "boxes",
+                Kind::Ball => "balls",
+                Kind::Cylinder => "cylinders",
+                Kind::Capsule => "capsules",
+            },
+        ])
     }
 }

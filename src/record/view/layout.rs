@@ -7,7 +7,9 @@ use super::camera::camera;
 use super::columns::TIMELINE;
 use super::curves::Plot;
 use super::picture::{CAPTION, Picture, STATICS};
-use rerun::blueprint::components::{BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, PlayState, RootContainer};
+use rerun::blueprint::components::{
+    BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, PlayState, RootContainer,
+};
 use rerun::datatypes::Uuid;
 use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes::{

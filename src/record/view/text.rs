@@ -91,7 +91,8 @@ mod tests {
     fn the_verdict_comes_first() {
         let text = equilibrium(Some(STATICS)).expect("a result");
         assert!(text.starts_with("### Stable equilibrium\n"), "{text}");
-        for part in ["newton in 4 steps", "1.5e-16", "- 1.2500 Hz: arm 75 %", "`strut.length` = 2.5", "- left a saddle"] {
+        for part in ["newton in 4 steps", "1.5e-16", "- 1.2500 Hz: arm 75 %", "`strut.length` = 2.5", "- left a saddle"]
+        {
             assert!(text.contains(part), "no {part} in {text}");
         }
         assert_eq!(equilibrium(None), None);

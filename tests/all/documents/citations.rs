@@ -91,7 +91,8 @@ fn every_cited_equation_is_written_down() {
             let of = line.split("of [`crate::").nth(1).and_then(|rest| rest.split('`').next());
             let there = of.map(|module| {
                 let file = root().join("src").join(module.replace("::", "/"));
-                let text = fs::read_to_string(file.join("mod.rs")).or_else(|_| fs::read_to_string(file.with_extension("rs")));
+                let text =
+                    fs::read_to_string(file.join("mod.rs")).or_else(|_| fs::read_to_string(file.with_extension("rs")));
                 written(&text.expect("the module that is named"))
             });
             if !there.as_ref().unwrap_or(&known).contains(&label) {

@@ -25,7 +25,10 @@ fn commands(page: &str, text: &str) -> Vec<Shown> {
             let command = command.to_owned();
             found.push(Shown { page: page.into(), line: index + 1, command, output: Vec::new() });
             open = true;
-        } else if inside && open && let Some(last) = found.last_mut() {
+        } else if inside
+            && open
+            && let Some(last) = found.last_mut()
+        {
             last.output.push(line.to_owned());
         }
     }
@@ -137,7 +140,8 @@ fn commands_print_what_the_pages_show() {
         for shown in shown {
             let words = words(&shown.command);
             if shown.command == "echo $?" {
-                if let Some(code) = code.filter(|code: &i32| *code != shown.output[0].parse::<i32>().expect("a number")) {
+                if let Some(code) = code.filter(|code: &i32| *code != shown.output[0].parse::<i32>().expect("a number"))
+                {
                     wrong.push(format!("{}:{}: exit code {code}", shown.page, shown.line));
                 }
                 continue;
@@ -155,7 +159,10 @@ fn commands_print_what_the_pages_show() {
             let printed = text(&output.stderr) + &text(&output.stdout);
             code = output.status.code();
             if let Some(line) = missing(&shown.output, &printed) {
-                wrong.push(format!("{}:{}: {}\n  not printed: {line}\n{printed}", shown.page, shown.line, shown.command));
+                wrong.push(format!(
+                    "{}:{}: {}\n  not printed: {line}\n{printed}",
+                    shown.page, shown.line, shown.command
+                ));
             }
             if code == Some(2) && !shown.output.iter().any(|line| line.starts_with("error")) {
                 wrong.push(format!("{}:{}: {}\n{printed}", shown.page, shown.line, shown.command));
@@ -168,7 +175,10 @@ fn commands_print_what_the_pages_show() {
 
 #[test]
 fn a_wrong_line_is_noticed() {
-    assert!(alike("simulated 5 s in 134.6 ms (37 × real time) with dopri5", "simulated 5 s in 2.1 s (2 × real time) with dopri5"));
+    assert!(alike(
+        "simulated 5 s in 134.6 ms (37 × real time) with dopri5",
+        "simulated 5 s in 2.1 s (2 × real time) with dopri5"
+    ));
     assert!(alike("  steps        1678 (411 rejected), …", "  steps  1650 (400 rejected), 12536 accelerations"));
     assert!(!alike("  1 body, 6 degrees of freedom", "  2 bodies, 6 degrees of freedom"));
     assert!(!alike("growth 9.16826 per second", "growth 9.26826 per second"));

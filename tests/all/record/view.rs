@@ -10,7 +10,9 @@ fn without_the_feature_the_error_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("swing.mcap");
     record(&path, &Motion::double_link(), 0.1);
-    let error = view(&path, &Sink::Save(folder.path().join("swing.rrd")), &Wishes::default()).expect_err("no viewer").to_string();
+    let error = view(&path, &Sink::Save(folder.path().join("swing.rrd")), &Wishes::default())
+        .expect_err("no viewer")
+        .to_string();
     assert!(error.contains("built without the `rerun` feature"), "{error}");
     assert!(Instant::now().elapsed() < Duration::from_secs(1));
 }
