@@ -15,6 +15,9 @@ use rerun::{
 /// Name of the timeline.
 pub(super) const TIMELINE: &str = "sim_time";
 
+/// The points of a line.
+type Strip = Vec<[f32; 3]>;
+
 /// A stretch of samples: their numbers, and the poses of those that are drawn.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Columns {
@@ -23,7 +26,7 @@ pub(super) struct Columns {
     drawn: Vec<f64>,
     bodies: Vec<(Vec<[f32; 3]>, Vec<rerun::Quaternion>)>,
     crowd: Moves,
-    springs: Vec<(Vec<Vec<[f32; 3]>>, Vec<Color>)>,
+    springs: Vec<(Vec<Strip>, Vec<Color>)>,
     loads: Vec<Vec<[f32; 3]>>,
     reactions: Vec<([f32; 3], [f32; 3])>,
     center: Vec<[f32; 3]>,
