@@ -2,7 +2,7 @@
 
 use crate::text_file::ReadError;
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -164,6 +164,20 @@ impl Log {
         }
     }
 
+    /// Adds a source, as one that is included.
+    pub(super) fn add(&self, path: &Path, text: String) -> usize {
+        self.sources.borrow_mut().push(Source { path: path.to_owned(), text: text.into() });
+        self.sources.borrow().len() - 1
+    }
+
+    /// File name and line of a place.
+    pub(super) fn line(&self, place: &Place) -> (String, usize) {
+        let sources = self.sources.borrow();
+        let source = &sources[place.source];
+        let name = source.path.file_name().map(|name| name.to_string_lossy().into_owned());
+        (name.unwrap_or_default(), source.line(place.span.start))
+    }
+
     /// The text of a source.
     pub(super) fn text(&self, source: usize) -> Arc<str> {
         self.sources.borrow()[source].text.clone()
@@ -188,6 +202,26 @@ impl Log {
 
     pub(super) fn has_seen(&self, source: usize, start: usize) -> bool {
         self.seen.borrow().contains(&(source, start))
+    }
+
+    /// Makes one note of all that say the same about different elements of a source.
+    pub(super) fn gather(&self) {
+        const LISTED: usize = 6;
+        let mut alike: BTreeMap<(usize, Taken, String), Vec<(Place, String)>> = BTreeMap::new();
+        for (place, element, verdict, what) in self.notes.take() {
+            alike.entry((place.source, verdict, what)).or_default().push((place, element));
+        }
+        for ((_, verdict, what), mut elements) in alike {
+            elements.sort_by_key(|(place, _)| place.span.start);
+            let (place, element) = elements[0].clone();
+            let lines: Vec<String> = elements.iter().take(LISTED).map(|(place, _)| self.line(place).1.to_string()).collect();
+            let what = match elements.len() {
+                1 => what,
+                count if count <= LISTED => format!("{what} (and so lines {})", lines[1..].join(", ")),
+                count => format!("{what} (and so {} others, lines {}, …)", count - 1, lines[1..].join(", ")),
+            };
+            self.note(place, element, verdict, what);
+        }
     }
 
     /// All notes in the order of the sources.

@@ -4,7 +4,7 @@ use super::findings::Finding;
 use super::format::BODY;
 use super::reader::{Reader, number, numbers};
 use crate::model::description::MassProperties;
-use crate::model::shape::{Geometry, Shape};
+use crate::model::shape::{Geometry, Shape, combined};
 use nalgebra::{Matrix3, Vector3};
 
 /// Mass properties, and the masses of the copies where a repeat gives a list.
@@ -103,20 +103,6 @@ fn filled(body: &Reader<'_>, owner: &str, shapes: &[Shape]) -> Option<Mass> {
         body.findings.push(Finding::warning(body.key_span("density"), message).help(help));
     }
     Some(Mass { properties: combined(&solids), each: None })
-}
-
-/// One rigid body out of several, by the parallel-axis theorem.
-fn combined(parts: &[MassProperties]) -> MassProperties {
-    let mass: f64 = parts.iter().map(|part| part.mass).sum();
-    let center = parts.iter().map(|part| part.center * part.mass).sum::<Vector3<f64>>() / mass;
-    let inertia = parts
-        .iter()
-        .map(|part| {
-            let away = part.center - center;
-            part.inertia + (Matrix3::identity() * away.norm_squared() - away * away.transpose()) * part.mass
-        })
-        .sum();
-    MassProperties { mass, center, inertia }
 }
 
 #[cfg(test)]

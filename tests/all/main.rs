@@ -14,6 +14,7 @@ mod identities;
 mod instructions;
 mod integrators;
 mod loops;
+mod mjcf;
 mod no_allocation;
 mod oracle;
 mod precision;
