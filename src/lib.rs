@@ -73,7 +73,7 @@
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
 //! | [`simulate`] | the time loop, the energy ledger, the rest proof |
-//! | [`import`] | models of other programs (URDF), turned into scenario text |
+//! | [`import`] | models of other programs (URDF, MJCF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
 //! | [`suggest`] | “did you mean …?” |

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The model: a URDF file
+    /// The model: a URDF or an MJCF file
     model: PathBuf,
     /// Write the scenario here instead of printing it
     #[arg(long, short, value_name = "SCENARIO.toml")]
@@ -18,6 +18,9 @@ pub(super) struct Arguments {
     /// Let the root move freely instead of fixing it to the ground
     #[arg(long)]
     floating: bool,
+    /// The keyframe of an MJCF model to start from, by name or number from 0 [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    key: Option<String>,
     /// Put this before the name of every body
     #[arg(long, default_value = "")]
     prefix: String,
@@ -36,6 +39,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let options = Options {
         prefix: arguments.prefix.clone(),
         floating: arguments.floating,
+        key: arguments.key.clone(),
         folder: arguments.out.as_deref().map(folder),
         packages: arguments.packages.iter().map(|text| package(text)).collect::<Result<_, _>>()?,
         ..Options::from_environment()

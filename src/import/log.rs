@@ -214,7 +214,8 @@ impl Log {
         for ((_, verdict, what), mut elements) in alike {
             elements.sort_by_key(|(place, _)| place.span.start);
             let (place, element) = elements[0].clone();
-            let lines: Vec<String> = elements.iter().take(LISTED).map(|(place, _)| self.line(place).1.to_string()).collect();
+            let lines: Vec<String> =
+                elements.iter().take(LISTED).map(|(place, _)| self.line(place).1.to_string()).collect();
             let what = match elements.len() {
                 1 => what,
                 count if count <= LISTED => format!("{what} (and so lines {})", lines[1..].join(", ")),

@@ -105,7 +105,8 @@ fn read(log: &Log, path: &Path, options: &Options) -> Option<draft::Draft> {
         other => {
             let message = format!("<{other}> is not a model that can be read");
             log.refuse(
-                Problem::at(root.place(), message).help("a model is a URDF file, with <robot> around everything, or MJCF, with <mujoco>"),
+                Problem::at(root.place(), message)
+                    .help("a model is a URDF file, with <robot> around everything, or MJCF, with <mujoco>"),
             );
             None
         }

@@ -101,6 +101,7 @@ fn model<'a>(table: &Reader<'_>, settings: Vec<Setting<'a>>, folder: &Path) -> O
     let options = Options {
         prefix: table.text("prefix").unwrap_or_default().to_owned(),
         floating: table.text("base") == Some("free"),
+        key: table.text("key").map(str::to_owned),
         at: array("at"),
         rpy: array("rpy"),
         folder: Some(folder.to_owned()),

@@ -20,7 +20,8 @@ const MAY_IMPORT: [(&str, &[&str]); 16] = [
     ("statics", &["model", "motion", "forces", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
-    ("import", &["suggest", "text_file"]),
+    // `model` for the mass properties of solids.
+    ("import", &["model", "suggest", "text_file"]),
     ("scenario", &["import", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"]),
     (
         "cli",

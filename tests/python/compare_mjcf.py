@@ -43,7 +43,7 @@ def coordinates(model, joint, qpos):
     """A joint's coordinates as they are here: hinges and slides count from their references."""
     at, kind = model.jnt_qposadr[joint], int(model.jnt_type[joint])
     numbers = qpos[at : at + COORDINATES[kind]].copy()
-    if kind in (HINGE, SLIDE):
+    if kind in (int(HINGE), int(SLIDE)):
         numbers -= model.qpos0[at]
     return numbers.tolist()
 
@@ -163,10 +163,8 @@ def compare(program, path, states, folder):
         if tied:
             ours = inspect(program, scenario, *guesses(model, names, data.qpos))
             closed = flat(model, names, ours["positions"], COORDINATES)
-            for joint in range(model.njnt):
-                at = model.jnt_qposadr[joint]
-                if model.jnt_type[joint] in (HINGE, SLIDE):
-                    closed[sum(COORDINATES[int(model.jnt_type[j])] for j in range(joint))] += model.qpos0[at]
+            scalar = np.isin(model.jnt_type, [int(HINGE), int(SLIDE)])
+            closed[model.jnt_qposadr[scalar]] += model.qpos0[model.jnt_qposadr[scalar]]
             data.qpos[:] = closed
             theirs, _, gaps = constrained(model, data)
             gap = max(gap, float(np.abs(gaps).max(initial=0.0)))

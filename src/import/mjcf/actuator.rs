@@ -168,7 +168,10 @@ pub(super) fn read<'a>(
         let input = match (law.dynamics, activation) {
             (Dynamics::Integrator, Some(activation)) => {
                 if control != 0.0 {
-                    element.note(Taken::Approximated, format!("its set point stays at {activation}, although `ctrl` moves it"));
+                    element.note(
+                        Taken::Approximated,
+                        format!("its set point stays at {activation}, although `ctrl` moves it"),
+                    );
                 }
                 activation
             }
@@ -213,7 +216,8 @@ fn gear(settled: &Settled<'_>) -> Vec<f64> {
 /// The control within its range.
 fn clamped(settled: &Settled<'_>, control: f64, scene: &Scene<'_>) -> f64 {
     let limited = settled.limited("ctrllimited", "ctrlrange", scene.settings.autolimits);
-    match settled.vector::<2>("ctrlrange").filter(|[low, high]| limited && scene.settings.clamp_control && low <= high) {
+    match settled.vector::<2>("ctrlrange").filter(|[low, high]| limited && scene.settings.clamp_control && low <= high)
+    {
         Some([low, high]) => control.clamp(low, high),
         None => control,
     }
@@ -222,8 +226,20 @@ fn clamped(settled: &Settled<'_>, control: f64, scene: &Scene<'_>) -> f64 {
 /// Marks what says where it would act.
 fn transmission(settled: &Settled<'_>) {
     const KEYS: [&str; 14] = [
-        "joint", "jointinparent", "tendon", "site", "refsite", "body", "cranksite", "slidersite", "cranklength", "gear",
-        "ctrlrange", "ctrllimited", "forcerange", "forcelimited",
+        "joint",
+        "jointinparent",
+        "tendon",
+        "site",
+        "refsite",
+        "body",
+        "cranksite",
+        "slidersite",
+        "cranklength",
+        "gear",
+        "ctrlrange",
+        "ctrllimited",
+        "forcerange",
+        "forcelimited",
     ];
     settled.skip(&KEYS);
 }
@@ -232,11 +248,8 @@ fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tend
     let element = settled.element;
     let bias = if law.affine_bias { law.bias } else { [0.0; 3] };
     let gain = if law.affine_gain { law.gain } else { [law.gain[0], 0.0, 0.0] };
-    let mut acts = Acts {
-        constant: gain[0] * input + bias[0],
-        slope: gain[1] * input + bias[1],
-        rate: gain[2] * input + bias[2],
-    };
+    let mut acts =
+        Acts { constant: gain[0] * input + bias[0], slope: gain[1] * input + bias[1], rate: gain[2] * input + bias[2] };
     if law.damp_ratio > 0.0 && acts.slope < 0.0 {
         acts.rate = damped(settled, law.damp_ratio, acts.slope, scene, tendons);
     }
@@ -327,7 +340,8 @@ fn on_joint(element: &Element<'_>, joint: usize, gear: f64, acts: &Acts, scene: 
     }
     let damping = -acts.rate * gear * gear;
     if damping < 0.0 {
-        element.note(Taken::Ignored, format!("it drives with {} per unit of speed: no damper is negative here", -damping));
+        element
+            .note(Taken::Ignored, format!("it drives with {} per unit of speed: no damper is negative here", -damping));
     } else {
         joint.acting.damping += damping;
     }
@@ -338,25 +352,22 @@ fn on_joint(element: &Element<'_>, joint: usize, gear: f64, acts: &Acts, scene: 
     }
     let stiffness = -acts.slope * gear * gear;
     joint.acting.spring(stiffness, force / stiffness);
-    let what = format!("a spring in the hinge of `{}`, relaxed where it holds still ({})", joint.name, force / stiffness);
+    let what =
+        format!("a spring in the hinge of `{}`, relaxed where it holds still ({})", joint.name, force / stiffness);
     element.note(Taken::Used, what);
 }
 
 /// A servo along the line between two sites is a spring.
-fn along(
-    settled: &Settled<'_>,
-    sites: [usize; 2],
-    gear: f64,
-    acts: &Acts,
-    scene: &Scene<'_>,
-    output: &mut Output,
-) {
+fn along(settled: &Settled<'_>, sites: [usize; 2], gear: f64, acts: &Acts, scene: &Scene<'_>, output: &mut Output) {
     let element = settled.element;
     let stiffness = -acts.slope * gear * gear;
     let damping = -acts.rate * gear * gear;
     let length = if stiffness > 0.0 { gear * acts.constant / stiffness } else { 0.0 };
     if stiffness < 0.0 || damping < 0.0 || length < 0.0 || stiffness == 0.0 && acts.constant != 0.0 {
-        element.note(Taken::Ignored, "a force along a tendon that is no spring and damper has no equal here: nothing acts");
+        element.note(
+            Taken::Ignored,
+            "a force along a tendon that is no spring and damper has no equal here: nothing acts",
+        );
         return;
     }
     if stiffness == 0.0 && damping == 0.0 {

@@ -76,7 +76,9 @@ fn frame(settled: &Settled<'_>, scale: [f64; 3]) -> Isometry3<f64> {
         UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))
     });
     if turn.angle() > 0.0 && scale != [scale[0]; 3] {
-        settled.element.note(Taken::Approximated, "`refquat` with unequal `scale`: it is drawn scaled along its old axes");
+        settled
+            .element
+            .note(Taken::Approximated, "`refquat` with unequal `scale`: it is drawn scaled along its old axes");
     }
     let moved = Translation3::from(at.component_mul(&Vector3::from(scale)));
     (moved * turn).inverse()

@@ -236,7 +236,8 @@ impl<'a> Walk<'_, 'a> {
             return;
         }
         if alone && settled.element.text("align").map_or(self.scene.settings.align_free, |align| align == "true") {
-            element.note(Taken::Used, "`align`: the body keeps its own axes; MuJoCo's qpos is that of the principal axes");
+            element
+                .note(Taken::Used, "`align`: the body keeps its own axes; MuJoCo's qpos is that of the principal axes");
         }
         if named && self.scene.names.joints.insert(name.clone(), index).is_some() {
             settled.refuse(&format!("two joints are called `{name}`"), "names must be unique");

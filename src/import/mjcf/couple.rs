@@ -47,8 +47,19 @@ pub(super) fn read<'a>(
 /// Marks what is of no further interest.
 fn read_all(settled: &Settled<'_>) {
     const KEYS: [&str; 13] = [
-        "body1", "body2", "site1", "site2", "anchor", "relpose", "torquescale", "joint1", "joint2", "tendon1", "tendon2",
-        "polycoef", "active",
+        "body1",
+        "body2",
+        "site1",
+        "site2",
+        "anchor",
+        "relpose",
+        "torquescale",
+        "joint1",
+        "joint2",
+        "tendon1",
+        "tendon2",
+        "polycoef",
+        "active",
     ];
     settled.skip(&KEYS);
 }
@@ -71,7 +82,8 @@ pub(super) fn find(
         let what = format!("`{}` is within a <replicate>: what refers to it is not copied", attribute.value);
         attribute.element.note(Taken::Ignored, what);
     } else if found.is_none() {
-        let near = closest(attribute.value, names.keys().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
+        let near =
+            closest(attribute.value, names.keys().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
         let problem = attribute.wrong(&format!("is \"{}\": there is no such {what}", attribute.value));
         attribute.element.refuse(problem.maybe_help(near));
     }
@@ -81,7 +93,12 @@ pub(super) fn find(
 /// The two ends of a loop: body and frame in it.
 type Ends = [(usize, Isometry3<f64>); 2];
 
-fn closure(settled: &Settled<'_>, scene: &Scene<'_>, reference: &[Isometry3<f64>], output: &mut Output) -> Option<Entry> {
+fn closure(
+    settled: &Settled<'_>,
+    scene: &Scene<'_>,
+    reference: &[Isometry3<f64>],
+    output: &mut Output,
+) -> Option<Entry> {
     let element = settled.element;
     let welded = element.name() == "weld" && settled.number("torquescale") != Some(0.0);
     let ends = if element.attribute("site1").is_some() || element.attribute("site2").is_some() {
@@ -93,7 +110,11 @@ fn closure(settled: &Settled<'_>, scene: &Scene<'_>, reference: &[Isometry3<f64>
     } else {
         element.required("body1")?;
         let bodies = [body(&element, "body1", scene)?, body(&element, "body2", scene)?];
-        if element.name() == "connect" { connected(settled, bodies, reference)? } else { welds(settled, bodies, reference)? }
+        if element.name() == "connect" {
+            connected(settled, bodies, reference)?
+        } else {
+            welds(settled, bodies, reference)?
+        }
     };
     if ends[0].0 == ends[1].0 {
         settled.refuse("both ends are on the same body", "");
@@ -204,14 +225,15 @@ fn tie(element: &Element<'_>, terms: &[(usize, f64)], constant: f64, scene: &mut
     };
     let start = scene.joints[first].start[0];
     if (start - goal).abs() > 1e-12 * (1.0 + goal.abs()) {
-        let what = format!("`{}` starts at {goal} instead of {start}, where the constraint holds", scene.joints[first].name);
+        let what =
+            format!("`{}` starts at {goal} instead of {start}, where the constraint holds", scene.joints[first].name);
         element.note(Taken::Used, what);
     }
     scene.joints[first].start[0] = goal;
     let mut entry = Entry::new(Some(element.place()));
     entry.comment(&output.says(element, "a soft constraint there, exact here"));
     entry.set("name", output.unique(element.text("name").unwrap_or(element.name())), None);
-    let hinge = |joint: usize| output.hinge_name(scene, joint);
+    let hinge = |joint: usize| output.hinge_name(joint);
     let Some((second, ratio)) = second else {
         entry.set("type", "hold", None);
         entry.set("hinge", hinge(first), None);

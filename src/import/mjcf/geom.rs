@@ -167,7 +167,10 @@ fn primitive(settled: &Settled<'_>, kind: &str, size: &[f64], shell: bool) -> Op
     };
     if size.len() < needed || size[..needed].iter().any(|number| !(*number > 0.0)) {
         let what = format!("a {kind} needs {needed} positive number{} in `size`", if needed == 1 { "" } else { "s" });
-        settled.refuse(&format!("{what}, found {size:?}"), "sizes are half sizes: radius, half the height, half the edges");
+        settled.refuse(
+            &format!("{what}, found {size:?}"),
+            "sizes are half sizes: radius, half the height, half the edges",
+        );
         return None;
     }
     let (solid, geometry) = match kind {
@@ -190,7 +193,9 @@ fn primitive(settled: &Settled<'_>, kind: &str, size: &[f64], shell: bool) -> Op
                 return None;
             }
             let radii = Vector3::new(size[0], size[1], size[2]);
-            settled.element.note(Taken::Approximated, "an ellipsoid is drawn as the box around it; it weighs what it weighs");
+            settled
+                .element
+                .note(Taken::Approximated, "an ellipsoid is drawn as the box around it; it weighs what it weighs");
             return Some((Solid::Numbers("box", (2.0 * radii).iter().copied().collect()), ellipsoid(&radii)));
         }
     };
@@ -235,7 +240,9 @@ fn surface(geometry: &Geometry) -> MassProperties {
             // A pair of faces across each axis: a rectangle about its middle, moved out by half an edge.
             let squares = [a * a, b * b, c * c];
             let spread = |axis: usize| {
-                (0..3).map(|face| faces[face] * squares[axis] * if face == axis { 0.25 } else { 1.0 / 12.0 }).sum::<f64>()
+                (0..3)
+                    .map(|face| faces[face] * squares[axis] * if face == axis { 0.25 } else { 1.0 / 12.0 })
+                    .sum::<f64>()
             };
             let [x, y, z] = [spread(0), spread(1), spread(2)];
             (faces.iter().sum(), Vector3::new(y + z, x + z, x + y))

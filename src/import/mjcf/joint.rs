@@ -89,7 +89,8 @@ impl Joint<'_> {
             self.element.note(Taken::Ignored, "`springyield`: the spring stays elastic");
         }
         if let Some(friction) = settled.number("frictionloss").filter(|friction| *friction != 0.0) {
-            self.element.note(Taken::Ignored, format!("`frictionloss = {friction}`: there is no dry friction in hinges"));
+            self.element
+                .note(Taken::Ignored, format!("`frictionloss = {friction}`: there is no dry friction in hinges"));
         }
         self.limits(settled, settings, angle);
     }

@@ -25,9 +25,8 @@ pub(super) fn read(tree: &Tree<'_>, options: &Options) -> Key {
         Some(name) => format!("keyframe `{name}`"),
         None => format!("keyframe {index}"),
     };
-    let wanted = |index: usize, key: &Element<'_>, wanted: &str| {
-        key.text("name") == Some(wanted) || wanted.parse() == Ok(index)
-    };
+    let wanted =
+        |index: usize, key: &Element<'_>, wanted: &str| key.text("name") == Some(wanted) || wanted.parse() == Ok(index);
     let chosen = match &options.key {
         Some(key) => keys.iter().enumerate().position(|(index, element)| wanted(index, element, key)),
         None => (!keys.is_empty()).then_some(0),
@@ -35,7 +34,8 @@ pub(super) fn read(tree: &Tree<'_>, options: &Options) -> Key {
     if let (Some(wanted), None) = (&options.key, chosen) {
         let near = closest(wanted, keys.iter().filter_map(|key| key.text("name")));
         let message = format!("there is no keyframe `{wanted}`");
-        let help = near.map_or_else(|| format!("the model has {}", keys.len()), |near| format!("did you mean `{near}`?"));
+        let help =
+            near.map_or_else(|| format!("the model has {}", keys.len()), |near| format!("did you mean `{near}`?"));
         tree.root.refuse(Problem::at(tree.root.place(), message).help(help));
     }
     let mut found = Key::default();

@@ -58,7 +58,7 @@ impl Output {
     }
 
     /// The body by which the scenario names a joint's hinge.
-    pub(super) fn hinge_name(&self, _scene: &Scene<'_>, joint: usize) -> String {
+    pub(super) fn hinge_name(&self, joint: usize) -> String {
         self.carried[joint].clone()
     }
 
@@ -129,13 +129,20 @@ impl Output {
         let root = scene.bodies[WORLD].element;
         let (file, _) = root.log.line(&root.place());
         let title = root.text("model").unwrap_or(&file).to_owned();
-        draft.set("title", &format!("From {file}: bodies and joints are called as there, a hinge by the body it carries."), title, None);
+        draft.set(
+            "title",
+            &format!("From {file}: bodies and joints are called as there, a hinge by the body it carries."),
+            title,
+            None,
+        );
         draft.set("gravity", "", clean(scene.settings.gravity).into_iter().collect::<Array>(), None);
         let mut simulate = Entry::new(None);
         let floating = scene.joints.iter().find(|joint| joint.kind == Kind::Free);
         let start = match (key.moves(), floating) {
             (true, _) => Some("the keyframe moves".to_owned()),
-            (_, Some(joint)) => Some(format!("nothing holds `{}`: contacts are not simulated", scene.bodies[joint.body].name)),
+            (_, Some(joint)) => {
+                Some(format!("nothing holds `{}`: contacts are not simulated", scene.bodies[joint.body].name))
+            }
             _ => None,
         };
         if let Some(name) = &key.name {
@@ -179,7 +186,8 @@ impl Output {
                 entry.comment(&self.says(&body.element, &carried(joint, origin)));
                 self.solid(&mut entry, scene, index, hinge);
             } else {
-                entry.comment(&self.says(&joint.element, &format!("carries `{}` without weighing anything", body.name)));
+                entry
+                    .comment(&self.says(&joint.element, &format!("carries `{}` without weighing anything", body.name)));
                 entry.set("name", name.as_str(), None);
                 entry.inline("hinge", hinge);
             }
@@ -362,7 +370,8 @@ fn shapes(entry: &mut Entry, body: &Body<'_>, origin: Vector3<f64>) {
 /// Says so where a number of a body is none.
 fn finite(body: &Body<'_>, scene: &Scene<'_>) {
     let pose = body.pose.to_homogeneous();
-    let mut numbers = body.mass.inertia.iter().chain(body.mass.center.iter()).chain([&body.mass.mass]).chain(pose.iter());
+    let mut numbers =
+        body.mass.inertia.iter().chain(body.mass.center.iter()).chain([&body.mass.mass]).chain(pose.iter());
     let joint = |joint: &Joint<'_>| {
         let acting = &joint.acting;
         let own = [acting.stiffness, acting.pull, acting.damping, acting.armature];
@@ -394,7 +403,8 @@ fn unique(wanted: String, used: &mut HashSet<String>) -> String {
 
 /// One note for all limits: they are rigid here, and there are none beside loops.
 pub(super) fn note_limits(scene: &mut Scene<'_>, output: &Output) {
-    let limited: Vec<usize> = scene.in_order().into_iter().filter(|joint| scene.joints[*joint].range.is_some()).collect();
+    let limited: Vec<usize> =
+        scene.in_order().into_iter().filter(|joint| scene.joints[*joint].range.is_some()).collect();
     let Some(&first) = limited.first() else { return };
     let others = match limited.len() {
         1 => "its limits are".to_owned(),

@@ -9,8 +9,11 @@ use crate::model::shape::combined;
 use nalgebra::{Isometry3, Matrix3, SymmetricEigen, Vector3};
 
 /// A body that weighs nothing.
-pub(super) const NOTHING: MassProperties =
-    MassProperties { mass: 0.0, center: Vector3::new(0.0, 0.0, 0.0), inertia: Matrix3::new(0., 0., 0., 0., 0., 0., 0., 0., 0.) };
+pub(super) const NOTHING: MassProperties = MassProperties {
+    mass: 0.0,
+    center: Vector3::new(0.0, 0.0, 0.0),
+    inertia: Matrix3::new(0., 0., 0., 0., 0., 0., 0., 0., 0.),
+};
 
 /// Turned and moved into a body's axes.
 pub(super) fn placed(mass: &MassProperties, pose: &Isometry3<f64>) -> MassProperties {
@@ -41,7 +44,10 @@ pub(super) fn inertial(settled: &Settled<'_>, settings: &Settings, frame: &Isome
             Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
         }
         (None, None) => {
-            settled.refuse("`diaginertia` or `fullinertia` is missing", "for example diaginertia=\"0.1 0.1 0.01\" [kg m²]");
+            settled.refuse(
+                "`diaginertia` or `fullinertia` is missing",
+                "for example diaginertia=\"0.1 0.1 0.01\" [kg m²]",
+            );
             return None;
         }
     };

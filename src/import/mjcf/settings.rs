@@ -92,7 +92,8 @@ impl Settings {
             match <[char; 3]>::try_from(letters) {
                 Ok(letters) if letters.iter().all(|letter| "xyzXYZ".contains(*letter)) => self.euler = letters,
                 _ => {
-                    let problem = sequence.wrong(&format!("must be three of x, y, z, X, Y, Z, found \"{}\"", sequence.value));
+                    let problem =
+                        sequence.wrong(&format!("must be three of x, y, z, X, Y, Z, found \"{}\"", sequence.value));
                     element.refuse(problem.help("\"xyz\" is the default; \"XYZ\" is roll, pitch, yaw as in URDF"));
                 }
             }
@@ -108,8 +109,7 @@ impl Settings {
         flag(element, "balanceinertia", &mut self.balance_inertia);
         flag(element, "strippath", &mut self.strip_path);
         flag(element, "alignfree", &mut self.align_free);
-        if let Some(from) =
-            element.attribute("inertiafromgeom").and_then(|at| choice(&at, &["false", "true", "auto"]))
+        if let Some(from) = element.attribute("inertiafromgeom").and_then(|at| choice(&at, &["false", "true", "auto"]))
         {
             self.inertia_from_geoms = [FromGeoms::Never, FromGeoms::Always, FromGeoms::Auto][from];
         }

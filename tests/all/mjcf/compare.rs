@@ -4,17 +4,16 @@ use std::process::Command;
 
 /// Models of ours, and the most by which accelerations may differ, relative to the largest of the state.
 ///
-/// Smooth dynamics agree to round-off: 1e-12 leaves room for the conditioning of chains (measured: below 1e-13). With constraints
-/// the reference takes its `J̇` from differences of 1e-5 where anything moves; all models with constraints are compared at
-/// rest, and what is left is the conditioning of `J M⁻¹ Jᵀ`.
+/// Both agree to round-off: below 2e-14 measured. 1e-12 leaves room for the conditioning of chains, and with constraints for
+/// that of `J M⁻¹ Jᵀ`, of which redundant rows are a part.
 const MODELS: [(&str, f64); 7] = [
     ("tests/models/mjcf/joints.xml", 1e-12),
     ("tests/models/mjcf/geoms.xml", 1e-12),
     ("tests/models/mjcf/defaults.xml", 1e-12),
     ("tests/models/mjcf/springs.xml", 1e-12),
     ("tests/models/mjcf/actuators.xml", 1e-12),
-    ("tests/models/mjcf/loops.xml", 1e-9),
-    ("scenarios/robots/gripper.xml", 1e-9),
+    ("tests/models/mjcf/loops.xml", 1e-12),
+    ("scenarios/robots/gripper.xml", 1e-12),
 ];
 
 #[test]

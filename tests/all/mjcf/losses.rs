@@ -6,7 +6,9 @@ use stillpoint::import::Taken;
 /// What is said of a model: line, element, verdict and text.
 fn said(text: &str) -> Vec<String> {
     let imported = import(text).unwrap_or_else(|refused| panic!("{refused}"));
-    let note = |note: &stillpoint::import::Note| format!("{} {} {}: {}", note.line, note.verdict.word(), note.element, note.what);
+    let note = |note: &stillpoint::import::Note| {
+        format!("{} {} {}: {}", note.line, note.verdict.word(), note.element, note.what)
+    };
     imported.notes.iter().map(note).collect()
 }
 

@@ -5,7 +5,11 @@ use super::{import, world};
 /// The one thing that is wrong with a model.
 fn wrong(text: &str) -> String {
     let refused = import(text).map(|imported| imported.scenario).expect_err("it makes no sense").to_string();
-    refused.lines().map(|line| line.rsplit_once("model.xml:").map_or(line, |(_, rest)| rest)).collect::<Vec<_>>().join("\n")
+    refused
+        .lines()
+        .map(|line| line.rsplit_once("model.xml:").map_or(line, |(_, rest)| rest))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 #[test]
@@ -21,7 +25,10 @@ fn every_mistake_names_its_place() {
             body("<joint type=\"hing\"/>"),
             "3: <joint> of body `a`: `type` must be one of \"hinge\", \"slide\", \"ball\", \"free\", found \"hing\" (did you mean \"hinge\"?)",
         ),
-        (body("<joint axis=\"0 0 0\"/>"), "3: <joint> of body `a`: `axis` is \"0 0 0\", which has no direction (for example axis=\"0 1 0\")"),
+        (
+            body("<joint axis=\"0 0 0\"/>"),
+            "3: <joint> of body `a`: `axis` is \"0 0 0\", which has no direction (for example axis=\"0 1 0\")",
+        ),
         (body("<joint pos=\"1 2\"/>"), "3: <joint> of body `a`: `pos` must be 3 numbers, found 2: \"1 2\""),
         (
             body("<joint range=\"1 -1\"/>"),
@@ -65,10 +72,7 @@ fn every_mistake_names_its_place() {
             after("<compiler eulerseq=\"xyw\"/>"),
             "2: <compiler>: `eulerseq` must be three of x, y, z, X, Y, Z, found \"xyw\" (\"xyz\" is the default; \"XYZ\" is roll, pitch, yaw as in URDF)",
         ),
-        (
-            after("<option gravity=\"0 0 nan\"/>"),
-            "2: <option>: `gravity` is nan, which is not a finite number",
-        ),
+        (after("<option gravity=\"0 0 nan\"/>"), "2: <option>: `gravity` is nan, which is not a finite number"),
     ];
     for (model, expected) in cases {
         assert_eq!(wrong(&model), expected);

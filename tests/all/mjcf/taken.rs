@@ -96,7 +96,8 @@ fn the_gripper_rests_where_its_servo_its_spring_and_its_weight_balance() {
     let scenario = load(std::path::Path::new(path)).unwrap_or_else(|error| panic!("{error}"));
     let mut model = Model::build(&scenario.description).expect("a model");
     stillpoint::constraint::assemble(&mut model).expect("it closes");
-    let found = stillpoint::statics::equilibrium(&model, &scenario.statics, &model.start_position).expect("an equilibrium");
+    let found =
+        stillpoint::statics::equilibrium(&model, &scenario.statics, &model.start_position).expect("an equilibrium");
     let at = |name: &str| {
         let body = model.bodies.iter().find(|body| body.name == name).expect(name);
         found.position[body.hinge.position]

@@ -18,8 +18,30 @@ const MODELS: [(&str, &str); 6] = [
 
 /// Words that are put in the place of others.
 const WORDS: [&str; 24] = [
-    "0", "-1", "1e308", "-1e-300", "nan", "inf", "", "1 2 3", "0 0 0 0 0 0", "free", "ball", "mesh", "box", "true", "ground", "a",
-    "main", "\"", "<body>", "</body>", "count=\"100000\"", "&amp;", "ß", "../../../../../etc/passwd",
+    "0",
+    "-1",
+    "1e308",
+    "-1e-300",
+    "nan",
+    "inf",
+    "",
+    "1 2 3",
+    "0 0 0 0 0 0",
+    "free",
+    "ball",
+    "mesh",
+    "box",
+    "true",
+    "ground",
+    "a",
+    "main",
+    "\"",
+    "<body>",
+    "</body>",
+    "count=\"100000\"",
+    "&amp;",
+    "ß",
+    "../../../../../etc/passwd",
 ];
 
 fn mutated(random: &mut Random, text: &str) -> String {
