@@ -21,6 +21,9 @@ pub(super) struct Arguments {
     /// The keyframe of an MJCF model to start from, by name or number from 0 [default: the first one]
     #[arg(long, value_name = "NAME")]
     key: Option<String>,
+    /// Leave out the limits of joints
+    #[arg(long)]
+    no_limits: bool,
     /// Put this before the name of every body
     #[arg(long, default_value = "")]
     prefix: String,
@@ -40,6 +43,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         prefix: arguments.prefix.clone(),
         floating: arguments.floating,
         key: arguments.key.clone(),
+        without_limits: arguments.no_limits,
         folder: arguments.out.as_deref().map(folder),
         packages: arguments.packages.iter().map(|text| package(text)).collect::<Result<_, _>>()?,
         ..Options::from_environment()

@@ -50,14 +50,14 @@ fn mesh(settled: &Settled<'_>, settings: &Settings, folders: &Folders<'_>) -> Op
     let stem = || file.map(|file| base(file).rsplit_once('.').map_or(base(file), |(stem, _)| stem).to_owned());
     let name = element.text("name").map(str::to_owned).or_else(stem)?;
     let scale = settled.vector("scale").unwrap_or([1.0; 3]);
-    let found = file.and_then(|file| {
+    let path = file.and_then(|file| {
         let within = settings.mesh_folder.join(if settings.strip_path { base(file) } else { file });
         let path = folders.model.parent().unwrap_or(Path::new("")).join(within);
-        if !path.is_file() {
+        let found = path.is_file();
+        if !found {
             element.note(Taken::Ignored, format!("no file `{}`: it is not drawn", path.display()));
-            return None;
         }
-        Some(files::from_folder(&path, folders.options.folder.as_deref(), folders.model))
+        found.then_some(path)
     });
     if file.is_none() {
         element.note(Taken::Ignored, "vertices in the model itself: it is not drawn");
@@ -65,8 +65,9 @@ fn mesh(settled: &Settled<'_>, settings: &Settings, folders: &Folders<'_>) -> Op
     if scale.iter().any(|factor| *factor <= 0.0) {
         element.note(Taken::Ignored, "`scale` mirrors it: it is not drawn");
     }
-    let found = found.filter(|_| scale.iter().all(|factor| *factor > 0.0));
-    Some((name, Mesh { file: found, scale, solid: None, frame: frame(settled, scale) }))
+    let drawn = path.as_ref().filter(|_| scale.iter().all(|factor| *factor > 0.0));
+    let file = drawn.map(|path| files::from_folder(path, folders.options.folder.as_deref(), folders.model));
+    Some((name, Mesh { file, scale, path, frame: frame(settled, scale) }))
 }
 
 /// `refpos` and `refquat`: they are taken off the vertices before these are scaled.

@@ -34,7 +34,7 @@ pub(super) fn read<'a>(tree: &Tree<'a>, defaults: &Defaults<'a>, settings: &Sett
     walk.add_body(tree.root, "world".to_owned(), WORLD, Isometry3::identity());
     for world in tree.all(&tree.root, "worldbody") {
         let class = world.attribute("childclass").and_then(|class| defaults.class(&class));
-        let around = Around { body: WORLD, frame: Isometry3::identity(), class, suffix: String::new() };
+        let around = Around { body: WORLD, frame: Isometry3::identity(), class, suffix: String::new(), weighs: false };
         let mut parts = Parts::default();
         walk.children(&world, &around, &mut parts);
     }
@@ -59,6 +59,8 @@ struct Around {
     class: Option<usize>,
     /// What `<replicate>` puts behind names.
     suffix: String,
+    /// Whether geoms make up the mass.
+    weighs: bool,
 }
 
 /// What a body weighs, in parts.
@@ -184,8 +186,18 @@ impl<'a> Walk<'_, 'a> {
             element.note(Taken::Approximated, "a mocap body stays where it is: nothing moves it from outside");
         }
         let class = element.attribute("childclass").and_then(|class| self.defaults.class(&class));
-        let inner =
-            Around { body, frame: Isometry3::identity(), class: class.or(around.class), suffix: around.suffix.clone() };
+        let given = self.tree.children(element).iter().any(|child| child.name() == "inertial");
+        let inner = Around {
+            body,
+            frame: Isometry3::identity(),
+            class: class.or(around.class),
+            suffix: around.suffix.clone(),
+            weighs: match self.scene.settings.inertia_from_geoms {
+                FromGeoms::Always => true,
+                FromGeoms::Auto => !given,
+                FromGeoms::Never => false,
+            },
+        };
         let mut parts = Parts::default();
         // Joints, geoms and inertia first: a body's joints stand before those of the bodies in it.
         self.children(element, &inner, &mut parts);
@@ -202,7 +214,7 @@ impl<'a> Walk<'_, 'a> {
         }
         let from_geoms = parts.inertial.is_none() || settings.inertia_from_geoms == FromGeoms::Always;
         if from_geoms && parts.unknown {
-            let message = format!("{}: its mass follows from a mesh, whose volume is not known here", element.label());
+            let message = format!("{}: its mass follows from a mesh, whose volume is not known", element.label());
             let help = "give the body an <inertial> (`mj_saveLastXML` writes one), or set it apart with mass=\"0\"";
             element.refuse(Problem::at(element.place(), message).help(help));
         }
@@ -249,8 +261,7 @@ impl<'a> Walk<'_, 'a> {
     fn geom(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
         let settled = self.defaults.of(element, around.class);
         element.text("name");
-        let on_world = around.body == WORLD;
-        let Some(geom) = geom::geom(&settled, &self.scene.settings, self.assets, &around.frame, on_world) else {
+        let Some(geom) = geom::geom(&settled, &self.scene.settings, self.assets, &around.frame, around.weighs) else {
             return;
         };
         match geom.mass {

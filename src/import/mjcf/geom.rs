@@ -1,15 +1,18 @@
 //! `<geom>`: what a body looks like, and what it weighs where nothing else says so.
 
 use super::super::log::Taken;
+use super::super::xml::Element;
 use super::defaults::Settled;
 use super::mass;
 use super::pose;
 use super::scene::{Drawn, Solid};
 use super::settings::{Settings, choice};
+use crate::mesh;
 use crate::model::description::MassProperties;
 use crate::model::shape::{Geometry, Shape};
 use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 use std::f64::consts::PI;
+use std::path::PathBuf;
 
 /// What a geom is without further words, in kg/m³.
 const DENSITY: f64 = 1000.0;
@@ -32,8 +35,8 @@ pub(super) struct Mesh {
     /// File as found from the scenario's folder, where it can be drawn.
     pub(super) file: Option<String>,
     pub(super) scale: [f64; 3],
-    /// Mass properties of the scaled mesh with a density of 1 kg/m³, if they are known.
-    pub(super) solid: Option<MassProperties>,
+    /// The file, read where its volume is asked for.
+    pub(super) path: Option<PathBuf>,
     /// Where the mesh's own frame stands in the file's.
     pub(super) frame: Isometry3<f64>,
 }
@@ -44,13 +47,14 @@ pub(super) struct Assets {
     pub(super) colors: std::collections::HashMap<String, [f64; 4]>,
 }
 
-/// Reads a geom; `frame` stands between the body and the geom. `None` where it was refused.
+/// Reads a geom; `frame` stands between the body and the geom, `counts` tells whether it is part of
+/// the body's mass. `None` where it was refused.
 pub(super) fn geom(
     settled: &Settled<'_>,
     settings: &Settings,
     assets: &Assets,
     frame: &Isometry3<f64>,
-    on_world: bool,
+    counts: bool,
 ) -> Option<Geom> {
     let element = settled.element;
     let kind = match settled.attribute("type") {
@@ -58,7 +62,7 @@ pub(super) fn geom(
         None => "sphere",
     };
     let group = settled.number("group").unwrap_or(0.0);
-    let weighs = !on_world && (settings.inertia_groups[0]..=settings.inertia_groups[1]).contains(&group);
+    let weighs = counts && (settings.inertia_groups[0]..=settings.inertia_groups[1]).contains(&group);
     let color = color(settled, assets);
     let size = settled.numbers("size", 3).unwrap_or_default();
     let (pose, size) = place(settled, settings, kind, size)?;
@@ -84,7 +88,8 @@ pub(super) fn geom(
                 return None;
             };
             let solid = mesh.file.clone().map(|file| Solid::Mesh(file, mesh.scale));
-            (solid, mesh.solid, pose * mesh.frame)
+            let unit = if weighs { enclosed(&element, mesh) } else { None };
+            (solid, unit, pose * mesh.frame)
         }
         _ => {
             if let Some(attribute) = settled.attribute("mesh") {
@@ -101,6 +106,19 @@ pub(super) fn geom(
     let place = element.place();
     let drawn = solid.filter(|_| shown).map(|solid| Drawn { solid, pose, color, place });
     Some(Geom { drawn, mass })
+}
+
+/// What a mesh encloses with a density of 1 kg/m³, if that can be told; otherwise it is said why not.
+fn enclosed(element: &Element<'_>, mesh: &Mesh) -> Option<MassProperties> {
+    let solid = mesh::Mesh::read(mesh.path.as_ref()?).map_err(|error| error.to_string());
+    let solid = solid.and_then(|read| read.solid(mesh.scale.into()).map_err(|error| error.to_string()));
+    match solid {
+        Ok(solid) => Some(MassProperties { mass: solid.volume, center: solid.center, inertia: solid.inertia }),
+        Err(why) => {
+            element.note(Taken::Ignored, format!("its mesh has no mass: {why}"));
+            None
+        }
+    }
 }
 
 /// `mass`, or `density` times the volume. The outer `None`: refused, the inner one: not known.

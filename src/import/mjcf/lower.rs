@@ -402,7 +402,7 @@ fn unique(wanted: String, used: &mut HashSet<String>) -> String {
 }
 
 /// One note for all limits: they are rigid here, and there are none beside loops.
-pub(super) fn note_limits(scene: &mut Scene<'_>, output: &Output) {
+pub(super) fn note_limits(scene: &mut Scene<'_>, output: &Output, options: &Options) {
     let limited: Vec<usize> =
         scene.in_order().into_iter().filter(|joint| scene.joints[*joint].range.is_some()).collect();
     let Some(&first) = limited.first() else { return };
@@ -412,6 +412,11 @@ pub(super) fn note_limits(scene: &mut Scene<'_>, output: &Output) {
         count => format!("its limits and those of {} other joints are", count - 1),
     };
     let element = scene.joints[first].element;
+    if options.without_limits {
+        element.note(Taken::Ignored, format!("{others} left out, as asked for"));
+        limited.iter().for_each(|joint| scene.joints[*joint].range = None);
+        return;
+    }
     if !output.loops.is_empty() || !output.gears.is_empty() || !output.drives.is_empty() {
         element.note(Taken::Ignored, format!("{others} left out: stops and constraints cannot be simulated together"));
         limited.iter().for_each(|joint| scene.joints[*joint].range = None);
