@@ -204,22 +204,24 @@ impl Log {
         self.seen.borrow().contains(&(source, start))
     }
 
-    /// Makes one note of all that say the same about different elements of a source.
+    /// Makes one note of all that say the same about elements of one kind in a source.
     pub(super) fn gather(&self) {
         const LISTED: usize = 6;
-        let mut alike: BTreeMap<(usize, Taken, String), Vec<(Place, String)>> = BTreeMap::new();
+        let mut alike: BTreeMap<(usize, Taken, String, String), Vec<(Place, String)>> = BTreeMap::new();
         for (place, element, verdict, what) in self.notes.take() {
-            alike.entry((place.source, verdict, what)).or_default().push((place, element));
+            let kind = element.split(' ').next().unwrap_or_default().to_owned();
+            alike.entry((place.source, verdict, what, kind)).or_default().push((place, element));
         }
-        for ((_, verdict, what), mut elements) in alike {
+        for ((_, verdict, what, _), mut elements) in alike {
             elements.sort_by_key(|(place, _)| place.span.start);
             let (place, element) = elements[0].clone();
-            let lines: Vec<String> =
-                elements.iter().take(LISTED).map(|(place, _)| self.line(place).1.to_string()).collect();
-            let what = match elements.len() {
-                1 => what,
-                count if count <= LISTED => format!("{what} (and so lines {})", lines[1..].join(", ")),
-                count => format!("{what} (and so {} others, lines {}, …)", count - 1, lines[1..].join(", ")),
+            let others: Vec<String> =
+                elements.iter().skip(1).take(LISTED).map(|(place, _)| self.line(place).1.to_string()).collect();
+            let what = match elements.len() - 1 {
+                0 => what,
+                1 => format!("{what} (and so line {})", others[0]),
+                count if count <= LISTED => format!("{what} (and so lines {})", others.join(", ")),
+                count => format!("{what} (and so {count} others, lines {}, …)", others.join(", ")),
             };
             self.note(place, element, verdict, what);
         }

@@ -1,7 +1,7 @@
 //! `<keyframe>`: where the model starts.
 
 use super::super::Options;
-use super::super::log::{Problem, Taken};
+use super::super::log::{Place, Problem, Taken};
 use super::super::xml::{Attribute, Element};
 use super::scene::{Kind, Scene};
 use super::tree::Tree;
@@ -12,8 +12,8 @@ use crate::suggest::closest;
 pub(super) struct Key {
     /// What it is called, for people.
     pub(super) name: Option<String>,
-    position: Option<Vec<f64>>,
-    velocity: Option<Vec<f64>>,
+    position: Option<(Vec<f64>, Place)>,
+    velocity: Option<(Vec<f64>, Place)>,
     controls: Vec<f64>,
     activations: Vec<f64>,
 }
@@ -53,14 +53,15 @@ pub(super) fn read(tree: &Tree<'_>, options: &Options) -> Key {
             continue;
         }
         let [position, velocity, controls, activations] =
-            lists.map(|list| list.and_then(|attribute: Attribute<'_>| attribute.numbers()));
+            lists.map(|list| list.and_then(|attribute: Attribute<'_>| Some((attribute.numbers()?, attribute.place()))));
+        let numbers = |list: Option<(Vec<f64>, Place)>| list.map(|(numbers, _)| numbers).unwrap_or_default();
         key.note(Taken::Used, "positions, velocities and controls at the start");
         found = Key {
             name: Some(name(index, key)),
             position,
             velocity,
-            controls: controls.unwrap_or_default(),
-            activations: activations.unwrap_or_default(),
+            controls: numbers(controls),
+            activations: numbers(activations),
         };
     }
     found
@@ -77,7 +78,7 @@ impl Key {
 
     /// Whether the model moves at the start.
     pub(super) fn moves(&self) -> bool {
-        self.velocity.iter().flatten().any(|speed| *speed != 0.0)
+        self.velocity.iter().flat_map(|(list, _)| list).any(|speed| *speed != 0.0)
     }
 
     /// Puts the start into the joints: the keyframe, or else the reference.
@@ -89,11 +90,12 @@ impl Key {
         let sizes = [count(|counts| counts.0), count(|counts| counts.1)];
         let lists = [(&self.position, "qpos", sizes[0]), (&self.velocity, "qvel", sizes[1])];
         for (list, name, size) in lists {
-            if let Some(found) = list.as_ref().map(Vec::len).filter(|found| *found != size) {
+            if let Some((numbers, place)) = list.as_ref().filter(|(numbers, _)| numbers.len() != size) {
                 let what = self.name.as_deref().unwrap_or_default();
-                let message = format!("{what}: `{name}` must have {size} numbers, found {found}");
+                let plural = if size == 1 { "" } else { "s" };
+                let message = format!("{what}: `{name}` must have {size} number{plural}, found {}", numbers.len());
                 let help = "one number for each hinge and slide, 4 (velocities: 3) for a ball, 7 (6) for a free joint";
-                tree.root.refuse(Problem::at(tree.root.place(), message).help(help));
+                tree.root.refuse(Problem::at(place.clone(), message).help(help));
                 return;
             }
         }
@@ -102,7 +104,7 @@ impl Key {
             let (coordinates, velocities) = scene.joints[index].kind.counts();
             let pose = scene.bodies[scene.joints[index].body].pose;
             let joint = &mut scene.joints[index];
-            let written = self.position.as_ref().map(|list| &list[at..at + coordinates]);
+            let written = self.position.as_ref().map(|(list, _)| &list[at..at + coordinates]);
             joint.start = match (joint.kind, written) {
                 (Kind::Hinge | Kind::Slide, Some(list)) => vec![list[0] - joint.reference],
                 (_, Some(list)) => list.to_vec(),
@@ -117,7 +119,7 @@ impl Key {
             if joint.start.len() > 3 && joint.start[coordinates - 4..].iter().all(|part| *part == 0.0) {
                 joint.start[coordinates - 4] = 1.0;
             }
-            if let Some(list) = &self.velocity {
+            if let Some((list, _)) = &self.velocity {
                 joint.velocity = list[rate..rate + velocities].to_vec();
             }
             at += coordinates;

@@ -62,7 +62,7 @@ fn every_mistake_names_its_place() {
         ),
         (
             after("<keyframe><key qpos=\"1 2\"/></keyframe>"),
-            "1: <mujoco>: keyframe 0: `qpos` must have 1 numbers, found 2 (one number for each hinge and slide, 4 (velocities: 3) for a ball, 7 (6) for a free joint)",
+            "2: keyframe 0: `qpos` must have 1 number, found 2 (one number for each hinge and slide, 4 (velocities: 3) for a ball, 7 (6) for a free joint)",
         ),
         (
             after("<equality><weld body1=\"a\" body2=\"a\"/></equality>"),
