@@ -207,7 +207,9 @@ impl Log {
     /// Makes one note of all that say the same about elements of one kind in a source.
     pub(super) fn gather(&self) {
         const LISTED: usize = 6;
-        let mut alike: BTreeMap<(usize, Taken, String, String), Vec<(Place, String)>> = BTreeMap::new();
+        /// Source, verdict, text and kind of element.
+        type Said = (usize, Taken, String, String);
+        let mut alike: BTreeMap<Said, Vec<(Place, String)>> = BTreeMap::new();
         for (place, element, verdict, what) in self.notes.take() {
             let kind = element.split(' ').next().unwrap_or_default().to_owned();
             alike.entry((place.source, verdict, what, kind)).or_default().push((place, element));
