@@ -74,7 +74,7 @@
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
 //! | [`simulate`] | the time loop, the energy ledger, the rest proof |
 //! | [`mesh`] | triangle meshes from files: STL, OBJ, glTF |
-//! | [`import`] | models of other programs (URDF), turned into scenario text |
+//! | [`import`] | models of other programs (URDF, MJCF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
 //! | [`suggest`] | “did you mean …?” |

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The model: a URDF file
+    /// The model: a URDF or an MJCF file
     model: PathBuf,
     /// Write the scenario here instead of printing it
     #[arg(long, short, value_name = "SCENARIO.toml")]
@@ -18,6 +18,9 @@ pub(super) struct Arguments {
     /// Let the root move freely instead of fixing it to the ground
     #[arg(long)]
     floating: bool,
+    /// The keyframe of an MJCF model to start from, by name or number from 0 [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    key: Option<String>,
     /// Leave out the limits of joints
     #[arg(long)]
     no_limits: bool,
@@ -39,6 +42,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let options = Options {
         prefix: arguments.prefix.clone(),
         floating: arguments.floating,
+        key: arguments.key.clone(),
         without_limits: arguments.no_limits,
         folder: arguments.out.as_deref().map(folder),
         packages: arguments.packages.iter().map(|text| package(text)).collect::<Result<_, _>>()?,

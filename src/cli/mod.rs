@@ -90,7 +90,7 @@ enum Command {
     ///
     /// Example: stillpoint view hanging_chain.mcap --save hanging_chain.rrd
     View(view::Arguments),
-    /// Turn a model of another program (URDF) into a scenario; what is not taken over is listed line by line
+    /// Turn a model of another program (URDF, MJCF) into a scenario; what is not taken over is listed line by line
     ///
     /// Example: stillpoint convert robot.urdf -o robot.toml
     Convert(convert::Arguments),

@@ -127,6 +127,13 @@ impl Draft {
         self.origins.extend(from.map(|place| (key.to_owned(), place)));
     }
 
+    /// Adds a table of settings, as `[simulate]`.
+    pub(super) fn settings(&mut self, name: &str, entry: Entry) {
+        self.origins.extend(entry.place.clone().map(|place| (name.to_owned(), place)));
+        let table = entry.into_table(name, &mut self.origins);
+        self.document.insert(name, Item::Table(table));
+    }
+
     /// Adds a table to a list, as `[[body]]`.
     pub(super) fn add(&mut self, list: &str, entry: Entry) {
         let item = self.document.entry(list).or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));

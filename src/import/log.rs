@@ -2,7 +2,7 @@
 
 use crate::text_file::ReadError;
 use std::cell::RefCell;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -164,6 +164,20 @@ impl Log {
         }
     }
 
+    /// Adds a source, as one that is included.
+    pub(super) fn add(&self, path: &Path, text: String) -> usize {
+        self.sources.borrow_mut().push(Source { path: path.to_owned(), text: text.into() });
+        self.sources.borrow().len() - 1
+    }
+
+    /// File name and line of a place.
+    pub(super) fn line(&self, place: &Place) -> (String, usize) {
+        let sources = self.sources.borrow();
+        let source = &sources[place.source];
+        let name = source.path.file_name().map(|name| name.to_string_lossy().into_owned());
+        (name.unwrap_or_default(), source.line(place.span.start))
+    }
+
     /// The text of a source.
     pub(super) fn text(&self, source: usize) -> Arc<str> {
         self.sources.borrow()[source].text.clone()
@@ -188,6 +202,31 @@ impl Log {
 
     pub(super) fn has_seen(&self, source: usize, start: usize) -> bool {
         self.seen.borrow().contains(&(source, start))
+    }
+
+    /// Makes one note of all that say the same about elements of one kind in a source.
+    pub(super) fn gather(&self) {
+        const LISTED: usize = 6;
+        /// Source, verdict, text and kind of element.
+        type Said = (usize, Taken, String, String);
+        let mut alike: BTreeMap<Said, Vec<(Place, String)>> = BTreeMap::new();
+        for (place, element, verdict, what) in self.notes.take() {
+            let kind = element.split(' ').next().unwrap_or_default().to_owned();
+            alike.entry((place.source, verdict, what, kind)).or_default().push((place, element));
+        }
+        for ((_, verdict, what, _), mut elements) in alike {
+            elements.sort_by_key(|(place, _)| place.span.start);
+            let (place, element) = elements[0].clone();
+            let others: Vec<String> =
+                elements.iter().skip(1).take(LISTED).map(|(place, _)| self.line(place).1.to_string()).collect();
+            let what = match elements.len() - 1 {
+                0 => what,
+                1 => format!("{what} (and so line {})", others[0]),
+                count if count <= LISTED => format!("{what} (and so lines {})", others.join(", ")),
+                count => format!("{what} (and so {count} others, lines {}, …)", others.join(", ")),
+            };
+            self.note(place, element, verdict, what);
+        }
     }
 
     /// All notes in the order of the sources.

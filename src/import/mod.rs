@@ -13,6 +13,7 @@
 mod draft;
 mod files;
 mod log;
+mod mjcf;
 mod urdf;
 mod xml;
 
@@ -37,6 +38,8 @@ pub struct Options {
     pub rpy: [f64; 3],
     /// The folder from which the scenario text finds its meshes; where it is not given, the folder of the model.
     pub folder: Option<PathBuf>,
+    /// The keyframe of an MJCF model that is the start, by name or number from 0; the first one where it is not given.
+    pub key: Option<String>,
     /// Folders of packages by name, for `package://name/…`.
     pub packages: Vec<(String, PathBuf)>,
     /// Folders that hold packages, as `ROS_PACKAGE_PATH` lists them.
@@ -100,10 +103,12 @@ fn read(log: &Log, path: &Path, options: &Options) -> Option<draft::Draft> {
     let root = xml::root(&document, 0, log);
     match root.name() {
         "robot" => urdf::read(&root, path, options),
+        "mujoco" => mjcf::read(&root, path, options),
         other => {
             let message = format!("<{other}> is not a model that can be read");
             log.refuse(
-                Problem::at(root.place(), message).help("a model is a URDF file, with <robot> around everything"),
+                Problem::at(root.place(), message)
+                    .help("a model is a URDF file, with <robot> around everything, or MJCF, with <mujoco>"),
             );
             None
         }

@@ -61,7 +61,8 @@ pub(super) struct Attribute<'a> {
 }
 
 impl<'a> Element<'a> {
-    fn see(&self) {
+    /// Marks it as read.
+    pub(super) fn see(&self) {
         self.log.see(self.source, self.node.range().start);
     }
 
@@ -142,6 +143,32 @@ impl<'a> Element<'a> {
         self.node.children().filter(Node::is_element).map(move |node| Element { node, source, log })
     }
 
+    /// All children, not marked as read.
+    pub(super) fn unread_children(&self) -> impl Iterator<Item = Element<'a>> + use<'a> {
+        self.elements()
+    }
+
+    /// Whether it is marked as read.
+    pub(super) fn was_seen(&self) -> bool {
+        self.log.has_seen(self.source, self.node.range().start)
+    }
+
+    /// The attributes that are not marked as read.
+    pub(super) fn unread_attributes(&self) -> impl Iterator<Item = Attribute<'a>> + use<'a> {
+        let element = *self;
+        self.node.attributes().filter_map(move |attribute| {
+            let range = attribute.range();
+            let unread = !element.log.has_seen(element.source, range.start);
+            unread.then(|| Attribute {
+                element,
+                key: attribute.name(),
+                value: attribute.value(),
+                start: range.start,
+                end: range.end,
+            })
+        })
+    }
+
     /// An attribute.
     pub(super) fn attribute(&self, key: &str) -> Option<Attribute<'a>> {
         let found =
@@ -166,6 +193,11 @@ impl<'a> Element<'a> {
             self.refuse(Problem::at(self.place(), message).maybe_help(help));
         }
         found
+    }
+
+    /// The number of an attribute; `None` where it is absent or was refused.
+    pub(super) fn number(&self, key: &str) -> Option<f64> {
+        self.attribute(key)?.number()
     }
 
     /// The numbers of an attribute; `None` where it is absent or was refused.

@@ -82,3 +82,17 @@ impl Shape {
         })
     }
 }
+
+/// One rigid body out of several in the same axes, by the parallel-axis theorem; their masses must not be all zero.
+pub fn combined(parts: &[MassProperties]) -> MassProperties {
+    let mass: f64 = parts.iter().map(|part| part.mass).sum();
+    let center = parts.iter().map(|part| part.center * part.mass).sum::<Vector3<f64>>() / mass;
+    let inertia = parts
+        .iter()
+        .map(|part| {
+            let away = part.center - center;
+            part.inertia + (Matrix3::identity() * away.norm_squared() - away * away.transpose()) * part.mass
+        })
+        .sum();
+    MassProperties { mass, center, inertia }
+}

@@ -5,7 +5,7 @@ use super::format::BODY;
 use super::reader::{Reader, number, numbers};
 use crate::mesh::Mesh;
 use crate::model::description::MassProperties;
-use crate::model::shape::{Geometry, Shape};
+use crate::model::shape::{Geometry, Shape, combined};
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::path::Path;
 
@@ -146,20 +146,6 @@ fn enclosed(
         center: (shape.pose * Point3::from(solid.center)).coords,
         inertia: turn * (solid.inertia * density) * turn.transpose(),
     })
-}
-
-/// One rigid body out of several, by the parallel-axis theorem.
-fn combined(parts: &[MassProperties]) -> MassProperties {
-    let mass: f64 = parts.iter().map(|part| part.mass).sum();
-    let center = parts.iter().map(|part| part.center * part.mass).sum::<Vector3<f64>>() / mass;
-    let inertia = parts
-        .iter()
-        .map(|part| {
-            let away = part.center - center;
-            part.inertia + (Matrix3::identity() * away.norm_squared() - away * away.transpose()) * part.mass
-        })
-        .sum();
-    MassProperties { mass, center, inertia }
 }
 
 #[cfg(test)]

@@ -21,7 +21,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("statics", &["model", "motion", "forces", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["mesh", "spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
-    ("import", &["suggest", "text_file"]),
+    // `model` for the mass properties of solids.
+    ("import", &["mesh", "model", "suggest", "text_file"]),
     ("scenario", &["import", "mesh", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"]),
     (
         "cli",

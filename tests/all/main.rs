@@ -16,6 +16,7 @@ mod import;
 mod instructions;
 mod integrators;
 mod loops;
+mod mjcf;
 mod no_allocation;
 mod oracle;
 mod precision;

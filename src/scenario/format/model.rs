@@ -6,7 +6,7 @@ use super::{NOT_NEGATIVE, NUMBER, VECTOR};
 /// `model = { … }`
 pub const MODEL: Table = Table {
     name: "model",
-    doc: "A model of another program (URDF) whose bodies and hinges come before those of the file. They keep the names \
+    doc: "A model of another program (URDF or MJCF) whose bodies and hinges come before those of the file. They keep the names \
           of the model's links; a hinge has the name of the link that it carries.",
     types: &[],
     keys: &[
@@ -29,6 +29,8 @@ pub const MODEL: Table = Table {
             .unit("rad")
             .default("[0.0, 0.0, 0.0]")
             .example("[0.0, 0.0, 1.5708]"),
+        Key::new("key", Kind::Text, "The keyframe of an MJCF model that is the start, by name or number from 0; else the first one.")
+            .example("\"home\""),
         Key::new("limits", Kind::Flag, "Whether the limits of its joints become stops.").default("true").example("false"),
         Key::new("packages", Kind::Map(&Kind::Text), "Folders of packages by name, for `package://name/…`.")
             .example("{ arm_description = \"../arm_description\" }"),

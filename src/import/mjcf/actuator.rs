@@ -1,0 +1,395 @@
+//! `<actuator>`: constant forces, and servos as the springs and dampers that they are.
+
+use super::super::draft::Entry;
+use super::super::log::Taken;
+use super::super::xml::Element;
+use super::couple::find;
+use super::defaults::{ACTUATORS, Defaults, Settled};
+use super::inertia;
+use super::key::Key;
+use super::lower::Output;
+use super::scene::{Kind, Scene};
+use super::settings::choice;
+use super::tendon::{Path, Tendons};
+use super::tree::Tree;
+use nalgebra::Vector3;
+
+/// `force = gain · input + bias₀ + bias₁ · length + bias₂ · rate`, with the input `ctrl` or an activation.
+#[derive(Debug, Clone)]
+struct Law {
+    gain: [f64; 3],
+    bias: [f64; 3],
+    affine_gain: bool,
+    affine_bias: bool,
+    dynamics: Dynamics,
+    damp_ratio: f64,
+    /// What it is, where it has no equal here.
+    unknown: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Dynamics {
+    None,
+    /// The activation is the integral of the control.
+    Integrator,
+    /// The activation follows the control.
+    Filter,
+}
+
+impl Default for Law {
+    fn default() -> Self {
+        Self {
+            gain: [1.0, 0.0, 0.0],
+            bias: [0.0; 3],
+            affine_gain: false,
+            affine_bias: false,
+            dynamics: Dynamics::None,
+            damp_ratio: 0.0,
+            unknown: None,
+        }
+    }
+}
+
+impl Law {
+    /// What the element and its defaults say, one after the other.
+    fn read(settled: &Settled<'_>) -> Self {
+        let mut law = Self::default();
+        settled.layers().for_each(|element| law.apply(element));
+        law
+    }
+
+    fn apply(&mut self, element: &Element<'_>) {
+        let list = |key: &str, list: &mut [f64; 3]| {
+            let numbers = element.attribute(key).and_then(|attribute| attribute.numbers());
+            numbers.into_iter().flatten().zip(list.iter_mut()).for_each(|(number, into)| *into = number);
+        };
+        self.unknown = None;
+        match element.name() {
+            "general" => {
+                list("gainprm", &mut self.gain);
+                list("biasprm", &mut self.bias);
+                for key in ["gaintype", "biastype", "dyntype"] {
+                    self.typed(element, key);
+                }
+            }
+            "motor" => *self = Self::default(),
+            "position" | "intvelocity" => {
+                let servo = self.affine_bias && self.gain[0] == -self.bias[1];
+                let [kp, kv] = if servo { [self.gain[0], -self.bias[2]] } else { [1.0, 0.0] };
+                let kp = element.number("kp").unwrap_or(kp);
+                let kv = element.number("kv").unwrap_or(kv);
+                let dampratio = element.number("dampratio").unwrap_or(self.damp_ratio);
+                let filtered = element.number("timeconst").is_some_and(|time| time > 0.0);
+                let dynamics = match element.name() {
+                    "intvelocity" => Dynamics::Integrator,
+                    _ if filtered => Dynamics::Filter,
+                    _ => self.dynamics,
+                };
+                *self = Self { gain: [kp, 0.0, 0.0], bias: [0.0, -kp, -kv], affine_bias: true, ..Self::default() };
+                (self.damp_ratio, self.dynamics) = (dampratio, dynamics);
+            }
+            "velocity" => {
+                let servo = self.affine_bias && self.gain[0] == -self.bias[2] && self.bias[1] == 0.0;
+                let kv = element.number("kv").unwrap_or(if servo { self.gain[0] } else { 1.0 });
+                *self = Self { gain: [kv, 0.0, 0.0], bias: [0.0, 0.0, -kv], affine_bias: true, ..Self::default() };
+            }
+            "damper" => {
+                let kv = element.number("kv").unwrap_or(1.0);
+                *self = Self { gain: [0.0, 0.0, -kv], affine_gain: true, ..Self::default() };
+            }
+            other => self.unknown = Some(format!("a {other} has no equal here")),
+        }
+    }
+
+    fn typed(&mut self, element: &Element<'_>, key: &str) {
+        let Some(attribute) = element.attribute(key) else { return };
+        match (key, attribute.value) {
+            ("gaintype", "fixed") => self.affine_gain = false,
+            ("gaintype", "affine") => self.affine_gain = true,
+            ("biastype", "none") => self.affine_bias = false,
+            ("biastype", "affine") => self.affine_bias = true,
+            ("dyntype", "none") => self.dynamics = Dynamics::None,
+            ("dyntype", "integrator") => self.dynamics = Dynamics::Integrator,
+            ("dyntype", "filter" | "filterexact") => self.dynamics = Dynamics::Filter,
+            (_, "muscle" | "user" | "dcmotor" | "pid" | "so3") => {
+                self.unknown = Some(format!("`{key} = \"{}\"` has no equal here", attribute.value));
+            }
+            _ => {
+                let words = ["none", "fixed", "affine", "integrator", "filter", "filterexact", "muscle", "user", "pid"];
+                choice(&attribute, &words);
+            }
+        }
+    }
+}
+
+/// What an actuator does at a given input: `constant + slope · length + rate · d(length)/dt`.
+#[derive(Debug, Clone, Copy)]
+struct Acts {
+    constant: f64,
+    slope: f64,
+    rate: f64,
+}
+
+/// Reads all actuators: what they do is in the hinges and forces then.
+pub(super) fn read<'a>(
+    tree: &Tree<'a>,
+    defaults: &Defaults<'a>,
+    scene: &mut Scene<'a>,
+    tendons: &Tendons,
+    key: &Key,
+    output: &mut Output,
+) {
+    let mut activations = 0;
+    let mut elements = tree.section("actuator");
+    elements.retain(|element| ACTUATORS.contains(&element.name()));
+    let all: Vec<Settled<'a>> = elements.iter().map(|element| defaults.of(element, None)).collect();
+    // What turns with the joints is part of the inertia that others are reckoned from.
+    all.iter().for_each(|settled| reflected(settled, scene));
+    inertia::spring_dampers(scene);
+    for (index, settled) in all.into_iter().enumerate() {
+        let element = settled.element;
+        element.text("name");
+        let law = Law::read(&settled);
+        let activation = (law.dynamics != Dynamics::None).then(|| {
+            activations += 1;
+            key.activation(activations - 1)
+        });
+        if !scene.settings.actuation {
+            element.note(Taken::Ignored, "actuation is switched off in `<option>`");
+            transmission(&settled);
+            continue;
+        }
+        if let Some(what) = &law.unknown {
+            element.note(Taken::Ignored, format!("{what}: nothing acts"));
+            transmission(&settled);
+            continue;
+        }
+        let control = clamped(&settled, key.control(index), scene);
+        let input = match (law.dynamics, activation) {
+            (Dynamics::Integrator, Some(activation)) => {
+                if control != 0.0 {
+                    element.note(
+                        Taken::Approximated,
+                        format!("its set point stays at {activation}, although `ctrl` moves it"),
+                    );
+                }
+                activation
+            }
+            (Dynamics::Filter, _) => {
+                element.note(Taken::Approximated, "it acts at once: its filter is left out");
+                control
+            }
+            _ => control,
+        };
+        act(&settled, &law, input, scene, tendons, output);
+    }
+}
+
+/// `armature` and `damping` of the motor, as the joint feels them.
+fn reflected(settled: &Settled<'_>, scene: &mut Scene<'_>) {
+    let armature = settled.not_negative("armature").unwrap_or(0.0);
+    let damping = settled.numbers("damping", 3).unwrap_or_else(|| vec![0.0]);
+    if armature == 0.0 && damping.iter().all(|number| *number == 0.0) {
+        return;
+    }
+    let joint = settled.attribute("joint").or_else(|| settled.attribute("jointinparent"));
+    let joint = joint.and_then(|joint| find(&joint, "joint", &scene.names.joints, scene));
+    let Some(joint) = joint.filter(|joint| scene.joints[*joint].kind.is_scalar()) else {
+        settled.element.note(Taken::Ignored, "`armature` and `damping` of the motor: it does not act on one hinge");
+        return;
+    };
+    if damping.iter().skip(1).any(|number| *number != 0.0) {
+        settled.element.note(Taken::Approximated, "`damping`: only its linear part is taken");
+    }
+    let gear = gear(settled)[0];
+    let acting = &mut scene.joints[joint].acting;
+    acting.armature += armature * gear * gear;
+    acting.damping += damping[0] * gear * gear;
+}
+
+fn gear(settled: &Settled<'_>) -> Vec<f64> {
+    let mut gear = settled.numbers("gear", 6).unwrap_or_else(|| vec![1.0]);
+    gear.resize(6, 0.0);
+    gear
+}
+
+/// The control within its range.
+fn clamped(settled: &Settled<'_>, control: f64, scene: &Scene<'_>) -> f64 {
+    let limited = settled.limited("ctrllimited", "ctrlrange", scene.settings.autolimits);
+    match settled.vector::<2>("ctrlrange").filter(|[low, high]| limited && scene.settings.clamp_control && low <= high)
+    {
+        Some([low, high]) => control.clamp(low, high),
+        None => control,
+    }
+}
+
+/// Marks what says where it would act.
+fn transmission(settled: &Settled<'_>) {
+    const KEYS: [&str; 14] = [
+        "joint",
+        "jointinparent",
+        "tendon",
+        "site",
+        "refsite",
+        "body",
+        "cranksite",
+        "slidersite",
+        "cranklength",
+        "gear",
+        "ctrlrange",
+        "ctrllimited",
+        "forcerange",
+        "forcelimited",
+    ];
+    settled.skip(&KEYS);
+}
+
+fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tendons: &Tendons, output: &mut Output) {
+    let element = settled.element;
+    let bias = if law.affine_bias { law.bias } else { [0.0; 3] };
+    let gain = if law.affine_gain { law.gain } else { [law.gain[0], 0.0, 0.0] };
+    let mut acts =
+        Acts { constant: gain[0] * input + bias[0], slope: gain[1] * input + bias[1], rate: gain[2] * input + bias[2] };
+    if law.damp_ratio > 0.0 && acts.slope < 0.0 {
+        acts.rate = damped(settled, law.damp_ratio, acts.slope, scene, tendons);
+    }
+    let nothing = [acts.constant, acts.slope, acts.rate] == [0.0; 3];
+    let limited = settled.limited("forcelimited", "forcerange", scene.settings.autolimits);
+    let bounded = settled.vector::<2>("forcerange").filter(|_| limited);
+    if let Some([low, high]) = bounded.filter(|[low, high]| low <= high) {
+        if acts.slope == 0.0 && acts.rate == 0.0 {
+            acts.constant = acts.constant.clamp(low, high);
+        } else {
+            element.note(Taken::Ignored, format!("`forcerange = {low} {high}`: its force has no bounds here"));
+        }
+    }
+    let gear = gear(settled);
+    let at = |key: &str| settled.attribute(key);
+    if let Some(joint) = at("joint").or_else(|| at("jointinparent")) {
+        let in_parent = at("jointinparent").is_some();
+        let Some(joint) = find(&joint, "joint", &scene.names.joints, scene) else { return };
+        if scene.joints[joint].kind.is_scalar() {
+            on_joint(&element, joint, gear[0], &acts, scene);
+        } else if acts.slope != 0.0 || acts.rate != 0.0 || in_parent {
+            element.note(Taken::Ignored, "a servo on a ball or a free joint has no equal here: nothing acts");
+        } else {
+            let joint = &mut scene.joints[joint];
+            joint.acting.force.iter_mut().zip(&gear).for_each(|(force, gear)| *force += gear * acts.constant);
+        }
+    } else if let Some(tendon) = at("tendon") {
+        match tendons.path(&tendon).cloned() {
+            Some(Path::Fixed(terms)) => match terms[..] {
+                [(joint, factor)] => on_joint(&element, joint, gear[0] * factor, &acts, scene),
+                _ if acts.slope == 0.0 && acts.rate == 0.0 => {
+                    for (joint, factor) in terms {
+                        scene.joints[joint].acting.force[0] += gear[0] * factor * acts.constant;
+                    }
+                }
+                _ => element.note(Taken::Ignored, "a servo that pulls several joints has no equal here: nothing acts"),
+            },
+            Some(Path::Line(sites)) => along(settled, sites, gear[0], &acts, scene, output),
+            Some(Path::Other) if !nothing => {
+                element.note(Taken::Ignored, "its tendon runs over more than two sites: nothing acts");
+            }
+            _ => {}
+        }
+    } else if let Some(site) = at("site") {
+        let reference = at("refsite").is_some();
+        let Some(site) = find(&site, "site", &scene.names.sites, scene) else { return };
+        if acts.slope != 0.0 || acts.rate != 0.0 || reference && !nothing {
+            element.note(Taken::Ignored, "a servo between sites has no equal here: nothing acts");
+        } else if acts.constant != 0.0 {
+            push(&element, site, &gear, acts.constant, scene, output);
+        }
+    } else {
+        transmission(settled);
+        if !nothing {
+            element.note(Taken::Ignored, "it acts on contacts or through a slider and crank, which has no equal here");
+        }
+    }
+    if nothing {
+        element.note(Taken::Used, "nothing acts: its input is 0");
+    }
+}
+
+/// `dampratio`: the bias per rate that gives this damping ratio with the inertia at the reference.
+fn damped(settled: &Settled<'_>, ratio: f64, slope: f64, scene: &Scene<'_>, tendons: &Tendons) -> f64 {
+    let joint = settled.attribute("joint").or_else(|| settled.attribute("jointinparent"));
+    let joint = joint.and_then(|joint| Some((*scene.names.joints.get(joint.value)?, 1.0)));
+    let tendon = || match tendons.fixed(&settled.attribute("tendon")?)?[..] {
+        [one] => Some(one),
+        _ => None,
+    };
+    let found = joint.or_else(tendon).filter(|(joint, _)| scene.joints[*joint].kind.is_scalar());
+    let gear = gear(settled)[0];
+    let mass = found.and_then(|(joint, factor)| Some(inertia::apparent(scene, joint)? / (gear * factor).powi(2)));
+    let Some(mass) = mass.filter(|mass| mass.is_finite()) else {
+        settled.element.note(Taken::Ignored, "`dampratio`: the inertia that it asks for cannot be told; give `kv`");
+        return 0.0;
+    };
+    let rate = -2.0 * ratio * (-slope * mass).sqrt();
+    settled.element.note(Taken::Used, format!("`dampratio`: kv = {}, from the inertia {mass} that it moves", -rate));
+    rate
+}
+
+/// `force = gear · (…)`, `length = gear · qpos`.
+fn on_joint(element: &Element<'_>, joint: usize, gear: f64, acts: &Acts, scene: &mut Scene<'_>) {
+    let joint = &mut scene.joints[joint];
+    if joint.kind != Kind::Hinge && joint.kind != Kind::Slide {
+        return;
+    }
+    let damping = -acts.rate * gear * gear;
+    if damping < 0.0 {
+        element
+            .note(Taken::Ignored, format!("it drives with {} per unit of speed: no damper is negative here", -damping));
+    } else {
+        joint.acting.damping += damping;
+    }
+    let force = gear * (acts.constant + acts.slope * gear * joint.reference);
+    if acts.slope == 0.0 {
+        joint.acting.force[0] += force;
+        return;
+    }
+    let stiffness = -acts.slope * gear * gear;
+    joint.acting.spring(stiffness, force / stiffness);
+    let what =
+        format!("a spring in the hinge of `{}`, relaxed where it holds still ({})", joint.name, force / stiffness);
+    element.note(Taken::Used, what);
+}
+
+/// A servo along the line between two sites is a spring.
+fn along(settled: &Settled<'_>, sites: [usize; 2], gear: f64, acts: &Acts, scene: &Scene<'_>, output: &mut Output) {
+    let element = settled.element;
+    let stiffness = -acts.slope * gear * gear;
+    let damping = -acts.rate * gear * gear;
+    let length = if stiffness > 0.0 { gear * acts.constant / stiffness } else { 0.0 };
+    if stiffness < 0.0 || damping < 0.0 || length < 0.0 || stiffness == 0.0 && acts.constant != 0.0 {
+        element.note(
+            Taken::Ignored,
+            "a force along a tendon that is no spring and damper has no equal here: nothing acts",
+        );
+        return;
+    }
+    if stiffness == 0.0 && damping == 0.0 {
+        return;
+    }
+    let ends = sites.map(|site| (scene.sites[site].body, scene.sites[site].pose.translation.vector));
+    let says = output.says(&element, "a servo along a tendon");
+    let name = output.unique(element.text("name").unwrap_or("servo"));
+    output.spring(&element, scene, (says, name), ends, [stiffness, length, damping]);
+}
+
+/// A constant wrench in the axes of a site.
+fn push(element: &Element<'_>, site: usize, gear: &[f64], force: f64, scene: &Scene<'_>, output: &mut Output) {
+    let site = &scene.sites[site];
+    let turned = |at: usize| site.pose.rotation * Vector3::new(gear[at], gear[at + 1], gear[at + 2]) * force;
+    let mut entry = Entry::new(Some(element.place()));
+    entry.comment(&output.says(element, "its thrust, along with the body"));
+    entry.set("name", output.unique(element.text("name").unwrap_or("thrust")), None);
+    entry.set("type", "load", None);
+    entry.set("on", output.attachment(scene, site.body, site.pose.translation.vector), None);
+    output.vector(&mut entry, "force", turned(0), None);
+    output.vector(&mut entry, "torque", turned(3), None);
+    entry.set("axes", "body", None);
+    output.forces.push(entry);
+}

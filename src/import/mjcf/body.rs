@@ -1,0 +1,291 @@
+//! `<worldbody>` and everything in it: bodies, joints, geoms, sites, and the frames around them.
+
+use super::super::log::{Problem, Taken};
+use super::super::xml::Element;
+use super::defaults::{Defaults, Settled};
+use super::geom::{self, Assets};
+use super::joint;
+use super::mass;
+use super::pose;
+use super::scene::{Body, Names, Scene, Site, WORLD};
+use super::settings::{FromGeoms, Settings};
+use super::tree::Tree;
+use crate::model::description::{GROUND, MassProperties};
+use nalgebra::{Isometry3, Translation3, Vector3};
+
+/// The most bodies that `<replicate>` may make.
+const MOST_BODIES: usize = 100_000;
+
+/// Reads the bodies of a model.
+pub(super) fn read<'a>(tree: &Tree<'a>, defaults: &Defaults<'a>, settings: &Settings, assets: &Assets) -> Scene<'a> {
+    let mut walk = Walk {
+        tree: *tree,
+        defaults,
+        assets,
+        scene: Scene {
+            settings: settings.clone(),
+            bodies: Vec::new(),
+            joints: Vec::new(),
+            sites: Vec::new(),
+            names: Names::default(),
+        },
+        steps: 0,
+    };
+    walk.add_body(tree.root, "world".to_owned(), WORLD, Isometry3::identity());
+    for world in tree.all(&tree.root, "worldbody") {
+        let class = world.attribute("childclass").and_then(|class| defaults.class(&class));
+        let around = Around { body: WORLD, frame: Isometry3::identity(), class, suffix: String::new(), weighs: false };
+        let mut parts = Parts::default();
+        walk.children(&world, &around, &mut parts);
+    }
+    walk.scene
+}
+
+struct Walk<'w, 'a> {
+    tree: Tree<'a>,
+    defaults: &'w Defaults<'a>,
+    assets: &'w Assets,
+    scene: Scene<'a>,
+    /// Elements visited, copies counted.
+    steps: usize,
+}
+
+/// Where an element stands.
+#[derive(Clone)]
+struct Around {
+    body: usize,
+    /// From the body to what stands directly here.
+    frame: Isometry3<f64>,
+    class: Option<usize>,
+    /// What `<replicate>` puts behind names.
+    suffix: String,
+    /// Whether geoms make up the mass.
+    weighs: bool,
+}
+
+/// What a body weighs, in parts.
+#[derive(Default)]
+struct Parts {
+    inertial: Option<MassProperties>,
+    geoms: Vec<MassProperties>,
+    /// A geom whose mass is not known.
+    unknown: bool,
+}
+
+impl<'a> Walk<'_, 'a> {
+    fn add_body(&mut self, element: Element<'a>, name: String, parent: usize, pose: Isometry3<f64>) -> usize {
+        let index = self.scene.bodies.len();
+        if self.scene.names.bodies.insert(name.clone(), index).is_some() {
+            let problem = Problem::at(element.place(), format!("two bodies are called `{name}`"));
+            element.refuse(problem.help("names must be unique"));
+        }
+        self.scene.bodies.push(Body {
+            element,
+            name,
+            parent,
+            pose,
+            joints: Vec::new(),
+            mass: mass::NOTHING,
+            shapes: Vec::new(),
+            gravity_compensation: 0.0,
+        });
+        index
+    }
+
+    fn children(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
+        for child in self.tree.children(element) {
+            self.steps += 1;
+            if self.steps > 20 * MOST_BODIES {
+                if self.steps == 20 * MOST_BODIES + 1 {
+                    let message = format!("{}: the model grows beyond {} elements", child.label(), 20 * MOST_BODIES);
+                    child.refuse(Problem::at(child.place(), message).help("count the nested <replicate>s"));
+                }
+                return;
+            }
+            match child.name() {
+                "body" => self.body(&child, around),
+                "frame" => {
+                    let inner = self.frame(&child, around);
+                    self.children(&child, &inner, parts);
+                }
+                "replicate" => self.replicate(&child, around, parts),
+                "joint" | "freejoint" => self.joint(&child, around),
+                "geom" => self.geom(&child, around, parts),
+                "site" => self.site(&child, around),
+                "inertial" if around.body != WORLD => {
+                    let settled = Settled::bare(&child);
+                    parts.inertial = mass::inertial(&settled, &self.scene.settings, &around.frame);
+                }
+                // Others are noted with everything else that nobody reads.
+                _ => {}
+            }
+        }
+    }
+
+    fn frame(&mut self, element: &Element<'a>, around: &Around) -> Around {
+        let settled = Settled::bare(element);
+        element.text("name");
+        let class = element.attribute("childclass").and_then(|class| self.defaults.class(&class));
+        Around {
+            frame: around.frame * pose::pose(&settled, &self.scene.settings),
+            class: class.or(around.class),
+            ..around.clone()
+        }
+    }
+
+    fn replicate(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
+        element.see();
+        let Some(attribute) = element.required("count") else { return };
+        let Some(count) = attribute.number() else { return };
+        if !(count >= 1.0 && count.fract() == 0.0 && count <= MOST_BODIES as f64) {
+            let problem = attribute.wrong(&format!("must be a whole number from 1 to {MOST_BODIES}, found {count}"));
+            element.refuse(problem);
+            return;
+        }
+        let offset = element.vector("offset").unwrap_or_default();
+        let angles = Vector3::from(element.vector("euler").unwrap_or_default());
+        let offset = Vector3::from(offset);
+        let separator = element.text("sep").unwrap_or_default().to_owned();
+        let digits = (count as usize).to_string().len();
+        let mut at = Vector3::zeros();
+        for copy in 0..count as usize {
+            // Angles are multiplied, turns are not: so the compiler of MuJoCo has it.
+            let turn = pose::euler(angles * copy as f64, &self.scene.settings);
+            let inner = Around {
+                frame: around.frame * Isometry3::from_parts(Translation3::from(at), turn),
+                suffix: format!("{separator}{copy:0digits$}{}", around.suffix),
+                ..around.clone()
+            };
+            self.children(element, &inner, parts);
+            at += turn * offset;
+        }
+    }
+
+    /// The name of an element here; copies have their numbers.
+    fn name(&mut self, element: &Element<'a>, around: &Around) -> Option<String> {
+        let name = element.text("name").filter(|name| !name.is_empty())?;
+        if !around.suffix.is_empty() {
+            self.scene.names.copied.push(name.to_owned());
+        }
+        Some(format!("{name}{}", around.suffix))
+    }
+
+    fn body(&mut self, element: &Element<'a>, around: &Around) {
+        let settled = Settled::bare(element);
+        let number = self.scene.bodies.len();
+        let given = self.name(element, around);
+        let mut name = given.unwrap_or_else(|| format!("body_{number}"));
+        if name == GROUND {
+            name = format!("{GROUND}_body");
+            element.note(Taken::Used, format!("it is called `{name}` here: `{GROUND}` is what does not move"));
+        }
+        let pose = around.frame * pose::pose(&settled, &self.scene.settings);
+        let body = self.add_body(*element, name, around.body, pose);
+        self.scene.bodies[body].gravity_compensation = settled.number("gravcomp").unwrap_or(0.0);
+        if settled.flag("mocap") == Some(true) {
+            element.note(Taken::Approximated, "a mocap body stays where it is: nothing moves it from outside");
+        }
+        let class = element.attribute("childclass").and_then(|class| self.defaults.class(&class));
+        let given = self.tree.children(element).iter().any(|child| child.name() == "inertial");
+        let inner = Around {
+            body,
+            frame: Isometry3::identity(),
+            class: class.or(around.class),
+            suffix: around.suffix.clone(),
+            weighs: match self.scene.settings.inertia_from_geoms {
+                FromGeoms::Always => true,
+                FromGeoms::Auto => !given,
+                FromGeoms::Never => false,
+            },
+        };
+        let mut parts = Parts::default();
+        // Joints, geoms and inertia first: a body's joints stand before those of the bodies in it.
+        self.children(element, &inner, &mut parts);
+        self.weigh(body, &parts);
+    }
+
+    fn weigh(&mut self, body: usize, parts: &Parts) {
+        let settings = &self.scene.settings;
+        let element = self.scene.bodies[body].element;
+        if parts.inertial.is_none() && settings.inertia_from_geoms == FromGeoms::Never {
+            let message = format!("{}: `<inertial>` is missing", element.label());
+            let help = "the model asks for inertiafromgeom=\"false\": every body then needs its own";
+            element.refuse(Problem::at(element.place(), message).help(help));
+        }
+        let from_geoms = parts.inertial.is_none() || settings.inertia_from_geoms == FromGeoms::Always;
+        if from_geoms && parts.unknown {
+            let message = format!("{}: its mass follows from a mesh, whose volume is not known", element.label());
+            let help = "give the body an <inertial> (`mj_saveLastXML` writes one), or set it apart with mass=\"0\"";
+            element.refuse(Problem::at(element.place(), message).help(help));
+        }
+        self.scene.bodies[body].mass = mass::of_body(parts.inertial, &parts.geoms, settings);
+    }
+
+    fn joint(&mut self, element: &Element<'a>, around: &Around) {
+        let settled = match element.name() {
+            "freejoint" => Settled::bare(element),
+            _ => self.defaults.of(element, around.class),
+        };
+        let body = around.body;
+        if body == WORLD {
+            settled.refuse("the world has no joints", "joints belong within a <body>");
+            return;
+        }
+        let index = self.scene.joints.len();
+        let name = self.name(element, around);
+        let named = name.is_some();
+        let name = name.unwrap_or_else(|| format!("joint_{}", self.scene.bodies[body].joints.len()));
+        let joint = joint::joint(&settled, &self.scene.settings, &around.frame, name.clone(), body);
+        let others = &self.scene.bodies[body].joints;
+        let alone = matches!(joint.kind, super::scene::Kind::Free);
+        let free_already = others.iter().any(|other| self.scene.joints[*other].kind == super::scene::Kind::Free);
+        if (alone && !others.is_empty()) || free_already {
+            settled.refuse("a body with a free joint has no other joints", "put it into a body within this one");
+            return;
+        }
+        if alone && self.scene.bodies[body].parent != WORLD {
+            settled.refuse("only bodies of the world can have a free joint", "move the body to <worldbody>");
+            return;
+        }
+        if alone && settled.element.text("align").map_or(self.scene.settings.align_free, |align| align == "true") {
+            element
+                .note(Taken::Used, "`align`: the body keeps its own axes; MuJoCo's qpos is that of the principal axes");
+        }
+        if named && self.scene.names.joints.insert(name.clone(), index).is_some() {
+            settled.refuse(&format!("two joints are called `{name}`"), "names must be unique");
+        }
+        self.scene.bodies[body].joints.push(index);
+        self.scene.joints.push(joint);
+    }
+
+    fn geom(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
+        let settled = self.defaults.of(element, around.class);
+        element.text("name");
+        let Some(geom) = geom::geom(&settled, &self.scene.settings, self.assets, &around.frame, around.weighs) else {
+            return;
+        };
+        match geom.mass {
+            Some(mass) => parts.geoms.push(mass),
+            None => parts.unknown = true,
+        }
+        self.scene.bodies[around.body].shapes.extend(geom.drawn);
+    }
+
+    fn site(&mut self, element: &Element<'a>, around: &Around) {
+        let settled = self.defaults.of(element, around.class);
+        let name = self.name(element, around);
+        let mut pose = around.frame * pose::pose(&settled, &self.scene.settings);
+        if let Some([a, b, c, d, e, f]) = settled.vector("fromto") {
+            let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
+            let inner = Isometry3::from_parts(Translation3::from(0.5 * (from + to)), pose::from_z_to(&(from - to)));
+            pose = around.frame * inner;
+        }
+        let index = self.scene.sites.len();
+        if let Some(name) = &name
+            && self.scene.names.sites.insert(name.clone(), index).is_some()
+        {
+            settled.refuse(&format!("two sites are called `{name}`"), "names must be unique");
+        }
+        self.scene.sites.push(Site { name, body: around.body, pose, place: element.place() });
+    }
+}

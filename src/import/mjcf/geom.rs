@@ -1,0 +1,278 @@
+//! `<geom>`: what a body looks like, and what it weighs where nothing else says so.
+
+use super::super::log::Taken;
+use super::super::xml::Element;
+use super::defaults::Settled;
+use super::mass;
+use super::pose;
+use super::scene::{Drawn, Solid};
+use super::settings::{Settings, choice};
+use crate::mesh;
+use crate::model::description::MassProperties;
+use crate::model::shape::{Geometry, Shape};
+use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
+use std::f64::consts::PI;
+use std::path::PathBuf;
+
+/// What a geom is without further words, in kg/m³.
+const DENSITY: f64 = 1000.0;
+
+/// Geoms of these groups are shown; others are for contacts.
+const SHOWN: f64 = 2.0;
+
+const TYPES: [&str; 9] = ["plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"];
+
+/// A geom as it was read.
+pub(super) struct Geom {
+    pub(super) drawn: Option<Drawn>,
+    /// Body axes; nothing for planes, and where it is not known.
+    pub(super) mass: Option<MassProperties>,
+}
+
+/// A mesh as `<asset>` declares it.
+#[derive(Debug, Clone)]
+pub(super) struct Mesh {
+    /// File as found from the scenario's folder, where it can be drawn.
+    pub(super) file: Option<String>,
+    pub(super) scale: [f64; 3],
+    /// The file, read where its volume is asked for.
+    pub(super) path: Option<PathBuf>,
+    /// Where the mesh's own frame stands in the file's.
+    pub(super) frame: Isometry3<f64>,
+}
+
+/// What geoms refer to.
+pub(super) struct Assets {
+    pub(super) meshes: std::collections::HashMap<String, Mesh>,
+    pub(super) colors: std::collections::HashMap<String, [f64; 4]>,
+}
+
+/// Reads a geom; `frame` stands between the body and the geom, `counts` tells whether it is part of
+/// the body's mass. `None` where it was refused.
+pub(super) fn geom(
+    settled: &Settled<'_>,
+    settings: &Settings,
+    assets: &Assets,
+    frame: &Isometry3<f64>,
+    counts: bool,
+) -> Option<Geom> {
+    let element = settled.element;
+    let kind = match settled.attribute("type") {
+        Some(attribute) => TYPES[choice(&attribute, &TYPES)?],
+        None => "sphere",
+    };
+    let group = settled.number("group").unwrap_or(0.0);
+    let weighs = counts && (settings.inertia_groups[0]..=settings.inertia_groups[1]).contains(&group);
+    let color = color(settled, assets);
+    let size = settled.numbers("size", 3).unwrap_or_default();
+    let (pose, size) = place(settled, settings, kind, size)?;
+    let pose = frame * pose;
+    let shell = settled.flag("shellinertia") == Some(true);
+    let (solid, unit, pose) = match kind {
+        "plane" | "hfield" | "sdf" => {
+            let what = match kind {
+                "plane" => "a plane is there for contacts, which are not simulated; it is not drawn",
+                "hfield" => "a height field is there for contacts, which are not simulated; it is not drawn",
+                _ => "a signed distance field has no shape here and weighs nothing",
+            };
+            element.note(Taken::Ignored, what);
+            return Some(Geom { drawn: None, mass: None });
+        }
+        "mesh" => {
+            let name = settled.attribute("mesh").or_else(|| element.required("mesh"))?;
+            let Some(mesh) = assets.meshes.get(name.value) else {
+                let near = crate::suggest::closest(name.value, assets.meshes.keys().map(String::as_str));
+                let help = near.map(|near| format!("did you mean `{near}`?"));
+                let problem = name.wrong(&format!("is \"{}\": there is no such mesh in <asset>", name.value));
+                element.refuse(problem.maybe_help(help));
+                return None;
+            };
+            let solid = mesh.file.clone().map(|file| Solid::Mesh(file, mesh.scale));
+            let unit = if weighs { enclosed(&element, mesh) } else { None };
+            (solid, unit, pose * mesh.frame)
+        }
+        _ => {
+            if let Some(attribute) = settled.attribute("mesh") {
+                let problem = attribute.wrong("asks for a primitive that is fitted to a mesh, which is not done here");
+                element.refuse(problem.help("write the size and pose that MuJoCo finds, as `mj_saveLastXML` does"));
+                return None;
+            }
+            let (solid, unit) = primitive(settled, kind, &size, shell)?;
+            (Some(solid), Some(unit), pose)
+        }
+    };
+    let mass = if weighs { weight(settled, unit)?.map(|mass| mass::placed(&mass, &pose)) } else { Some(mass::NOTHING) };
+    let shown = group <= SHOWN && color.is_none_or(|color| color[3] > 0.0);
+    let place = element.place();
+    let drawn = solid.filter(|_| shown).map(|solid| Drawn { solid, pose, color, place });
+    Some(Geom { drawn, mass })
+}
+
+/// What a mesh encloses with a density of 1 kg/m³, if that can be told; otherwise it is said why not.
+fn enclosed(element: &Element<'_>, mesh: &Mesh) -> Option<MassProperties> {
+    let solid = mesh::Mesh::read(mesh.path.as_ref()?).map_err(|error| error.to_string());
+    let solid = solid.and_then(|read| read.solid(mesh.scale.into()).map_err(|error| error.to_string()));
+    match solid {
+        Ok(solid) => Some(MassProperties { mass: solid.volume, center: solid.center, inertia: solid.inertia }),
+        Err(why) => {
+            element.note(Taken::Ignored, format!("its mesh has no mass: {why}"));
+            None
+        }
+    }
+}
+
+/// `mass`, or `density` times the volume. The outer `None`: refused, the inner one: not known.
+#[expect(clippy::option_option, reason = "two different absences")]
+fn weight(settled: &Settled<'_>, unit: Option<MassProperties>) -> Option<Option<MassProperties>> {
+    let given = match settled.attribute("mass") {
+        Some(_) => Some(settled.not_negative("mass")?),
+        None => None,
+    };
+    let density = match settled.attribute("density") {
+        Some(_) => settled.not_negative("density")?,
+        None => DENSITY,
+    };
+    if given == Some(0.0) || given.is_none() && density == 0.0 {
+        return Some(Some(mass::NOTHING));
+    }
+    let Some(unit) = unit else { return Some(None) };
+    let factor = given.map_or(density, |mass| mass / unit.mass);
+    Some(Some(MassProperties { mass: unit.mass * factor, inertia: unit.inertia * factor, ..unit }))
+}
+
+/// The pose, and the size where `fromto` says the length.
+fn place(
+    settled: &Settled<'_>,
+    settings: &Settings,
+    kind: &str,
+    mut size: Vec<f64>,
+) -> Option<(Isometry3<f64>, Vec<f64>)> {
+    let Some(ends) = settled.vector::<6>("fromto").filter(|_| !matches!(kind, "plane" | "hfield" | "mesh" | "sphere"))
+    else {
+        return Some((pose::pose(settled, settings), size));
+    };
+    let [a, b, c, d, e, f] = ends;
+    let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
+    let along = from - to;
+    if !(along.norm() > 1e-14) {
+        let attribute = settled.attribute("fromto")?;
+        attribute.element.refuse(attribute.wrong(&format!("is \"{}\", of no length", attribute.value)));
+        return None;
+    }
+    let half = 0.5 * along.norm();
+    match kind {
+        "capsule" | "cylinder" => {
+            size.resize(2, 0.0);
+            size[1] = half;
+        }
+        _ => {
+            size.resize(3, 0.0);
+            // The cross section is square or round, whatever the second number says.
+            size[1] = size[0];
+            size[2] = half;
+        }
+    }
+    let pose = Isometry3::from_parts(Translation3::from(0.5 * (from + to)), pose::from_z_to(&along));
+    Some((pose, size))
+}
+
+/// How it is drawn, and its mass properties for a density of one.
+fn primitive(settled: &Settled<'_>, kind: &str, size: &[f64], shell: bool) -> Option<(Solid, MassProperties)> {
+    let needed = match kind {
+        "sphere" => 1,
+        "capsule" | "cylinder" => 2,
+        _ => 3,
+    };
+    if size.len() < needed || size[..needed].iter().any(|number| !(*number > 0.0)) {
+        let what = format!("a {kind} needs {needed} positive number{} in `size`", if needed == 1 { "" } else { "s" });
+        settled.refuse(
+            &format!("{what}, found {size:?}"),
+            "sizes are half sizes: radius, half the height, half the edges",
+        );
+        return None;
+    }
+    let (solid, geometry) = match kind {
+        "sphere" => (Solid::Numbers("sphere", vec![size[0]]), Geometry::Sphere(size[0])),
+        "capsule" => {
+            let [radius, length] = [size[0], 2.0 * size[1]];
+            (Solid::Numbers("capsule", vec![radius, length]), Geometry::Capsule { radius, length })
+        }
+        "cylinder" => {
+            let [radius, length] = [size[0], 2.0 * size[1]];
+            (Solid::Numbers("cylinder", vec![radius, length]), Geometry::Cylinder { radius, length })
+        }
+        "box" => {
+            let edges = 2.0 * Vector3::new(size[0], size[1], size[2]);
+            (Solid::Numbers("box", edges.iter().copied().collect()), Geometry::Box(edges))
+        }
+        _ => {
+            if shell {
+                settled.refuse("the surface of an ellipsoid weighs nothing that is known here", "give `<inertial>`");
+                return None;
+            }
+            let radii = Vector3::new(size[0], size[1], size[2]);
+            settled
+                .element
+                .note(Taken::Approximated, "an ellipsoid is drawn as the box around it; it weighs what it weighs");
+            return Some((Solid::Numbers("box", (2.0 * radii).iter().copied().collect()), ellipsoid(&radii)));
+        }
+    };
+    let unit = if shell {
+        surface(&geometry)
+    } else {
+        Shape { geometry, pose: Isometry3::identity(), color: None }.mass_properties(1.0)?
+    };
+    Some((solid, unit))
+}
+
+fn ellipsoid(radii: &Vector3<f64>) -> MassProperties {
+    let mass = 4.0 / 3.0 * PI * radii.product();
+    let s = radii.component_mul(radii);
+    let moments = Vector3::new(s.y + s.z, s.x + s.z, s.x + s.y) * (mass / 5.0);
+    MassProperties { mass, center: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments) }
+}
+
+/// The surface of a solid with a density of 1 kg/m².
+fn surface(geometry: &Geometry) -> MassProperties {
+    let (mass, moments) = match *geometry {
+        Geometry::Sphere(r) => {
+            let mass = 4.0 * PI * r * r;
+            (mass, Vector3::repeat(2.0 / 3.0 * mass * r * r))
+        }
+        Geometry::Cylinder { radius: r, length: l } => {
+            let (wall, lids) = (2.0 * PI * r * l, 2.0 * PI * r * r);
+            let along = wall * r * r + lids * r * r / 2.0;
+            let across = wall * (r * r / 2.0 + l * l / 12.0) + lids * (r * r / 4.0 + l * l / 4.0);
+            (wall + lids, Vector3::new(across, across, along))
+        }
+        Geometry::Capsule { radius: r, length: l } => {
+            let (wall, ends) = (2.0 * PI * r * l, 4.0 * PI * r * r);
+            let along = wall * r * r + 2.0 / 3.0 * ends * r * r;
+            // Half spheres: 2/3 r² about their middle point, whose centroid is r/2 beyond it.
+            let across = wall * (r * r / 2.0 + l * l / 12.0) + ends * (2.0 / 3.0 * r * r + l * l / 4.0 + l * r / 2.0);
+            (wall + ends, Vector3::new(across, across, along))
+        }
+        Geometry::Box(edges) => {
+            let [a, b, c] = [edges.x, edges.y, edges.z];
+            let faces = [2.0 * b * c, 2.0 * a * c, 2.0 * a * b];
+            // A pair of faces across each axis: a rectangle about its middle, moved out by half an edge.
+            let squares = [a * a, b * b, c * c];
+            let spread = |axis: usize| {
+                (0..3)
+                    .map(|face| faces[face] * squares[axis] * if face == axis { 0.25 } else { 1.0 / 12.0 })
+                    .sum::<f64>()
+            };
+            let [x, y, z] = [spread(0), spread(1), spread(2)];
+            (faces.iter().sum(), Vector3::new(y + z, x + z, x + y))
+        }
+        Geometry::Mesh { .. } => (0.0, Vector3::zeros()),
+    };
+    MassProperties { mass, center: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments) }
+}
+
+/// `rgba`, or the colour of the material.
+fn color(settled: &Settled<'_>, assets: &Assets) -> Option<[f64; 4]> {
+    let material = settled.text("material").and_then(|name| assets.colors.get(name).copied());
+    let given = settled.vector::<4>("rgba").map(|color| color.map(|part| part.clamp(0.0, 1.0)));
+    given.or(material)
+}

@@ -1,0 +1,183 @@
+//! A model as it was read: bodies with their joints, before hinges are made of them.
+
+use super::super::log::Place;
+use super::super::xml::Element;
+use super::settings::Settings;
+use crate::model::description::MassProperties;
+use nalgebra::{Isometry3, Vector3};
+use std::collections::HashMap;
+
+/// The world's place in the list of bodies.
+pub(super) const WORLD: usize = 0;
+
+/// Everything that moves, and what is fixed to it.
+pub(super) struct Scene<'a> {
+    pub(super) settings: Settings,
+    /// The world first, then depth first as in the file.
+    pub(super) bodies: Vec<Body<'a>>,
+    /// In the order of the file.
+    pub(super) joints: Vec<Joint<'a>>,
+    pub(super) sites: Vec<Site>,
+    pub(super) names: Names,
+}
+
+/// Places in the lists by name.
+#[derive(Default)]
+pub(super) struct Names {
+    pub(super) bodies: HashMap<String, usize>,
+    pub(super) joints: HashMap<String, usize>,
+    pub(super) sites: HashMap<String, usize>,
+    /// Names of elements that `<replicate>` has copied.
+    pub(super) copied: Vec<String>,
+}
+
+pub(super) struct Body<'a> {
+    pub(super) element: Element<'a>,
+    pub(super) name: String,
+    pub(super) parent: usize,
+    /// In the parent, with all joints at their references.
+    pub(super) pose: Isometry3<f64>,
+    pub(super) joints: Vec<usize>,
+    pub(super) mass: MassProperties,
+    pub(super) shapes: Vec<Drawn>,
+    /// The part of its weight that is held up.
+    pub(super) gravity_compensation: f64,
+}
+
+/// A solid to be drawn.
+pub(super) struct Drawn {
+    /// `box` and its numbers, or `mesh` and its file.
+    pub(super) solid: Solid,
+    pub(super) pose: Isometry3<f64>,
+    pub(super) color: Option<[f64; 4]>,
+    pub(super) place: Place,
+}
+
+pub(super) enum Solid {
+    /// Key and numbers as a scenario writes them.
+    Numbers(&'static str, Vec<f64>),
+    /// File and scale.
+    Mesh(String, [f64; 3]),
+}
+
+/// A point with axes.
+pub(super) struct Site {
+    pub(super) name: Option<String>,
+    pub(super) body: usize,
+    pub(super) pose: Isometry3<f64>,
+    pub(super) place: Place,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Hinge,
+    Slide,
+    Ball,
+    Free,
+}
+
+impl Kind {
+    /// Number of coordinates and of velocities.
+    pub(super) fn counts(self) -> (usize, usize) {
+        match self {
+            Self::Hinge | Self::Slide => (1, 1),
+            Self::Ball => (4, 3),
+            Self::Free => (7, 6),
+        }
+    }
+
+    pub(super) fn is_scalar(self) -> bool {
+        matches!(self, Self::Hinge | Self::Slide)
+    }
+}
+
+pub(super) struct Joint<'a> {
+    pub(super) element: Element<'a>,
+    /// As written; of unnamed ones `joint_1`, by its place in the body, from 0.
+    pub(super) name: String,
+    pub(super) body: usize,
+    pub(super) kind: Kind,
+    /// Body axes, from the body's origin.
+    pub(super) anchor: Vector3<f64>,
+    pub(super) axis: Vector3<f64>,
+    /// What `qpos` says where the displacement is zero.
+    pub(super) reference: f64,
+    /// The displacement at which the joint's own spring is relaxed.
+    pub(super) relaxed: f64,
+    /// Displacements.
+    pub(super) range: Option<[f64; 2]>,
+    /// Time constant and damping ratio from which stiffness and damping follow.
+    pub(super) spring_damper: Option<[f64; 2]>,
+    pub(super) acting: Acting,
+    /// Coordinates at the start as a hinge has them: displacements, quaternions.
+    pub(super) start: Vec<f64>,
+    pub(super) velocity: Vec<f64>,
+}
+
+/// What acts in a joint: `−stiffness · displacement + pull − damping · rate + force`.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Acting {
+    pub(super) stiffness: f64,
+    /// The sum of stiffnesses times relaxed displacements.
+    pub(super) pull: f64,
+    pub(super) damping: f64,
+    pub(super) armature: f64,
+    /// Per velocity.
+    pub(super) force: Vec<f64>,
+}
+
+impl Acting {
+    /// Adds a spring that is relaxed at this displacement.
+    pub(super) fn spring(&mut self, stiffness: f64, relaxed: f64) {
+        self.stiffness += stiffness;
+        self.pull += stiffness * relaxed;
+    }
+}
+
+impl Scene<'_> {
+    /// Poses of all bodies in the world for displacements of scalar joints; balls and free bodies at their references.
+    pub(super) fn poses(&self, displacement: impl Fn(&Joint<'_>) -> f64) -> Vec<Isometry3<f64>> {
+        let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(self.bodies.len());
+        for (index, body) in self.bodies.iter().enumerate() {
+            let mut pose = if index == WORLD { Isometry3::identity() } else { poses[body.parent] * body.pose };
+            for &joint in &body.joints {
+                let joint = &self.joints[joint];
+                match joint.kind {
+                    Kind::Slide => pose *= nalgebra::Translation3::from(joint.axis * displacement(joint)),
+                    Kind::Hinge => {
+                        let turn = nalgebra::UnitQuaternion::from_scaled_axis(joint.axis * displacement(joint));
+                        let anchor = nalgebra::Translation3::from(joint.anchor);
+                        pose = pose * anchor * turn * anchor.inverse();
+                    }
+                    Kind::Ball | Kind::Free => {}
+                }
+            }
+            poses.push(pose);
+        }
+        poses
+    }
+
+    /// All joints in the order in which `qpos` and `qvel` hold them: body by body.
+    pub(super) fn in_order(&self) -> Vec<usize> {
+        self.bodies.iter().flat_map(|body| body.joints.iter().copied()).collect()
+    }
+
+    /// Where the root marker of a body stands in the body's own frame: at the anchor of its last joint.
+    pub(super) fn origin(&self, body: usize) -> Vector3<f64> {
+        self.anchors(body).last().copied().unwrap_or_else(Vector3::zeros)
+    }
+
+    /// The points of a body at which its hinges sit, one per joint. A slide stays at the point before it.
+    pub(super) fn anchors(&self, body: usize) -> Vec<Vector3<f64>> {
+        let mut at = Vector3::zeros();
+        let joints = self.bodies[body].joints.iter().map(|joint| &self.joints[*joint]);
+        joints
+            .map(|joint| {
+                if matches!(joint.kind, Kind::Hinge | Kind::Ball) {
+                    at = joint.anchor;
+                }
+                at
+            })
+            .collect()
+    }
+}
