@@ -1,6 +1,7 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
 use super::bordered::Bordered;
+use super::passage::Passage;
 use crate::dynamics::{Coefficients, Energies, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Joint, Model};
@@ -20,35 +21,6 @@ pub struct Motion<'m> {
     stops: Option<Stops<'m>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     passage: Option<Passage>,
-}
-
-/// How a run passes singular positions of its loops.
-///
-/// A state that is off the loops by `e` gets accelerations that are off by `e / c`, `c` being the clearance, and stages of
-/// explicit methods are off by more than their steps' errors. So where the clearance is small the accelerations are
-/// taken from the settled state: that is the same system on the loops, and as smooth beside them as the motion itself.
-struct Passage {
-    /// Steps may be asked for again, shorter: they are adaptive.
-    retries: bool,
-    /// How far from a singular position the last step ended.
-    clearance: f64,
-    /// The farthest that one has ended.
-    widest: f64,
-    /// A state to settle.
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-}
-
-impl Passage {
-    /// Nearer than this part of the farthest is near.
-    const NEAR: f64 = 0.4;
-    /// A step that starts with at least the first clearance is not ended within the second part of it: what is left to
-    /// round-off there would be amplified most. The next step passes it.
-    const SKIP: [f64; 2] = [1e-3, 0.2];
-
-    fn is_near(&self) -> bool {
-        self.clearance < Self::NEAR * self.widest
-    }
 }
 
 /// The factorized tangents of an implicit step, one per slot.
@@ -79,32 +51,21 @@ impl<'m> Motion<'m> {
                 velocity_scales[link.velocity] = length / time;
             }
         }
-        let passage = model.is_constrained().then(|| Passage {
-            retries: false,
-            clearance: 0.0,
-            widest: f64::MIN_POSITIVE,
-            position: model.start_position.clone(),
-            velocity: model.start_velocity.clone(),
-        });
+        let mut system = System::new(model);
+        let sizes = velocity_scales.iter().map(|scale| scale * time).collect();
+        let passage = model.is_constrained().then(|| Passage::new(model, &mut system, sizes));
         let tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
             (true, _) => Tangent::Bordered(Vec::new()),
             (false, false) => Tangent::Sweep(Vec::new()),
             (false, true) => Tangent::Dense(Vec::new()),
         };
         let stops = Stops::new(model);
-        Self { system: System::new(model), position_scales, velocity_scales, tangent, stops, passage }
+        Self { system, position_scales, velocity_scales, tangent, stops, passage }
     }
 
     /// The system at a time (s), for what is recorded between steps.
     pub fn at(&mut self, time: f64) -> &mut System<'m> {
         at_time(&mut self.system, time)
-    }
-
-    /// Whether steps can be asked for again, shorter.
-    pub fn set_retries(&mut self, retries: bool) {
-        if let Some(passage) = &mut self.passage {
-            passage.retries = retries;
-        }
     }
 
     /// The model.
@@ -118,11 +79,25 @@ impl<'m> Motion<'m> {
     /// As [`System::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
         let system = at_time(&mut self.system, time);
-        system.accelerations(q, v, a)?;
+        match &mut self.passage {
+            Some(passage) if passage.is_near() => passage.accelerations(system, q, v, a)?,
+            _ => system.accelerations(q, v, a)?,
+        }
         if let Some(stops) = &mut self.stops {
             stops.correct(q, v, a, &mut |rhs, x| system.solve_mass(rhs, x));
         }
         Ok(())
+    }
+
+    /// Brings a state onto loops, drives and gears, but for one that touches a singular position.
+    ///
+    /// # Errors
+    /// As [`System::settle`].
+    pub(super) fn settle(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), Fault> {
+        match &mut self.passage {
+            Some(passage) => passage.settle(at_time(&mut self.system, time), q, v).map(drop),
+            None => Ok(()),
+        }
     }
 
     /// Kinetic and potential energy, stops included.
@@ -222,7 +197,7 @@ impl<'m> Motion<'m> {
 }
 
 /// The one way from a time to the system.
-fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
+pub(super) fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
     system.set_time(time);
     system
 }
@@ -247,17 +222,7 @@ impl Problem for Motion<'_> {
     }
 
     fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
-        match &mut self.passage {
-            Some(passage) if passage.is_near() => {
-                let Passage { position, velocity, .. } = passage;
-                position.copy_from_slice(q);
-                velocity.copy_from_slice(v);
-                let system = at_time(&mut self.system, time);
-                system.settle(position, velocity)?;
-                Ok(system.accelerations(position, velocity, a)?)
-            }
-            _ => Ok(self.accelerations(time, q, v, a)?),
-        }
+        Ok(self.accelerations(time, q, v, a)?)
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
@@ -284,17 +249,9 @@ impl Problem for Motion<'_> {
     }
 
     fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {
-        let settled = self.at(time).settle(q, v)?;
-        if let Some(passage) = &mut self.passage {
-            let [far, part] = Passage::SKIP;
-            if passage.retries && passage.clearance > far && settled.clearance < part * passage.clearance {
-                return Err(Failure {
-                    message: "the step ends too near to a singular position of the loops".to_owned(),
-                });
-            }
-            passage.clearance = settled.clearance;
-            passage.widest = passage.widest.max(settled.clearance);
-        }
+        let Some(passage) = &mut self.passage else { return Ok(false) };
+        let settled = passage.settle(at_time(&mut self.system, time), q, v)?;
+        passage.advance(&settled);
         Ok(settled.moved)
     }
 
