@@ -77,8 +77,9 @@ impl Constrained {
 }
 
 impl System<'_> {
-    /// The time at which drives are looked at (s); nothing else depends on time.
+    /// The time at which drives and motors are looked at (s); nothing else depends on time.
     pub fn set_time(&mut self, time: f64) {
+        self.time = time;
         if let Some(constrained) = &mut self.constraints {
             constrained.rows.set_time(time);
         }

@@ -81,7 +81,7 @@ impl System<'_> {
         }
         self.accelerations(q, v, &mut out.accelerations)?;
         self.residual(q, v, &out.accelerations, &mut out.residual)?;
-        match self.model.forces.is_empty() {
+        match self.model.forces.is_empty() && self.model.motors.is_empty() {
             true => self.jacobians_by_sweeps(q, v, out),
             false => {
                 self.jacobians_by_columns(q, out);

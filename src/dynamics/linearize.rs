@@ -105,6 +105,7 @@ impl System<'_> {
         }
         self.variation.clear(subtree);
         forces::hinge::vary(model, q, by.position, by.velocity, &mut self.scratch);
+        forces::motor::vary(model, &self.pushes, by.position, by.velocity, &mut self.scratch);
         for (out, change) in out.iter_mut().zip(&self.scratch) {
             *out -= change;
         }

@@ -120,6 +120,9 @@ impl System<'_> {
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature;
         }
+        for (motor, push) in model.motors.iter().zip(&self.pushes) {
+            solver.diagonal[motor.coordinate.velocity] -= push.by_position + with.c1 * push.by_velocity;
+        }
         self.gather_springs(solver, q, with.symmetric);
         self.gather_forces(solver);
         let regular = self.factorize_shifted(solver, a, with).is_ok();

@@ -190,7 +190,7 @@ impl Parameter {
                 (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index],
                 (ForceKind::Load { force, .. }, _) => force[self.index],
             },
-            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => f64::NAN,
+            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Motor(_) => f64::NAN,
         }
     }
 
@@ -228,7 +228,7 @@ impl Parameter {
                 (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index] = value,
                 (ForceKind::Load { force, .. }, _) => force[self.index] = value,
             },
-            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => {}
+            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Motor(_) => {}
         }
     }
 }
@@ -284,7 +284,7 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
         // What couples coordinates has no parameters.
-        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Event(_) => {
+        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Motor(_) | Element::Event(_) => {
             return Vec::new();
         }
         Element::Body(index) => {

@@ -36,6 +36,7 @@ mod force;
 mod hinge;
 mod lower;
 mod mass;
+mod motor;
 mod naming;
 mod path;
 mod read;

@@ -201,7 +201,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
 
     /// Potential energy (J).
     pub fn potential(&mut self, q: &[f64]) -> f64 {
-        self.system.energies(q, &self.rest).potential
+        self.system.potential_at_rest(q, &self.rest)
     }
 
     /// `q ⊞ x` with `x` in free coordinates.

@@ -626,3 +626,40 @@ fn the_excavator_stays_and_its_cylinders_push_what_they_must() {
     let moved = samples.iter().flat_map(|s| s.positions.iter().zip(&found.position).map(|(a, b)| (a - b).abs()));
     assert!(moved.fold(0.0, f64::max) < 1e-11);
 }
+
+/// Motors hold an arm at rest from the first step on: what it sags by is what their springs need to carry the weight.
+#[test]
+fn robot_holds_from_the_first_step() {
+    let (scenario, model) = shipped("robot_holds", &[]);
+    let rest = found(&scenario, &model);
+    let angle = |body: &str| coordinates(&model, &rest.position, body)[0];
+    let (shoulder, elbow, grip) = (angle("upper_arm"), angle("forearm"), angle("finger"));
+    let reach = |length: f64, bend: f64| length * bend.sin();
+    let bend = shoulder + elbow;
+    let beyond_elbow = G * (3.0 * reach(0.17, bend) + 0.3 * reach(0.35 + grip + 0.05, bend));
+    let beyond_shoulder = beyond_elbow + G * (5.0 * reach(0.2, shoulder) + 3.3 * reach(0.4, shoulder));
+    near(1500.0 * (0.9 - shoulder), -beyond_shoulder, 1e-9);
+    near(700.0 * (0.8 - elbow) - 8.0, -beyond_elbow, 1e-9);
+    near(2000.0 * grip, 20.0 - 0.3 * G * bend.cos(), 1e-9);
+    let (summary, samples) = simulated(&scenario, &model);
+    for sample in &samples {
+        for (now, start) in sample.positions.iter().zip(&rest.position) {
+            near(*now, *start, 1e-9);
+        }
+    }
+    assert!(summary.energy_drift < 1e-9, "{:e}", summary.energy_drift);
+}
+
+/// A motor runs up to where its characteristic meets what the load asks for; its work is in the energy ledger.
+#[test]
+fn winch_runs_up_to_the_speed_of_its_load() {
+    let (scenario, model) = shipped("winch", &["simulate.tolerance=1e-8"]);
+    let (summary, _) = simulated(&scenario, &model);
+    let speed = summary.state.velocity[model.body("load").map_or(0, |body| model.bodies[body].hinge.velocity)];
+    let rate = speed / 0.1;
+    assert!(rate > 5.0, "on the second line of the table: {rate}");
+    near((120.0 - 8.0 * rate) / 0.1, 40.0 * G + 60.0 * speed * speed, 1e-2);
+    assert!(summary.energy_end - summary.energy_start > 1000.0);
+    // The quadrature of the work over steps across the corner of the table.
+    assert!(summary.energy_drift < 1e-3, "{:e}", summary.energy_drift);
+}

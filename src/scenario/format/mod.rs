@@ -5,6 +5,7 @@ mod couplings;
 mod event;
 mod force;
 mod hinge;
+mod motor;
 mod settings;
 mod start;
 
@@ -13,6 +14,7 @@ pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use event::EVENT;
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::{HINGE, LIMIT};
+pub use motor::{MOTOR, TARGET};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
@@ -47,5 +49,6 @@ pub const SCENARIO: Table = Table {
         Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
         Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),
+        Key::new("motor", Kind::List(&Kind::Table(&MOTOR), &[]), "Forces in coordinates that follow a law."),
     ],
 };

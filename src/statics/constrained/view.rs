@@ -145,6 +145,7 @@ impl<'m> Tied<'m> {
                 .collect(),
             stiffness: (0..n).map(stiffness).collect(),
         };
+        let at_rest = self.system.potential_at_rest(q, &self.steady);
         let energies = self.system.energies(q, &self.steady);
         let stiffest = (0..n).map(|i| scales.stiffness[i] / self.metric[i]).fold(0.0, f64::max);
         let energy_scale = (0..n).map(|i| scales.force[i] * if per[i] { self.length } else { 1.0 }).fold(0.0, f64::max);
@@ -154,7 +155,7 @@ impl<'m> Tied<'m> {
             tangent,
             gradient,
             multipliers,
-            potential: energies.potential - energies.kinetic,
+            potential: at_rest - energies.kinetic,
             energy_scale,
             stiffest,
             singular,
