@@ -169,8 +169,9 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     pose(&mut out, model, &found.position, title);
     let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
     let motors = json::motors(model, &found.position, &found.velocity);
-    pushes(&mut out, "drives", &found.drive_forces);
-    pushes(&mut out, "motors", &motors);
+    let drives = model.drives.iter().map(|drive| drive.coordinate.slides);
+    pushes(&mut out, "drives", &found.drive_forces, drives);
+    pushes(&mut out, "motors", &motors, model.motors.iter().map(|motor| motor.coordinate.slides));
     for (name, force) in &found.holding {
         let held = match without_noise(*force, weight) {
             0.0 => "nothing".to_owned(),
@@ -185,10 +186,10 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
 }
 
 /// What drives or motors push with.
-fn pushes(out: &mut String, title: &str, forces: &[(String, f64)]) {
-    for (line, (name, force)) in forces.iter().take(MOST_LINES).enumerate() {
+fn pushes(out: &mut String, title: &str, forces: &[(String, f64)], slides: impl Iterator<Item = bool>) {
+    for (line, ((name, force), slides)) in forces.iter().zip(slides).take(MOST_LINES).enumerate() {
         let head = if line == 0 { title } else { "" };
-        let _ = writeln!(out, "  {head:<12} {name:<20} {} N or N m", number(*force));
+        let _ = writeln!(out, "  {head:<12} {name:<20} {} {}", number(*force), if slides { "N" } else { "N m" });
     }
     more(out, forces.len());
 }

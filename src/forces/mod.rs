@@ -119,7 +119,9 @@ pub fn input(model: &Model, motion: &Motion, time: f64, q: &[f64], v: &[f64]) ->
         Law::FollowerLoad { on, force, torque } => load::follower_power(on, force, torque, motion),
         Law::Spring { .. } | Law::Bushing { .. } => 0.0,
     };
-    model.forces.iter().map(|force| of_law(&force.law)).sum::<f64>() + hinge::input(model, v) + motor::input(model, time, q, v)
+    model.forces.iter().map(|force| of_law(&force.law)).sum::<f64>()
+        + hinge::input(model, v)
+        + motor::input(model, time, q, v)
 }
 
 /// How large what one end of an element feels is.

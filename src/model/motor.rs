@@ -1,11 +1,11 @@
 //! Motors: forces in hinge coordinates that follow a law of time, place and speed.
 
+use super::Model;
 use super::couple::{Scalar, scalar};
 use super::couplings::{CoordinateName, MotionDescription};
 use super::description::Description;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem};
-use super::Model;
 use exmex::{Differentiate, Express, FlatEx};
 use std::collections::HashMap;
 
@@ -92,8 +92,36 @@ enum MotorLaw {
     Constant(f64),
     Table { over: Over, at: Vec<f64>, forces: Vec<f64> },
     Pd { target: Prescribed, stiffness: f64, damping: f64, force: f64 },
-    /// The force and its derivatives with respect to `q` and `v`.
-    Formula(Box<[FlatEx<f64>; 3]>),
+    Formula(Box<Formula>),
+}
+
+/// A formula and its derivatives with respect to `q` and `v`, where rules give them (`abs` has none).
+#[derive(Debug, Clone)]
+struct Formula {
+    force: FlatEx<f64>,
+    by_position: Option<FlatEx<f64>>,
+    by_velocity: Option<FlatEx<f64>>,
+}
+
+/// Size of a difference that stands in for a derivative, relative to a variable, or absolute below 1.
+const DIFFERENCE: f64 = 1e-6;
+
+impl Formula {
+    fn at(&self, time: f64, q: f64, v: f64) -> Push {
+        let force = |q: f64, v: f64| value(&self.force, time, q, v);
+        let (dq, dv) = (DIFFERENCE * q.abs().max(1.0), DIFFERENCE * v.abs().max(1.0));
+        Push {
+            force: force(q, v),
+            by_position: match &self.by_position {
+                Some(slope) => value(slope, time, q, v),
+                None => (force(q + dq, v) - force(q - dq, v)) / (2.0 * dq),
+            },
+            by_velocity: match &self.by_velocity {
+                Some(slope) => value(slope, time, q, v),
+                None => (force(q, v + dv) - force(q, v - dv)) / (2.0 * dv),
+            },
+        }
+    }
 }
 
 /// What a motor pushes with at one state.
@@ -127,10 +155,7 @@ impl Motor {
                     by_velocity: -damping,
                 }
             }
-            MotorLaw::Formula(parts) => {
-                let [force, by_position, by_velocity] = [0, 1, 2].map(|part| value(&parts[part], time, q, v));
-                Push { force, by_position, by_velocity }
-            }
+            MotorLaw::Formula(formula) => formula.at(time, q, v),
         };
         // Written so that a number that is not one stays visible.
         match push.force.abs() > self.limit {
@@ -142,7 +167,7 @@ impl Motor {
     /// Whether its force at rest at t = 0 is the derivative of a potential that is known.
     pub fn has_potential(&self) -> bool {
         match &self.law {
-            MotorLaw::Formula(parts) => parts[0].var_names().iter().all(|name| name != "q"),
+            MotorLaw::Formula(formula) => formula.force.var_names().iter().all(|name| name != "q"),
             MotorLaw::Constant(_) | MotorLaw::Table { .. } | MotorLaw::Pd { .. } => true,
         }
     }
@@ -194,7 +219,7 @@ fn value(part: &FlatEx<f64>, t: f64, q: f64, v: f64) -> f64 {
     part.eval(&given[..names.len().min(3)]).unwrap_or(f64::NAN)
 }
 
-fn formula(text: &str) -> Result<[FlatEx<f64>; 3], String> {
+fn formula(text: &str) -> Result<Formula, String> {
     let wrong = |error: exmex::ExError| format!("the formula `{text}` cannot be used: {error}");
     let force = FlatEx::<f64>::parse(text).map_err(wrong)?;
     let known = |name: &&String| matches!(name.as_str(), "t" | "q" | "v");
@@ -207,11 +232,11 @@ fn formula(text: &str) -> Result<[FlatEx<f64>; 3], String> {
         ));
     }
     let by = |name: &str| match force.var_names().iter().position(|variable| variable == name) {
-        Some(index) => force.clone().partial(index).map_err(wrong),
-        None => FlatEx::<f64>::parse("0").map_err(wrong),
+        Some(index) => force.clone().partial(index).ok(),
+        None => FlatEx::<f64>::parse("0").ok(),
     };
-    let (by_position, by_velocity) = (by("q")?, by("v")?);
-    Ok([force, by_position, by_velocity])
+    let (by_position, by_velocity) = (by("q"), by("v"));
+    Ok(Formula { force, by_position, by_velocity })
 }
 
 /// Problems of motors that need no tree.
@@ -313,12 +338,12 @@ fn compile(law: &MotorLawDescription, given: f64) -> Result<MotorLaw, (&'static 
             MotorLaw::Pd { target, stiffness: *stiffness, damping: *damping, force: *force }
         }
         MotorLawDescription::Expression { text } => {
-            let parts = formula(text).map_err(|message| ("expression", message))?;
-            if !value(&parts[0], 0.0, given, 0.0).is_finite() {
+            let formula = formula(text).map_err(|message| ("expression", message))?;
+            if !value(&formula.force, 0.0, given, 0.0).is_finite() {
                 let message = "at t = 0 and the given position its force is not a finite number".to_owned();
                 return Err(("expression", message));
             }
-            MotorLaw::Formula(Box::new(parts))
+            MotorLaw::Formula(Box::new(formula))
         }
     })
 }
@@ -341,6 +366,7 @@ mod tests {
             MotorLawDescription::Table { over: Over::Time, at, forces: vec![1.0, -2.0, 0.0] },
             MotorLawDescription::Pd { target, stiffness: 7.0, damping: 2.0, force: 0.5 },
             MotorLawDescription::Expression { text: "3*sin(2*t) - 5*q^2*v".to_owned() },
+            MotorLawDescription::Expression { text: "-2*v*abs(v)".to_owned() },
         ]
     }
 

@@ -284,7 +284,12 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
         // What couples coordinates has no parameters.
-        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Motor(_) | Element::Event(_) => {
+        Element::Scene
+        | Element::Loop(_)
+        | Element::Drive(_)
+        | Element::Gear(_)
+        | Element::Motor(_)
+        | Element::Event(_) => {
             return Vec::new();
         }
         Element::Body(index) => {

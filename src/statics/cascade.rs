@@ -267,9 +267,8 @@ fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
     for link in &model.links {
         let pushed = |at: usize| model.motors.iter().any(|motor| motor.coordinate.velocity == at);
-        let spring = |at: usize| {
-            model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0 || pushed(at)
-        };
+        let spring =
+            |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0 || pushed(at);
         if matches!(link.joint, crate::model::Joint::Turn) && !spring(link.velocity) {
             let turns = ((q[link.position] - start[link.position]) / TAU).round();
             if turns != 0.0 {

@@ -647,7 +647,8 @@ fn robot_holds_from_the_first_step() {
             near(*now, *start, 1e-9);
         }
     }
-    assert!(summary.energy_drift < 1e-9, "{:e}", summary.energy_drift);
+    // The work of forces of 25 N m at speeds that are zero to the tolerance of the run only.
+    assert!(summary.energy_drift < 1e-6, "{:e}", summary.energy_drift);
 }
 
 /// A motor runs up to where its characteristic meets what the load asks for; its work is in the energy ledger.
