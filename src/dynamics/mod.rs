@@ -3,12 +3,14 @@
 
 mod border;
 mod constrained;
+mod dense;
 mod jacobian;
 mod linearize;
 mod magnitudes;
 mod tangent;
 
 pub use constrained::Settled;
+pub use dense::{Dense, DenseTangent};
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;

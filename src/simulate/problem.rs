@@ -2,13 +2,11 @@
 
 use super::bordered::Bordered;
 use super::passage::Passage;
-use crate::dynamics::{Coefficients, Energies, Fault, Powers, System, TangentSolver};
+use crate::dynamics::{Coefficients, DenseTangent, Energies, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Joint, Model};
 use crate::simulate::run::State;
 use crate::simulate::stops::{Side, Stops};
-use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 use nalgebra::Vector3;
 
 /// [`System`] with what integrators ask for.
@@ -21,6 +19,9 @@ pub struct Motion<'m> {
     stops: Option<Stops<'m>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     passage: Option<Passage>,
+    /// Scratch for residuals near those.
+    allowed: Vec<f64>,
+    balance: Vec<f64>,
 }
 
 /// The factorized tangents of an implicit step, one per slot.
@@ -28,9 +29,9 @@ enum Tangent {
     /// In O(n), by sweeps.
     Sweep(Vec<TangentSolver>),
     /// Dense: where more forces reach across the tree than it has coordinates.
-    Dense(Vec<Option<PartialPivLu<f64>>>),
-    /// Dense and bordered: with loops, drives or gears.
-    Bordered(Vec<Option<Bordered>>),
+    Dense(Vec<DenseTangent>),
+    /// With loops, drives or gears: bordered by their rows.
+    Bordered(Vec<Bordered>),
 }
 
 impl From<Fault> for Failure {
@@ -60,7 +61,9 @@ impl<'m> Motion<'m> {
             (false, true) => Tangent::Dense(Vec::new()),
         };
         let stops = Stops::new(model);
-        Self { system, position_scales, velocity_scales, tangent, stops, passage }
+        let scratch = vec![0.0; if passage.is_some() { model.velocity_count() } else { 0 }];
+        let (allowed, balance) = (scratch.clone(), scratch);
+        Self { system, position_scales, velocity_scales, tangent, stops, passage, allowed, balance }
     }
 
     /// The system at a time (s), for what is recorded between steps.
@@ -287,11 +290,22 @@ impl ImplicitProblem for Motion<'_> {
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         let system = at_time(&mut self.system, time);
-        if system.constraints().is_some() {
+        match &mut self.passage {
+            // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
+            Some(passage) if passage.is_near() => {
+                passage.accelerations(system, q, v, r)?;
+                self.allowed.copy_from_slice(r);
+                system.residual(q, v, &self.allowed, &mut self.balance)?;
+                system.residual(q, v, a, r)?;
+                r.iter_mut().zip(&self.balance).for_each(|(r, allowed)| *r -= allowed);
+            }
             // The multipliers of this state, see `bordered`.
-            system.accelerations(q, v, r)?;
+            Some(_) => {
+                system.accelerations(q, v, r)?;
+                system.residual(q, v, a, r)?;
+            }
+            None => system.residual(q, v, a, r)?,
         }
-        system.residual(q, v, a, r)?;
         if let Some(stops) = &self.stops {
             stops.balance(q, v, r);
         }
@@ -304,8 +318,11 @@ impl ImplicitProblem for Motion<'_> {
             Tangent::Sweep(solvers) if solvers.len() < slots => {
                 solvers.resize_with(slots, || TangentSolver::new(model))
             }
-            Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || None),
-            Tangent::Bordered(factors) if factors.len() < slots => factors.resize_with(slots, || None),
+            Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || DenseTangent::new(model)),
+            Tangent::Bordered(factors) if factors.len() < slots => {
+                let system = &self.system;
+                factors.resize_with(slots, || Bordered::new(system));
+            }
             Tangent::Sweep(_) | Tangent::Dense(_) | Tangent::Bordered(_) => {}
         }
     }
@@ -314,46 +331,28 @@ impl ImplicitProblem for Motion<'_> {
         let Point { time, q, v, a } = at;
         let system = at_time(&mut self.system, time);
         let shift = self.stops.as_mut().map_or(&[][..], |stops| stops.diagonal(c1));
-        match &mut self.tangent {
+        let regular = match &mut self.tangent {
             Tangent::Sweep(solvers) => {
                 let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
-                if !system.factorize_tangent(&mut solvers[slot], q, v, a, &with)? {
-                    return Err(Failure { message: "the tangent of the implicit step is singular".to_owned() });
-                }
+                system.factorize_tangent(&mut solvers[slot], q, v, a, &with)?
             }
-            Tangent::Dense(factors) => {
-                let linear = system.linearize(q, v, a)?;
-                let n = a.len();
-                let held = |i: usize| shift.get(i).is_some_and(|shift| shift.is_infinite());
-                let tangent = Mat::from_fn(n, n, |i, j| {
-                    if held(i) || held(j) {
-                        return f64::from(u8::from(i == j));
-                    }
-                    let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };
-                    linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)] + own
-                });
-                factors[slot] = Some(tangent.partial_piv_lu());
+            Tangent::Dense(factors) => system.factorize_dense(&mut factors[slot], q, v, a, [c1, c2], shift)?,
+            Tangent::Bordered(factors) => {
+                let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
+                factors[slot].factorize(system, at, [c1, c2], weak)?
             }
-            Tangent::Bordered(factors) => factors[slot] = Some(Bordered::of(system, q, v, a, c1, c2)?),
+        };
+        match regular {
+            true => Ok(()),
+            false => Err(Failure { message: "the tangent of the implicit step is singular".to_owned() }),
         }
-        Ok(())
     }
 
     fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
         match &mut self.tangent {
             Tangent::Sweep(solvers) => solvers[slot].solve(self.system.model(), rhs),
-            Tangent::Dense(factors) => {
-                let Some(factor) = &factors[slot] else { return rhs.fill(f64::NAN) };
-                let mut x = Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]);
-                factor.solve_in_place(&mut x);
-                for (i, value) in rhs.iter_mut().enumerate() {
-                    *value = x[(i, 0)];
-                }
-            }
-            Tangent::Bordered(factors) => match &factors[slot] {
-                Some(factor) => factor.solve(rhs),
-                None => rhs.fill(f64::NAN),
-            },
+            Tangent::Dense(factors) => factors[slot].solve(rhs),
+            Tangent::Bordered(factors) => factors[slot].solve(&mut self.system, rhs),
         }
     }
 }
