@@ -276,9 +276,11 @@ impl<'m> System<'m> {
         }
     }
 
-    /// The potential (J) that a search for rest goes down: with that of motors at t = 0, whose energy is work in a run.
-    pub fn potential_at_rest(&mut self, q: &[f64], v: &[f64]) -> f64 {
-        self.energies(q, v).potential + forces::motor::potential_at_rest(self.model, q)
+    /// Energies as a search for rest sees them: with the potential of motors at t = 0, whose energy is work in a run.
+    pub fn energies_at_rest(&mut self, q: &[f64], v: &[f64]) -> Energies {
+        let mut energies = self.energies(q, v);
+        energies.potential += forces::motor::potential_at_rest(self.model, q);
+        energies
     }
 
     /// The motors and what each pushes with at the last evaluation (N or N m).
