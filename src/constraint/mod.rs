@@ -179,6 +179,27 @@ impl Constraints {
         self.plan.groups.iter().flat_map(of_group).collect()
     }
 
+    /// The multipliers of the rows that are solved for, in their order.
+    pub(crate) fn independent_multipliers(&self) -> Vec<f64> {
+        self.plan.rows().map(|row| self.multipliers[row]).collect()
+    }
+
+    /// What every loop, drive and gear pushes with at the last solution, row by row: ``loop `coupler-ground` `` and its
+    /// multipliers. Rows that others stand for push nothing.
+    pub fn by_element(&self) -> Vec<(String, Vec<f64>)> {
+        let kept: Vec<usize> = self.plan.rows().collect();
+        let of_row = |row: usize| if kept.contains(&row) { self.multipliers[row] } else { 0.0 };
+        self.elements.iter().map(|element| (element.name.clone(), element.rows.clone().map(of_row).collect())).collect()
+    }
+
+    /// Loops and gears with rows that others stand for: name, how many, of how many. Their reactions are not unique.
+    pub fn redundant(&self) -> Vec<(String, usize, usize)> {
+        let kept: Vec<usize> = self.plan.rows().collect();
+        let left_out = |element: &Element| element.rows.clone().filter(|row| !kept.contains(row)).count();
+        let all = self.elements.iter().map(|element| (element.name.clone(), left_out(element), element.rows.len()));
+        all.filter(|(_, left_out, _)| *left_out > 0).collect()
+    }
+
     /// Number of rows that are solved for.
     pub fn rank(&self) -> usize {
         self.plan.unknowns
