@@ -113,7 +113,8 @@ fn with(model: &Model, set: &Set, start: &[f64]) -> (Model, Vec<f64>) {
                 guess[stop.position] = limit;
                 bearing.start_position[stop.position] = limit;
             }
-            StopLaw::Compliant { stiffness, .. } => {
+            StopLaw::Compliant { stiffness, damping } => {
+                coordinate.damping += damping;
                 // Eq. (1).
                 let sum = coordinate.stiffness + stiffness;
                 coordinate.rest = (coordinate.stiffness * coordinate.rest + stiffness * limit) / sum;

@@ -61,14 +61,14 @@ fn a_start_of_loops_is_checked_against_the_scene() {
     let answer = bench.call(&heavier).code(0);
     assert!(answer.err.contains("the start does not hold itself: "), "{}", answer.err);
     assert!(answer.err.contains("the scene is not the one that it was written for"), "{}", answer.err);
-    bench.write("other.toml", &written.replace("loop left link", "loop left lnk"));
+    bench.write("other.toml", written.replace("loop left link", "loop left lnk"));
     let answer = bench.call(&["run", &governor, "--start", "other.toml"]).code(2);
     assert!(
         answer.err.contains("the scene has no loop left lnk") && answer.err.contains("did you mean"),
         "{}",
         answer.err
     );
-    bench.write("short.toml", &written.replace("\"drive engine\" = [", "\"drive engine\" = [1.0, "));
+    bench.write("short.toml", written.replace("\"drive engine\" = [", "\"drive engine\" = [1.0, "));
     let answer = bench.call(&["run", &governor, "--start", "short.toml"]).code(2);
     assert!(answer.err.contains("drive `engine` has 1 rows, not 2"), "{}", answer.err);
 }
