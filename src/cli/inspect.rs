@@ -41,7 +41,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "bodies": model.bodies.len(),
             "degrees_of_freedom": assembly.degrees_of_freedom,
             "loops": model.loops.len(),
-            "redundant": json::redundant(&assembly),
+            "redundant": json::redundant(&assembly.redundant),
             "gap": assembly.gap,
             "drives": json::pushes(&forces),
             "motors": json::pushes(&json::motors(&model, q, v)),

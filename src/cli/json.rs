@@ -1,6 +1,5 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
-use crate::constraint::Assembly;
 use crate::model::Model;
 use crate::simulate::events::Occurrence;
 use crate::simulate::verify::{Verified, quaternion_error};
@@ -26,9 +25,14 @@ pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Val
 }
 
 /// Loops and gears with redundant rows.
-pub(super) fn redundant(assembly: &Assembly) -> Value {
+pub(super) fn redundant(redundant: &[(String, usize, usize)]) -> Value {
     let one = |(name, redundant, rows): &(String, usize, usize)| json!({ "element": name, "redundant": redundant, "rows": rows });
-    Value::Array(assembly.redundant.iter().map(one).collect())
+    Value::Array(redundant.iter().map(one).collect())
+}
+
+/// Names and lists of numbers.
+fn lists(lists: &[(String, Vec<f64>)]) -> Value {
+    Value::Object(lists.iter().map(|(name, list)| (name.clone(), json!(list))).collect())
 }
 
 /// What every drive or motor pushes, by its name (N or N m).
@@ -91,11 +95,24 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "damped_modes": stability.map_or(Vec::new(), |s| s.damped.iter().map(damped).collect::<Vec<_>>()),
         "reactions": reactions(model, &found.reactions),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
+        "stops": found.stops.iter().map(bearing).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "drives": pushes(&found.drive_forces),
         "motors": pushes(&motors(model, &found.position, &found.velocity)),
+        "multipliers": lists(&found.carried),
+        "redundant": redundant(&found.redundant),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
+    })
+}
+
+fn bearing(stop: &crate::statics::Bearing) -> Value {
+    json!({
+        "hinge": stop.hinge,
+        "side": if stop.low { "low" } else { "high" },
+        "limit": stop.limit,
+        "load": stop.load,
+        "depth": stop.depth,
     })
 }
 

@@ -1,9 +1,11 @@
 //! Loading a scenario for a command: everything that is wrong is said here, once.
 
 use super::{Common, Exit, output, text};
-use crate::constraint;
+use crate::constraint::{self, Constraints};
+use crate::dynamics::System;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
+use crate::statics::leftover;
 use anyhow::anyhow;
 use std::path::Path;
 
@@ -59,7 +61,49 @@ pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<R
     }
     scenario.description = started.description;
     assemble(common, &mut started.model)?;
+    if !common.quiet {
+        check_start(path, &started.model, &started.multipliers)?;
+    }
     Ok(Ok((scenario, started.model)))
+}
+
+/// Multipliers that differ by more than this part of the largest are not those of this scene.
+const SAME: f64 = 1e-6;
+
+/// Says where a start does not hold itself, and where its loops push otherwise than the file says.
+fn check_start(path: &Path, model: &Model, multipliers: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
+    let (q, v) = (&model.start_position, &model.start_velocity);
+    if let Some(left) = leftover(model, q, v)? {
+        let share = text::small(left.relative);
+        output::warning(&format!(
+            "{}: the start does not hold itself: {} N or N m in {} are not balanced ({share} of the forces there)",
+            path.display(),
+            text::number(left.force),
+            left.hinge
+        ));
+    }
+    let mut system = System::new(model);
+    let mut a = vec![0.0; v.len()];
+    system.accelerations(q, v, &mut a)?;
+    let here = system.constraints().map_or(Vec::new(), Constraints::by_element);
+    let largest = here.iter().flat_map(|(_, list)| list).fold(0.0_f64, |m, x| m.max(x.abs()));
+    for (name, list) in multipliers {
+        let Some((_, now)) = here.iter().find(|(other, _)| other == name) else { continue };
+        // Where rows are redundant others may stand for them here.
+        if now.iter().zip(list).any(|(a, b)| (*a == 0.0) != (*b == 0.0)) {
+            continue;
+        }
+        let differs = |(a, b): &(&f64, &f64)| (*a - *b).abs() > SAME * largest.max(b.abs());
+        if let Some((now, before)) = now.iter().zip(list).find(differs) {
+            output::warning(&format!(
+                "{}: {name} pushes with {} here, the file says {}: the scene is not the one that it was written for",
+                path.display(),
+                text::number(*now),
+                text::number(*before)
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn refused(problems: &Diagnostics) -> Exit {

@@ -89,8 +89,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     }
     if let Some(path) = arguments.save.as_deref().filter(|_| found.converged) {
-        let rest = vec![0.0; model.velocity_count()];
-        write(path, &start::text(&model, &found.position, &rest, &inputs(&scenario.description, &found)))?;
+        let inputs = inputs(&scenario.description, &found);
+        write(path, &start::text(&model, &found.position, &found.velocity, &inputs, &found.carried))?;
     }
     if common.json {
         output::print(&result.to_string())?;

@@ -179,6 +179,23 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         };
         let _ = writeln!(out, "  locked       {name} holds {held}");
     }
+    for stop in &found.stops {
+        let side = if stop.low { "low" } else { "high" };
+        let load = match without_noise(stop.load, weight) {
+            0.0 => "nothing".to_owned(),
+            load => format!("{} N or N m", number(load)),
+        };
+        let depth = if stop.depth > 0.0 { format!(", {} deep", number(stop.depth)) } else { String::new() };
+        let _ = writeln!(
+            out,
+            "  on a stop    {} at its {side} limit {}: bears {load}{depth}",
+            stop.hinge,
+            number(stop.limit)
+        );
+    }
+    for (name, redundant, rows) in found.redundant.iter().filter(|_| found.balanced) {
+        let _ = writeln!(out, "  not unique   reactions in and around {name}: {redundant} of {rows} rows redundant");
+    }
     for note in &found.notes {
         let _ = writeln!(out, "  note         {note}");
     }

@@ -20,6 +20,7 @@
 pub mod assembly;
 mod close;
 mod envelope;
+mod listed;
 mod plan;
 mod rank;
 mod row;
@@ -27,7 +28,7 @@ mod rows;
 
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
-use crate::model::{End, Joint, Model, Scalar};
+use crate::model::{Joint, Model, Scalar};
 use crate::motion::variation::{LinkAcceleration, LinkVariation};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
@@ -37,6 +38,7 @@ pub(crate) use close::Closer;
 pub use close::OpenGap;
 pub(crate) use close::ROUND_OFF;
 use envelope::Envelope;
+pub(crate) use listed::IndependentRow;
 use nalgebra::Vector3;
 use plan::Plan;
 pub(crate) use row::Rule;
@@ -68,16 +70,6 @@ pub struct Constraints {
     multipliers: Vec<f64>,
     /// (s)
     time: f64,
-}
-
-/// An independent row apart from the tree: for equations in other coordinates.
-pub(crate) struct IndependentRow {
-    /// Its condition.
-    pub(crate) rule: Rule,
-    /// Both ends, of a loop.
-    pub(crate) ends: Option<[End; 2]>,
-    /// What a sum of coordinates has to be.
-    pub(crate) target: f64,
 }
 
 /// What a rate of the rows is made of.
@@ -166,17 +158,6 @@ impl Constraints {
     /// inertia: 0 in a singular position.
     pub(crate) fn clearance(&self) -> f64 {
         self.matrix.smallest_pivot().sqrt()
-    }
-
-    /// The rows that are solved for, in their order, drives where they are now.
-    pub(crate) fn independent_rows(&self, model: &Model) -> Vec<IndependentRow> {
-        let of_group = |group: &plan::Group| {
-            let element = &self.elements[group.element];
-            let target = element.target(model, self.time).position;
-            let row = |row: &usize| IndependentRow { rule: self.rules[*row], ends: element.ends, target };
-            group.rows.iter().map(row).collect::<Vec<_>>()
-        };
-        self.plan.groups.iter().flat_map(of_group).collect()
     }
 
     /// Number of rows that are solved for.
@@ -475,15 +456,6 @@ impl Constraints {
         for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
             self.multipliers[row] = *unknown;
         }
-    }
-
-    /// The drives and what each pushes at the last solution (N or N m).
-    pub fn drive_forces(&self) -> impl Iterator<Item = (String, f64)> {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| {
-            let name = element.name.trim_start_matches("drive `").trim_end_matches('`');
-            (name.to_owned(), self.multipliers[element.rows.start])
-        })
     }
 
     /// Power that drives put in at the last solution (W).

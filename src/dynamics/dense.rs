@@ -118,7 +118,8 @@ impl System<'_> {
                 [1.0, c1, c2].iter().zip(&mut *unit).for_each(|(size, unit)| unit[j] = *size);
                 let [position, velocity, acceleration] = &*unit;
                 column.fill(0.0);
-                self.column(q, a, &Direction { position, velocity, acceleration }, link, column);
+                let subtree = link..self.model.links[link].subtree_end;
+                self.column(q, a, &Direction { position, velocity, acceleration }, subtree, column);
                 unit.iter_mut().for_each(|unit| unit[j] = 0.0);
                 for (i, x) in column.iter().enumerate() {
                     let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };

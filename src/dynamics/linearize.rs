@@ -6,6 +6,7 @@ use crate::forces;
 use crate::model::Law;
 use crate::motion::variation::Direction;
 use faer::Mat;
+use std::ops::Range;
 
 /// Derivatives of the residual `M a + b − τ`, n×n each, in velocity coordinates.
 #[derive(Debug, Clone)]
@@ -60,6 +61,27 @@ impl System<'_> {
         Ok(self.columns(q, &rest, Of::Position))
     }
 
+    /// `K Z` in a steady motion with velocities `v`: one sweep for each column of `Z`.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn stiffness_times(&mut self, q: &[f64], v: &[f64], z: &Mat<f64>) -> Result<Mat<f64>, Fault> {
+        let n = self.model.velocity_count();
+        let rest = vec![0.0; n];
+        let mut column = rest.clone();
+        self.residual(q, v, &rest, &mut column)?;
+        let mut product = Mat::zeros(n, z.ncols());
+        let mut direction = rest.clone();
+        for j in 0..z.ncols() {
+            (0..n).for_each(|i| direction[i] = z[(i, j)]);
+            column.fill(0.0);
+            let by = Direction { position: &direction, ..Direction::default() };
+            self.column(q, &rest, &by, 1..self.model.links.len(), &mut column);
+            (0..n).for_each(|i| product[(i, j)] = column[i]);
+        }
+        Ok(product)
+    }
+
     /// One matrix, column by column; [`System::residual`] must have been called at this state.
     pub(super) fn columns(&mut self, q: &[f64], a: &[f64], of: Of) -> Mat<f64> {
         let n = self.model.velocity_count();
@@ -76,7 +98,7 @@ impl System<'_> {
                     Of::Velocity => Direction { velocity: &unit, ..Direction::default() },
                     Of::Acceleration => Direction { acceleration: &unit, ..Direction::default() },
                 };
-                self.column(q, a, &by, link, &mut column);
+                self.column(q, a, &by, link..self.model.links[link].subtree_end, &mut column);
                 unit[j] = 0.0;
                 for (i, x) in column.iter().enumerate() {
                     matrix[(i, j)] = *x;
@@ -86,10 +108,9 @@ impl System<'_> {
         matrix
     }
 
-    /// The residual's variation when one hinge varies: its subtree moves, and the way to the root feels it. Forces
+    /// The residual's variation when hinges of one subtree vary: it moves, and the way to the root feels it. Forces
     /// between bodies reach further.
-    pub(super) fn column(&mut self, q: &[f64], a: &[f64], by: &Direction<'_>, link: usize, out: &mut [f64]) {
-        let subtree = link..self.model.links[link].subtree_end;
+    pub(super) fn column(&mut self, q: &[f64], a: &[f64], by: &Direction<'_>, subtree: Range<usize>, out: &mut [f64]) {
         let (model, motion, balance) = (self.model, &self.motion, &self.balance);
         self.variation.outward_subtree(model, motion, balance, a, by, subtree.clone());
         let constrained = self.constraints.is_some();

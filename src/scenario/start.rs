@@ -8,6 +8,8 @@
 //! "boom" = [0.0]
 //! [inputs]
 //! "boom.force" = 1234.5678901234567
+//! [multipliers]
+//! "loop boom pin" = [1234.5678901234567, 0.0, 0.0, 0.0, 0.0]
 //! ```
 //!
 //! Numbers have all their digits: what is read is what was written, bit for bit.
@@ -19,6 +21,7 @@ use super::format::START;
 use super::reader::Reader;
 use super::sources::Sources;
 use super::{check, syntax};
+use crate::constraint::Constraints;
 use crate::model::description::Description;
 use crate::model::parameter::{Field, Parameter};
 use crate::model::problem::{Element, Problem};
@@ -41,10 +44,19 @@ pub struct Started {
     pub model: Model,
     /// Numbers of the scene that the file changed: address, value of the scenario, value of the file.
     pub changes: Vec<(String, f64, f64)>,
+    /// What loops, drives and gears pushed when the file was written, in the names of the model's rows: to compare with.
+    pub multipliers: Vec<(String, Vec<f64>)>,
 }
 
-/// The text of a start file. `inputs` are numbers of the scene by address.
-pub fn text(model: &Model, position: &[f64], velocity: &[f64], inputs: &[(String, f64)]) -> String {
+/// The text of a start file. `inputs` are numbers of the scene by address, `multipliers` those of
+/// [`Constraints::by_element`].
+pub fn text(
+    model: &Model,
+    position: &[f64],
+    velocity: &[f64],
+    inputs: &[(String, f64)],
+    multipliers: &[(String, Vec<f64>)],
+) -> String {
     let mut out =
         String::from("# Where a run begins: hinge coordinates, velocities and inputs by name. For `--start`.\n");
     if !model.title.is_empty() {
@@ -68,7 +80,18 @@ pub fn text(model: &Model, position: &[f64], velocity: &[f64], inputs: &[(String
             let _ = writeln!(out, "{} = {value:?}", quoted(address));
         }
     }
+    if !multipliers.is_empty() {
+        out += "\n# What loops, drives and gears push there, row by row (N or N m): checked when the file is read.\n[multipliers]\n";
+        for (name, numbers) in multipliers {
+            let _ = writeln!(out, "{} = {numbers:?}", quoted(&plain(name)));
+        }
+    }
     out
+}
+
+/// ``loop `boom pin` `` → `loop boom pin`: easier to write.
+fn plain(name: &str) -> String {
+    name.replacen('`', "", 1).trim_end_matches('`').to_owned()
 }
 
 /// A TOML basic string.
@@ -108,7 +131,8 @@ pub fn parse_start(name: &str, text: &str, description: &Description) -> Result<
     if findings.errors() == 0 {
         check::table(&START, &document, &findings);
         let whole = Reader::new(&document, 0..0, &findings);
-        let file = File { whole, changed: description.clone(), changes: Vec::new(), inputs: Vec::new() };
+        let changed = description.clone();
+        let file = File { whole, changed, changes: Vec::new(), inputs: Vec::new(), multipliers: Vec::new() };
         started = file.read(description);
     }
     match started {
@@ -123,6 +147,7 @@ struct File<'a> {
     changes: Vec<(String, f64, f64)>,
     /// Inputs and where they are written.
     inputs: Vec<(Parameter, Range<usize>)>,
+    multipliers: Vec<(String, Vec<f64>)>,
 }
 
 impl File<'_> {
@@ -142,7 +167,30 @@ impl File<'_> {
                 return None;
             }
         };
+        self.read_multipliers(&model);
         self.finish(model)
+    }
+
+    /// Of every loop, drive and gear that the file names: the scene must have it, with as many rows.
+    fn read_multipliers(&mut self, model: &Model) {
+        let Some(table) = self.whole.table("multipliers") else { return };
+        let rows = Constraints::new(model).map_or(Vec::new(), |rows| rows.by_element());
+        for (name, _) in self.whole.names("multipliers") {
+            let Some(numbers) = table.numbers(name) else { continue };
+            let Some((element, known)) = rows.iter().find(|(element, _)| plain(element) == name) else {
+                let all: Vec<String> = rows.iter().map(|(element, _)| plain(element)).collect();
+                let near = closest(name, all.iter().map(String::as_str));
+                let finding = Finding::error(table.key_span(name), format!("the scene has no {name}"));
+                self.whole.findings.push(finding.maybe_help(near.map(|near| format!("did you mean `{near}`?"))));
+                continue;
+            };
+            if numbers.len() != known.len() {
+                let message = format!("{element} has {} rows, not {}", known.len(), numbers.len());
+                self.whole.findings.push(Finding::error(table.span_of(name), message));
+                continue;
+            }
+            self.multipliers.push((element.clone(), numbers));
+        }
     }
 
     /// One of the tables of lists.
@@ -246,6 +294,7 @@ impl File<'_> {
                 built.copy_from_slice(&body.hinge.position);
             }
         }
-        Some(Started { description: self.changed, model, changes: self.changes })
+        let multipliers = self.multipliers;
+        Some(Started { description: self.changed, model, changes: self.changes, multipliers })
     }
 }

@@ -5,7 +5,7 @@ use super::events::{Events, Hit, Kind, Occurrence, Turn};
 use super::ledger::{GAUSS, Ledger};
 use super::problem::Motion;
 use super::sampler::Sampler;
-use super::settings::{Settings, Start as At};
+use super::settings::Settings;
 use super::stiffness::fastest;
 use super::stops::Side;
 use crate::dynamics::Fault;
@@ -92,7 +92,7 @@ pub enum RunError {
         step: f64,
     },
     /// The start is beyond a stop.
-    #[error("the hinge of `{hinge}` starts at {value}, beyond its limits {low} to {high}{how}")]
+    #[error("the hinge of `{hinge}` starts at {value}, beyond its limits {low} to {high}")]
     Limit {
         /// Body whose hinge it is.
         hinge: String,
@@ -102,8 +102,6 @@ pub enum RunError {
         low: f64,
         /// (m or rad)
         high: f64,
-        /// What is to be known of it.
-        how: &'static str,
     },
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
@@ -138,11 +136,23 @@ pub fn run(
         .settle(&mut start.position, &mut start.velocity)
         .map_err(|fault| RunError::Sample { time: 0.0, fault })?;
     let start = &start;
-    check_limits(model, settings, start)?;
+    check_limits(model, start)?;
+    let mut resting = Vec::new();
     for (index, stop) in model.stops.iter().enumerate() {
         for side in stop.signs().map(|sign| Side { stop: index, sign }) {
             let depth = stop.depth(side.sign, &start.position);
             motion.push(side, depth > 0.0 && stop.push(side.sign, &start.position, &start.velocity) > 0.0);
+            let slack = ON_THE_LIMIT * stop.limit(side.sign).abs().max(1.0);
+            let rigid = matches!(stop.law, StopLaw::Rigid { .. });
+            if rigid && depth.abs() <= slack && start.velocity[stop.velocity] == 0.0 {
+                // What lies on a stop from the start stays there while it presses.
+                motion.hold(side);
+                let held = motion.held().len() - 1;
+                match motion.pressure(0.0, start, held) > 0.0 {
+                    true => resting.push(side),
+                    false => motion.release(held),
+                }
+            }
         }
     }
     let energies = motion.energies(0.0, &start.position, &start.velocity);
@@ -160,6 +170,11 @@ pub fn run(
         stopped_by: None,
     };
     if let Some(events) = &mut run.events {
+        for side in resting {
+            let stop = &model.stops[side.stop];
+            let (name, value) = (model.bodies[stop.body].name.clone(), stop.limit(side.sign));
+            events.happened.push(Occurrence { time: 0.0, kind: Kind::Rest, name, value, speed: 0.0 });
+        }
         events.arm(&mut motion, 0.0, start);
     }
     run.sampler.sample(&mut motion, &run.ledger, 0.0, start, recorder)?;
@@ -369,17 +384,15 @@ impl<'m> Run<'m> {
     }
 }
 
-/// A run starts within its limits: stops are walls, and statics knows nothing of them.
-fn check_limits(model: &Model, settings: &Settings, start: &State) -> Result<(), RunError> {
+/// A run starts within its rigid limits: they are walls.
+fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
     for stop in &model.stops {
-        let rigid = matches!(stop.law, StopLaw::Rigid { .. });
         let value = start.position[stop.position];
         let slack = ON_THE_LIMIT * value.abs().max(1.0);
         let beyond = value < stop.range[0] - slack || value > stop.range[1] + slack;
-        if beyond && (rigid || settings.start == At::Equilibrium) {
+        if beyond && matches!(stop.law, StopLaw::Rigid { .. }) {
             let hinge = model.bodies[stop.body].name.clone();
-            let how = if settings.start == At::Equilibrium { " (statics does not heed limits)" } else { "" };
-            return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1], how });
+            return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] });
         }
     }
     Ok(())

@@ -18,8 +18,10 @@ use crate::model::Model;
 use crate::model::problem::number;
 use crate::spatial::Wrench;
 
-/// Time steps that the last stage may take.
+/// Time steps that the last stage may take, and sweeps over one link: a large scene that fails says so in some tens of
+/// seconds. Hanging chains need 60 steps per link.
 const RELAXATION_STEPS: usize = 30_000;
+const RELAXATION_SWEEPS: usize = 30_000_000;
 
 /// What one stage of the cascade worked.
 #[derive(Debug, Clone, PartialEq)]
@@ -258,7 +260,8 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
     }
 
     fn relax_from(&mut self, place: Place) -> Result<Place, Fault> {
-        let outcome = relaxation::run(self.landscape, place, RELAXATION_STEPS, self.history)?;
+        let steps = RELAXATION_STEPS.min(RELAXATION_SWEEPS / self.landscape.model().links.len());
+        let outcome = relaxation::run(self.landscape, place, steps, self.history)?;
         self.accelerations += outcome.accelerations;
         let place = polish(self.landscape, outcome.place, self.history)?;
         self.ended("relaxation", &place, Some(outcome.steps));

@@ -37,12 +37,24 @@ pub struct DampedMode {
 
 /// All damped modes: by frequency, then by decay.
 pub(super) fn modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<DampedMode> {
+    of_motions(model, free, linear, &linear.mass, &|part| part)
+}
+
+/// The same of motions `y` that are `of(y)` in free coordinates, whose mass matrix is `mass`.
+pub(super) fn of_motions(
+    model: &Model,
+    free: &[usize],
+    linear: &Linearization,
+    mass: &Mat<f64>,
+    of: &dyn Fn(Vec<f64>) -> Vec<f64>,
+) -> Vec<DampedMode> {
     let n = linear.mass.nrows();
     let lu = linear.mass.partial_piv_lu();
     let (k, c) = (lu.solve(&linear.stiffness), lu.solve(&linear.damping));
     let of_pair = |root: c64, parts: [Vec<f64>; 2]| {
-        let momenta = parts.each_ref().map(|part| momentum(&linear.mass, part));
-        named(model, free, root, parts, &momenta)
+        let shapes = parts.map(of);
+        let momenta = shapes.each_ref().map(|part| momentum(mass, part));
+        named(model, free, root, shapes, &momenta)
     };
     let mut found: Vec<DampedMode> = roots(&k, &c, n).into_iter().map(|(root, parts)| of_pair(root, parts)).collect();
     sort(&mut found);

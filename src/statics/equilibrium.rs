@@ -4,6 +4,7 @@ use super::cascade::{self, Effort, Found, Stage};
 use super::landscape::Landscape;
 use super::search::{BALANCED, Iteration, Place};
 use super::stability::{Stability, Verdict, classify};
+use super::stops::{self, Bearing};
 use super::{Method, Settings, Want, tied};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
@@ -56,6 +57,14 @@ pub struct Equilibrium {
     pub stability: Option<Stability>,
     /// What locked hinges have to hold: coordinate name and force (N, N m).
     pub holding: Vec<(String, f64)>,
+    /// Stops of hinges that it rests on.
+    pub stops: Vec<Bearing>,
+    /// Multipliers of the independent rows of loops, drives and gears (N or N m).
+    pub multipliers: Vec<f64>,
+    /// The same by loop, drive and gear, all of its rows: zero for those that others stand for.
+    pub carried: Vec<(String, Vec<f64>)>,
+    /// Loops and gears with such rows, how many, of how many: reactions in and around them are not unique.
+    pub redundant: Vec<(String, usize, usize)>,
     /// Of inverse statics: address and value of every unknown.
     pub unknowns: Vec<(String, f64)>,
     /// What a person should know: saddles that were left, what is unbalanced.
@@ -104,6 +113,21 @@ fn search(
     settings: &Settings,
     start: &[f64],
     searched: &mut dyn FnMut(),
+    mut trail: Option<Vec<Vec<f64>>>,
+) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
+    if model.stops.is_empty() {
+        return search_free(model, settings, start, searched, trail);
+    }
+    let found = stops::search(model, settings, start, searched, trail.as_mut())?;
+    Ok((found, trail.unwrap_or_default()))
+}
+
+/// The same for a model without stops.
+pub(super) fn search_free(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    searched: &mut dyn FnMut(),
     trail: Option<Vec<Vec<f64>>>,
 ) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
     let mut system = System::new(model);
@@ -123,6 +147,39 @@ fn search(
     }
     let trail = landscape.trail.take().unwrap_or_default();
     Ok((certify(landscape, settings, place, effort, history, notes)?, trail))
+}
+
+/// What a start leaves unbalanced.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leftover {
+    /// Largest unbalanced force, relative to the forces that cancel there.
+    pub relative: f64,
+    /// That force (N or N m).
+    pub force: f64,
+    /// Its coordinate, as in [`Model::label`].
+    pub hinge: String,
+}
+
+/// Whether a state holds itself: what is left over where it does not. `None` where it does, and for a state that moves
+/// otherwise than its drives.
+///
+/// # Errors
+/// Where the system cannot be evaluated there.
+pub fn leftover(model: &Model, position: &[f64], velocity: &[f64]) -> Result<Option<Leftover>, Fault> {
+    let (model, position) = &stops::bearing(model, position);
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, position)?;
+    let size = velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if landscape.steady.iter().zip(velocity).any(|(steady, v)| (steady - v).abs() > 1e-9 * size) {
+        return Ok(None);
+    }
+    let place = Place::at(&mut landscape, position.clone())?;
+    let (relative, worst) = place.residual();
+    Ok(worst.filter(|_| !place.is_balanced()).map(|worst| Leftover {
+        relative,
+        force: place.force[worst],
+        hinge: model.label(landscape.free[worst]),
+    }))
 }
 
 /// The certificate of a pose as it stands: nothing is searched for. `by` is its method and stage.
@@ -231,9 +288,19 @@ fn certify(
     let (mut poses, mut reactions) = (Vec::new(), Vec::new());
     system.poses(&mut poses);
     system.reactions(&mut reactions);
+    let rows = system.constraints();
+    let (carried, redundant) = rows.map_or((Vec::new(), Vec::new()), |rows| (rows.by_element(), rows.redundant()));
+    let multipliers = system.constraints().map_or(Vec::new(), |rows| rows.independent_multipliers());
     let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
+    let relative = place.residual().0;
+    if balanced && relative > BALANCED {
+        notes.push(format!(
+            "what is left of the forces, {relative:.1e} of them, is round-off: lengths or loops that are nearly taut do not \
+             let them be known any better here"
+        ));
+    }
     let verdict = stability.as_ref().map(|s| s.verdict);
     if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
         notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
@@ -260,6 +327,10 @@ fn certify(
         reactions,
         stability,
         holding,
+        stops: Vec::new(),
+        multipliers,
+        carried,
+        redundant,
         unknowns: Vec::new(),
         notes,
         multiplier_reactions: by_body(model, &effort.reactions),

@@ -81,6 +81,9 @@ pub fn hold(
     let problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
     let mut notes = problem.useless();
     let influential = notes.is_empty();
+    if !given.stops.is_empty() {
+        notes.push("stops of hinges are not heeded where the pose is given".to_owned());
+    }
     let (mut best, mut model, mut place_now) = (description.clone(), given, first);
     let mut rank = 0;
     for _ in 0..MOST_ROUNDS {

@@ -1,5 +1,6 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
 
+mod split;
 mod tied;
 
 use super::search::{Place, SHIFT};
@@ -122,9 +123,9 @@ impl<'s, 'm> Landscape<'s, 'm> {
     pub fn look(&mut self, q: &[f64]) -> Result<(), Fault> {
         self.stiffnesses += 1;
         if self.ties.is_some() {
-            let matrix = self.dense_stiffness(q)?;
-            let tangent = self.step_from_view().unwrap_or_else(Mat::new);
-            self.stiffness = Stiffness::closed(tangent, &matrix);
+            let (tangent, matrix) = self.stiffness_along(q)?;
+            self.step_from_view();
+            self.stiffness = Stiffness::Closed { tangent, matrix, factor: None };
             return Ok(());
         }
         if self.stiffness.is_dense() {
@@ -139,6 +140,9 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// Factorizes `K + σB` at the place last looked at; false where it is not positive definite.
     pub fn factorize(&mut self, shift: f64) -> bool {
         self.factorizations += 1;
+        if self.ties.is_some() {
+            return self.stiffness.factorize_along(shift);
+        }
         let diagonal: Vec<f64> = self.metric.iter().map(|b| shift * b).collect();
         self.stiffness.factorize(self.system, &diagonal, true)
     }

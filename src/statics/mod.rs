@@ -31,13 +31,15 @@ pub mod search;
 pub mod settings;
 pub mod stability;
 mod stiffness;
+mod stops;
 mod subspace;
 mod tied;
 mod trust_region;
 
 pub use cascade::Stage;
 pub use damped::DampedMode;
-pub use equilibrium::{Equilibrium, equilibrium, equilibrium_observed, equilibrium_watched};
+pub use equilibrium::{Equilibrium, Leftover, equilibrium, equilibrium_observed, equilibrium_watched, leftover};
 pub use inverse::{Held, hold};
 pub use settings::{Method, Settings, Want};
 pub use stability::{Mode, Stability, Verdict};
+pub use stops::Bearing;

@@ -166,6 +166,9 @@ pub fn follow(
     let assembled = Assembled::of(&mut model)?;
     let start = equilibrium(&model, statics, &model.start_position).map_err(|fault| fault.to_string())?;
     let mut path = Path { branches: Vec::new(), complete: start.converged, start, notes: Vec::new() };
+    if !model.stops.is_empty() {
+        path.notes.push("stops of hinges are heeded at the start of the path alone".to_owned());
+    }
     if !path.start.converged {
         let from = crate::model::problem::number(settings.from);
         path.notes.push(format!("no path: there is no equilibrium at `{}` = {from} to start from", settings.parameter));

@@ -50,12 +50,6 @@ impl Stiffness {
         Self::Sweep { solver, free: free.to_vec(), shift, rest: vec![0.0; n], full: vec![0.0; n] }
     }
 
-    /// Along the columns of `tangent`.
-    pub(super) fn closed(tangent: Mat<f64>, full: &Mat<f64>) -> Self {
-        let matrix = tangent.transpose() * full * &tangent;
-        Self::Closed { tangent, matrix, factor: None }
-    }
-
     pub(super) fn is_dense(&self) -> bool {
         !matches!(self, Self::Sweep { .. })
     }
@@ -91,6 +85,13 @@ impl Stiffness {
                 factor.is_some()
             }
         }
+    }
+
+    /// `H + σ 1` along the motions that loops leave, in whose coordinates the metric is the identity.
+    pub(super) fn factorize_along(&mut self, shift: f64) -> bool {
+        let Self::Closed { matrix, factor, .. } = self else { return false };
+        *factor = Factor::of(matrix, &vec![shift; matrix.nrows()], true);
+        factor.is_some()
     }
 
     fn sweep(&mut self, system: &System<'_>, by: &[f64], definite: bool) -> Result<(), Breakdown> {
@@ -154,6 +155,9 @@ impl Stiffness {
 
 /// `H + Zᵀ diag(by) Z`.
 fn shifted_along(tangent: &Mat<f64>, matrix: &Mat<f64>, by: &[f64]) -> Mat<f64> {
+    if by.iter().all(|by| *by == 0.0) {
+        return matrix.clone();
+    }
     let weighted = Mat::from_fn(tangent.nrows(), tangent.ncols(), |i, j| by[i] * tangent[(i, j)]);
     matrix + tangent.transpose() * weighted
 }

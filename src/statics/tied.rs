@@ -1,5 +1,6 @@
 //! The certificate of an equilibrium with loops, drives or gears: motions along the closed positions decide.
 
+use super::damped;
 use super::landscape::Landscape;
 use super::search::Place;
 use super::stability::{
@@ -101,12 +102,19 @@ fn classify(
         Mode { frequency_hz, growth_rate, shares, shape: scaled(&shape) }
     };
     let found = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass));
-    let modes = found.map_or(Vec::new(), |(values, vectors)| {
+    let mut modes = found.map_or(Vec::new(), |(values, vectors)| {
         let count = values.len();
         let shapes = (0..count).map(|k| (0..count).map(|i| vectors[(i, k)]).collect::<Vec<f64>>());
         values.into_iter().zip(shapes).enumerate().map(mode).collect()
     });
-    // The damped motion of scenes with loops is not looked at yet.
-    let (verdict, damped) = (verdict(unstable, neutral), Vec::new());
+    let along = |y: Vec<f64>| (0..z.nrows()).map(|i| y.iter().enumerate().map(|(j, y)| z[(i, j)] * y).sum()).collect();
+    let damped = match model.has_damping() {
+        true => damped::of_motions(model, free, linear, mass, &along),
+        false => Vec::new(),
+    };
+    if conservative && !damped.is_empty() {
+        damped::grow(&mut modes, &damped, unstable);
+    }
+    let verdict = verdict(unstable, neutral);
     Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped }
 }

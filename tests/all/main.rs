@@ -33,4 +33,5 @@ mod statics_methods;
 mod statics_modes;
 mod statics_path;
 mod statics_start;
+mod statics_stops;
 mod verify;

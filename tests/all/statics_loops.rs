@@ -223,3 +223,39 @@ between = ["wheel", "pinion"]
     let pinion = 0.5 * G * (0.1 * b.cos() - 0.05 * -b.sin()) - 0.3 * b;
     assert!((-0.5 * wheel + pinion).abs() < 1e-9, "{wheel} {pinion}");
 }
+
+/// Three rods between two pins, with next to no slack: the sag is the square root of it. Where the loop is that taut its
+/// closed positions are known to round-off over the angle of its rows, and a residual above 1e-10 is said to be that.
+#[test]
+fn a_nearly_taut_loop_is_as_exact_as_it_can_be_and_says_so() {
+    for slack in [1e-2, 1e-5, 1e-8] {
+        let angle = (1.0 - slack / 0.8_f64).acos();
+        let rod = |name: &str, length: f64, on: &str, position: f64| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmass = {length:?}\ncenter = [{:?}, 0, 0]\ninertia = [1e-4, 0.01, 0.01]\n\
+                 markers = {{ tip = [{length:?}, 0, 0] }}\n\
+                 hinge = {{ type = \"revolute\", {on} axis = [0, 1, 0], position = {position:?} }}\n",
+                0.5 * length
+            )
+        };
+        // Bent to one side at first.
+        let text = [
+            rod("a", 0.4, "", 1.1 * angle),
+            rod("b", 0.2, "parent = \"a\", at = \"tip\",", -0.9 * angle),
+            rod("c", 0.4, "parent = \"b\", at = \"tip\",", -1.2 * angle),
+            format!(
+                "[[loop]]\ntype = \"revolute\"\nbetween = [\"c.tip\", {{ body = \"ground\", at = [{:?}, 0, 0] }}]\naxis = [0, 1, 0]\n",
+                1.0 - slack
+            ),
+        ]
+        .concat();
+        let found = by(Method::Auto, &read(&text));
+        assert!(found.converged, "{slack:e}: {:?}", found.notes);
+        // A gap of 1e-14 m over the slope of the closing distance, 0.8 sin θ.
+        let known = 1e-13 / angle;
+        assert!((found.position[0] - angle).abs() < known, "{slack:e}: {:e}", found.position[0] - angle);
+        let said = found.notes.iter().any(|note| note.contains("is round-off"));
+        assert!(said || found.relative_residual <= 1e-10, "{slack:e}: {:e}", found.relative_residual);
+        assert!(found.relative_residual < 1e-15 / (angle * angle), "{slack:e}: {:e}", found.relative_residual);
+    }
+}

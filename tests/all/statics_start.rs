@@ -29,7 +29,7 @@ fn a_start_is_read_back_bit_for_bit() {
         model.start_velocity = random.list(model.velocity_count(), -3.0, 3.0);
         let input = description.bodies.iter().find(|body| body.hinge.force.len() == 1).map(|body| &body.name);
         let inputs: Vec<(String, f64)> = input.map(|name| (format!("{name}.force"), 0.1 + 0.2)).into_iter().collect();
-        let written = text(&model, &model.start_position, &model.start_velocity, &inputs);
+        let written = text(&model, &model.start_position, &model.start_velocity, &inputs, &[]);
         let read = parse_start("start.toml", &written, &description).unwrap_or_else(|bad| panic!("{bad}\n{written}"));
         assert_eq!(bits(&read.model.start_position), bits(&model.start_position), "seed {seed}");
         assert_eq!(bits(&read.model.start_velocity), bits(&model.start_velocity), "seed {seed}");
@@ -46,7 +46,7 @@ fn a_start_is_read_back_bit_for_bit() {
 fn velocities_that_are_left_out_are_zero() {
     let description = scene();
     let model = build(&description);
-    let written = text(&model, &model.start_position, &model.start_velocity, &[]);
+    let written = text(&model, &model.start_position, &model.start_velocity, &[], &[]);
     let (before, _) = written.split_once("[velocities]").expect("the table");
     let read = parse_start("start.toml", before, &description).expect("a start");
     assert!(model.start_velocity.iter().any(|v| *v != 0.0) && read.model.start_velocity.iter().all(|v| *v == 0.0));
@@ -59,7 +59,7 @@ fn names_are_quoted_so_that_they_come_back() {
     description.bodies.truncate(1);
     "a \"b\".c\\d\n[0]".clone_into(&mut description.bodies[0].name);
     let model = build(&description);
-    let written = text(&model, &model.start_position, &model.start_velocity, &[]);
+    let written = text(&model, &model.start_position, &model.start_velocity, &[], &[]);
     parse_start("start.toml", &written, &description).unwrap_or_else(|bad| panic!("{bad}\n{written}"));
 }
 

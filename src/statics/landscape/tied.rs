@@ -3,12 +3,13 @@
 //! ```text
 //! r(q): the residual at rest,   G: gradients of the rows,   B: the inertia each coordinate sees
 //! (1)  G B^(−1/2) = U S Vᵀ,   Z = B^(−1/2) V₂: the motions that keep every row (V₂ spans the null space)
-//! (2)  λ = U S⁻¹ V₁ᵀ B^(−1/2) r: what the rows have to hold;   f = −B Z Zᵀ r: what they cannot
+//! (2)  λ = U S⁻¹ V₁ᵀ B^(−1/2) r: what the rows have to hold;   f = −B Z Zᵀ r: what they cannot      (see `split`)
 //! (3)  H = Zᵀ (∂(r − Gᵀλ)/∂q) Z: the stiffness along the closed positions, their curvature in it
 //! ```
 //!
 //! Searches see the coordinates of the tree, forces `f` that make no rows work, and steps `Z y` after which the rows are
-//! closed again: to them it is a landscape like any other. Everything is dense: O(n³).
+//! closed again: to them it is a landscape like any other. Matrices are dense. With few motions left `H` takes a sweep for
+//! each of them; the factorization of `G` is cubic in the number of rows, that of `H` in the number of motions.
 //!
 //! **Drives** stay where they are at t = 0, and where the rest can be at rest beside a driven motion (a governor that
 //! spins), they keep their velocity: the kinetic energy then counts as a potential of the opposite sign.
@@ -16,16 +17,13 @@
 //! **Singular positions**: where rows hang on each other that are independent elsewhere, the motions that only exist
 //! there do not count: the branch that the search came along is kept.
 
+use super::split::{DEPENDENT, NEARLY, Split, split};
 use super::{Landscape, Scales};
 use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use faer::Mat;
 
-/// A singular value below this part of the largest belongs to a row that hangs on the others.
-const DEPENDENT: f64 = 1e-10;
-/// Below this part of what it was elsewhere a row is left to the branch that the search came along.
-const NEARLY: f64 = 1e-2;
 /// Largest turn (rad), and part of the scene's length, of one step.
 const LONGEST_STEP: f64 = 0.6;
 
@@ -42,9 +40,9 @@ pub(in super::super) struct Ties<'m> {
 /// The motions where the last step began.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Branch {
-    tangent: Mat<f64>,
+    pub(super) tangent: Mat<f64>,
     /// The largest of the smallest singular values met.
-    regular: f64,
+    pub(super) regular: f64,
 }
 
 /// The rows at one position. Lists are over free coordinates.
@@ -126,12 +124,36 @@ impl Landscape<'_, '_> {
         Ok(self.metric.iter().enumerate().map(part).collect())
     }
 
-    /// Takes the last view as the place where steps begin; its tangent.
-    pub(super) fn step_from_view(&mut self) -> Option<Mat<f64>> {
-        let ties = self.ties.as_mut()?;
-        let view = ties.view.as_ref()?;
-        ties.branch = Some(Branch { tangent: view.tangent.clone(), regular: view.regular });
-        Some(view.tangent.clone())
+    /// `Z` and `H` at a closed position.
+    pub(in super::super) fn stiffness_along(&mut self, q: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
+        let z = self.tangent(q)?;
+        let (n, count) = (z.nrows(), z.ncols());
+        let along = match 2 * count < n {
+            // A sweep for each motion.
+            true => {
+                let mut all = Mat::zeros(self.steady.len(), count);
+                for (row, i) in self.free.iter().enumerate() {
+                    (0..count).for_each(|j| all[(*i, j)] = z[(row, j)]);
+                }
+                let pushed = self.system.stiffness_times(q, &self.steady, &all)?;
+                Mat::from_fn(n, count, |row, j| pushed[(self.free[row], j)])
+            }
+            false => self.dense_stiffness(q)? * &z,
+        };
+        let h = z.transpose() * along;
+        let h = match self.conservative {
+            true => Mat::from_fn(count, count, |i, j| 0.5 * (h[(i, j)] + h[(j, i)])),
+            false => h,
+        };
+        Ok((z, h))
+    }
+
+    /// Takes the last view as the place where steps begin.
+    pub(super) fn step_from_view(&mut self) {
+        let Some(ties) = &mut self.ties else { return };
+        if let Some(view) = &ties.view {
+            ties.branch = Some(Branch { tangent: view.tangent.clone(), regular: view.regular });
+        }
     }
 
     fn view(&mut self, q: &[f64]) -> Result<View, Fault> {
@@ -151,29 +173,14 @@ impl Landscape<'_, '_> {
         let largest = sizes.iter().fold(0.0_f64, |m, s| m.max(*s));
         let weigh = |i: usize| if sizes[i] > NEARLY * largest { sizes[i] } else { largest };
         let scaled = Mat::from_fn(rows, n, |i, j| all[(i, j)] / (root[j] * weigh(i)));
-        let parts = Parts::of(&scaled);
         let branch = self.ties.as_ref().and_then(|ties| ties.branch.as_ref());
-        let smallest = parts.values.iter().copied().filter(|s| *s > DEPENDENT).fold(f64::INFINITY, f64::min);
-        let regular = branch.map_or(smallest, |before| before.regular.max(smallest));
-        let limit = if branch.is_some() { NEARLY * regular } else { DEPENDENT };
-        let singular = parts.values.iter().any(|s| *s < NEARLY * regular);
-        let rank = parts.values.iter().filter(|s| **s > limit).count();
-        let mut null = Mat::from_fn(n, n - rank, |i, j| parts.right[(i, rank + j)]);
-        if let Some(before) = branch
-            && before.tangent.ncols() < null.ncols()
-        {
-            null = nearest(&null, &before.tangent, &root);
-        }
+        let forces: Vec<f64> = force.iter().zip(&root).map(|(f, root)| f / root).collect();
+        let Split { null, multipliers, least, singular, regular } = split(&scaled, &forces, branch, &root);
+        let multipliers: Vec<f64> = multipliers.iter().enumerate().map(|(i, x)| x / weigh(i)).collect();
         let tangent = Mat::from_fn(n, null.ncols(), |i, j| null[(i, j)] / root[i]);
         let gradient: Vec<f64> = (0..null.ncols()).map(|j| (0..n).map(|i| tangent[(i, j)] * force[i]).sum()).collect();
         let left: Vec<f64> =
             (0..n).map(|i| root[i] * (0..gradient.len()).map(|j| null[(i, j)] * gradient[j]).sum::<f64>()).collect();
-        let multipliers: Vec<f64> = parts
-            .solve(rank, &(0..n).map(|i| force[i] / root[i]).collect::<Vec<_>>())
-            .iter()
-            .enumerate()
-            .map(|(i, x)| x / weigh(i))
-            .collect();
         let held = |i: usize| (0..rows).map(|row| (all[(row, i)] * multipliers[row]).abs()).sum::<f64>();
         // A coordinate in which next to nothing acts still feels the round-off of the loops around it.
         let unit = |i: usize| if self.slides[free[i]] { 1.0 } else { self.length };
@@ -183,7 +190,6 @@ impl Landscape<'_, '_> {
         let stiffness = |i: usize| size(i) / per_move(i) + magnitudes.stiffness[free[i]];
         // Where rows nearly hang on each other, closed positions are known to the round-off of a gap over their angle.
         let slightest = sizes.iter().map(|size| size / largest).filter(|part| *part > DEPENDENT).fold(1.0, f64::min);
-        let least = parts.values.get(rank.wrapping_sub(1)).map_or(1.0, |least| *least);
         let unsure = f64::EPSILON / (least * slightest);
         let noise = |i: usize| {
             let terms = magnitudes.noise[free[i]] + held(i) + strongest * unit(i);
@@ -208,48 +214,6 @@ impl Landscape<'_, '_> {
             allowed / most.max(f64::MIN_POSITIVE)
         };
         self.free.iter().enumerate().map(of).fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// Singular values and vectors of a wide matrix.
-struct Parts {
-    left: Mat<f64>,
-    values: Vec<f64>,
-    right: Mat<f64>,
-}
-
-impl Parts {
-    fn of(matrix: &Mat<f64>) -> Self {
-        let (m, n) = (matrix.nrows(), matrix.ncols());
-        match matrix.svd() {
-            Ok(svd) => {
-                let values = (0..m.min(n)).map(|i| svd.S()[i]).collect();
-                Self { left: svd.U().to_owned(), values, right: svd.V().to_owned() }
-            }
-            Err(_) => Self { left: Mat::identity(m, m), values: vec![0.0; m.min(n)], right: Mat::identity(n, n) },
-        }
-    }
-
-    /// `U S⁻¹ Vᵀ x` with the first `rank` values.
-    fn solve(&self, rank: usize, x: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; self.left.nrows()];
-        for k in 0..rank {
-            let part: f64 = (0..x.len()).map(|i| self.right[(i, k)] * x[i]).sum::<f64>() / self.values[k];
-            for (i, out) in out.iter_mut().enumerate() {
-                *out += self.left[(i, k)] * part;
-            }
-        }
-        out
-    }
-}
-
-/// Within a null space that has become larger, the part nearest to the motions there were before, orthonormal.
-fn nearest(null: &Mat<f64>, before: &Mat<f64>, root: &[f64]) -> Mat<f64> {
-    let old = Mat::from_fn(before.nrows(), before.ncols(), |i, j| before[(i, j)] * root[i]);
-    let inside = null * (null.transpose() * &old);
-    match inside.thin_svd() {
-        Ok(svd) => svd.U() * svd.V().transpose(),
-        Err(_) => inside,
     }
 }
 

@@ -174,8 +174,8 @@ impl<'a> Moving<'a> {
             let (unstable, neutral) = match by_pivots {
                 Some((unstable, with_neutral)) => (unstable, with_neutral.saturating_sub(unstable)),
                 None if landscape.ties.is_some() => {
-                    let (z, k) = (landscape.tangent(&q)?, landscape.dense_stiffness(&q)?);
-                    tied::count(&z, &(z.transpose() * k * &z), magnitude)
+                    let (z, h) = landscape.stiffness_along(&q)?;
+                    tied::count(&z, &h, magnitude)
                 }
                 None => count_by_stiffness(&landscape.dense_stiffness(&q)?, magnitude),
             };

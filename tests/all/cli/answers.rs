@@ -98,3 +98,58 @@ fn check_counts_what_is_wrong_in_every_file() {
     assert!(answer.err.contains("bad.toml:3:1") && !answer.err.contains("good.toml"), "{answer:#?}");
     assert_eq!(bench.call(&["check", "good.toml"]).code(0).out, "good.toml: fine\n");
 }
+
+/// Where only an unstable equilibrium is found, that is what is printed, and the answer is no.
+#[test]
+fn an_unstable_answer_to_the_wish_for_a_stable_one_is_no() {
+    let bench = Bench::new();
+    let pencil = shipped("pencil");
+    let call = ["statics", &pencil, "--method", "newton", "--set", "statics.want=\"stable\""];
+    let answer = bench.call(&call).code(1);
+    assert!(
+        answer.out.contains("unstable equilibrium") && answer.out.contains("pose         pencil"),
+        "{}",
+        answer.out
+    );
+    assert!(answer.out.contains("only an unstable equilibrium was found"), "{}", answer.out);
+    let json = bench.call(&[&call[..], &["--json"]].concat()).code(1).json();
+    assert_eq!((json["converged"].as_bool(), json["balanced"].as_bool()), (Some(false), Some(true)));
+}
+
+#[test]
+fn a_path_over_a_number_that_is_not_there_is_a_wrong_call() {
+    let bench = Bench::new();
+    let change = "statics.path.parameter=\"engin.rate\"";
+    let answer = bench.call(&["statics", &shipped("governor_rise"), "--set", change]).code(2);
+    assert!(
+        answer.err.contains("nothing is called `engin`") && answer.err.contains("did you mean `engine`"),
+        "{}",
+        answer.err
+    );
+}
+
+/// A lock where the loops cannot follow, and a lock on what is driven: refused before anything runs.
+#[test]
+fn locks_that_contradict_are_wrong_calls() {
+    let bench = Bench::new();
+    let four_bar = shipped("four_bar");
+    let lock = |body: &str| format!("{body}.hinge.lock=true");
+    let both = ["--set", &lock("crank"), "--set", &lock("rocker"), "--set", "rocker.hinge.position=1.4"];
+    let answer = bench.call(&[&["statics", &four_bar], &both[..]].concat()).code(2);
+    assert!(answer.err.contains("cannot be closed") && answer.err.contains("lock"), "{}", answer.err);
+    let driven = bench.call(&["statics", &shipped("excavator"), "--set", &lock("boom piston")]).code(2);
+    assert!(driven.err.contains("drives `boom piston`, which is locked"), "{}", driven.err);
+}
+
+#[test]
+fn an_unknown_that_nothing_feels_is_answered_with_no() {
+    let bench = Bench::new();
+    // A door: no weight along its hinge turns it.
+    bench.write(
+        "door.toml",
+        "[statics]\nunknown = [\"door.force\", \"gravity[2]\"]\n[[body]]\nname = \"door\"\nmass = 1\ninertia = [1, 1, 1]\n\
+         center = [0.5, 0, 0]\nhinge = { type = \"revolute\", axis = [0, 0, 1], stiffness = 2.0, position = 0.3 }\n",
+    );
+    let answer = bench.call(&["statics", "door.toml"]).code(1);
+    assert!(answer.out.contains("the unknown `gravity[2]` cannot influence the pose"), "{}", answer.out);
+}

@@ -44,3 +44,39 @@ fn inputs_of_the_start_are_applied_and_said() {
     let a = |value: &serde_json::Value| value["accelerations"]["rod"][0].as_f64().expect("a number");
     assert!((a(&answer.json()) - a(&free.json())).abs() > 1.0, "a motor of 2.5 N m is felt");
 }
+
+/// A steady motion is saved with its velocities and with what its loops and drives push, and comes back bit for bit.
+#[test]
+fn a_start_of_loops_is_checked_against_the_scene() {
+    let bench = Bench::new();
+    let governor = shipped("flyball_governor");
+    bench.call(&["statics", &governor, "--quiet", "--save", "start.toml"]).code(0);
+    let written = std::fs::read_to_string(bench.folder.path().join("start.toml")).expect("a start");
+    assert!(written.contains("\"shaft\" = [12.0]") && written.contains("\"loop left link\" = ["), "{written}");
+    let again = bench.call(&["statics", &governor, "--json", "--start", "start.toml"]).code(0);
+    assert_eq!(again.json()["stage"].as_str(), Some("start"));
+    assert!(!again.err.contains("start.toml"), "{}", again.err);
+    let heavier =
+        ["run", &governor, "--start", "start.toml", "--set", "sleeve.mass=3", "--set", "simulate.duration=0.1"];
+    let answer = bench.call(&heavier).code(0);
+    assert!(answer.err.contains("the start does not hold itself: "), "{}", answer.err);
+    assert!(answer.err.contains("the scene is not the one that it was written for"), "{}", answer.err);
+    bench.write("other.toml", written.replace("loop left link", "loop left lnk"));
+    let answer = bench.call(&["run", &governor, "--start", "other.toml"]).code(2);
+    assert!(
+        answer.err.contains("the scene has no loop left lnk") && answer.err.contains("did you mean"),
+        "{}",
+        answer.err
+    );
+    bench.write("short.toml", written.replace("\"drive engine\" = [", "\"drive engine\" = [1.0, "));
+    let answer = bench.call(&["run", &governor, "--start", "short.toml"]).code(2);
+    assert!(answer.err.contains("drive `engine` has 1 rows, not 2"), "{}", answer.err);
+}
+
+#[test]
+fn a_start_that_does_not_hold_itself_is_said() {
+    let bench = Bench::new();
+    bench.write("start.toml", "[positions]\nrod = [1.0]\n");
+    let answer = bench.call(&["run", &shipped("pendulum"), "--start", "start.toml", "--set", "simulate.duration=0.1"]);
+    assert!(answer.code(0).err.contains("the start does not hold itself"), "a swinging start is said to swing");
+}

@@ -1,0 +1,64 @@
+//! Rows and their multipliers apart from the tree: for reports, files, and equations in other coordinates.
+
+use super::{Constraints, Element, Owner, Rule, plan};
+use crate::model::{End, Model};
+
+/// An independent row apart from the tree: for equations in other coordinates.
+pub(crate) struct IndependentRow {
+    /// Its condition.
+    pub(crate) rule: Rule,
+    /// Both ends, of a loop.
+    pub(crate) ends: Option<[End; 2]>,
+    /// What a sum of coordinates has to be.
+    pub(crate) target: f64,
+}
+
+impl Constraints {
+    /// The rows that are solved for, in their order, drives where they are now.
+    pub(crate) fn independent_rows(&self, model: &Model) -> Vec<IndependentRow> {
+        let of_group = |group: &plan::Group| {
+            let element = &self.elements[group.element];
+            let target = element.target(model, self.time).position;
+            let row = |row: &usize| IndependentRow { rule: self.rules[*row], ends: element.ends, target };
+            group.rows.iter().map(row).collect::<Vec<_>>()
+        };
+        self.plan.groups.iter().flat_map(of_group).collect()
+    }
+
+    /// The multipliers of the rows that are solved for, in their order.
+    pub(crate) fn independent_multipliers(&self) -> Vec<f64> {
+        self.plan.rows().map(|row| self.multipliers[row]).collect()
+    }
+
+    /// What every loop, drive and gear pushes with at the last solution, row by row: ``loop `coupler-ground` `` and its
+    /// multipliers. Rows that others stand for push nothing.
+    pub fn by_element(&self) -> Vec<(String, Vec<f64>)> {
+        let kept = self.kept();
+        let of_row = |row: usize| if kept[row] { self.multipliers[row] } else { 0.0 };
+        self.elements.iter().map(|element| (element.name.clone(), element.rows.clone().map(of_row).collect())).collect()
+    }
+
+    /// Loops and gears with rows that others stand for: name, how many, of how many. Their reactions are not unique.
+    pub fn redundant(&self) -> Vec<(String, usize, usize)> {
+        let kept = self.kept();
+        let left_out = |element: &Element| element.rows.clone().filter(|row| !kept[*row]).count();
+        let all = self.elements.iter().map(|element| (element.name.clone(), left_out(element), element.rows.len()));
+        all.filter(|(_, left_out, _)| *left_out > 0).collect()
+    }
+
+    /// Which rows are solved for.
+    fn kept(&self) -> Vec<bool> {
+        let mut kept = vec![false; self.rules.len()];
+        self.plan.rows().for_each(|row| kept[row] = true);
+        kept
+    }
+
+    /// The drives and what each pushes at the last solution (N or N m).
+    pub fn drive_forces(&self) -> impl Iterator<Item = (String, f64)> {
+        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
+        driven.map(|element| {
+            let name = element.name.trim_start_matches("drive `").trim_end_matches('`');
+            (name.to_owned(), self.multipliers[element.rows.start])
+        })
+    }
+}

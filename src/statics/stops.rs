@@ -1,0 +1,228 @@
+//! Stops of hinges: which of them an equilibrium rests on, and what they bear.
+//!
+//! With the stops that bear known, the scene is one without stops: a rigid one holds its coordinate at the limit like a
+//! lock, a compliant one is a spring of the hinge,
+//!
+//! ```text
+//! k (q − rest) + k_s (q − limit) = k' (q − rest'),     k' = k + k_s,   rest' = (k rest + k_s limit)/k'        (1)
+//! ```
+//!
+//! so that every search, its certificate and its modes hold for it as they are. The set that bears is found by turns: a
+//! coordinate beyond its limit gets its stop, a stop that would have to pull is taken away, and the search starts from the
+//! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. Where a
+//! search ends in no balance, stops in the way of the forces left there are tried.
+
+use super::equilibrium::{Equilibrium, search_free};
+use super::settings::Settings;
+use super::stability::Mode;
+use crate::dynamics::{Fault, System};
+use crate::model::{Model, StopLaw};
+use std::collections::HashSet;
+
+/// A coordinate that is further beyond its limit than this (rad, or part of the scene's length) has passed it.
+const PASSED: f64 = 1e-12;
+/// A rigid stop pulls where its load is below this part of the largest force in the balance.
+const PULLS: f64 = 1e-10;
+
+/// A stop that an equilibrium rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bearing {
+    /// The body whose hinge it is, as in [`Model::label`].
+    pub hinge: String,
+    /// Whether it is the low limit.
+    pub low: bool,
+    /// The limit (m or rad).
+    pub limit: f64,
+    /// What it bears (N or N m), ≥ 0.
+    pub load: f64,
+    /// How far it gives way (m or rad); 0 for a rigid one.
+    pub depth: f64,
+}
+
+/// Which side of each stop bears: −1, 1, or 0 for none.
+type Set = Vec<i8>;
+
+/// The equilibrium with the stops heeded; poses of the search go to `trail`.
+pub(super) fn search(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    searched: &mut dyn FnMut(),
+    mut trail: Option<&mut Vec<Vec<f64>>>,
+) -> Result<Equilibrium, Fault> {
+    let mut set: Set = model.stops.iter().map(|stop| touched(model, stop, start)).collect();
+    let mut seen = HashSet::new();
+    let (mut stages, mut steps, mut evaluations) = (Vec::new(), 0, 0);
+    loop {
+        seen.insert(set.clone());
+        let (bearing, guess) = with(model, &set, start);
+        let (mut found, way) = search_free(&bearing, settings, &guess, searched, trail.is_some().then(Vec::new))?;
+        if let Some(trail) = &mut trail {
+            trail.extend(way);
+        }
+        stages.append(&mut found.stages);
+        steps += found.iterations;
+        evaluations += found.force_evaluations;
+        let next = match found.balanced {
+            true => revised(model, &set, &bearing, &found)?,
+            false => in_the_way(model, &set, start)?,
+        };
+        let again = next.filter(|next| !seen.contains(next));
+        if found.balanced && again.is_none() && revised(model, &set, &bearing, &found)?.is_some() {
+            found.converged = false;
+            found.balanced = false;
+            found.stability = None;
+            found.notes.push("no set of stops bears this scene: each that was tried lets go or is passed".to_owned());
+        }
+        let Some(next) = again else {
+            (found.stages, found.iterations, found.force_evaluations) = (stages, steps, evaluations);
+            return finish(model, &set, &bearing, found);
+        };
+        set = next;
+    }
+}
+
+fn limit(model: &Model, index: usize, side: i8) -> f64 {
+    model.stops[index].range[usize::from(side > 0)]
+}
+
+fn unit(model: &Model, velocity: usize) -> f64 {
+    if super::landscape::slides(model)[velocity] { model.length_scale() } else { 1.0 }
+}
+
+/// The side on which a coordinate is at its limit or beyond.
+fn touched(model: &Model, stop: &crate::model::Stop, q: &[f64]) -> i8 {
+    let slack = PASSED * unit(model, stop.velocity);
+    match q[stop.position] {
+        value if value <= stop.range[0] + slack => -1,
+        value if value >= stop.range[1] - slack => 1,
+        _ => 0,
+    }
+}
+
+/// The scene in which these stops bear, and the guess on them.
+fn with(model: &Model, set: &Set, start: &[f64]) -> (Model, Vec<f64>) {
+    let (mut bearing, mut guess) = (model.clone(), start.to_vec());
+    bearing.stops.clear();
+    for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
+        let (stop, limit) = (&model.stops[index], limit(model, index, *side));
+        let coordinate = &mut bearing.coordinates[stop.velocity];
+        match stop.law {
+            StopLaw::Rigid { .. } => {
+                coordinate.lock = true;
+                guess[stop.position] = limit;
+                bearing.start_position[stop.position] = limit;
+            }
+            StopLaw::Compliant { stiffness, damping } => {
+                coordinate.damping += damping;
+                // Eq. (1).
+                let sum = coordinate.stiffness + stiffness;
+                coordinate.rest = (coordinate.stiffness * coordinate.rest + stiffness * limit) / sum;
+                coordinate.stiffness = sum;
+            }
+        }
+    }
+    (bearing, guess)
+}
+
+/// The scene in which the stops that a position touches bear, and the position on them.
+pub(super) fn bearing(model: &Model, q: &[f64]) -> (Model, Vec<f64>) {
+    let set = model.stops.iter().map(|stop| touched(model, stop, q)).collect();
+    with(model, &set, q)
+}
+
+/// What a stop of the set bears; negative where it would have to pull. `held` are the forces of locked coordinates.
+fn load(model: &Model, index: usize, side: i8, q: &[f64], held: &[f64]) -> f64 {
+    let stop = &model.stops[index];
+    match stop.law {
+        StopLaw::Rigid { .. } => -f64::from(side) * held[stop.velocity],
+        StopLaw::Compliant { stiffness, .. } => {
+            stiffness * f64::from(side) * (q[stop.position] - limit(model, index, side))
+        }
+    }
+}
+
+/// What holds every locked coordinate of an equilibrium, and how large the forces are that act there.
+fn held(bearing: &Model, found: &Equilibrium) -> Result<(Vec<f64>, Vec<f64>), Fault> {
+    let mut system = System::new(bearing);
+    let rest = vec![0.0; bearing.velocity_count()];
+    let mut residual = rest.clone();
+    if bearing.is_constrained() {
+        system.set_multipliers(&found.multipliers);
+    }
+    system.residual(&found.position, &found.velocity, &rest, &mut residual)?;
+    let sizes = system.balance_magnitudes(&found.position).force;
+    Ok((residual, sizes))
+}
+
+/// The set after a balance: stops that are passed added, those that pull taken away. `None` where nothing changes.
+fn revised(model: &Model, set: &Set, bearing: &Model, found: &Equilibrium) -> Result<Option<Set>, Fault> {
+    let (held, sizes) = held(bearing, found)?;
+    let mut next = set.clone();
+    for (index, side) in next.iter_mut().enumerate() {
+        let stop = &model.stops[index];
+        let value = found.position[stop.position];
+        let slack = PASSED * unit(model, stop.velocity).max(value.abs());
+        if *side != 0 {
+            let pulls = match stop.law {
+                StopLaw::Rigid { .. } => {
+                    load(model, index, *side, &found.position, &held) < -PULLS * sizes[stop.velocity]
+                }
+                StopLaw::Compliant { .. } => f64::from(*side) * (value - limit(model, index, *side)) < -slack,
+            };
+            if pulls {
+                *side = 0;
+            }
+        } else if value < stop.range[0] - slack {
+            *side = -1;
+        } else if value > stop.range[1] + slack {
+            *side = 1;
+        }
+    }
+    Ok((next != *set).then_some(next))
+}
+
+/// The stops towards which the forces at the guess push, added. `None` where there is no other.
+fn in_the_way(model: &Model, set: &Set, start: &[f64]) -> Result<Option<Set>, Fault> {
+    let rest = vec![0.0; model.velocity_count()];
+    let mut residual = rest.clone();
+    System::new(model).residual(start, &rest, &rest, &mut residual)?;
+    let mut next = set.clone();
+    for (stop, side) in model.stops.iter().zip(next.iter_mut()).filter(|(_, side)| **side == 0) {
+        let towards: i8 = if residual[stop.velocity] > 0.0 { -1 } else { 1 };
+        if stop.range[usize::from(towards > 0)].is_finite() && residual[stop.velocity] != 0.0 {
+            *side = towards;
+        }
+    }
+    Ok((next != *set).then_some(next))
+}
+
+/// The answer in terms of the scene itself: what bears, and modes in all coordinates that it leaves free.
+fn finish(model: &Model, set: &Set, bearing: &Model, mut found: Equilibrium) -> Result<Equilibrium, Fault> {
+    let (held, _) = held(bearing, &found)?;
+    for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
+        let stop = &model.stops[index];
+        let load = load(model, index, *side, &found.position, &held);
+        let limit = limit(model, index, *side);
+        let depth = match stop.law {
+            StopLaw::Rigid { .. } => 0.0,
+            StopLaw::Compliant { .. } => (f64::from(*side) * (found.position[stop.position] - limit)).max(0.0),
+        };
+        let hinge = model.label(stop.velocity);
+        found.stops.push(Bearing { hinge, low: *side < 0, limit, load: load.max(0.0), depth });
+    }
+    let locked = |i: &usize| model.coordinates[*i].lock;
+    let labels: Vec<String> = (0..model.velocity_count()).filter(locked).map(|i| model.label(i)).collect();
+    found.holding.retain(|(label, _)| labels.contains(label));
+    let free: Vec<bool> =
+        (0..model.velocity_count()).filter(|i| !locked(i)).map(|i| !bearing.coordinates[i].lock).collect();
+    let spread = |shape: &mut Vec<f64>| {
+        let mut parts = std::mem::take(shape).into_iter();
+        shape.extend(free.iter().map(|moves| if *moves { parts.next().unwrap_or(0.0) } else { 0.0 }));
+    };
+    if let Some(stability) = &mut found.stability {
+        stability.modes.iter_mut().for_each(|mode: &mut Mode| spread(&mut mode.shape));
+        stability.damped.iter_mut().for_each(|mode| mode.shape.iter_mut().for_each(spread));
+    }
+    Ok(found)
+}
