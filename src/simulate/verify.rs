@@ -52,7 +52,7 @@ pub fn verify(
     let method = match last {
         Method::Rk4 | Method::Dopri5 | Method::Gauss => Method::Dop853,
         Method::Radau9 => Method::Radau5,
-        Method::Dop853 | Method::Sdirk4 | Method::Radau5 | Method::GeneralizedAlpha => Method::Radau9,
+        Method::Dop853 | Method::Adams | Method::Sdirk4 | Method::Radau5 | Method::GeneralizedAlpha => Method::Radau9,
     };
     let tolerance = (TIGHTER * settings.tolerance).max(TIGHTEST);
     let settings = Settings {
