@@ -5,6 +5,7 @@ use crate::constraint::Assembly;
 use crate::model::Model;
 pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
+use crate::simulate::events::Kind;
 use crate::simulate::verify::Verified;
 use crate::statics::Equilibrium;
 use std::fmt::Write;
@@ -246,12 +247,14 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
         times(speed),
         methods.join(", then ")
     );
-    for (line, event) in summary.events.iter().take(MOST_LINES).enumerate() {
+    // Changes of the integrator are told of with the method.
+    let events: Vec<_> = summary.events.iter().filter(|event| event.kind != Kind::Switch).collect();
+    for (line, event) in events.iter().take(MOST_LINES).enumerate() {
         let head = if line == 0 { "events" } else { "" };
         let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
         let _ = writeln!(out, "  {head:<12} {time} s: {kind} of `{name}` at {value}, speed {}", number(event.speed));
     }
-    more(&mut out, summary.events.len());
+    more(&mut out, events.len());
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");
     }

@@ -13,6 +13,7 @@
 //! | `/energy` | `stillpoint.Energy`, each sample |
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
+//! | `/events` | `foxglove.Log`, each event: stops that are hit, crossings, changes of the integrator. The topic is there from the first event on |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
 //!
 //! Log times are simulated nanoseconds from 0; the messages of one sample share time and sequence number, and a chunk
@@ -36,6 +37,7 @@
 //! messages leave zeros out and the sign of a zero with them.
 
 mod chunks;
+mod events;
 mod frames;
 mod names;
 mod numbers;
@@ -66,3 +68,4 @@ const HINGES_TOPIC: &str = "/hinges";
 const ENERGY_TOPIC: &str = "/energy";
 const REACTIONS_TOPIC: &str = "/reactions";
 const FRAMES_TOPIC: &str = "/tf";
+const EVENTS_TOPIC: &str = "/events";

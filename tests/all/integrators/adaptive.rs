@@ -7,8 +7,15 @@ use stillpoint::integrate::{ImplicitProblem, Method, Options, Start, Statistics,
 use super::problems::{Body, Scalar};
 use super::{METHODS, adaptive, distance, fixed, run};
 
-const ADAPTIVE: [Method; 6] =
-    [Method::Dopri5, Method::Dop853, Method::Sdirk4, Method::Radau5, Method::Radau9, Method::GeneralizedAlpha];
+const ADAPTIVE: [Method; 7] = [
+    Method::Dopri5,
+    Method::Dop853,
+    Method::Adams,
+    Method::Sdirk4,
+    Method::Radau5,
+    Method::Radau9,
+    Method::GeneralizedAlpha,
+];
 /// `q = cos t`.
 const RELEASED: Start<'_> = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 10.0 };
 const TUMBLING: Start<'_> =
