@@ -30,4 +30,5 @@ mod statics_methods;
 mod statics_modes;
 mod statics_path;
 mod statics_start;
+mod units;
 mod verify;
