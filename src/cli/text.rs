@@ -228,11 +228,15 @@ pub(super) fn verified(verified: &Verified) -> String {
         .collect();
     let errors = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
     let (method, tolerance) = (verified.method.name(), verified.tolerance);
-    format!("  error        {errors} at the end at most, by {method} at {tolerance:.0e}")
+    format!("  error        {errors} at the end, estimated by a second run: {method} at {tolerance:.0e}")
 }
 
 /// The end of a run.
 pub(super) fn run(summary: &Summary, recording: &str) -> String {
+    let part = |what: &str, energy: f64| match energy {
+        0.0 => String::new(),
+        _ => format!(", {} J {what}", number(energy)),
+    };
     let mut out = String::new();
     let methods: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
@@ -274,9 +278,11 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
         writeln!(out, "  steps        {} ({} rejected), {}", counters.steps, counters.rejected_steps, work.join(", "));
     let _ = writeln!(
         out,
-        "  energy       {} J at the start, {} J at the end, unaccounted for {} J at most",
+        "  energy       {} J at the start, {} J at the end{}{}, unaccounted for {} J at most",
         number(summary.energy_start),
         number(summary.energy_end),
+        part("put in", summary.work),
+        part("dissipated", summary.dissipated),
         small(summary.energy_drift)
     );
     let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));

@@ -57,6 +57,10 @@ pub struct Summary {
     pub energy_start: f64,
     /// Kinetic plus potential energy at the end (J).
     pub energy_end: f64,
+    /// Work of motors, drives and loads without a potential (J).
+    pub work: f64,
+    /// What dampers and impacts took out (J).
+    pub dissipated: f64,
     /// Largest |E − E₀ − work done + dissipated| at the ends of steps (J).
     pub energy_drift: f64,
     /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
@@ -196,6 +200,8 @@ pub fn run(
         statistics: run.statistics,
         energy_start: energies.kinetic + energies.potential,
         energy_end: now.kinetic + now.potential,
+        work: run.ledger.energy(&now).work,
+        dissipated: run.ledger.energy(&now).dissipated,
         energy_drift: run.ledger.drift,
         constraint_error: run.gap,
         state: run.state,
