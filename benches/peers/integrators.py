@@ -26,6 +26,7 @@ OURS = {
     "rk4": STEPS,
     "dopri5": TOLERANCES,
     "dop853": TOLERANCES,
+    "adams": TOLERANCES,
     "sdirk4": TOLERANCES,
     "radau5": TOLERANCES,
     "radau9": TOLERANCES,

@@ -6,6 +6,7 @@ use crate::constraint::Assembly;
 use crate::model::Model;
 pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
+use crate::simulate::events::Kind;
 use crate::simulate::verify::Verified;
 use crate::statics::Equilibrium;
 use std::fmt::Write;
@@ -258,11 +259,15 @@ pub(super) fn verified(verified: &Verified) -> String {
         .collect();
     let errors = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
     let (method, tolerance) = (verified.method.name(), verified.tolerance);
-    format!("  error        {errors} at the end at most, by {method} at {tolerance:.0e}")
+    format!("  error        {errors} at the end, estimated by a second run: {method} at {tolerance:.0e}")
 }
 
 /// The end of a run.
 pub(super) fn run(summary: &Summary, recording: &str) -> String {
+    let part = |what: &str, energy: f64| match energy {
+        0.0 => String::new(),
+        _ => format!(", {} J {what}", number(energy)),
+    };
     let mut out = String::new();
     let methods: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
@@ -277,12 +282,14 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
         times(speed),
         methods.join(", then ")
     );
-    for (line, event) in summary.events.iter().take(MOST_LINES).enumerate() {
+    // Changes of the integrator are told of with the method.
+    let events: Vec<_> = summary.events.iter().filter(|event| event.kind != Kind::Switch).collect();
+    for (line, event) in events.iter().take(MOST_LINES).enumerate() {
         let head = if line == 0 { "events" } else { "" };
         let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
         let _ = writeln!(out, "  {head:<12} {time} s: {kind} of `{name}` at {value}, speed {}", number(event.speed));
     }
-    more(&mut out, summary.events.len());
+    more(&mut out, events.len());
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");
     }
@@ -302,9 +309,11 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
         writeln!(out, "  steps        {} ({} rejected), {}", counters.steps, counters.rejected_steps, work.join(", "));
     let _ = writeln!(
         out,
-        "  energy       {} J at the start, {} J at the end, unaccounted for {} J at most",
+        "  energy       {} J at the start, {} J at the end{}{}, unaccounted for {} J at most",
         number(summary.energy_start),
         number(summary.energy_end),
+        part("put in", summary.work),
+        part("dissipated", summary.dissipated),
         small(summary.energy_drift)
     );
     let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));

@@ -148,6 +148,21 @@ impl Controller {
         self.limit = Some(limit);
     }
 
+    /// Goes on with the step times `factor` after an accepted one, for a method that chooses its own.
+    pub(crate) fn follow(&mut self, trial: Trial, factor: f64) {
+        if let Some(grid) = &mut self.fixed {
+            grid.count += 1;
+            return;
+        }
+        self.step = (factor * trial.step).min(self.max_step);
+    }
+
+    /// Tries again with the step times `factor`, for a method that chooses its own.
+    pub(crate) fn retry(&mut self, trial: Trial, factor: f64, limit: Limit) {
+        self.step = factor * trial.step;
+        self.limit = Some(limit);
+    }
+
     /// Chooses a shorter step where the attempt broke off.
     ///
     /// # Errors

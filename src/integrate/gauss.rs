@@ -11,7 +11,9 @@
 //! constant; elsewhere momenta are not linear in `(q, v)`, and what bounds the energy error over long times is the
 //! symmetry: of a mechanism without dissipation, whose motion run backwards is a motion too, the energy swings within
 //! `O(h⁶)` and does not drift as long as the motion is not chaotic. Hairer, Lubich, Wanner, *Geometric Numerical
-//! Integration*, IV.2, XI.3.
+//! Integration*, IV.2, XI.3. So it is measured: the largest energy error of a double pendulum and of a heavy top is the
+//! same after 10⁴ and after 10⁶ steps (`tests/all/integrators/mechanisms.rs`). Where the motion is chaotic (three links on
+//! balls that turn over) the error wanders: shorter steps make it small, nothing bounds it.
 //!
 //! **Error**: `O(h⁷)` per step, `O(h⁶)` at a given time. Nothing estimates it: halve the step and compare.
 //!

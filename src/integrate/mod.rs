@@ -9,6 +9,7 @@
 //! | [`Rk4`] | 4 | fixed | comparison with other programs, equally spaced results |
 //! | [`Dopri5`] | 5 | adaptive | smooth systems that are not stiff |
 //! | [`Dop853`] | 8 | adaptive | the same at tight tolerances |
+//! | [`Adams`] | 1 to 12 | adaptive | smooth systems that are not stiff, at the fewest evaluations |
 //! | [`Sdirk4`] | 4 | adaptive | stiff systems: hard springs, strong dampers, light parts |
 //! | [`Radau`] | 5 or 9 | adaptive | the same at tight tolerances |
 //! | [`GeneralizedAlpha`] | 2 | adaptive | structures, where the user chooses how much of what is not resolved lives on |
@@ -51,10 +52,12 @@
 
 pub mod problem;
 
+mod adams;
 mod alpha;
 mod collocation;
 mod control;
 mod dense;
+mod differences;
 mod dop853;
 mod dopri5;
 mod error;
@@ -78,6 +81,7 @@ mod statistics;
 mod stepper;
 mod tableau;
 
+pub use adams::Adams;
 pub use alpha::GeneralizedAlpha;
 pub use dop853::Dop853;
 pub use dopri5::Dopri5;

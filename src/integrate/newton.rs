@@ -45,12 +45,17 @@ const STEP_BAND: f64 = 1e-3;
 pub(crate) const ROUNDINGS: f64 = 8.0;
 /// Corrections that stall below this many times that are what the rounding of the residual leaves.
 const STALLED: f64 = 32.0;
+/// Where the residual rounds worse than the state (trees whose forces cancel), corrections may stall below this part of
+/// the tolerance; of a fixed step, which has no error to hide, below all of it.
+const STALLED_PARTS: [f64; 2] = [1e-3, 1.0];
 
 /// The iteration matrix, what is known of its quality, and buffers.
 #[derive(Debug)]
 pub(crate) struct Newton {
     /// κ: error left by the iteration, as a fraction of the step's tolerance.
     fraction: f64,
+    /// Corrections that stall below this are rounding, in tolerances.
+    stalled: f64,
     factorization: Option<Factorization>,
     /// Residual, then correction; in velocity coordinates.
     correction: Vec<f64>,
@@ -83,8 +88,10 @@ pub(crate) struct Stage<'a> {
 }
 
 impl Newton {
-    pub(crate) fn new(norm: &ErrorNorm, velocity_count: usize, state_count: usize) -> Self {
+    /// For steps that are `fixed` or not.
+    pub(crate) fn new(norm: &ErrorNorm, fixed: bool, velocity_count: usize, state_count: usize) -> Self {
         Self {
+            stalled: STALLED_PARTS[usize::from(fixed)],
             fraction: norm.tolerance().sqrt().min(LARGEST_FRACTION),
             factorization: None,
             correction: vec![0.0; velocity_count],
@@ -158,7 +165,8 @@ impl Newton {
             place(problem, stage, acceleration, state);
 
             let rounding = ROUNDINGS * norm.rounding(state);
-            let correction = Correction { size, before, rounding, target: self.fraction.max(rounding) };
+            let stalled = self.stalled.max(STALLED * rounding);
+            let correction = Correction { size, before, rounding, stalled, target: self.fraction.max(rounding) };
             if factorization.converged(correction, MAX_ITERATIONS - iteration)? {
                 return Ok(());
             }
@@ -168,20 +176,21 @@ impl Newton {
     }
 }
 
-/// The size of a correction, of the two before in the same stage (the last first), of corrections that are rounding, and of the error
-/// that may be left.
+/// The size of a correction, of the two before in the same stage (the last first), of corrections that are rounding, of
+/// those that are rounding where they stall, and of the error that may be left.
 #[derive(Debug, Clone, Copy)]
 struct Correction {
     size: f64,
     before: [Option<f64>; 2],
     rounding: f64,
+    stalled: f64,
     target: f64,
 }
 
 impl Factorization {
     /// Whether the iteration may stop after this correction, `left` being the iterations that remain.
     fn converged(&mut self, correction: Correction, left: u32) -> Result<bool, Limit> {
-        let Correction { size, before: [before, second], rounding, target } = correction;
+        let Correction { size, before: [before, second], rounding, stalled, target } = correction;
         if !size.is_finite() {
             return Err(Limit::Newton);
         }
@@ -193,7 +202,9 @@ impl Factorization {
             return Ok(true);
         }
         // It no longer shrinks, and is about as small as the rounding of the residual makes it.
-        if size <= STALLED * rounding && before.is_some_and(|before| size > 0.5 * before) {
+        let stalls =
+            before.is_some_and(|before| size > 0.5 * before) || second.is_some_and(|second| size > 0.25 * second);
+        if size <= stalled && stalls {
             return Ok(true);
         }
         self.slow |= before.is_some() && self.contraction.is_some_and(|contraction| contraction > SLOW);

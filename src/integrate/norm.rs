@@ -57,6 +57,13 @@ impl ErrorNorm {
         largest
     }
 
+    /// What an error of each component is multiplied with on a step between the states `from` and `to`.
+    pub(crate) fn inverse_weights(&self, from: &[f64], to: &[f64], weights: &mut [f64]) {
+        for (index, weight) in weights.iter_mut().enumerate() {
+            *weight = 1.0 / self.weight(index, from[index], to[index]);
+        }
+    }
+
     /// The norm of one rounding error in every component of `state`.
     pub(crate) fn rounding(&self, state: &[f64]) -> f64 {
         let weighed = state.iter().enumerate().map(|(i, &x)| f64::EPSILON * x.abs() / self.weight(i, x, x));

@@ -1,6 +1,7 @@
 //! What a time loop sees of a method.
 
 use crate::integrate::{
+    adams::Adams,
     alpha::GeneralizedAlpha,
     dop853::Dop853,
     dopri5::Dopri5,
@@ -88,6 +89,8 @@ pub enum Method {
     Dopri5,
     /// [`Dop853`]: Dormand–Prince 8(5,3), adaptive.
     Dop853,
+    /// [`Adams`]: Adams methods of orders 1 to 12, adaptive.
+    Adams,
     /// [`Sdirk4`]: L-stable diagonally implicit Runge–Kutta 4(3), adaptive.
     Sdirk4,
     /// [`Radau`]: Radau IIA of order 5, L-stable, adaptive.
@@ -102,10 +105,11 @@ pub enum Method {
 
 impl Method {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Rk4,
         Self::Dopri5,
         Self::Dop853,
+        Self::Adams,
         Self::Sdirk4,
         Self::Radau5,
         Self::Radau9,
@@ -124,6 +128,7 @@ impl Method {
             Self::Rk4 => Some(2.78),
             Self::Dopri5 => Some(3.3),
             Self::Dop853 => Some(6.1),
+            Self::Adams => Some(1.0),
             Self::Sdirk4 | Self::Radau5 | Self::Radau9 | Self::GeneralizedAlpha | Self::Gauss => None,
         }
     }
@@ -134,6 +139,7 @@ impl Method {
             Self::Rk4 => "rk4",
             Self::Dopri5 => "dopri5",
             Self::Dop853 => "dop853",
+            Self::Adams => "adams",
             Self::Sdirk4 => "sdirk4",
             Self::Radau5 => "radau5",
             Self::Radau9 => "radau9",
@@ -156,6 +162,7 @@ impl Method {
             Self::Rk4 => Box::new(Rk4::new(problem, options, start)?),
             Self::Dopri5 => Box::new(Dopri5::new(problem, options, start)?),
             Self::Dop853 => Box::new(Dop853::new(problem, options, start)?),
+            Self::Adams => Box::new(Adams::new(problem, options, start)?),
             Self::Sdirk4 => Box::new(Sdirk4::new(problem, options, start)?),
             Self::Radau5 => Box::new(Radau::order_5(problem, options, start)?),
             Self::Radau9 => Box::new(Radau::order_9(problem, options, start)?),

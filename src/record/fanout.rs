@@ -1,6 +1,6 @@
 //! Several recorders fed at once.
 
-use super::{Outcome, RecordError, Recorder, Sample};
+use super::{Event, Outcome, RecordError, Recorder, Sample};
 
 /// Feeds one recorder that matters and any number of onlookers. An onlooker that fails is dropped and the failure kept
 /// for the caller to report; the run and the recorder that matters never notice.
@@ -46,6 +46,14 @@ impl Recorder for Fanout {
             recorder.sample(sample)?;
         }
         self.tell_onlookers(|onlooker| onlooker.sample(sample));
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), RecordError> {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.event(event)?;
+        }
+        self.tell_onlookers(|onlooker| onlooker.event(event));
         Ok(())
     }
 

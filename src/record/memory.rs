@@ -1,6 +1,6 @@
 //! Samples kept in memory, for tests and reports.
 
-use super::{Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
+use super::{Event, Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
 
 /// Keeps everything it is given.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,6 +9,8 @@ pub struct Memory {
     pub scene: Scene,
     /// In the order they came.
     pub samples: Vec<OwnedSample>,
+    /// In the order they came.
+    pub events: Vec<Event>,
     /// Once finished.
     pub outcome: Option<Outcome>,
 }
@@ -16,7 +18,7 @@ pub struct Memory {
 impl Memory {
     /// An empty recording of the scene.
     pub fn new(opening: &Opening) -> Self {
-        Self { scene: opening.scene.clone(), samples: Vec::new(), outcome: None }
+        Self { scene: opening.scene.clone(), samples: Vec::new(), events: Vec::new(), outcome: None }
     }
 }
 
@@ -24,6 +26,11 @@ impl Recorder for Memory {
     fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
         sample.check(&self.scene)?;
         self.samples.push(sample.to_owned());
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), RecordError> {
+        self.events.push(event.clone());
         Ok(())
     }
 

@@ -12,6 +12,7 @@
 //! Nothing here knows how a simulation works, and nothing outside `file` and `view` knows MCAP or Rerun.
 
 mod error;
+mod event;
 mod fanout;
 pub mod file;
 mod memory;
@@ -21,6 +22,7 @@ mod solids;
 pub mod view;
 
 pub use error::RecordError;
+pub use event::Event;
 pub use fanout::Fanout;
 pub use file::{FileWriter, Recording, RecordingFile, Samples};
 pub use memory::Memory;
@@ -67,6 +69,14 @@ pub trait Recorder {
     /// # Errors
     /// When the arrays do not fit the scene, or when the sample cannot be kept (disk full, viewer gone).
     fn sample(&mut self, sample: &Sample) -> Result<(), RecordError>;
+
+    /// Marks an event, after the samples before it. Not every recorder has a use for them.
+    ///
+    /// # Errors
+    /// When the mark cannot be kept.
+    fn event(&mut self, _event: &Event) -> Result<(), RecordError> {
+        Ok(())
+    }
 
     /// Ends the recording: of a run that reached its end and of one that was stopped alike. Later calls do nothing.
     ///

@@ -2,8 +2,11 @@
 //!
 //! | | tolerance above | below |
 //! |---|---|---|
-//! | explicit | `dopri5` | `dop853` from 10⁻⁵ on |
+//! | explicit | `dopri5` | `dop853` from 10⁻⁵ on; `adams` where steps go on undisturbed |
 //! | implicit | `sdirk4` | `radau9` from 10⁻⁷ on |
+//!
+//! A method that lives on its past is no choice for a scene with stops, which begins anew at each event, nor with loops,
+//! onto which every one of its many short steps would be projected.
 //!
 //! A run from an equilibrium starts with the implicit method: what rests has only its fastest vibrations left, and a
 //! method that need not follow them takes long steps. A run from a given state starts with the explicit one.
@@ -18,6 +21,7 @@ use super::problem::Motion;
 use super::settings::{Integrator, Settings, Start};
 use super::stiffness::fastest;
 use crate::integrate::{Method, Stepper};
+use crate::model::Model;
 
 /// Steps between two looks at the fastest rate: its cost, two dozen accelerations, is then below one per step.
 const REVIEW: u64 = 64;
@@ -40,8 +44,13 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    pub(super) fn new(settings: &Settings) -> Self {
-        let explicit = if settings.tolerance <= HIGH_ORDER { Method::Dop853 } else { Method::Dopri5 };
+    pub(super) fn new(settings: &Settings, model: &Model) -> Self {
+        let undisturbed = model.stops.is_empty() && !model.is_constrained();
+        let explicit = match settings.tolerance <= HIGH_ORDER {
+            _ if undisturbed => Method::Adams,
+            true => Method::Dop853,
+            false => Method::Dopri5,
+        };
         let implicit = if settings.tolerance <= HIGH_ORDER_STIFF { Method::Radau9 } else { Method::Sdirk4 };
         let (method, said) = match (settings.integrator, settings.start) {
             (Integrator::Method(method), _) => (method, String::new()),

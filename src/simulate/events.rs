@@ -13,6 +13,7 @@ use super::stops::Side;
 use crate::integrate::Stepper;
 use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, Watched};
+use std::fmt;
 
 /// Looks within a step, its end included.
 const LOOKS: u32 = 5;
@@ -34,6 +35,8 @@ pub enum Kind {
     Separation,
     /// A crossing the user asked for.
     Crossing,
+    /// Another integrator took over.
+    Switch,
 }
 
 impl Kind {
@@ -46,6 +49,7 @@ impl Kind {
             Self::Contact => "contact",
             Self::Separation => "separation",
             Self::Crossing => "crossing",
+            Self::Switch => "switch",
         }
     }
 }
@@ -57,12 +61,23 @@ pub struct Occurrence {
     pub time: f64,
     /// What.
     pub kind: Kind,
-    /// The event's name, or the body whose hinge it is.
+    /// The event's name, the body whose hinge it is, or the integrator that took over.
     pub name: String,
-    /// The value that was crossed (m or rad).
+    /// The value that was crossed (m or rad); of a switch the step that led there (s).
     pub value: f64,
-    /// How fast the number changed before (per second).
+    /// How fast the number changed before (per second); of a switch nothing.
     pub speed: f64,
+}
+
+impl fmt::Display for Occurrence {
+    /// Without the time.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { kind, name, value, speed, .. } = self;
+        match kind {
+            Kind::Switch => write!(f, "`{name}` takes over after a step of {value:.3e} s"),
+            _ => write!(f, "{} of `{name}` at {value:.6}, speed {speed:.6}", kind.name()),
+        }
+    }
 }
 
 /// A function whose change of sign is an event.

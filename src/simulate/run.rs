@@ -3,6 +3,7 @@
 use super::choice::Choice;
 use super::events::{Events, Hit, Kind, Occurrence, Turn};
 use super::ledger::{GAUSS, Ledger};
+use super::pace::{Creep, Pace};
 use super::problem::Motion;
 use super::sampler::Sampler;
 use super::settings::Settings;
@@ -11,7 +12,7 @@ use super::stops::Side;
 use crate::dynamics::Fault;
 use crate::integrate::{Component, Limit, Method, Options, Problem, Start, Statistics, StepError, Stepper};
 use crate::model::{Model, StopLaw};
-use crate::record::{RecordError, Recorder};
+use crate::record::{Event, RecordError, Recorder};
 use crate::spatial::Pose;
 use std::time::{Duration, Instant};
 
@@ -56,6 +57,10 @@ pub struct Summary {
     pub energy_start: f64,
     /// Kinetic plus potential energy at the end (J).
     pub energy_end: f64,
+    /// Work of motors, drives and loads without a potential (J).
+    pub work: f64,
+    /// What dampers and impacts took out (J).
+    pub dissipated: f64,
     /// Largest |E − E₀ − work done + dissipated| at the ends of steps (J).
     pub energy_drift: f64,
     /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
@@ -90,6 +95,23 @@ pub enum RunError {
         rate: f64,
         /// Longest stable step (s).
         step: f64,
+    },
+    /// The steps are so short that the end is out of reach.
+    #[error(
+        "at t = {time} s the run creeps: its steps are {step:.1e} s, {left:.0e} of them to the end; the hinge coordinate \
+         {hinge} moves at {rate:.1e} per second; try softer springs and dampers around it, a looser tolerance, or a shorter run"
+    )]
+    Creep {
+        /// Reached time (s).
+        time: f64,
+        /// Mean step (s).
+        step: f64,
+        /// Steps to the end.
+        left: f64,
+        /// The velocity coordinate that moves fastest.
+        hinge: String,
+        /// Its angular frequency or decay rate (1/s).
+        rate: f64,
     },
     /// The start is beyond a stop.
     #[error("the hinge of `{hinge}` starts at {value}, beyond its limits {low} to {high}")]
@@ -167,6 +189,7 @@ pub fn run(
         choice: None,
         statistics: Statistics::default(),
         events: Events::new(model, start),
+        happened: Vec::new(),
         stopped_by: None,
     };
     if let Some(events) = &mut run.events {
@@ -185,13 +208,15 @@ pub fn run(
     Ok(Summary {
         end_time,
         interrupted: end_time < settings.duration && run.stopped_by.is_none(),
-        events: run.events.map_or_else(Vec::new, |events| events.happened),
+        events: run.happened,
         stopped_by: run.stopped_by,
         integrators: run.integrators,
         choice: run.choice,
         statistics: run.statistics,
         energy_start: energies.kinetic + energies.potential,
         energy_end: now.kinetic + now.potential,
+        work: run.ledger.energy(&now).work,
+        dissipated: run.ledger.energy(&now).dissipated,
         energy_drift: run.ledger.drift,
         constraint_error: run.gap,
         state: run.state,
@@ -213,6 +238,8 @@ struct Run<'m> {
     statistics: Statistics,
     /// `None` for a model without stops and events.
     events: Option<Events>,
+    /// What is told of so far.
+    happened: Vec<Occurrence>,
     stopped_by: Option<String>,
 }
 
@@ -225,7 +252,7 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
     ) -> Result<f64, RunError> {
-        let mut choice = Choice::new(settings);
+        let mut choice = Choice::new(settings, self.model);
         let mut time = 0.0;
         loop {
             if self.integrators.last() != Some(&choice.method) {
@@ -233,19 +260,29 @@ impl<'m> Run<'m> {
                 self.integrators.push(choice.method);
             }
             let mut stepper = self.stepper(motion, settings, choice.method, time)?;
+            let mut pace = Pace::new(time);
             let (mut switch, mut stopped, mut turn) = (false, false, None);
             while !stepper.finished() && !switch && !stopped && turn.is_none() {
                 let hit = self.step(motion, stepper.as_mut())?;
                 time = hit.map_or(stepper.time(), |hit| hit.time);
                 turn = hit.map(|hit| hit.turn);
+                self.tell(motion, Some(stepper.as_mut()), recorder)?;
                 self.sampler.up_to(motion, &self.ledger, stepper.as_mut(), time, recorder)?;
+                if let Some(creep) = pace.see(time, settings.duration).filter(|_| !choice.method.needs_step()) {
+                    return Err(self.creeps(motion, time, creep));
+                }
                 stopped = !go_on(time, &self.state);
                 switch = turn.is_none() && choice.review(motion, stepper.as_ref());
             }
             add(&mut self.statistics, stepper.statistics());
+            if switch {
+                let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
+                self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0 }, recorder)?;
+            }
             self.choice = choice.said();
             if let Some(turn) = turn {
                 self.turn(motion, settings, time, turn)?;
+                self.tell(motion, None, recorder)?;
             }
             if self.stopped_by.is_some() {
                 let state = self.state.clone();
@@ -255,6 +292,33 @@ impl<'m> Run<'m> {
                 return Ok(time);
             }
         }
+    }
+
+    /// Hands on what happened since the last call, after the samples before it where those are not made yet.
+    fn tell(
+        &mut self,
+        motion: &mut Motion<'m>,
+        mut stepper: Option<&mut dyn Stepper<Motion<'m>>>,
+        recorder: &mut dyn Recorder,
+    ) -> Result<(), RunError> {
+        let happened = self.events.as_mut().map_or_else(Vec::new, |events| std::mem::take(&mut events.happened));
+        for occurrence in happened {
+            if let Some(stepper) = &mut stepper {
+                self.sampler.up_to(motion, &self.ledger, *stepper, occurrence.time, recorder)?;
+            }
+            self.mark(occurrence, recorder)?;
+        }
+        Ok(())
+    }
+
+    fn mark(&mut self, occurrence: Occurrence, recorder: &mut dyn Recorder) -> Result<(), RunError> {
+        let name = match occurrence.kind {
+            Kind::Switch => "integrator".to_owned(),
+            _ => occurrence.name.clone(),
+        };
+        recorder.event(&Event { time: occurrence.time, name, text: occurrence.to_string() })?;
+        self.happened.push(occurrence);
+        Ok(())
     }
 
     fn stepper(
@@ -293,6 +357,14 @@ impl<'m> Run<'m> {
             rate: fastest.rate,
             step,
         })
+    }
+
+    fn creeps(&self, motion: &mut Motion<'m>, time: f64, Creep { step, left }: Creep) -> RunError {
+        let fastest = fastest(motion, time, &self.state.position, &self.state.velocity);
+        let (hinge, rate) = fastest.map_or(("of no name".to_owned(), f64::NAN), |fastest| {
+            (self.model.label(fastest.coordinate), fastest.rate)
+        });
+        RunError::Creep { time, step, left, hinge, rate }
     }
 
     /// One step, and the account of it up to its end or to what happens before.

@@ -236,3 +236,28 @@ fn a_scene_without_events_makes_none() {
     assert!(model.stops.is_empty() && model.events.is_empty());
     assert!(go(&scenario, &model).expect("a run").0.events.is_empty());
 }
+
+/// Every event is marked in the recording, between the samples before it and those after.
+#[test]
+fn events_are_in_the_recording_in_order_of_time() {
+    let (scenario, model) = shipped("stops", &[]);
+    let (summary, memory) = go(&scenario, &model).expect("a run");
+    assert_eq!(memory.events.len(), summary.events.len());
+    assert!(memory.events.windows(2).all(|pair| pair[0].time <= pair[1].time));
+    for (event, occurrence) in memory.events.iter().zip(&summary.events) {
+        assert_eq!((event.time, &event.name), (occurrence.time, &occurrence.name));
+        assert!(event.text.contains(&occurrence.name) && event.text.contains(occurrence.kind.name()), "{event:?}");
+    }
+}
+
+/// What the program changes of the integrator is an event as well.
+#[test]
+fn a_change_of_the_integrator_is_an_event() {
+    let (scenario, model) = shipped("stiff_chain", &["simulate.tolerance=1e-6", "simulate.duration=0.1"]);
+    let (summary, memory) = go(&scenario, &model).expect("a run");
+    let [switch] = &summary.events[..] else { panic!("{:?}", summary.events) };
+    assert_eq!((switch.kind, switch.name.as_str()), (Kind::Switch, "sdirk4"));
+    let held = summary.choice.as_ref().expect("a choice");
+    assert!(held.contains("adams was held by stability"), "{held}");
+    assert_eq!((memory.events[0].name.as_str(), memory.events[0].time), ("integrator", switch.time));
+}

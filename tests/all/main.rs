@@ -34,4 +34,5 @@ mod statics_modes;
 mod statics_path;
 mod statics_start;
 mod statics_stops;
+mod units;
 mod verify;

@@ -90,7 +90,7 @@ fn what_is_done_is_kept_when_it_is_stopped() {
     let (model, plan) = thrown_pendulum();
     let study = measure(&model, &plan, 0.5).expect("points before the stop");
     assert!(study.interrupted);
-    // Half of seventy points and two references are 36 runs; the last of them is stopped when it gets there.
-    assert_eq!(study.points.len(), 33);
+    // Half of eighty points and two references are 41 runs; the last of them is stopped when it gets there.
+    assert_eq!(study.points.len(), 38);
     assert!(measure(&model, &plan, 0.0).is_none(), "nothing to compare with");
 }

@@ -7,7 +7,7 @@ mod view;
 
 use fixture::{Motion, OUTCOME, SCENARIO, STATICS, record};
 use stillpoint::record::{
-    Fanout, Memory, Opening, Outcome, OwnedSample, RecordError, Recorder, Recording, RecordingFile, Sample,
+    Event, Fanout, Memory, Opening, Outcome, OwnedSample, RecordError, Recorder, Recording, RecordingFile, Sample,
 };
 
 #[test]
@@ -49,6 +49,25 @@ fn bits(sample: &OwnedSample) -> Vec<u64> {
         numbers.extend(reaction.force.iter().chain(reaction.moment.iter()));
     }
     numbers.into_iter().map(f64::to_bits).collect()
+}
+
+#[test]
+fn events_come_back_and_do_not_disturb_the_samples() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("marked.mcap");
+    let motion = Motion::double_link();
+    let event = |time: f64| Event { time, name: "lid".to_owned(), text: format!("impact of `lid` at {time}") };
+    let mut writer = RecordingFile::create(&path).and_then(|file| file.begin(&motion.opening())).expect("open");
+    for time in [0.0, 0.5, 1.0] {
+        writer.sample(&motion.at(time).borrow()).expect("kept");
+        if time > 0.0 {
+            writer.event(&event(time)).expect("kept");
+        }
+    }
+    writer.finish(&Outcome { summary: OUTCOME.to_owned() }).expect("an end");
+    let recording = Recording::open(&path).expect("a recording");
+    assert_eq!(recording.events().expect("events"), [event(0.5), event(1.0)]);
+    assert_eq!(recording.samples().expect("samples").filter(Result::is_ok).count(), 3);
 }
 
 #[test]

@@ -15,6 +15,7 @@
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
 //! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; where `ros` is asked for, up to 1000 bodies |
 //! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, where there are up to 64 |
+//! | `/events` | `foxglove.Log`, each event: stops that are hit, crossings, changes of the integrator. The topic is there from the first event on |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
 //!
 //! Log times are simulated nanoseconds from 0; the messages of one sample share time and sequence number, and a chunk
@@ -38,6 +39,7 @@
 //! messages leave zeros out and the sign of a zero with them.
 
 mod chunks;
+mod events;
 mod frames;
 mod names;
 mod numbers;
@@ -71,3 +73,4 @@ const REACTIONS_TOPIC: &str = "/reactions";
 const FRAMES_TOPIC: &str = "/tf";
 const ROBOT_TOPIC: &str = "/robot_description";
 const JOINTS_TOPIC: &str = "/joint_states";
+const EVENTS_TOPIC: &str = "/events";

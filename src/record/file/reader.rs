@@ -2,7 +2,7 @@
 
 use super::chunks::{Records, Stop};
 use super::*;
-use crate::record::{RecordError, Scene};
+use crate::record::{Event, RecordError, Scene};
 use mcap::records::Record;
 use std::fs::File;
 use std::io::BufReader;
@@ -56,6 +56,15 @@ impl Recording {
     /// When the file cannot be opened.
     pub fn samples(&self) -> Result<Samples, RecordError> {
         Ok(Samples::new(self.path.clone(), open(&self.path)?, &self.scene))
+    }
+
+    /// What happened in the run, in the order it was written; the whole file is read.
+    ///
+    /// # Errors
+    /// When the file cannot be read or its content is wrong.
+    pub fn events(&self) -> Result<Vec<Event>, RecordError> {
+        events::read(Records::contents(open(&self.path)?))
+            .map_err(|what| RecordError::Damaged { path: self.path.clone(), what })
     }
 }
 

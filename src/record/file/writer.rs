@@ -1,15 +1,15 @@
 //! Writing while a run goes on.
 
-use super::frames;
 use super::numbers::{put_nested, put_nested_row, put_row, row_length};
 use super::pictures::scene_update;
 use super::ros::{self, Joints};
 use super::schema::{self, Schema};
 use super::*;
-use crate::record::{Opening, Outcome, RecordError, Recorder, Sample, Scene};
+use super::{events, frames};
+use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Sample, Scene};
 use crate::spatial::Wrench;
 use foxglove::Encode;
-use foxglove::messages::{FrameTransforms, SceneUpdate};
+use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, Compression, McapError, McapResult, WriteOptions};
 use prost::Message;
@@ -51,6 +51,14 @@ impl FileWriter {
         Ok(Self { target, partial, output: Some(output), scene: opening.scene.clone(), transforms })
     }
 
+    /// After a failure nothing more is written.
+    fn lost_where_failed(&mut self, written: McapResult<()>) -> Result<(), RecordError> {
+        written.map_err(|error| {
+            self.output = None;
+            write_error(&self.partial, error)
+        })
+    }
+
     /// Where the finished recording will be.
     pub fn path(&self) -> &std::path::Path {
         &self.target
@@ -64,10 +72,15 @@ impl Recorder for FileWriter {
             return Err(write_error(&self.partial, McapError::AttemptedWriteAfterFailure));
         };
         let written = output.sample(sample, &mut self.transforms);
-        written.map_err(|error| {
-            self.output = None;
-            write_error(&self.partial, error)
-        })
+        self.lost_where_failed(written)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), RecordError> {
+        let Some(output) = &mut self.output else {
+            return Err(write_error(&self.partial, McapError::AttemptedWriteAfterFailure));
+        };
+        let written = output.event(event);
+        self.lost_where_failed(written)
     }
 
     fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
@@ -105,6 +118,8 @@ struct Channels {
     energy: u16,
     reactions: u16,
     frames: u16,
+    /// Of a run that has had any.
+    events: Option<u16>,
 }
 
 impl Output {
@@ -125,6 +140,7 @@ impl Output {
             energy: number_channel(&mut mcap, ENERGY_TOPIC, schema::energy())?,
             reactions: number_channel(&mut mcap, REACTIONS_TOPIC, schema::reactions(scene))?,
             frames: foxglove_channel::<FrameTransforms>(&mut mcap, FRAMES_TOPIC)?,
+            events: None,
         };
         let header = MessageHeader { channel_id: pictures, sequence: 0, log_time: 0, publish_time: 0 };
         mcap.write_to_known_channel(&header, &scene_update(scene).encode_to_vec())?;
@@ -170,6 +186,16 @@ impl Output {
             self.flushed = Instant::now();
         }
         Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> McapResult<()> {
+        let channel = match self.channels.events {
+            Some(channel) => channel,
+            None => *self.channels.events.insert(foxglove_channel::<Log>(&mut self.mcap, EVENTS_TOPIC)?),
+        };
+        let time = (event.time * 1e9).round() as u64;
+        Message::encode(&events::log(event, time), &mut self.buffer).map_err(io::Error::other)?;
+        self.message(channel, time)
     }
 
     /// Writes the buffer as a message and empties it.

@@ -48,6 +48,7 @@ const INTEGRATORS: &[(&str, &str)] = &[
     ("rk4", "Classical Runge–Kutta, fixed step."),
     ("dopri5", "Dormand–Prince 5(4), adaptive."),
     ("dop853", "Dormand–Prince 8(5,3), adaptive, for tight tolerances."),
+    ("adams", "Adams methods of variable order, adaptive: smooth scenes, at the fewest evaluations."),
     ("sdirk4", "L-stable, stiffly accurate, order 4, adaptive: stiff scenes."),
     ("radau5", "Radau IIA, order 5, adaptive: stiff scenes."),
     ("radau9", "Radau IIA, order 9, adaptive: stiff scenes at tight tolerances."),

@@ -34,9 +34,17 @@ fn precision_writes_a_table_and_a_plot_and_recommends() {
     assert_eq!(csv.lines().count(), points.len() + 1);
     assert!(csv.starts_with("integrator,tolerance,step,error,energy_error,wall_seconds,steps,"));
     let svg = read("double_pendulum.precision.svg");
-    for text in
-        ["rk4", "dopri5", "dop853", "sdirk4", "radau9", "gauss", "time of the steps (s)", "Chaotic double pendulum"]
-    {
+    for text in [
+        "rk4",
+        "dopri5",
+        "dop853",
+        "adams",
+        "sdirk4",
+        "radau9",
+        "gauss",
+        "time of the steps (s)",
+        "Chaotic double pendulum",
+    ] {
         assert!(svg.contains(text), "`{text}` is not in the plot");
     }
 }

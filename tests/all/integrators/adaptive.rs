@@ -7,8 +7,15 @@ use stillpoint::integrate::{ImplicitProblem, Method, Options, Start, Statistics,
 use super::problems::{Body, Scalar};
 use super::{METHODS, adaptive, distance, fixed, run};
 
-const ADAPTIVE: [Method; 6] =
-    [Method::Dopri5, Method::Dop853, Method::Sdirk4, Method::Radau5, Method::Radau9, Method::GeneralizedAlpha];
+const ADAPTIVE: [Method; 7] = [
+    Method::Dopri5,
+    Method::Dop853,
+    Method::Adams,
+    Method::Sdirk4,
+    Method::Radau5,
+    Method::Radau9,
+    Method::GeneralizedAlpha,
+];
 /// `q = cos t`.
 const RELEASED: Start<'_> = Start { time: 0.0, position: &[1.0], velocity: &[0.0], end: 10.0 };
 const TUMBLING: Start<'_> =
@@ -164,6 +171,8 @@ fn runs_cost_what_they_did() {
     Dopri5 body: steps 43, rejected 2, accelerations 272, residuals 0, jacobians 0, solves 0, iterations 0
     Dop853 oscillator: steps 14, rejected 0, accelerations 170, residuals 0, jacobians 0, solves 0, iterations 0
     Dop853 body: steps 18, rejected 2, accelerations 242, residuals 0, jacobians 0, solves 0, iterations 0
+    Adams oscillator: steps 149, rejected 0, accelerations 151, residuals 0, jacobians 0, solves 0, iterations 0
+    Adams body: steps 186, rejected 0, accelerations 188, residuals 0, jacobians 0, solves 0, iterations 0
     Sdirk4 oscillator: steps 120, rejected 0, accelerations 2, residuals 840, jacobians 6, solves 840, iterations 720
     Sdirk4 body: steps 103, rejected 0, accelerations 2, residuals 1092, jacobians 31, solves 1092, iterations 989
     Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 1227, jacobians 18, solves 1227, iterations 1131

@@ -19,8 +19,7 @@ fn c14_kapitza() {
             omega / std::f64::consts::TAU,
         );
     let scene = Scene::read(&text);
-    // The chaotic tumbling of this start amplifies round-off: 10 s are left out.
-    for (time, state) in case.states().into_iter().filter(|(time, _)| *time <= 5.0) {
+    for (time, state) in case.states() {
         let mut run = scene.run();
         run.until(time);
         state.at("theta").check(run.coordinate("rod"), case.tolerance("abs"));
@@ -31,7 +30,7 @@ fn c14_kapitza() {
 /// The axle turns about the left wheel so that the right wheel follows the road; the left mass slides across it, the
 /// right one hangs on the left by a rigid rod.
 #[test]
-fn a07_car_axis() {
+pub(super) fn a07_car_axis() {
     let case = case("A07_car_axis");
     let p = |key: &str| case.parameter(key);
     let start = |key: &str| case.initial(key);
