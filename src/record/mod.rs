@@ -18,6 +18,7 @@ mod memory;
 pub mod sample;
 pub mod scene;
 mod solids;
+pub mod table;
 pub mod view;
 
 pub use error::RecordError;
@@ -26,6 +27,7 @@ pub use file::{FileWriter, Recording, RecordingFile, Samples};
 pub use memory::Memory;
 pub use sample::{Energy, OwnedSample, Sample};
 pub use scene::Scene;
+pub use table::Table;
 
 /// The `[record]` table.
 #[derive(Debug, Clone, Copy, PartialEq)]

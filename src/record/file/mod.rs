@@ -14,6 +14,7 @@
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
+//! | metadata `recovered` | `json`: what [`Recording::recover`] saved and lost; only in what it wrote |
 //!
 //! Log times are simulated nanoseconds from 0; the messages of one sample share time and sequence number, and a chunk
 //! holds whole samples. Chunks are compressed with zstd and flushed about twice per second of wall time, so that a
@@ -42,13 +43,17 @@ mod numbers;
 mod partial;
 mod pictures;
 mod reader;
+mod recover;
 mod samples;
 mod schema;
+mod survey;
 mod writer;
 
 pub use partial::RecordingFile;
 pub use reader::Recording;
+pub use recover::{Lost, Recovered};
 pub use samples::Samples;
+pub use survey::{ChannelSurvey, Survey};
 pub use writer::FileWriter;
 
 /// Version of the layout described above. Readers refuse newer ones.
@@ -59,6 +64,7 @@ const PROGRAM: &str = "stillpoint";
 const SCENE: &str = "scene";
 const STATICS: &str = "statics";
 const RUN: &str = "run";
+const RECOVERED: &str = "recovered";
 const JSON: &str = "json";
 
 const SCENE_TOPIC: &str = "/scene";
