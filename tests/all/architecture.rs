@@ -20,11 +20,25 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("record", &["spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     ("scenario", &["model", "constraint", "simulate", "statics", "record", "suggest"]),
-    ("cli", &["model", "constraint", "dynamics", "statics", "integrate", "record", "simulate", "scenario", "spatial"]),
+    (
+        "cli",
+        &[
+            "model",
+            "constraint",
+            "dynamics",
+            "statics",
+            "integrate",
+            "record",
+            "simulate",
+            "scenario",
+            "spatial",
+            "suggest",
+        ],
+    ),
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 12] = [
+const FOREIGN: [(&str, &[&str]); 17] = [
     ("toml", &["scenario"]),
     ("exmex", &["model"]),
     ("annotate_snippets", &["scenario"]),
@@ -35,6 +49,11 @@ const FOREIGN: [(&str, &[&str]); 12] = [
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),
     ("csv", &["cli"]),
+    ("parquet", &["cli"]),
+    ("arrow_array", &["cli"]),
+    ("arrow_schema", &["cli"]),
+    ("clap_complete", &["cli"]),
+    ("clap_mangen", &["cli"]),
     ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics", "simulate"]),
 ];

@@ -8,6 +8,9 @@ mod output;
 mod path;
 mod poses;
 mod precision;
+mod python;
+mod recordings;
+mod shell;
 mod start;
 
 use crate::scenarios::file;
@@ -48,7 +51,7 @@ impl Bench {
 
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_stillpoint"));
-        command.current_dir(self.path()).env_remove("NO_COLOR").args(arguments);
+        command.current_dir(self.path()).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE").args(arguments);
         command
     }
 
