@@ -28,6 +28,11 @@ pub(super) const PRECISION: &str = "\
 Examples:
   stillpoint precision scenarios/pendulum.toml --set simulate.duration=1 --error 1e-6";
 
+pub(super) const SWEEP: &str = "\
+Examples:
+  stillpoint sweep scenarios/machine_on_mounts.toml --over machine.mass=200:400:5
+  stillpoint sweep scenarios/pendulum.toml --over rod.mass=1,2 --over rod.position=0.1:0.9:3 --set simulate.duration=1 --run --json";
+
 pub(super) const INSPECT: &str = "\
 Examples:
   stillpoint inspect scenarios/pendulum.toml --set rod.position=0.5

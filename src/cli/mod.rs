@@ -25,6 +25,7 @@ mod samples;
 mod scene;
 mod statics;
 mod stopwatch;
+mod sweep;
 mod text;
 mod view;
 
@@ -83,6 +84,9 @@ enum Command {
     /// Measure what every integrator costs for the error it makes: table, CSV and plot
     #[command(after_help = examples::PRECISION)]
     Precision(precision::Arguments),
+    /// Ask for the equilibrium, or a run, for many values of some numbers: one row per case
+    #[command(after_help = examples::SWEEP)]
+    Sweep(sweep::Arguments),
     /// Say what the model is, and its accelerations at the given state; runs nothing
     #[command(after_help = examples::INSPECT)]
     Inspect(inspect::Arguments),
@@ -164,6 +168,7 @@ pub fn main(memory: fn() -> Memory) -> ExitCode {
         Command::Statics(arguments) => statics::main(&arguments),
         Command::Rest(arguments) => rest::main(&arguments),
         Command::Precision(arguments) => precision::main(&arguments),
+        Command::Sweep(arguments) => sweep::main(&arguments),
         Command::Inspect(arguments) => inspect::main(&arguments),
         Command::Bench(arguments) => bench::main(&arguments, memory),
         Command::View(arguments) => view::main(&arguments),

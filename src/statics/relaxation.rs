@@ -238,8 +238,7 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
 mod tests {
     use super::*;
     use crate::model::Description;
-    use crate::model::description::{BodyDescription, GROUND, HingeDescription, HingeKind, MassProperties, Point};
-    use nalgebra::{Matrix3, Vector3};
+    use crate::model::description::{BodyDescription, HingeDescription};
 
     /// Rods of 0.1 kg and 0.1 m, each bent by a fifth of a radian against the one before.
     fn chain(links: usize) -> Model {
