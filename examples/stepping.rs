@@ -1,6 +1,6 @@
 //! An integrator stepped by hand, with reactions read on the way: `cargo run --example stepping`
 
-use stillpoint::integrate::{Method, Options, Start, Stepper};
+use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
 use stillpoint::simulate::problem::Motion;

@@ -73,6 +73,11 @@ Examples:
   stillpoint compare pendulum.mcap copy.mcap
   stillpoint compare pendulum.mcap copy.mcap --channel rod.angle --tolerance 1e-9";
 
+pub(super) const CONVERT: &str = "\
+Examples:
+  stillpoint convert robot.urdf -o robot.toml
+  stillpoint convert robot.urdf --floating";
+
 pub(super) const CHECK: &str = "\
 Examples:
   stillpoint check scenarios/*.toml

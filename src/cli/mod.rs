@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod compare_recordings;
 mod completions;
+mod convert;
 mod examples;
 mod export;
 mod info;
@@ -111,6 +112,9 @@ enum Command {
     /// Say how far two recordings are apart; exit code 1 when further than the tolerance
     #[command(after_help = examples::COMPARE)]
     Compare(compare_recordings::Arguments),
+    /// Turn a model of another program (URDF) into a scenario; what is not taken over is listed line by line
+    #[command(after_help = examples::CONVERT)]
+    Convert(convert::Arguments),
     /// Validate scenario files
     #[command(after_help = examples::CHECK)]
     Check(check::Arguments),
@@ -180,6 +184,7 @@ pub fn main(memory: fn() -> Memory) -> ExitCode {
         Command::New(arguments) => new::main(&arguments),
         Command::Completions(arguments) => completions::main(&arguments),
         Command::Man(arguments) => man::main(&arguments),
+        Command::Convert(arguments) => convert::main(&arguments),
         Command::Check(arguments) => check::main(&arguments),
         Command::Schema => output::print(&format!("{:#}", crate::scenario::schema())).map(|()| Exit::Done),
     };

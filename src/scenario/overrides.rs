@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `title`, `gravity` | a key of the file |
 //! | `simulate.duration` | a key of `[simulate]`, `[statics]` or `[record]` |
+//! | `model.base` | how a model is taken; its bodies and hinges are set by name like all others |
 //! | `upper.mass`, `upper.markers.tip` | a key of the body `upper`; of a repeated body for all its copies |
 //! | `upper.hinge.position`, `upper.position` | a key of its hinge |
 //! | `stay.stiffness`, `force[0].stiffness` | a key of a force, and so of whatever else is a list in the file: loops, drives, gears, events |
@@ -66,11 +67,16 @@ impl Override {
     fn path(&self) -> &str {
         &self.shown[self.path.clone()]
     }
+
+    /// Whether it changes how a model is taken, which has to be known before there are any bodies.
+    pub(super) fn is_of_model(&self) -> bool {
+        self.path() == "model" || self.path().starts_with("model.")
+    }
 }
 
 /// Puts all overrides into a parsed file, so that they are checked as if they were written there.
 pub(super) fn apply<'a>(
-    overrides: &'a [Override],
+    overrides: impl Iterator<Item = &'a Override>,
     document: &mut DeTable<'a>,
     sources: &mut Sources<'a>,
     findings: &Findings,
@@ -91,7 +97,7 @@ fn parse_value(text: &str) -> Spanned<DeValue<'_>> {
 }
 
 /// The same value with all spans moved.
-fn moved(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
+pub(super) fn moved(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
     let span = value.span().start + by..value.span().end + by;
     let inner = match value.into_inner() {
         DeValue::Array(items) => DeValue::Array(items.into_iter().map(|item| moved(item, by)).collect()),
@@ -120,7 +126,7 @@ impl<'a> Change<'a> {
         let first = self.path.split('.').next().unwrap_or_default();
         let of_file = |name: &str| SCENARIO.declarations(name).next().map(|key| &key.kind);
         let is_setting = match of_file(first) {
-            Some(Kind::Table(_)) => true,
+            Some(kind) if holds_table(kind) => true,
             Some(kind) => first == self.path && elements(kind).is_none(),
             None => false,
         };
@@ -266,6 +272,15 @@ fn elements(kind: &Kind) -> Option<&'static Table> {
     match kind {
         Kind::List(Kind::Table(table), []) => Some(table),
         _ => None,
+    }
+}
+
+/// Whether a key of the file can be a table with keys of its own.
+fn holds_table(kind: &Kind) -> bool {
+    match kind {
+        Kind::Table(_) => true,
+        Kind::Either(kinds) => kinds.iter().any(holds_table),
+        _ => false,
     }
 }
 

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 /// [`System`] with what integrators ask for: this and a [`Method`](crate::integrate::Method) step a model by hand.
 ///
 /// ```
-/// use stillpoint::integrate::{Method, Options, Start, Stepper};
+/// use stillpoint::integrate::{Method, Options, Start};
 /// use stillpoint::model::Model;
 /// use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
 /// use stillpoint::simulate::problem::Motion;

@@ -12,6 +12,7 @@ mod python;
 mod recordings;
 mod shell;
 mod start;
+mod sweep;
 
 use crate::scenarios::file;
 use assert_cmd::Command;

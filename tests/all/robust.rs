@@ -78,12 +78,12 @@ fn edits(longest: usize, words: &'static [&'static [u8]]) -> impl Strategy<Value
     let at = || any::<usize>();
     let word = || prop_oneof![3 => proptest::sample::select(words).prop_map(<[u8]>::to_vec), 1 => proptest::collection::vec(any::<u8>(), 1..9)];
     let edit = prop_oneof![
-        (at(), 1..longest).prop_map(|(at, length)| Edit::Remove { at, length }),
-        (at(), 1..longest, at()).prop_map(|(from, length, to)| Edit::Copy { from, length, to }),
+        1 => (at(), 1..longest).prop_map(|(at, length)| Edit::Remove { at, length }),
+        1 => (at(), 1..longest, at()).prop_map(|(from, length, to)| Edit::Copy { from, length, to }),
         3 => (at(), word()).prop_map(|(at, what)| Edit::Insert { at, what }),
         3 => (at(), word()).prop_map(|(at, what)| Edit::Replace { at, what }),
         2 => (at(), 0..8_u8).prop_map(|(at, bit)| Edit::Flip { at, bit }),
-        (at(),).prop_map(|(at,)| Edit::Cut { at }),
+        1 => (at(),).prop_map(|(at,)| Edit::Cut { at }),
     ];
     proptest::collection::vec(edit, 1..6)
 }

@@ -68,11 +68,13 @@ fn panel(area: &Area<'_>, lines: &[&Line], unit: &str, times: (f64, f64)) -> any
         .light_line_style(BLACK.mix(0.05))
         .draw()?;
     for (row, line) in lines.iter().enumerate() {
-        let style = COLORS[line.color % COLORS.len()].stroke_width(2);
+        let RGBColor(red, green, blue) = COLORS[line.color % COLORS.len()];
+        // Every recording after the first is darker and has dashes of its own, so that curves that coincide are both seen.
+        let darker = 1 + u8::from(line.file > 0);
+        let style = RGBColor(red / darker, green / darker, blue / darker).stroke_width(2);
         let points = thinned(finite(line));
         let y = 22 + ROW * row as i32;
         let sample = [(0, y), (28, y)];
-        // Every recording after the first has dashes of its own, so that curves that coincide are both seen.
         match [None, Some((9, 6)), Some((3, 5))][line.file.min(2)] {
             None => {
                 chart.draw_series(LineSeries::new(points, style))?;
@@ -81,7 +83,7 @@ fn panel(area: &Area<'_>, lines: &[&Line], unit: &str, times: (f64, f64)) -> any
             Some((dash, gap)) => {
                 chart.draw_series(DashedLineSeries::new(points, dash, gap, style))?;
                 for start in (0..28).step_by((dash + gap) as usize) {
-                    let end = (start + dash as i32).min(28);
+                    let end = (start + dash).min(28);
                     legend.draw(&PathElement::new([(start, y), (end, y)], style))?;
                 }
             }

@@ -52,7 +52,7 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
 /// Every combination, the last axis moving fastest.
 pub(super) fn cases(axes: &[Axis]) -> Result<Vec<Vec<&str>>, String> {
     let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.values.len()));
-    if !count.is_some_and(|count| count <= MOST_CASES) {
+    if count.is_none_or(|count| count > MOST_CASES) {
         return Err(format!("these are more than {MOST_CASES} cases"));
     }
     let mut cases = vec![Vec::new()];

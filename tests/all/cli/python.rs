@@ -70,6 +70,9 @@ fn the_schema_takes_every_scenario_and_refuses_broken_ones() {
     }
 }
 
+/// One number of a sample.
+type Number = fn(&OwnedSample) -> f64;
+
 #[test]
 fn python_reads_every_table_to_the_last_bit() {
     if !has("polars, pyarrow.parquet, mcap_protobuf.reader") {
@@ -86,14 +89,13 @@ fn python_reads_every_table_to_the_last_bit() {
 
     let recording = Recording::open(&bench.path().join("a.mcap")).expect("a recording");
     let samples: Vec<OwnedSample> = recording.samples().expect("samples").map(|sample| sample.expect("one")).collect();
-    let bits = |number: &dyn Fn(&OwnedSample) -> f64| -> Value {
-        samples.iter().map(|sample| number(sample).to_bits().to_string()).collect()
-    };
-    let columns: [(&str, &str, &dyn Fn(&OwnedSample) -> f64); 4] = [
-        ("time", "s", &|sample| sample.time),
-        ("lower.angle", "rad", &|sample| sample.positions[1]),
-        ("upper.rate", "rad/s", &|sample| sample.velocities[0]),
-        ("lower.rate_dot", "rad/s²", &|sample| sample.accelerations[1]),
+    let bits =
+        |number: Number| -> Value { samples.iter().map(|sample| number(sample).to_bits().to_string()).collect() };
+    let columns: [(&str, &str, Number); 4] = [
+        ("time", "s", |sample| sample.time),
+        ("lower.angle", "rad", |sample| sample.positions[1]),
+        ("upper.rate", "rad/s", |sample| sample.velocities[0]),
+        ("lower.rate_dot", "rad/s²", |sample| sample.accelerations[1]),
     ];
     assert_eq!(samples.len(), 101);
     assert_eq!(read["recording"], bits(columns[1].2));

@@ -36,6 +36,12 @@ fn every_example_of_the_help_works() {
         let out = format!("{name}.mcap");
         bench.call(&["run", &shipped(scenario), "--quiet", "--set", "simulate.duration=1", "--out", &out]).code(0);
     }
+    bench.write(
+        "robot.urdf",
+        r#"<robot name="r"><link name="base"/><link name="arm"><inertial><origin xyz="0 0 -0.2"/><mass value="1"/>
+        <inertia ixx="0.01" iyy="0.01" izz="0.001" ixy="0" ixz="0" iyz="0"/></inertial></link>
+        <joint name="shoulder" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/></joint></robot>"#,
+    );
     // What a killed run would leave.
     let whole = std::fs::read(bench.path().join("copy.mcap")).expect("read");
     bench.write("killed.mcap.partial", &whole[..whole.len() - 300]);

@@ -3,6 +3,7 @@
 use super::{each, edits};
 use crate::record::fixture::{Motion, record};
 use proptest::prelude::*;
+use proptest::test_runner::TestCaseResult;
 use std::path::Path;
 use stillpoint::record::{OwnedSample, Recording};
 
