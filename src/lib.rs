@@ -21,19 +21,15 @@
 //! # A pendulum in code
 //!
 //! ```
-//! use nalgebra::{Matrix3, Vector3};
-//! use stillpoint::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties};
 //! use stillpoint::model::Model;
+//! use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
 //! use stillpoint::record::{Memory, Opening};
 //! use stillpoint::{simulate, statics};
 //!
 //! // A thin rod of 1 m and 1 kg, hinged at its upper end; the guess is a radian away from where it hangs.
-//! let inertia = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)) / 12.0;
-//! let mass = MassProperties { mass: 1.0, center: Vector3::new(0.0, 0.0, -0.5), inertia };
-//! let mut hinge = HingeDescription::new(HingeKind::Revolute { axis: Vector3::y() });
-//! hinge.position = vec![1.0];
-//! let rod = BodyDescription { name: "rod".into(), mass, markers: vec![], shapes: vec![], hinge };
-//! let scene = Description { bodies: vec![rod], ..Description::default() };
+//! let hinge = HingeDescription::revolute([0.0, 1.0, 0.0]).position([1.0]);
+//! let rod = BodyDescription::new("rod", hinge).mass(1.0).center([0.0, 0.0, -0.5]).inertia([1.0 / 12.0, 1.0 / 12.0, 0.0]);
+//! let scene = Description::new("Pendulum").body(rod);
 //! let model = Model::build(&scene).map_err(|problems| format!("{problems:?}"))?;
 //!
 //! // Where it rests, what kind of rest that is, and how it swings: ω² = 3 g / (2 l).
@@ -43,6 +39,9 @@
 //! assert!(rest.converged && rest.position[0].abs() < 1e-12);
 //! assert_eq!(stability.verdict, statics::Verdict::Stable);
 //! assert!((stability.modes[0].frequency_hz - omega / std::f64::consts::TAU).abs() < 1e-9);
+//!
+//! // What the hinge bears there: the weight.
+//! assert!((rest.reactions[0].force.z - 9.80665).abs() < 1e-12);
 //!
 //! // Pushed a little aside and let go: after half a period it is on the other side.
 //! let start = simulate::State { position: vec![1e-3], velocity: vec![0.0] };
@@ -54,6 +53,16 @@
 //! assert_eq!(samples.samples.len(), end.samples);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! | to | see |
+//! |---|---|
+//! | describe a scene | [`model::description`] |
+//! | read a scenario file | [`scenario::load`] |
+//! | find and judge an equilibrium | [`statics::equilibrium`] |
+//! | evaluate accelerations and reactions | [`dynamics::System`] |
+//! | step an integrator by hand | [`simulate::problem::Motion`] |
+//! | run and record | [`simulate::run`], [`record::RecordingFile`] |
+//! | read a recording | [`record::Recording`], [`record::Table`] |
 //!
 //! A scene from a file is one call away: [`scenario::load`] gives the same [`Description`](model::Description) and the
 //! settings beside it.

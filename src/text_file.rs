@@ -50,7 +50,7 @@ pub enum ReadError {
     NotText {
         /// As asked for.
         path: PathBuf,
-        /// The first byte that does not belong to text, from 0.
+        /// The first byte that does not belong to text, counted from 0 in the file.
         byte: usize,
         /// Its line, from 1.
         line: usize,
@@ -104,9 +104,8 @@ fn from_reader(reader: impl Read, path: &Path, what: &'static str) -> Result<Str
 
 /// UTF-8 text without a byte order mark. Zero bytes are valid UTF-8, but no text.
 fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, ReadError> {
-    if bytes.starts_with(b"\xEF\xBB\xBF") {
-        bytes.drain(..3);
-    }
+    let mark = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
+    bytes.drain(..mark);
     let zero = bytes.iter().position(|byte| *byte == 0);
     let invalid = std::str::from_utf8(&bytes).err().map(|error| error.valid_up_to());
     let Some(byte) = zero.into_iter().chain(invalid).min() else {
@@ -116,7 +115,7 @@ fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, ReadError> {
     let utf16 = bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF");
     Err(ReadError::NotText {
         path: path.to_owned(),
-        byte,
+        byte: mark + byte,
         line: 1 + bytes[..byte].iter().filter(|byte| **byte == b'\n').count(),
         value: bytes[byte],
         hint: if utf16 { "; it looks like UTF-16, save it as UTF-8" } else { "" },

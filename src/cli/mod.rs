@@ -3,19 +3,30 @@
 mod bench;
 mod check;
 mod compare;
+mod compare_recordings;
+mod completions;
 mod convert;
+mod examples;
+mod export;
+mod info;
 mod inspect;
 mod json;
+mod man;
+mod new;
 mod output;
 mod palette;
 mod path;
+mod plot;
 mod poses;
 mod precision;
+mod recover;
 mod rest;
 mod run;
+mod samples;
 mod scene;
 mod statics;
 mod stopwatch;
+mod sweep;
 mod text;
 mod view;
 
@@ -54,7 +65,7 @@ impl From<Exit> for ExitCode {
 /// Exit codes: 0 done, 1 the answer is no (no equilibrium, not at rest, diverged), 2 the input or the call is wrong,
 /// 130 stopped by Ctrl-C.
 #[derive(Debug, Parser)]
-#[command(name = "stillpoint", version, arg_required_else_help = true)]
+#[command(name = "stillpoint", version, arg_required_else_help = true, after_help = examples::PROGRAM)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -63,49 +74,66 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Find the start, simulate, write the recording
-    ///
-    /// Example: stillpoint run scenarios/hanging_chain.toml --out chain.mcap --set simulate.duration=2
+    #[command(after_help = examples::RUN)]
     Run(run::Arguments),
     /// Find the equilibrium: pose, residual, stability, natural frequencies, reactions
-    ///
-    /// Example: stillpoint statics scenarios/calder_mobile.toml --json
+    #[command(after_help = examples::STATICS)]
     Statics(statics::Arguments),
     /// Prove that a run from the equilibrium stays there; exit code 1 when it leaves
-    ///
-    /// Example: stillpoint rest scenarios/machine_on_mounts.toml
+    #[command(after_help = examples::REST)]
     Rest(rest::Arguments),
     /// Measure what every integrator costs for the error it makes: table, CSV and plot
-    ///
-    /// Example: stillpoint precision scenarios/double_pendulum.toml --set simulate.duration=3 --error 1e-6
+    #[command(after_help = examples::PRECISION)]
     Precision(precision::Arguments),
+    /// Ask for the equilibrium, or a run, for many values of some numbers: one row per case
+    #[command(after_help = examples::SWEEP)]
+    Sweep(sweep::Arguments),
     /// Say what the model is, and its accelerations at the given state; runs nothing
-    ///
-    /// Example: stillpoint inspect scenarios/pendulum.toml --set rod.position=0.5
+    #[command(after_help = examples::INSPECT)]
     Inspect(inspect::Arguments),
     /// Measure what this scene's own routines cost: acceleration, Jacobian, tangent, statics, memory
-    ///
-    /// Example: stillpoint bench scenarios/hanging_chain.toml --json
+    #[command(after_help = examples::BENCH)]
     Bench(bench::Arguments),
     /// Show a recording in the Rerun viewer
-    ///
-    /// Example: stillpoint view hanging_chain.mcap --save hanging_chain.rrd
+    #[command(after_help = examples::VIEW)]
     View(view::Arguments),
+    /// Say what is in a recording: samples, channels and units, statics, whether it is whole
+    #[command(after_help = examples::INFO)]
+    Info(info::Arguments),
+    /// Make a whole recording of one that was cut or damaged
+    #[command(after_help = examples::RECOVER)]
+    Recover(recover::Arguments),
+    /// Write a recording's numbers as CSV or Parquet
+    #[command(after_help = examples::EXPORT)]
+    Export(export::Arguments),
+    /// Plot numbers of recordings over time (SVG)
+    #[command(after_help = examples::PLOT)]
+    Plot(plot::Arguments),
+    /// Say how far two recordings are apart; exit code 1 when further than the tolerance
+    #[command(after_help = examples::COMPARE)]
+    Compare(compare_recordings::Arguments),
     /// Turn a model of another program (URDF, MJCF) into a scenario; what is not taken over is listed line by line
-    ///
-    /// Example: stillpoint convert robot.urdf -o robot.toml
+    #[command(after_help = examples::CONVERT)]
     Convert(convert::Arguments),
     /// Validate scenario files
-    ///
-    /// Example: stillpoint check scenarios/*.toml
+    #[command(after_help = examples::CHECK)]
     Check(check::Arguments),
+    /// Write a commented scenario to start from
+    #[command(after_help = examples::NEW)]
+    New(new::Arguments),
     /// Print the JSON Schema of the scenario format, for editors
-    ///
-    /// Example: stillpoint schema > scenario.schema.json
+    #[command(after_help = examples::SCHEMA)]
     Schema {
         /// Print the format's reference for people instead, in Markdown
         #[arg(long)]
         markdown: bool,
     },
+    /// Print the completions for a shell
+    #[command(after_help = examples::COMPLETIONS)]
+    Completions(completions::Arguments),
+    /// Print the manual page, or write those of all commands
+    #[command(after_help = examples::MAN)]
+    Man(man::Arguments),
 }
 
 /// Options of every command that reads a scenario.
@@ -148,9 +176,18 @@ pub fn main(memory: fn() -> Memory) -> ExitCode {
         Command::Statics(arguments) => statics::main(&arguments),
         Command::Rest(arguments) => rest::main(&arguments),
         Command::Precision(arguments) => precision::main(&arguments),
+        Command::Sweep(arguments) => sweep::main(&arguments),
         Command::Inspect(arguments) => inspect::main(&arguments),
         Command::Bench(arguments) => bench::main(&arguments, memory),
         Command::View(arguments) => view::main(&arguments),
+        Command::Info(arguments) => info::main(&arguments),
+        Command::Recover(arguments) => recover::main(&arguments),
+        Command::Export(arguments) => export::main(&arguments),
+        Command::Plot(arguments) => plot::main(&arguments),
+        Command::Compare(arguments) => compare_recordings::main(&arguments),
+        Command::New(arguments) => new::main(&arguments),
+        Command::Completions(arguments) => completions::main(&arguments),
+        Command::Man(arguments) => man::main(&arguments),
         Command::Convert(arguments) => convert::main(&arguments),
         Command::Check(arguments) => check::main(&arguments),
         Command::Schema { markdown: false } => {

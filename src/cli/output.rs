@@ -42,16 +42,25 @@ fn paint(text: &str, code: &str, color: bool) -> String {
 
 /// Text made bold where standard output shows it.
 pub(super) fn bold(text: &str) -> String {
-    paint(text, "1", std::io::stdout().is_terminal() && allowed())
+    paint(text, "1", in_color(std::io::stdout().is_terminal()))
 }
 
-/// Whether messages may be coloured: on a terminal, unless `NO_COLOR` is set.
+/// Whether messages are coloured.
 pub(super) fn errors_in_color() -> bool {
-    std::io::stderr().is_terminal() && allowed()
+    in_color(std::io::stderr().is_terminal())
 }
 
-fn allowed() -> bool {
-    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+/// The customs of the shell: colours on a terminal, unless `NO_COLOR` is set or `CLICOLOR` is 0; with `CLICOLOR_FORCE`
+/// also elsewhere.
+fn in_color(terminal: bool) -> bool {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    if set("NO_COLOR").is_some() {
+        return false;
+    }
+    if set("CLICOLOR_FORCE").is_some_and(|value| value != "0") {
+        return true;
+    }
+    terminal && set("CLICOLOR").is_none_or(|value| value != "0")
 }
 
 /// Set by the first Ctrl-C; a second one ends the program at once.

@@ -42,14 +42,10 @@ impl System<'_> {
     /// ```
     /// # use stillpoint::model::{description::*, Model};
     /// # use stillpoint::dynamics::System;
-    /// # use nalgebra::{Matrix3, Vector3};
     /// // A pendulum of length 2 m that hangs and is let go: θ̈ = −g/l sin θ, of which the derivative is −g/l.
-    /// let mut hinge = HingeDescription::new(HingeKind::Revolute { axis: Vector3::y() });
-    /// hinge.damping = vec![0.4];
-    /// let mass = MassProperties { mass: 1.0, center: Vector3::new(0.0, 0.0, -2.0), inertia: Matrix3::zeros() };
-    /// let body = BodyDescription { name: "bob".into(), mass, markers: vec![], shapes: vec![], hinge };
-    /// let gravity = Vector3::new(0.0, 0.0, -9.81);
-    /// let model = Model::build(&Description { bodies: vec![body], gravity, ..Description::default() }).unwrap();
+    /// let hinge = HingeDescription::revolute([0.0, 1.0, 0.0]).damping([0.4]);
+    /// let bob = BodyDescription::new("bob", hinge).mass(1.0).center([0.0, 0.0, -2.0]);
+    /// let model = Model::build(&Description::new("").gravity([0.0, 0.0, -9.81]).body(bob)).unwrap();
     /// let (by_position, by_velocity) = System::new(&model).acceleration_jacobians(&[0.0], &[0.0]).unwrap();
     /// assert!((by_position[(0, 0)] + 9.81 / 2.0).abs() < 1e-14);
     /// // The damper: −c/(m l²).

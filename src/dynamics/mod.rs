@@ -198,6 +198,27 @@ impl<'m> System<'m> {
     }
 
     /// What the hinge passes to each named body at its root marker, from the last call of [`System::residual`].
+    ///
+    /// ```
+    /// use stillpoint::dynamics::System;
+    /// use stillpoint::model::Model;
+    /// use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
+    ///
+    /// // A bob on a string of 2 m that swings through its lowest point at 3 m/s.
+    /// let hinge = HingeDescription::revolute([0.0, 1.0, 0.0]);
+    /// let bob = BodyDescription::new("bob", hinge).mass(0.5).center([0.0, 0.0, -2.0]);
+    /// let model = Model::build(&Description::new("Bob").body(bob)).expect("a sound scene");
+    /// let mut system = System::new(&model);
+    /// let (q, v) = ([0.0], [3.0 / 2.0]);
+    /// let (mut a, mut unbalanced, mut reactions) = ([0.0], [0.0], Vec::new());
+    /// system.accelerations(&q, &v, &mut a)?;
+    /// system.residual(&q, &v, &a, &mut unbalanced)?;
+    /// system.reactions(&mut reactions);
+    /// // m g + m v² / l
+    /// assert!((reactions[0].force.z - 0.5 * (9.80665 + 9.0 / 2.0)).abs() < 1e-12);
+    /// assert!(a[0].abs() < 1e-12 && unbalanced[0].abs() < 1e-12);
+    /// # Ok::<(), stillpoint::dynamics::Fault>(())
+    /// ```
     pub fn reactions(&self, out: &mut Vec<Wrench>) {
         out.clear();
         out.resize(self.model.bodies.len(), Wrench::ZERO);

@@ -2,6 +2,28 @@
 //!
 //! SI units and radians throughout. Nothing here is resolved: parents and markers are still names, so that code and
 //! scenario files go through the same checks.
+//!
+//! Constructors fill in the defaults, setters chain:
+//!
+//! ```
+//! use stillpoint::model::Model;
+//! use stillpoint::model::description::{BodyDescription, Description, ForceDescription, GROUND, HingeDescription};
+//!
+//! let door = HingeDescription::revolute([0.0, 0.0, 1.0]).damping([0.2]).position([0.4]);
+//! let latch = HingeDescription::prismatic([1.0, 0.0, 0.0]).on("door", "edge").stiffness([500.0]);
+//! let scene = Description::new("Door with a latch")
+//!     .body(
+//!         BodyDescription::new("door", door)
+//!             .mass(20.0)
+//!             .center([0.4, 0.0, 1.0])
+//!             .inertia([2.0, 3.0, 1.1])
+//!             .marker("edge", [0.8, 0.0, 1.0]),
+//!     )
+//!     .body(BodyDescription::new("latch", latch).mass(0.1))
+//!     .force(ForceDescription::spring("closer", ("door", [0.3, 0.0, 2.0]), (GROUND, [0.0, 0.3, 2.0]), 80.0, 0.3, 5.0));
+//! let model = Model::build(&scene).expect("a sound scene");
+//! assert_eq!((model.bodies.len(), model.degrees_of_freedom()), (2, 2));
+//! ```
 
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 use super::motor::MotorDescription;

@@ -9,6 +9,7 @@ mod build;
 mod check;
 mod couple;
 pub mod couplings;
+mod describe;
 pub mod description;
 mod link;
 pub mod motor;

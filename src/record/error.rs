@@ -20,6 +20,12 @@ pub enum RecordError {
         /// File that is locked.
         path: PathBuf,
     },
+    /// A run is not over yet.
+    #[error("the recording `{}` is still being written by a run: recover it when that has ended", path.display())]
+    Unfinished {
+        /// File that is locked.
+        path: PathBuf,
+    },
     /// Writing failed in the middle.
     #[error("cannot write the recording `{}`: {source}; what was written before stays readable there", path.display())]
     Write {

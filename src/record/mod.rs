@@ -19,6 +19,7 @@ mod memory;
 pub mod sample;
 pub mod scene;
 mod solids;
+pub mod table;
 pub mod view;
 
 pub use error::RecordError;
@@ -28,6 +29,7 @@ pub use file::{FileWriter, Recording, RecordingFile, Samples};
 pub use memory::Memory;
 pub use sample::{Energy, OwnedSample, Sample};
 pub use scene::Scene;
+pub use table::Table;
 
 /// The `[record]` table.
 #[derive(Debug, Clone, Copy, PartialEq)]

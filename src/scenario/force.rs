@@ -7,7 +7,7 @@ use crate::model::description::{Attachment, ForceDescription, ForceKind, LoadAxe
 use toml::de::DeValue;
 
 /// What a force without a name is called.
-pub(super) fn default_name(index: usize) -> String {
+fn default_name(index: usize) -> String {
     format!("force[{index}]")
 }
 

@@ -3,19 +3,18 @@
 //! | path | sets |
 //! |---|---|
 //! | `title`, `gravity` | a key of the file |
+//! | `simulate.duration` | a key of `[simulate]`, `[statics]` or `[record]` |
 //! | `model.base` | how a model is taken; its bodies and hinges are set by name like all others |
-//! | `simulate.duration` | a key of `(simulate)`, `(statics)` or `[record]` |
 //! | `upper.mass`, `upper.markers.tip` | a key of the body `upper`; of a repeated body for all its copies |
 //! | `upper.hinge.position`, `upper.position` | a key of its hinge |
-//! | `stay.stiffness`, `force[0].stiffness` | a key of a force |
-//! | `hinge.damping` | a key of every hinge whose type has it, unless a body or force is called `hinge` |
+//! | `stay.stiffness`, `force[0].stiffness` | a key of a force, and so of whatever else is a list in the file: loops, drives, gears, events |
+//! | `hinge.damping` | a key of every hinge whose type has it, unless something is called `hinge` |
 //!
 //! The value is written as in a file; what is no TOML value is taken as text, so `statics.want=any` needs no quotes.
 
-use super::fields::listed;
+use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};
-use super::force::default_name;
-use super::format::{BODY, FORCE, HINGE, SCENARIO};
+use super::format::{BODY, HINGE, SCENARIO};
 use super::sources::Sources;
 use crate::suggest::closest;
 use std::borrow::Cow;
@@ -125,14 +124,20 @@ struct Change<'a> {
 impl<'a> Change<'a> {
     fn apply(self, document: &mut DeTable<'a>) -> Result<(), Finding> {
         let first = self.path.split('.').next().unwrap_or_default();
-        if ["title", "gravity"].contains(&self.path) || ["simulate", "statics", "record", "model"].contains(&first) {
+        let of_file = |name: &str| SCENARIO.declarations(name).next().map(|key| &key.kind);
+        let is_setting = match of_file(first) {
+            Some(kind) if holds_table(kind) => true,
+            Some(kind) => first == self.path && elements(kind).is_none(),
+            None => false,
+        };
+        if is_setting {
             let path = self.path;
             return self.set(document, path);
         }
         if let Some((list, index, rest)) = self.element(document)
-            && let Some(table) = element_mut(document, list, index)
+            && let Some(table) = element_mut(document, list.name, index)
         {
-            let path = if list == "body" { self.body_path(rest)? } else { self.force_path(rest)? };
+            let path = if list.name == BODY.name { self.body_path(rest)? } else { self.element_path(list, rest)? };
             return self.set(table, &path);
         }
         match self.path.split_once('.') {
@@ -141,12 +146,17 @@ impl<'a> Change<'a> {
         }
     }
 
-    /// The body or force with the longest name that the path starts with.
-    fn element(&self, document: &DeTable<'_>) -> Option<(&'static str, usize, &'a str)> {
+    /// The element with the longest name that the path starts with; where several have it, the one that has the key.
+    fn element(&self, document: &DeTable<'_>) -> Option<(&'static Table, usize, &'a str)> {
         let rest = |name: &str| self.path.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
+        let has = |table: &Table, path: &str| {
+            let key = path.split('.').next().unwrap_or_default();
+            let of_hinge = table.name == BODY.name && (HINGE.declarations(key).next().is_some() || key == "type");
+            of_hinge || table.declarations(key).next().is_some()
+        };
         named(document)
             .filter_map(|(list, index, name)| Some((list, index, rest(&name)?)))
-            .min_by_key(|(_, _, rest)| rest.len())
+            .min_by_key(|(list, _, rest)| (rest.len(), !has(list, rest)))
     }
 
     /// The keys of a hinge may be written without `hinge.`.
@@ -161,12 +171,12 @@ impl<'a> Change<'a> {
         Err(self.unknown_key("a body and its hinge have", key, BODY.names(None).chain(HINGE.names(None)).collect()))
     }
 
-    fn force_path(&self, path: &'a str) -> Result<Cow<'a, str>, Finding> {
+    fn element_path(&self, table: &Table, path: &'a str) -> Result<Cow<'a, str>, Finding> {
         let key = path.split('.').next().unwrap_or_default();
-        if FORCE.declarations(key).next().is_some() || key == "type" {
+        if table.declarations(key).next().is_some() || (key == "type" && !table.types.is_empty()) {
             return Ok(Cow::Borrowed(path));
         }
-        Err(self.unknown_key("a force has", key, FORCE.names(None).collect()))
+        Err(self.unknown_key(&format!("{} {} has", article(table.name), table.name), key, table.names(None).collect()))
     }
 
     fn unknown_key(&self, who: &str, key: &str, mut names: Vec<&'static str>) -> Finding {
@@ -190,11 +200,14 @@ impl<'a> Change<'a> {
             return finding.help(format!("the copies of `{name}` are set together: `{all}`"));
         }
         let names: Vec<String> = named(document).map(|(_, _, name)| name.into_owned()).collect();
-        let fixed = SCENARIO.names(None).filter(|name| !["body", "force"].contains(name)).chain(["hinge"]);
-        let fixed: Vec<&str> = fixed.collect();
+        let settings = SCENARIO.keys.iter().filter(|key| elements(&key.kind).is_none()).map(|key| key.name);
+        let fixed: Vec<&str> = settings.chain(["hinge"]).collect();
         let help = match closest(target, names.iter().map(String::as_str).chain(fixed.iter().copied())) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => format!("a path starts with the name of a body or force, or with {}", listed(fixed.into_iter())),
+            None => format!(
+                "a path starts with the name of a body, a force or the like, or with {}",
+                listed(fixed.into_iter())
+            ),
         };
         finding.help(help)
     }
@@ -254,16 +267,36 @@ impl<'a> Change<'a> {
     }
 }
 
-/// All bodies and forces: list, index, name.
-fn named<'d>(document: &'d DeTable<'_>) -> impl Iterator<Item = (&'static str, usize, Cow<'d, str>)> {
-    ["body", "force"].into_iter().flat_map(move |list| {
-        let items = document.get(list).and_then(|items| items.get_ref().as_array());
+/// The table that a list of the file is made of: `[[body]]`, `[[force]]`.
+fn elements(kind: &Kind) -> Option<&'static Table> {
+    match kind {
+        Kind::List(Kind::Table(table), []) => Some(table),
+        _ => None,
+    }
+}
+
+/// Whether a key of the file can be a table with keys of its own.
+fn holds_table(kind: &Kind) -> bool {
+    match kind {
+        Kind::Table(_) => true,
+        Kind::Either(kinds) => kinds.iter().any(holds_table),
+        _ => false,
+    }
+}
+
+fn article(name: &str) -> &'static str {
+    if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
+}
+
+/// All elements with their names: what they are, index, name.
+fn named<'d>(document: &'d DeTable<'_>) -> impl Iterator<Item = (&'static Table, usize, Cow<'d, str>)> {
+    SCENARIO.keys.iter().filter_map(|key| elements(&key.kind)).flat_map(move |table| {
+        let items = document.get(table.name).and_then(|items| items.get_ref().as_array());
         items.into_iter().flat_map(|items| items.iter()).enumerate().filter_map(move |(index, item)| {
-            let name = item.get_ref().get("name").and_then(|name| name.get_ref().as_str());
-            match name {
-                Some(name) => Some((list, index, Cow::Borrowed(name))),
-                None if list == "force" => Some((list, index, Cow::Owned(default_name(index)))),
-                None => None,
+            match item.get_ref().get("name").and_then(|name| name.get_ref().as_str()) {
+                Some(name) => Some((table, index, Cow::Borrowed(name))),
+                None if table.name == BODY.name => None,
+                None => Some((table, index, Cow::Owned(format!("{}[{index}]", table.name)))),
             }
         })
     })

@@ -9,7 +9,30 @@ use crate::simulate::run::State;
 use crate::simulate::stops::{Side, Stops};
 use nalgebra::Vector3;
 
-/// [`System`] with what integrators ask for.
+/// [`System`] with what integrators ask for: this and a [`Method`](crate::integrate::Method) step a model by hand.
+///
+/// ```
+/// use stillpoint::integrate::{Method, Options, Start};
+/// use stillpoint::model::Model;
+/// use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
+/// use stillpoint::simulate::problem::Motion;
+///
+/// let hinge = HingeDescription::prismatic([0.0, 0.0, 1.0]).position([10.0]);
+/// let scene = Description::new("Fall").body(BodyDescription::new("stone", hinge).mass(1.0));
+/// let model = Model::build(&scene).expect("a sound scene");
+/// let mut motion = Motion::new(&model);
+/// let start = Start { time: 0.0, position: &model.start_position, velocity: &model.start_velocity, end: 1.0 };
+/// let mut stepper = Method::Dopri5.start(&mut motion, &Options::default(), start)?;
+/// while !stepper.finished() {
+///     stepper.step(&mut motion)?;
+///     let fallen = 0.5 * 9.80665 * stepper.time().powi(2);
+///     assert!((stepper.position()[0] - (10.0 - fallen)).abs() < 1e-12);
+/// }
+/// # Ok::<(), stillpoint::integrate::StepError>(())
+/// ```
+///
+/// Loops want [`constraint::assemble`](crate::constraint::assemble) first; stops and events are
+/// [`simulate::run`](super::run)'s.
 pub struct Motion<'m> {
     system: System<'m>,
     position_scales: Vec<f64>,

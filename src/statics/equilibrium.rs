@@ -77,6 +77,22 @@ pub struct Equilibrium {
 
 /// Finds the equilibrium from the guess `start`.
 ///
+/// ```
+/// use stillpoint::model::Model;
+/// use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
+/// use stillpoint::statics::{Settings, Verdict, equilibrium};
+///
+/// // A weight on a slide with a spring: it sinks by m g / k.
+/// let slide = HingeDescription::prismatic([0.0, 0.0, 1.0]).stiffness([100.0]);
+/// let scene = Description::new("Scale").body(BodyDescription::new("pan", slide).mass(2.0));
+/// let model = Model::build(&scene).expect("a sound scene");
+/// let found = equilibrium(&model, &Settings::default(), &model.start_position)?;
+/// assert!(found.converged && found.residual_force < 1e-9);
+/// assert!((found.position[0] + 2.0 * 9.80665 / 100.0).abs() < 1e-12);
+/// assert_eq!(found.stability.expect("an equilibrium").verdict, Verdict::Stable);
+/// # Ok::<(), stillpoint::dynamics::Fault>(())
+/// ```
+///
 /// # Errors
 /// Where the system cannot be evaluated at the guess: a singular hinge, a number that is not finite.
 pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<Equilibrium, Fault> {

@@ -316,23 +316,15 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
 mod tests {
     use super::*;
     use crate::model::Description;
-    use crate::model::description::{BodyDescription, GROUND, HingeDescription, HingeKind, MassProperties, Point};
-    use nalgebra::{Matrix3, Vector3};
+    use crate::model::description::{BodyDescription, HingeDescription};
 
     /// Rods of 0.1 kg and 0.1 m, each bent by a fifth of a radian against the one before.
     fn chain(links: usize) -> Model {
         let rod = |index: usize| {
-            let mut hinge = HingeDescription::new(HingeKind::Revolute { axis: Vector3::y() });
-            hinge.position = vec![0.2];
-            if index > 0 {
-                hinge.parent = format!("rod{}", index - 1);
-                hinge.at = Point::At(Vector3::new(0.1, 0.0, 0.0));
-            } else {
-                GROUND.clone_into(&mut hinge.parent);
-            }
-            let inertia = Matrix3::from_diagonal(&Vector3::new(1e-6, 8.4e-5, 8.4e-5));
-            let mass = MassProperties { mass: 0.1, center: Vector3::new(0.05, 0.0, 0.0), inertia };
-            BodyDescription { name: format!("rod{index}"), mass, markers: Vec::new(), shapes: Vec::new(), hinge }
+            let hinge = HingeDescription::revolute([0.0, 1.0, 0.0]).position([0.2]);
+            let hinge = if index > 0 { hinge.on(&format!("rod{}", index - 1), [0.1, 0.0, 0.0]) } else { hinge };
+            let rod = BodyDescription::new(&format!("rod{index}"), hinge);
+            rod.mass(0.1).center([0.05, 0.0, 0.0]).inertia([1e-6, 8.4e-5, 8.4e-5])
         };
         let bodies = (0..links).map(rod).collect();
         Model::build(&Description { bodies, ..Description::default() }).expect("a chain")

@@ -37,6 +37,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "simulate",
             "scenario",
             "spatial",
+            "suggest",
         ],
     ),
 ];
@@ -60,6 +61,11 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),
     ("csv", &["cli"]),
+    ("parquet", &["cli"]),
+    ("arrow_array", &["cli"]),
+    ("arrow_schema", &["cli"]),
+    ("clap_complete", &["cli"]),
+    ("clap_mangen", &["cli"]),
     ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics"]),
 ];

@@ -8,7 +8,11 @@ mod output;
 mod path;
 mod poses;
 mod precision;
+mod python;
+mod recordings;
+mod shell;
 mod start;
+mod sweep;
 
 use crate::scenarios::file;
 use assert_cmd::Command;
@@ -48,7 +52,7 @@ impl Bench {
 
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_stillpoint"));
-        command.current_dir(self.path()).env_remove("NO_COLOR").args(arguments);
+        command.current_dir(self.path()).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE").args(arguments);
         command
     }
 

@@ -1,7 +1,7 @@
 //! Recordings: what is written comes back, whatever happens to the file in between.
 
 mod damage;
-mod fixture;
+pub(crate) mod fixture;
 mod python;
 mod view;
 

@@ -1,7 +1,7 @@
 //! The plot of a path: parameter against coordinate.
 
-use super::super::palette::{BLUE, GREEN, VERMILION};
-use super::{Followed, text};
+use super::super::palette::{BLUE, GREEN, VERMILION, range, tick};
+use super::Followed;
 use crate::statics::Verdict;
 use crate::statics::path::{EventKind, PathPoint};
 use plotters::prelude::*;
@@ -129,17 +129,4 @@ fn runs(followed: &Followed, verdict: Verdict) -> Vec<Vec<&PathPoint>> {
         }
     }
     all
-}
-
-/// A number at an axis: no minus before a zero.
-fn tick(x: f64, range: (f64, f64)) -> String {
-    text::number(text::without_noise(x, range.1 - range.0))
-}
-
-/// The range of numbers with some room around it.
-fn range(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    let room = 0.05 * (high - low);
-    let room = if room > 0.0 { room } else { 1e-3 * high.abs().max(1.0) };
-    (low - room, high + room)
 }

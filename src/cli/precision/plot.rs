@@ -1,23 +1,11 @@
 //! The work–precision plot.
 
+use super::super::palette::COLORS;
 use crate::integrate::Method;
 use crate::simulate::precision::Study;
 use plotters::prelude::*;
 
 const SIZE: (u32, u32) = (960, 640);
-
-/// Readable on white and by the colour-blind: Okabe and Ito's palette without yellow.
-const COLORS: [RGBColor; 9] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-    RGBColor(230, 159, 0),
-    RGBColor(120, 120, 120),
-    RGBColor(140, 80, 20),
-];
 
 /// What is drawn of one method.
 struct Line {

@@ -1,7 +1,7 @@
 //! The records of an MCAP file from front to back, as far as it goes.
 
 use mcap::McapError;
-use mcap::records::Record;
+use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::io::{self, Read};
 
@@ -14,6 +14,7 @@ pub(super) struct Records<R> {
     source: R,
     reader: LinearReader,
     over: bool,
+    passed: u64,
 }
 
 /// Why reading stopped before the end of the file's format.
@@ -40,7 +41,12 @@ impl<R: Read> Records<R> {
 
     fn new(source: R, options: LinearReaderOptions) -> Self {
         let reader = LinearReader::new_with_options(options.with_record_length_limit(LONGEST));
-        Self { source, reader, over: false }
+        Self { source, reader, over: false, passed: mcap::MAGIC.len() as u64 }
+    }
+
+    /// Where the last whole record ended (bytes from the start of the file); of an outline only.
+    pub(super) fn passed(&self) -> u64 {
+        self.passed
     }
 
     /// The next record; `None` after the last one of a whole file, an error once where the file stops early.
@@ -60,7 +66,12 @@ impl<R: Read> Records<R> {
                 }
                 Some(Ok(LinearReadEvent::ReadRequest(need))) => need,
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                    let record = mcap::parse_record(opcode, data).map(Record::into_owned);
+                    // An opcode and a length stand before it.
+                    self.passed += 9 + data.len() as u64;
+                    let record = match opcode == op::ATTACHMENT && !is_attachment(data) {
+                        true => Err(McapError::UnexpectedEoc),
+                        false => mcap::parse_record(opcode, data).map(Record::into_owned),
+                    };
                     self.over = record.is_err();
                     return Some(record.map_err(stop));
                 }
@@ -74,6 +85,18 @@ impl<R: Read> Records<R> {
             }
         }
     }
+}
+
+/// Whether the lengths in an attachment's record fit into it, which the parser takes for granted.
+fn is_attachment(record: &[u8]) -> bool {
+    // Two times, two texts, the content, a checksum.
+    let text = |rest: &mut &[u8]| -> Option<()> {
+        let (length, after) = rest.split_first_chunk::<4>()?;
+        *rest = after.split_at_checked(u32::from_le_bytes(*length) as usize)?.1;
+        Some(())
+    };
+    let mut rest = record.get(16..).unwrap_or_default();
+    text(&mut rest).and_then(|()| text(&mut rest)).is_some() && rest.len() >= 12
 }
 
 fn read(source: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {

@@ -17,6 +17,7 @@
 //! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, where there are up to 64 |
 //! | `/events` | `foxglove.Log`, each event: stops that are hit, crossings, changes of the integrator. The topic is there from the first event on |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
+//! | metadata `recovered` | `json`: what [`Recording::recover`] saved and lost; only in what it wrote |
 //!
 //! Log times are simulated nanoseconds from 0; the messages of one sample share time and sequence number, and a chunk
 //! holds whole samples. Chunks are compressed with zstd and flushed about twice per second of wall time, so that a
@@ -46,14 +47,18 @@ mod numbers;
 mod partial;
 mod pictures;
 mod reader;
+mod recover;
 mod ros;
 mod samples;
 mod schema;
+mod survey;
 mod writer;
 
 pub use partial::RecordingFile;
 pub use reader::Recording;
+pub use recover::{Lost, Recovered};
 pub use samples::Samples;
+pub use survey::{ChannelSurvey, Survey};
 pub use writer::FileWriter;
 
 /// Version of the layout described above. Readers refuse newer ones.
@@ -64,6 +69,7 @@ const PROGRAM: &str = "stillpoint";
 const SCENE: &str = "scene";
 const STATICS: &str = "statics";
 const RUN: &str = "run";
+const RECOVERED: &str = "recovered";
 const JSON: &str = "json";
 
 const SCENE_TOPIC: &str = "/scene";

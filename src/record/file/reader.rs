@@ -21,9 +21,11 @@ pub struct Recording {
     pub statics: Option<String>,
     /// The run's summary as JSON text; `None` when the run was killed or is still going on.
     pub outcome: Option<String>,
+    /// What is missing, as JSON text, where this is what could be saved of another recording.
+    pub recovered: Option<String>,
     /// Version of the program that wrote it.
     pub version: String,
-    /// Whether the file is whole: written to its end and not cut since.
+    /// Whether the recording is whole: the run was recorded to its end, and the file was not cut since.
     pub complete: bool,
 }
 
@@ -86,6 +88,7 @@ struct Found {
     scene: Option<String>,
     statics: Option<String>,
     outcome: Option<String>,
+    recovered: Option<String>,
 }
 
 impl Found {
@@ -100,6 +103,7 @@ impl Found {
                 SCENE => self.scene = metadata.metadata.remove(JSON),
                 STATICS => self.statics = metadata.metadata.remove(JSON),
                 RUN => self.outcome = metadata.metadata.remove(JSON),
+                RECOVERED => self.recovered = metadata.metadata.remove(JSON),
                 _ => {}
             },
             _ => {}
@@ -129,8 +133,9 @@ impl Found {
             scene,
             scenario: self.scenario.unwrap_or_default(),
             statics: self.statics,
-            complete: ended.is_ok() && self.outcome.is_some(),
+            complete: ended.is_ok() && self.outcome.is_some() && self.recovered.is_none(),
             outcome: self.outcome,
+            recovered: self.recovered,
             version: program.remove("version").unwrap_or_default(),
         })
     }

@@ -124,14 +124,7 @@ struct Channels {
 
 impl Output {
     fn begin(file: File, opening: &Opening, ros: bool) -> McapResult<Self> {
-        let options = WriteOptions::new()
-            .compression(Some(Compression::Zstd))
-            .compression_threads(0)
-            .library(concat!("stillpoint ", env!("CARGO_PKG_VERSION")))
-            // Chunks are closed here, between samples, and written whole, not patched in place.
-            .chunk_size(None)
-            .disable_seeking(true);
-        let mut mcap = options.create(BufWriter::new(file))?;
+        let mut mcap = options().create(BufWriter::new(file))?;
         describe(&mut mcap, opening)?;
         let scene = opening.scene;
         let pictures = foxglove_channel::<SceneUpdate>(&mut mcap, SCENE_TOPIC)?;
@@ -216,6 +209,17 @@ impl Output {
             false => Ok(()),
         }
     }
+}
+
+/// How files are written.
+pub(super) fn options() -> WriteOptions {
+    WriteOptions::new()
+        .compression(Some(Compression::Zstd))
+        .compression_threads(0)
+        .library(concat!("stillpoint ", env!("CARGO_PKG_VERSION")))
+        // Chunks are closed here, between samples, and written whole, not patched in place.
+        .chunk_size(None)
+        .disable_seeking(true)
 }
 
 fn describe(mcap: &mut mcap::Writer<BufWriter<File>>, opening: &Opening) -> McapResult<()> {

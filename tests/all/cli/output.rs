@@ -35,6 +35,23 @@ fn values_are_changed_from_the_command_line() {
 }
 
 #[test]
+fn loops_drives_gears_and_events_are_changed_too_and_checked_like_the_file() {
+    let bench = Bench::new();
+    let governor = shipped("flyball_governor");
+    let said = |change: &str| bench.call(&["inspect", &governor, "--set", change]).code(2).err;
+    // The caret stands under the argument.
+    let wrong = said("engine.rate=fast");
+    assert!(wrong.contains("command line:1:19") && wrong.contains("--set engine.rate=fast"), "{wrong}");
+    assert!(said("engine.rat=1").contains("did you mean `rate`?"));
+    assert!(said("engin.rate=1").contains("did you mean `engine`?"));
+    bench.call(&["inspect", &governor, "--set", "engine.rate=3"]).code(0);
+    let nameless = "[[force]]\ntype = \"load\"\non = \"brick\"\nforce = [0, 0, 1]\n";
+    bench.write("load.toml", format!("{}{nameless}", super::BRICK));
+    bench.call(&["inspect", "load.toml", "--set", "force[0].force=[0,0,2]"]).code(0);
+    assert!(bench.call(&["inspect", "load.toml", "--set", "force[0].stiffness=1"]).code(2).err.contains("stiffness"));
+}
+
+#[test]
 fn a_scenario_may_come_from_standard_input() {
     let bench = Bench::new();
     let text = std::fs::read_to_string(shipped("pencil")).expect("a scenario");

@@ -1,0 +1,106 @@
+//! The examples of `--help`; a test runs every line of them.
+
+pub(super) const PROGRAM: &str = "\
+Examples:
+  stillpoint new arm.toml --kind robot
+  stillpoint statics arm.toml
+  stillpoint run arm.toml --set simulate.duration=2
+  stillpoint info arm.mcap";
+
+pub(super) const RUN: &str = "\
+Examples:
+  stillpoint run scenarios/hanging_chain.toml --out chain.mcap --set simulate.duration=2
+  stillpoint run scenarios/pendulum.toml --set rod.position=0.5 --set simulate.start=given --verify
+  stillpoint new - --kind chain | stillpoint run - --json";
+
+pub(super) const STATICS: &str = "\
+Examples:
+  stillpoint statics scenarios/calder_mobile.toml --json
+  stillpoint statics scenarios/pencil.toml --set 'statics.want=\"any\"'
+  stillpoint statics scenarios/machine_on_mounts.toml --save start.toml";
+
+pub(super) const REST: &str = "\
+Examples:
+  stillpoint rest scenarios/machine_on_mounts.toml
+  stillpoint rest scenarios/double_pendulum.toml --set simulate.duration=2 --json";
+
+pub(super) const PRECISION: &str = "\
+Examples:
+  stillpoint precision scenarios/pendulum.toml --set simulate.duration=1 --error 1e-6";
+
+pub(super) const SWEEP: &str = "\
+Examples:
+  stillpoint sweep scenarios/machine_on_mounts.toml --over machine.mass=200:400:5
+  stillpoint sweep scenarios/pendulum.toml --over rod.mass=1,2 --over rod.position=0.1:0.9:3 --set simulate.duration=1 --run --json";
+
+pub(super) const INSPECT: &str = "\
+Examples:
+  stillpoint inspect scenarios/pendulum.toml --set rod.position=0.5
+  stillpoint inspect scenarios/four_bar.toml --json";
+
+pub(super) const BENCH: &str = "\
+Examples:
+  stillpoint bench scenarios/pendulum.toml --json";
+
+pub(super) const VIEW: &str = "\
+Examples:
+  stillpoint view pendulum.mcap --save pendulum.rrd
+  stillpoint view pendulum.mcap";
+
+pub(super) const INFO: &str = "\
+Examples:
+  stillpoint info pendulum.mcap
+  stillpoint info pendulum.mcap --json";
+
+pub(super) const RECOVER: &str = "\
+Examples:
+  stillpoint recover killed.mcap.partial
+  stillpoint recover killed.mcap.partial --out saved.mcap";
+
+pub(super) const EXPORT: &str = "\
+Examples:
+  stillpoint export pendulum.mcap --csv tables
+  stillpoint export pendulum.mcap --csv angle.csv --channel rod.angle --channel rod.rate
+  stillpoint export pendulum.mcap --parquet pendulum.parquet";
+
+pub(super) const PLOT: &str = "\
+Examples:
+  stillpoint plot pendulum.mcap rod.angle rod.rate
+  stillpoint plot pendulum.mcap double_pendulum.mcap energy -o energies.svg";
+
+pub(super) const COMPARE: &str = "\
+Examples:
+  stillpoint compare pendulum.mcap copy.mcap
+  stillpoint compare pendulum.mcap copy.mcap --channel rod.angle --tolerance 1e-9";
+
+pub(super) const CONVERT: &str = "\
+Examples:
+  stillpoint convert robot.urdf -o robot.toml
+  stillpoint convert robot.urdf --floating";
+
+pub(super) const CHECK: &str = "\
+Examples:
+  stillpoint check scenarios/*.toml
+  stillpoint new - | stillpoint check -";
+
+pub(super) const NEW: &str = "\
+Examples:
+  stillpoint new swing.toml
+  stillpoint new linkage.toml --kind linkage";
+
+pub(super) const SCHEMA: &str = "\
+Editors complete and check scenario files with it: write it beside them, and begin each with
+`#:schema ./scenario.schema.json` (Taplo, Even Better TOML).
+
+Examples:
+  stillpoint schema > scenario.schema.json";
+
+pub(super) const COMPLETIONS: &str = "\
+Examples:
+  stillpoint completions bash > stillpoint.bash
+  stillpoint completions zsh > _stillpoint";
+
+pub(super) const MAN: &str = "\
+Examples:
+  stillpoint man > stillpoint.1
+  stillpoint man pages";

@@ -1,0 +1,165 @@
+//! `export`: a recording as tables for other programs.
+
+#[cfg(feature = "parquet")]
+mod columnar;
+mod delimited;
+
+use super::samples::{self, Place, Rows};
+use super::text::count;
+use super::{Exit, output};
+use crate::record::table::Column;
+use crate::record::{Recording, Table};
+use anyhow::{Context, bail};
+use clap::Args;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The recording, an MCAP file, finished or not
+    recording: PathBuf,
+    /// Write CSV: a name ending in .csv is one file with all columns, any other a folder with one file per channel
+    #[arg(long, value_name = "FILE.csv|DIR", required_unless_present = "parquet")]
+    csv: Option<PathBuf>,
+    /// Write Parquet: a name ending in .parquet is one file, any other a folder with one file per channel
+    #[arg(long, value_name = "FILE.parquet|DIR")]
+    parquet: Option<PathBuf>,
+    /// Only this channel (hinges, energy, reactions, tf) or this column (upper.angle); may be repeated
+    #[arg(long, value_name = "NAME")]
+    channel: Vec<String>,
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// A kind of file that takes rows.
+trait Sheet {
+    /// Takes one row: the time and the numbers of the columns.
+    fn row(&mut self, time: f64, numbers: &mut dyn Iterator<Item = f64>) -> anyhow::Result<()>;
+
+    /// Writes what is left.
+    fn finish(self: Box<Self>) -> anyhow::Result<()>;
+}
+
+/// Opens a file for a table of these columns.
+type Create = fn(&Path, &[Column]) -> anyhow::Result<Box<dyn Sheet>>;
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let recording = samples::open(&arguments.recording, arguments.quiet)?;
+    let tables = Table::all(&recording.scene);
+    let mut places = Vec::new();
+    for name in &arguments.channel {
+        places.extend(samples::columns(&tables, name)?);
+    }
+    if arguments.channel.is_empty() {
+        for table in &tables {
+            places.extend(samples::columns(&tables, table.name)?);
+        }
+    }
+    let mut written = Vec::new();
+    if let Some(target) = &arguments.csv {
+        written.extend(Export { recording: &recording, tables: &tables, places: &places }.write(
+            target,
+            "csv",
+            delimited::create,
+        )?);
+    }
+    if let Some(target) = &arguments.parquet {
+        written.extend(Export { recording: &recording, tables: &tables, places: &places }.write(
+            target,
+            "parquet",
+            parquet()?,
+        )?);
+    }
+    if arguments.json {
+        let files: Vec<_> = written
+            .iter()
+            .map(|one| json!({ "file": one.file.display().to_string(), "rows": one.rows, "columns": one.columns }))
+            .collect();
+        output::print(&json!({ "recording": arguments.recording.display().to_string(), "files": files }).to_string())?;
+    } else if !arguments.quiet {
+        for one in &written {
+            let (rows, columns) = (count(one.rows, "row", "rows"), count(one.columns, "column", "columns"));
+            output::print(&format!("{}: {rows}, {columns}", one.file.display()))?;
+        }
+    }
+    Ok(Exit::Done)
+}
+
+#[cfg(feature = "parquet")]
+fn parquet() -> anyhow::Result<Create> {
+    Ok(columnar::create)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet() -> anyhow::Result<Create> {
+    bail!("this program was built without Parquet; build it with `--features parquet`, or use `--csv`")
+}
+
+/// A file that was written.
+struct Written {
+    file: PathBuf,
+    rows: usize,
+    /// With that of the time.
+    columns: usize,
+}
+
+struct Export<'a> {
+    recording: &'a Recording,
+    tables: &'a [Table],
+    places: &'a [Place],
+}
+
+impl Export<'_> {
+    fn write(&self, target: &Path, extension: &str, create: Create) -> anyhow::Result<Vec<Written>> {
+        if target.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension)) {
+            return Ok(vec![self.sheet(target.to_owned(), self.places, create)?]);
+        }
+        if target.is_file() {
+            bail!("`{}` is a file: name a folder, or a file that ends in .{extension}", target.display());
+        }
+        std::fs::create_dir_all(target).with_context(|| format!("cannot create the folder `{}`", target.display()))?;
+        let mut written = Vec::new();
+        for (index, table) in self.tables.iter().enumerate() {
+            let places: Vec<Place> = self.places.iter().filter(|place| place.table == index).cloned().collect();
+            if !places.is_empty() {
+                written.push(self.sheet(target.join(table.name).with_extension(extension), &places, create)?);
+            }
+        }
+        Ok(written)
+    }
+
+    /// Writes under another name until the file is whole.
+    fn sheet(&self, file: PathBuf, places: &[Place], create: Create) -> anyhow::Result<Written> {
+        let mut unfinished = file.clone().into_os_string();
+        unfinished.push(".partial");
+        let unfinished = PathBuf::from(unfinished);
+        let rows = self.fill(&unfinished, places, create).and_then(|rows| {
+            std::fs::rename(&unfinished, &file)?;
+            Ok(rows)
+        });
+        let rows = rows.map_err(|error| {
+            // It is ours and of no use; where it cannot be removed it does no harm.
+            let _ = std::fs::remove_file(&unfinished);
+            error.context(format!("cannot write `{}`", file.display()))
+        })?;
+        Ok(Written { file, rows, columns: places.len() + 1 })
+    }
+
+    fn fill(&self, file: &Path, places: &[Place], create: Create) -> anyhow::Result<usize> {
+        let mut columns = vec![Column { name: "time".into(), unit: "s".into() }];
+        columns.extend(places.iter().map(|place| place.column.clone()));
+        let mut sheet = create(file, &columns)?;
+        let mut rows = Rows::new(self.tables, places);
+        let mut written = 0;
+        samples::each(self.recording, |sample| {
+            written += 1;
+            sheet.row(sample.time, &mut rows.read(sample))
+        })?;
+        sheet.finish()?;
+        Ok(written)
+    }
+}

@@ -1,0 +1,113 @@
+//! `plot`: numbers of recordings over time, as a quick picture.
+
+mod draw;
+
+use super::samples::{self, Place, Rows};
+use super::text::count;
+use super::{Exit, output};
+use crate::record::{Recording, Table};
+use anyhow::{Context, bail};
+use clap::Args;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Recordings, then the columns to plot: `upper.angle`, `kinetic`, or a whole channel (hinges, energy, reactions, tf)
+    #[arg(value_name = "FILE... CHANNEL", required = true)]
+    what: Vec<String>,
+    /// Where the picture goes (SVG); default: the first recording's name with .svg in this folder
+    #[arg(long, short = 'o', value_name = "FILE.svg")]
+    out: Option<PathBuf>,
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// More lines than this cannot be told apart.
+const MOST_LINES: usize = 32;
+
+/// One column of one recording.
+struct Line {
+    label: String,
+    unit: String,
+    /// Which of the recordings, which of its columns: the dashes and the colour.
+    file: usize,
+    color: usize,
+    /// Time (s) and value.
+    points: Vec<(f64, f64)>,
+}
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let (files, names): (Vec<&String>, Vec<&String>) = arguments.what.iter().partition(|text| is_recording(text));
+    let Some(first) = files.first() else { bail!("`{}` is no recording: name a .mcap file first", arguments.what[0]) };
+    let recordings: Vec<Recording> =
+        files.iter().map(|file| samples::open(Path::new(file), arguments.quiet)).collect::<Result<_, _>>()?;
+    if names.is_empty() {
+        let tables = Table::all(&recordings[0].scene);
+        return Err(samples::none_named(&tables));
+    }
+    let mut lines = Vec::new();
+    for (index, (file, recording)) in files.iter().zip(&recordings).enumerate() {
+        let before = (recordings.len() > 1).then_some(file.as_str());
+        lines.extend(read(recording, &names, index, before)?);
+    }
+    if lines.len() > MOST_LINES {
+        bail!("these are {} lines, and more than {MOST_LINES} cannot be told apart: name fewer columns", lines.len());
+    }
+    let out = match &arguments.out {
+        Some(path) => path.clone(),
+        None => Path::new(Path::new(first).file_stem().unwrap_or("plot".as_ref())).with_extension("svg"),
+    };
+    let title = &recordings[0].scene.title;
+    let picture = draw::draw(&lines, if title.is_empty() { first } else { title })?;
+    std::fs::write(&out, picture).with_context(|| format!("cannot write `{}`", out.display()))?;
+    if arguments.json {
+        let line = |line: &Line| json!({ "label": line.label, "unit": line.unit, "points": line.points.len() });
+        let lines: Vec<_> = lines.iter().map(line).collect();
+        output::print(&json!({ "plot": out.display().to_string(), "lines": lines }).to_string())?;
+    } else if !arguments.quiet {
+        output::print(&format!("{}: {}", out.display(), count(lines.len(), "line", "lines")))?;
+    }
+    Ok(Exit::Done)
+}
+
+fn is_recording(text: &str) -> bool {
+    let path = Path::new(text);
+    path.is_file() || path.extension().is_some_and(|extension| extension == "mcap" || extension == "partial")
+}
+
+fn read(recording: &Recording, names: &[&String], file: usize, before: Option<&str>) -> anyhow::Result<Vec<Line>> {
+    let tables = Table::all(&recording.scene);
+    let mut places: Vec<Place> = Vec::new();
+    for name in names {
+        let found = samples::columns(&tables, name)
+            .with_context(|| format!("nothing can be plotted of `{}`", recording.path.display()))?;
+        places.extend(found);
+    }
+    let mut lines: Vec<Line> = places
+        .iter()
+        .enumerate()
+        .map(|(color, place)| Line {
+            file,
+            color,
+            label: match before {
+                Some(file) => format!("{file}: {}", place.column.name),
+                None => place.column.name.clone(),
+            },
+            unit: place.column.unit.clone(),
+            points: Vec::new(),
+        })
+        .collect();
+    let mut rows = Rows::new(&tables, &places);
+    samples::each(recording, |sample| {
+        for (line, value) in lines.iter_mut().zip(rows.read(sample)) {
+            line.points.push((sample.time, value));
+        }
+        Ok(())
+    })?;
+    Ok(lines)
+}

@@ -1,0 +1,106 @@
+//! Reading recordings for commands that look at their numbers.
+
+use super::output;
+use crate::record::table::Column;
+use crate::record::{OwnedSample, Recording, Table};
+use crate::suggest;
+use anyhow::anyhow;
+use std::path::Path;
+
+/// A recording; that it was not finished is said.
+pub(super) fn open(path: &Path, quiet: bool) -> anyhow::Result<Recording> {
+    let recording = Recording::open(path)?;
+    if !recording.complete && !quiet {
+        output::warning(&format!("`{}` was not finished: this is what was kept of it", path.display()));
+    }
+    Ok(recording)
+}
+
+/// Calls `take` with every sample.
+pub(super) fn each(
+    recording: &Recording,
+    mut take: impl FnMut(&OwnedSample) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
+    for sample in recording.samples()? {
+        take(&sample?)?;
+    }
+    Ok(())
+}
+
+/// One column: which table, which place in its rows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) table: usize,
+    pub(super) index: usize,
+    pub(super) column: Column,
+}
+
+/// The columns that a name stands for: a column's own name, or all columns of the channel of that name.
+pub(super) fn columns(tables: &[Table], name: &str) -> anyhow::Result<Vec<Place>> {
+    let bare = name.strip_prefix('/').unwrap_or(name);
+    let mut found = Vec::new();
+    for (table, content) in tables.iter().enumerate() {
+        for (index, column) in content.columns.iter().enumerate() {
+            if content.name == bare || column.name == name {
+                found.push(Place { table, index, column: column.clone() });
+            }
+        }
+    }
+    // A channel of a scene without bodies has no columns.
+    if found.is_empty() && !tables.iter().any(|table| table.name == bare) {
+        return Err(unknown(tables, name));
+    }
+    Ok(found)
+}
+
+/// No channel was named: which there are.
+pub(super) fn none_named(tables: &[Table]) -> anyhow::Error {
+    let names: Vec<&str> =
+        tables.iter().flat_map(|table| &table.columns).map(|column| column.name.as_str()).take(MOST_NAMES).collect();
+    let more = if names.len() == MOST_NAMES { ", … (`stillpoint info --json` lists all)" } else { "" };
+    anyhow!("no channel is named; there are {}{more}", names.join(", "))
+}
+
+/// Names of a list that are printed.
+const MOST_NAMES: usize = 40;
+
+fn unknown(tables: &[Table], name: &str) -> anyhow::Error {
+    let known = || tables.iter().flat_map(|table| &table.columns).map(|column| column.name.as_str());
+    let names = || tables.iter().map(|table| table.name).chain(known());
+    let hint = match suggest::closest(name, names()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => {
+            let part: Vec<&str> = known().filter(|column| column.contains(name)).take(MOST_NAMES).collect();
+            let (what, list) = match part.is_empty() {
+                true => ("channels are ".to_owned(), known().take(MOST_NAMES).collect()),
+                false => (format!("channels with `{name}` in their names are "), part),
+            };
+            let more = if list.len() == MOST_NAMES { ", … (`stillpoint info --json` lists all)" } else { "" };
+            format!("{what}{}{more}", list.join(", "))
+        }
+    };
+    anyhow!("there is no channel `{name}` in the recording\nhint: {hint}")
+}
+
+/// A recording's rows of chosen columns.
+pub(super) struct Rows<'a> {
+    tables: &'a [Table],
+    places: &'a [Place],
+    rows: Vec<Vec<f64>>,
+}
+
+impl<'a> Rows<'a> {
+    pub(super) fn new(tables: &'a [Table], places: &'a [Place]) -> Self {
+        Self { tables, places, rows: vec![Vec::new(); tables.len()] }
+    }
+
+    /// The chosen numbers of a sample, in the order of the places.
+    pub(super) fn read(&mut self, sample: &OwnedSample) -> impl Iterator<Item = f64> + '_ {
+        for (index, (table, row)) in self.tables.iter().zip(&mut self.rows).enumerate() {
+            if self.places.iter().any(|place| place.table == index) {
+                table.fill(sample, row);
+            }
+        }
+        self.places.iter().map(|place| self.rows[place.table][place.index])
+    }
+}

@@ -1,0 +1,270 @@
+//! `sweep`: the same question for many values of some numbers, one row per case.
+
+mod grid;
+
+use super::output::{self, Progress};
+use super::text::{count, number};
+use super::{Common, Exit};
+use crate::constraint;
+use crate::model::Model;
+use crate::record::Fanout;
+use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_with, parse};
+use crate::simulate::{self, Start, State};
+use crate::statics::equilibrium;
+use anyhow::{Context, anyhow};
+use clap::Args;
+use grid::Axis;
+use serde_json::{Map, Value, json};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// What is varied: `path=from:to:count`, or `path=1,2,5`; given several times, every combination
+    #[arg(long, required = true, value_name = "PATH=VALUES", value_parser = Axis::parse)]
+    over: Vec<Axis>,
+    /// Simulate each case, too; without it the equilibrium is all that is asked
+    #[arg(long)]
+    run: bool,
+    /// Cases that are worked on at once; default: one per processor. The answers do not depend on it
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Write the rows there
+    #[arg(long, value_name = "FILE.csv")]
+    out: Option<PathBuf>,
+}
+
+/// Rows that are printed; `--json` and `--out` have all.
+const MOST_LINES: usize = 40;
+
+/// Numbers and words by name.
+type Found = Vec<(String, Value)>;
+
+/// What became of one case.
+type Row = Result<Found, Failed>;
+
+enum Failed {
+    /// The values make no scene.
+    Refused(Diagnostics),
+    /// The answer is no.
+    No(String),
+}
+
+impl Failed {
+    /// One line.
+    fn text(&self) -> String {
+        match self {
+            Self::Refused(problems) => problems.iter().next().map_or(String::new(), |first| first.message.clone()),
+            Self::No(text) => text.clone(),
+        }
+    }
+}
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let common = &arguments.common;
+    let set: Vec<Override> = common.set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
+    // The file is read once: it may be standard input.
+    let scenario = match load_with(&common.scenario, &set) {
+        Ok(scenario) => scenario,
+        Err(LoadError::Problems(problems)) => {
+            output::note(problems.render(output::errors_in_color()).trim_end());
+            return Ok(Exit::Wrong);
+        }
+        Err(other) => return Err(other.into()),
+    };
+    let cases = grid::cases(&arguments.over).map_err(|error| anyhow!(error))?;
+    let sweep = Sweep { arguments, scenario: &scenario, set };
+    let rows = sweep.all(&cases)?;
+    // A name that is not there is no answer, it is a wrong call.
+    if let Some(Err(Failed::Refused(problems))) = rows.first()
+        && rows.iter().all(|row| matches!(row, Err(Failed::Refused(_))))
+    {
+        output::note(problems.render(output::errors_in_color()).trim_end());
+        return Ok(Exit::Wrong);
+    }
+    let failed = rows.iter().filter(|row| row.is_err()).count();
+    if let Some(path) = &arguments.out {
+        sweep.write(path, &cases, &rows).with_context(|| format!("cannot write `{}`", path.display()))?;
+    }
+    if common.json {
+        let list: Vec<Value> = cases.iter().zip(&rows).map(|(case, row)| sweep.json(case, row)).collect();
+        let answer = json!({ "scenario": scenario.name, "cases": list, "failed": failed });
+        output::print(&answer.to_string())?;
+    } else if !common.quiet {
+        output::print(&sweep.report(&cases, &rows, failed))?;
+    }
+    Ok(if failed == 0 { Exit::Done } else { Exit::No })
+}
+
+struct Sweep<'a> {
+    arguments: &'a Arguments,
+    scenario: &'a Scenario,
+    set: Vec<Override>,
+}
+
+impl Sweep<'_> {
+    /// Every case, by as many threads as asked for: each for itself, so that none sees what another one did.
+    fn all(&self, cases: &[Vec<&str>]) -> anyhow::Result<Vec<Row>> {
+        let available = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
+        let threads = self.arguments.threads.map_or(available, NonZeroUsize::get).min(cases.len());
+        let quiet = self.arguments.common.quiet || self.arguments.common.json;
+        let (next, progress) = (AtomicUsize::new(0), Mutex::new(Progress::new(1.0, quiet)));
+        let work = || {
+            let mut done = Vec::new();
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(case) = cases.get(index) else { return done };
+                done.push((index, self.one(case)));
+                if let Ok(mut progress) = progress.lock() {
+                    progress.part(index as f64 / cases.len() as f64);
+                }
+            }
+        };
+        let done = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            workers.into_iter().map(std::thread::ScopedJoinHandle::join).collect::<Vec<_>>()
+        });
+        let mut rows = Vec::new();
+        for one in done {
+            rows.extend(one.map_err(|_| anyhow!("a case ended in a panic"))?);
+        }
+        rows.sort_by_key(|(index, _)| *index);
+        rows.into_iter().map(|(_, row)| row).collect()
+    }
+
+    /// One case; an error where the call itself is wrong.
+    fn one(&self, case: &[&str]) -> anyhow::Result<Row> {
+        let mut changes = self.set.clone();
+        for (axis, value) in self.arguments.over.iter().zip(case) {
+            changes.push(Override::parse(&format!("{}={value}", axis.path))?);
+        }
+        let scenario = match parse(&self.scenario.name, &self.scenario.text, &changes) {
+            Ok(scenario) => scenario,
+            Err(problems) => return Ok(Err(Failed::Refused(problems))),
+        };
+        Ok(answer(&scenario, self.arguments.run).map_err(Failed::No))
+    }
+
+    fn json(&self, case: &[&str], row: &Row) -> Value {
+        let values: Map<String, Value> = self
+            .arguments
+            .over
+            .iter()
+            .zip(case)
+            .map(|(axis, value)| {
+                (axis.path.clone(), value.parse::<f64>().map_or_else(|_| json!(value), |number| json!(number)))
+            })
+            .collect();
+        match row {
+            Ok(found) => {
+                json!({ "values": values, "ok": true, "result": found.iter().cloned().collect::<Map<_, _>>() })
+            }
+            Err(why) => json!({ "values": values, "ok": false, "error": why.text() }),
+        }
+    }
+
+    /// Names of what any case has found, in the order of their first appearance.
+    fn columns(rows: &[Row]) -> Vec<&str> {
+        let mut seen = std::collections::HashSet::new();
+        let names = rows.iter().flatten().flat_map(|found| found.iter().map(|(name, _)| name.as_str()));
+        names.filter(|name| seen.insert(*name)).collect()
+    }
+
+    fn write(&self, path: &std::path::Path, cases: &[Vec<&str>], rows: &[Row]) -> anyhow::Result<()> {
+        let columns = Self::columns(rows);
+        let mut csv = csv::Writer::from_path(path)?;
+        let head = self.arguments.over.iter().map(|axis| axis.path.as_str()).chain(["ok"]);
+        csv.write_record(head.chain(columns.iter().copied()).chain(["error"]))?;
+        for (case, row) in cases.iter().zip(rows) {
+            let cell = |name: &&str| match row
+                .as_ref()
+                .ok()
+                .and_then(|found| found.iter().find(|(known, _)| known == name))
+                .map(|(_, value)| value)
+            {
+                None | Some(Value::Null) => String::new(),
+                Some(Value::String(text)) => text.clone(),
+                Some(other) => other.to_string(),
+            };
+            let error = row.as_ref().err().map_or(String::new(), Failed::text);
+            let before = case.iter().map(|value| (*value).to_owned()).chain([row.is_ok().to_string()]);
+            csv.write_record(before.chain(columns.iter().map(cell)).chain([error]))?;
+        }
+        Ok(csv.flush()?)
+    }
+
+    fn report(&self, cases: &[Vec<&str>], rows: &[Row], failed: usize) -> String {
+        let mut out = String::new();
+        for (case, row) in cases.iter().zip(rows).take(MOST_LINES) {
+            let named = self.arguments.over.iter().zip(case).map(|(axis, value)| format!("{} = {value}", axis.path));
+            let said = match row {
+                Err(why) => format!("failed: {}", why.text()),
+                Ok(found) => {
+                    let shown = |(name, value): &(String, Value)| match value {
+                        Value::Number(x) => format!("{name} {}", number(x.as_f64().unwrap_or(f64::NAN))),
+                        Value::String(text) => text.clone(),
+                        _ => String::new(),
+                    };
+                    found.iter().filter(|(_, value)| !value.is_null()).take(5).map(shown).collect::<Vec<_>>().join(", ")
+                }
+            };
+            out += &format!("{:<40} {said}\n", named.collect::<Vec<_>>().join(", "));
+        }
+        if cases.len() > MOST_LINES {
+            out += &format!("… and {} more (`--out` and `--json` have all)\n", cases.len() - MOST_LINES);
+        }
+        let cases = count(cases.len(), "case", "cases");
+        out + &if failed == 0 { cases } else { format!("{failed} of {cases} failed") }
+    }
+}
+
+/// Equilibrium and, where asked for, run of one case.
+fn answer(scenario: &Scenario, with_run: bool) -> Result<Found, String> {
+    let mut model = Model::build(&scenario.description).map_err(listed)?;
+    constraint::assemble(&mut model).map_err(listed)?;
+    let mut row = Found::new();
+    let mut start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    if !with_run || scenario.simulate.start == Start::Equilibrium {
+        let found = equilibrium(&model, &scenario.statics, &model.start_position).map_err(|fault| fault.to_string())?;
+        if !found.converged {
+            let why = found.notes.first().map(|note| format!(": {note}"));
+            return Err(format!("no equilibrium found{}", why.unwrap_or_default()));
+        }
+        let stability = found.stability.as_ref();
+        let frequency =
+            stability.and_then(|s| s.modes.iter().find(|mode| mode.growth_rate == 0.0)).map(|mode| mode.frequency_hz);
+        row.push(("stability".into(), json!(stability.map(|s| s.verdict.name()))));
+        row.push(("frequency_hz".into(), json!(frequency)));
+        insert_positions(&model, "", &found.position, &mut row);
+        row.push(("residual_force".into(), json!(found.residual_force)));
+        row.push(("iterations".into(), json!(found.iterations)));
+        start = State { position: found.position, velocity: found.velocity };
+    }
+    if with_run {
+        let mut nobody = Fanout::new();
+        let (settings, rate) = (&scenario.simulate, scenario.record.rate);
+        let end = simulate::run(&model, settings, rate, &start, &mut nobody, &mut |_, _| true)
+            .map_err(|error| error.to_string())?;
+        row.push(("end_time".into(), json!(end.end_time)));
+        row.push(("steps".into(), json!(end.statistics.steps)));
+        row.push(("energy_drift".into(), json!(end.energy_drift)));
+        insert_positions(&model, "final ", &end.state.position, &mut row);
+    }
+    Ok(row)
+}
+
+fn listed(problems: Vec<crate::model::Problem>) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+fn insert_positions(model: &Model, before: &str, position: &[f64], row: &mut Found) {
+    for body in &model.bodies {
+        for (index, (name, _)) in Model::position_names(&body.hinge.kind).iter().enumerate() {
+            row.push((format!("{before}{}.{name}", body.name), json!(position[body.hinge.position + index])));
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! Constructors with defaults and chained setters, for scenes in code; the example is in
+//! [`description`](super::description).
+
+use super::couplings::{DriveDescription, GearDescription, LoopDescription};
+use super::description::*;
+use super::shape::Shape;
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+
+impl Description {
+    /// An empty scene with a title, in the gravity of the Earth along −z.
+    pub fn new(title: &str) -> Self {
+        Self { title: title.to_owned(), ..Self::default() }
+    }
+
+    /// Sets the gravitational acceleration (m/s²).
+    pub fn gravity(self, gravity: impl Into<Vector3<f64>>) -> Self {
+        Self { gravity: gravity.into(), ..self }
+    }
+
+    /// Adds a body.
+    pub fn body(mut self, body: BodyDescription) -> Self {
+        self.bodies.push(body);
+        self
+    }
+
+    /// Adds a spring, a bushing or a load.
+    pub fn force(mut self, force: ForceDescription) -> Self {
+        self.forces.push(force);
+        self
+    }
+
+    /// Adds what closes a loop.
+    pub fn closure(mut self, closure: LoopDescription) -> Self {
+        self.loops.push(closure);
+        self
+    }
+
+    /// Adds a given motion.
+    pub fn drive(mut self, drive: DriveDescription) -> Self {
+        self.drives.push(drive);
+        self
+    }
+
+    /// Adds a gear.
+    pub fn gear(mut self, gear: GearDescription) -> Self {
+        self.gears.push(gear);
+        self
+    }
+
+    /// Adds an event.
+    pub fn event(mut self, event: EventDescription) -> Self {
+        self.events.push(event);
+        self
+    }
+}
+
+impl BodyDescription {
+    /// A body without mass on its hinge.
+    pub fn new(name: &str, hinge: HingeDescription) -> Self {
+        let mass = MassProperties { mass: 0.0, center: Vector3::zeros(), inertia: Matrix3::zeros() };
+        Self { name: name.to_owned(), mass, markers: Vec::new(), shapes: Vec::new(), hinge }
+    }
+
+    /// Sets the mass (kg).
+    pub fn mass(mut self, mass: f64) -> Self {
+        self.mass.mass = mass;
+        self
+    }
+
+    /// Sets the centre of mass from the root marker, body axes (m).
+    pub fn center(mut self, center: impl Into<Vector3<f64>>) -> Self {
+        self.mass.center = center.into();
+        self
+    }
+
+    /// Sets the principal moments of inertia xx, yy, zz about the **centre of mass**, body axes (kg m²). For a full
+    /// matrix set `mass.inertia`.
+    pub fn inertia(mut self, moments: impl Into<Vector3<f64>>) -> Self {
+        self.mass.inertia = Matrix3::from_diagonal(&moments.into());
+        self
+    }
+
+    /// Adds a named point, body axes (m).
+    pub fn marker(mut self, name: &str, at: impl Into<Vector3<f64>>) -> Self {
+        self.markers.push((name.to_owned(), at.into()));
+        self
+    }
+
+    /// Adds a solid to its picture.
+    pub fn shape(mut self, shape: Shape) -> Self {
+        self.shapes.push(shape);
+        self
+    }
+}
+
+impl HingeDescription {
+    /// Welds.
+    pub fn fixed() -> Self {
+        Self::new(HingeKind::Fixed)
+    }
+
+    /// Turns about an axis.
+    pub fn revolute(axis: impl Into<Vector3<f64>>) -> Self {
+        Self::new(HingeKind::Revolute { axis: axis.into() })
+    }
+
+    /// Slides along an axis.
+    pub fn prismatic(axis: impl Into<Vector3<f64>>) -> Self {
+        Self::new(HingeKind::Prismatic { axis: axis.into() })
+    }
+
+    /// Slides along and turns about an axis.
+    pub fn cylindrical(axis: impl Into<Vector3<f64>>) -> Self {
+        Self::new(HingeKind::Cylindrical { axis: axis.into() })
+    }
+
+    /// Turns about a first axis, then about a second one carried by the first.
+    pub fn universal(first: impl Into<Vector3<f64>>, second: impl Into<Vector3<f64>>) -> Self {
+        Self::new(HingeKind::Universal { axes: [first.into(), second.into()] })
+    }
+
+    /// Slides in the xy plane of the hinge frame and turns about its z.
+    pub fn planar() -> Self {
+        Self::new(HingeKind::Planar)
+    }
+
+    /// Turns freely.
+    pub fn spherical() -> Self {
+        Self::new(HingeKind::Spherical)
+    }
+
+    /// Moves freely.
+    pub fn free() -> Self {
+        Self::new(HingeKind::Free)
+    }
+
+    /// Hangs it on a body, or on [`GROUND`], at a point (m) or a marker.
+    pub fn on(mut self, parent: &str, at: impl Into<Point>) -> Self {
+        self.parent = parent.to_owned();
+        self.at = at.into();
+        self
+    }
+
+    /// Turns the hinge frame in the parent: `parent_from_hinge`.
+    pub fn turned(self, frame: UnitQuaternion<f64>) -> Self {
+        Self { frame, ..self }
+    }
+
+    /// Sets the start or guess, one number per coordinate; see [`HingeKind`] for order and units.
+    pub fn position(self, position: impl Into<Vec<f64>>) -> Self {
+        Self { position: position.into(), ..self }
+    }
+
+    /// Sets the start velocities.
+    pub fn velocity(self, velocity: impl Into<Vec<f64>>) -> Self {
+        Self { velocity: velocity.into(), ..self }
+    }
+
+    /// Sets the spring stiffness per velocity (N/m or N m/rad).
+    pub fn stiffness(self, stiffness: impl Into<Vec<f64>>) -> Self {
+        Self { stiffness: stiffness.into(), ..self }
+    }
+
+    /// Sets the damping per velocity (N s/m or N m s/rad).
+    pub fn damping(self, damping: impl Into<Vec<f64>>) -> Self {
+        Self { damping: damping.into(), ..self }
+    }
+
+    /// Sets the coordinates at which the spring is relaxed.
+    pub fn rest(self, rest: impl Into<Vec<f64>>) -> Self {
+        Self { rest: rest.into(), ..self }
+    }
+
+    /// Sets the added hinge inertia per velocity (kg or kg m²).
+    pub fn armature(self, armature: impl Into<Vec<f64>>) -> Self {
+        Self { armature: armature.into(), ..self }
+    }
+
+    /// Sets the constant motor force per velocity (N or N m).
+    pub fn force(self, force: impl Into<Vec<f64>>) -> Self {
+        Self { force: force.into(), ..self }
+    }
+
+    /// Adds stops of one coordinate.
+    pub fn limit(mut self, limit: LimitDescription) -> Self {
+        self.limits.push(limit);
+        self
+    }
+
+    /// Held during statics.
+    pub fn locked(self) -> Self {
+        Self { lock: true, ..self }
+    }
+}
+
+impl ForceDescription {
+    /// A spring along the line between two points: stiffness (N/m), unstretched length (m), damping (N s/m).
+    pub fn spring(
+        name: &str,
+        from: impl Into<Attachment>,
+        to: impl Into<Attachment>,
+        stiffness: f64,
+        length: f64,
+        damping: f64,
+    ) -> Self {
+        let kind = ForceKind::Spring { between: [from.into(), to.into()], stiffness, length, damping };
+        Self { name: name.to_owned(), kind }
+    }
+
+    /// A spring in six directions, its axes those of the first body: stiffness along x, y, z (N/m) and about them
+    /// (N m/rad), damping likewise (N s/m, N m s/rad).
+    pub fn bushing(
+        name: &str,
+        from: impl Into<Attachment>,
+        to: impl Into<Attachment>,
+        stiffness: [f64; 6],
+        damping: [f64; 6],
+    ) -> Self {
+        let (between, frame) = ([from.into(), to.into()], UnitQuaternion::identity());
+        Self { name: name.to_owned(), kind: ForceKind::Bushing { between, frame, stiffness, damping } }
+    }
+
+    /// A force (N) that keeps its direction in space.
+    pub fn load(name: &str, on: impl Into<Attachment>, force: impl Into<Vector3<f64>>) -> Self {
+        let (force, torque) = (force.into(), Vector3::zeros());
+        Self { name: name.to_owned(), kind: ForceKind::Load { on: on.into(), force, torque, axes: LoadAxes::Inertial } }
+    }
+}
+
+impl From<[f64; 3]> for Point {
+    fn from(at: [f64; 3]) -> Self {
+        Self::At(at.into())
+    }
+}
+
+impl From<Vector3<f64>> for Point {
+    fn from(at: Vector3<f64>) -> Self {
+        Self::At(at)
+    }
+}
+
+impl From<&str> for Point {
+    fn from(marker: &str) -> Self {
+        Self::Marker(marker.to_owned())
+    }
+}
+
+/// A body and a point of it: `("arm", "tip")`, `(GROUND, [0.0, 0.0, 1.0])`.
+impl<P: Into<Point>> From<(&str, P)> for Attachment {
+    fn from((body, point): (&str, P)) -> Self {
+        Self { body: body.to_owned(), point: point.into() }
+    }
+}

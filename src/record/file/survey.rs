@@ -1,0 +1,93 @@
+//! What is in a recording, counted message by message.
+
+use super::Recording;
+use super::chunks::{Records, Stop};
+use super::reader::open;
+use crate::record::RecordError;
+use mcap::records::Record;
+use std::collections::BTreeMap;
+
+/// What a recording holds, counted to its last readable message.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Survey {
+    /// Size of the file (bytes).
+    pub bytes: u64,
+    /// The channels in the order of their numbers.
+    pub channels: Vec<ChannelSurvey>,
+    /// Name, media type and size (bytes) of every attachment.
+    pub attachments: Vec<(String, String, usize)>,
+    /// Names of the metadata records.
+    pub metadata: Vec<String>,
+    /// Why reading stopped in the middle of the file: what is wrong there. A file that was cut is not damaged.
+    pub damage: Option<String>,
+}
+
+/// A channel and its messages.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChannelSurvey {
+    /// Topic.
+    pub topic: String,
+    /// Name of the schema of its messages.
+    pub schema: String,
+    /// How messages are encoded.
+    pub encoding: String,
+    /// Field → name in the scenario and unit.
+    pub fields: BTreeMap<String, String>,
+    /// How many messages there are.
+    pub messages: u64,
+    /// Log times of the first and the last one (ns of simulated time).
+    pub span: Option<(u64, u64)>,
+}
+
+impl Recording {
+    /// Counts what is in the file: reads and checks all of it once.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn survey(&self) -> Result<Survey, RecordError> {
+        let failed = |source| RecordError::Read { path: self.path.clone(), source };
+        let source = open(&self.path)?;
+        let mut survey = Survey { bytes: source.get_ref().metadata().map_err(failed)?.len(), ..Survey::default() };
+        let mut records = Records::contents(source);
+        let mut schemas: BTreeMap<u16, String> = BTreeMap::new();
+        let mut channels: BTreeMap<u16, ChannelSurvey> = BTreeMap::new();
+        loop {
+            match records.next() {
+                Some(Ok(Record::Schema { header, .. })) => {
+                    schemas.insert(header.id, header.name);
+                }
+                Some(Ok(Record::Channel(channel))) => {
+                    // They stand once more in the summary.
+                    channels.entry(channel.id).or_insert_with(|| ChannelSurvey {
+                        topic: channel.topic,
+                        schema: schemas.get(&channel.schema_id).cloned().unwrap_or_default(),
+                        encoding: channel.message_encoding,
+                        fields: channel.metadata,
+                        messages: 0,
+                        span: None,
+                    });
+                }
+                Some(Ok(Record::Message { header, .. })) => {
+                    if let Some(channel) = channels.get_mut(&header.channel_id) {
+                        channel.messages += 1;
+                        let (first, last) = channel.span.unwrap_or((header.log_time, header.log_time));
+                        channel.span = Some((first.min(header.log_time), last.max(header.log_time)));
+                    }
+                }
+                Some(Ok(Record::Attachment { header, data, .. })) => {
+                    survey.attachments.push((header.name, header.media_type, data.len()));
+                }
+                Some(Ok(Record::Metadata(metadata))) => survey.metadata.push(metadata.name),
+                Some(Ok(_)) => {}
+                None | Some(Err(Stop::Truncated)) => break,
+                Some(Err(Stop::Damaged(error))) => {
+                    survey.damage = Some(error.to_string());
+                    break;
+                }
+                Some(Err(Stop::Io(source))) => return Err(failed(source)),
+            }
+        }
+        survey.channels = channels.into_values().collect();
+        Ok(survey)
+    }
+}

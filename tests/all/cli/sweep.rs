@@ -1,0 +1,75 @@
+//! Many cases in one call.
+
+use super::{Answer, Bench, shipped};
+use serde_json::Value;
+
+/// A weight on a spring between stops of the scale: more than the spring can carry has no equilibrium.
+const SCALE: &str = "
+[[body]]
+name = \"pan\"
+mass = 1.0
+hinge = { type = \"prismatic\", axis = [0.0, 0.0, 1.0], stiffness = 100.0 }
+";
+
+#[test]
+fn one_row_for_every_case_whatever_became_of_it() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    // Five springs of no stiffness leave nothing to hold the pan.
+    let arguments = ["sweep", "scale.toml", "--over", "pan.stiffness=0,100", "--over", "pan.mass=1:3:5", "--json"];
+    let one = bench.call(&[&arguments[..], &["--threads", "1"]].concat()).code(1);
+    let four = bench.call(&[&arguments[..], &["--threads", "4"]].concat()).code(1);
+    assert_eq!(one.out, four.out, "the number of threads changes nothing");
+    let answer = one.json();
+    assert_eq!(answer["failed"], 5);
+    let cases = answer["cases"].as_array().expect("cases");
+    assert_eq!(cases.len(), 10);
+    for (index, case) in cases.iter().enumerate() {
+        let mass = 1.0 + 0.5 * (index % 5) as f64;
+        assert_eq!(case["values"]["pan.mass"], mass);
+        assert_eq!(case["ok"], index >= 5);
+        if index >= 5 {
+            // k x = m g, to rounding.
+            let sunk = case["result"]["pan.distance"].as_f64().expect("a number");
+            assert!((sunk + mass * 9.80665 / 100.0).abs() < 1e-14, "{sunk}");
+            let frequency = case["result"]["frequency_hz"].as_f64().expect("a number");
+            assert!((frequency - (100.0 / mass).sqrt() / std::f64::consts::TAU).abs() < 1e-12);
+        } else {
+            assert!(case["error"].as_str().expect("a reason").contains("no equilibrium"), "{case}");
+        }
+    }
+}
+
+#[test]
+fn rows_go_into_a_table_and_may_be_runs() {
+    let bench = Bench::new();
+    let scenario = shipped("pendulum");
+    let arguments = ["sweep", &scenario, "--over", "rod.position=0:1:3", "--run", "--set", "simulate.duration=1"];
+    let answer = bench.call(&[&arguments[..], &["--out", "table.csv"]].concat()).code(0);
+    assert!(answer.out.ends_with("3 cases\n"), "{answer:#?}");
+    let text = std::fs::read_to_string(bench.path().join("table.csv")).expect("a table");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0], "rod.position,ok,end_time,steps,energy_drift,final rod.angle,error");
+    assert_eq!(lines.len(), 4);
+    assert!(lines[1].starts_with("0.0,true,1.0,"), "{text}");
+    // The same as one run of that case alone.
+    let alone = ["run", &scenario, "--set", "simulate.duration=1", "--set", "rod.position=0.5", "--json"];
+    let alone: Value = bench.call(&alone).code(0).json();
+    let last: f64 = lines[2].split(',').nth(5).expect("a column").parse().expect("a number");
+    assert_eq!(alone["final"]["positions"]["rod"][0], last);
+}
+
+#[test]
+fn what_cannot_be_swept_is_a_wrong_call() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let wrong = |over: &str| bench.call(&["sweep", "scale.toml", "--over", over]).code(2).err;
+    assert!(wrong("pan.mas=1:2:3").contains("did you mean `mass`?"));
+    assert!(wrong("pan.mass=1:2").contains("from:to:count"));
+    assert!(wrong("pan.mass=1:2:9999999999").contains("number of cases"));
+    // Some of them may fail.
+    let some = bench.call(&["sweep", "scale.toml", "--over", "pan.mass=-1,1"]).code(1);
+    assert!(some.out.contains("failed: ") && some.out.contains("1 of 2 cases failed"), "{some:#?}");
+    let piped = Answer::of(bench.command(&["sweep", "-", "--over", "pan.mass=1,2"]).write_stdin(SCALE)).code(0);
+    assert!(piped.out.contains("2 cases"));
+}
