@@ -4,8 +4,10 @@ pub mod point;
 pub mod variation;
 
 use crate::model::{Joint, Link, Model};
+use crate::spatial::fused::{cross, product, scale_add, times};
 use crate::spatial::{Pose, Sym3};
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use variation::LinkAcceleration;
 
 /// Positions and velocities of all links, inertial axes. `links[0]` is the ground.
 #[derive(Debug, Clone)]
@@ -56,6 +58,12 @@ impl LinkMotion {
         inertia: Sym3::ZERO,
     };
 
+    /// `γ`: what the velocities add to the acceleration across the hinge.
+    #[inline(always)]
+    pub fn velocity_terms(&self) -> LinkAcceleration {
+        LinkAcceleration { linear: self.bias, angular: self.angular_bias }
+    }
+
     /// `world_from_link` as a pose.
     pub fn pose(&self) -> Pose {
         let turn = nalgebra::Rotation3::from_matrix_unchecked(self.turn);
@@ -98,8 +106,8 @@ impl Motion {
 /// The relations of section 2 of the method: one hinge and the body outboard of it.
 #[inline(always)]
 fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], own: &mut LinkMotion) {
-    let mut turn = if link.straight { parent.turn } else { parent.turn * link.turn };
-    let mut arm = parent.turn * link.offset;
+    let mut turn = if link.straight { parent.turn } else { product(&parent.turn, &link.turn) };
+    let mut arm = times(&parent.turn, &link.offset);
     let w = parent.angular_velocity;
     let mut axis = Vector3::zeros();
     let (mut slip, mut spin) = (Vector3::zeros(), Vector3::zeros());
@@ -111,16 +119,16 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], own: &mut Li
             spin = axis * v[link.velocity];
         }
         Joint::Slide { axis: local } => {
-            axis = turn * local;
-            arm += axis * q[link.position];
+            axis = times(&turn, local);
+            arm = scale_add(q[link.position], &axis, &arm);
             slip = axis * v[link.velocity];
         }
         Joint::Ball { .. } => {
-            turn *= hinge_from_link(&q[link.position..link.position + 4]);
-            spin = turn * Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]);
+            turn = product(&turn, &hinge_from_link(&q[link.position..link.position + 4]));
+            spin = times(&turn, &Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]));
         }
     }
-    let swing = w.cross(&arm);
+    let swing = cross(&w, &arm);
     own.turn = turn;
     own.position = parent.position + arm;
     own.velocity = parent.velocity + swing + slip;
@@ -128,9 +136,9 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], own: &mut Li
     own.arm = arm;
     own.axis = axis;
     own.relative = slip + spin;
-    own.bias = w.cross(&(swing + 2.0 * slip));
-    own.angular_bias = w.cross(&spin);
-    own.center = turn * link.center;
+    own.bias = cross(&w, &(swing + 2.0 * slip));
+    own.angular_bias = cross(&w, &spin);
+    own.center = times(&turn, &link.center);
     own.inertia = link.principal.turned(&turn);
 }
 
@@ -139,8 +147,8 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], own: &mut Li
 fn turned_about_z(turn: &mut Matrix3<f64>, angle: f64) {
     let (s, c) = angle.sin_cos();
     let (x, y) = (turn.column(0).into_owned(), turn.column(1).into_owned());
-    turn.set_column(0, &(c * x + s * y));
-    turn.set_column(1, &(c * y - s * x));
+    turn.set_column(0, &scale_add(s, &y, &(c * x)));
+    turn.set_column(1, &scale_add(-s, &x, &(c * y)));
 }
 
 /// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.

@@ -1,6 +1,7 @@
 //! A moment of inertia in principal axes: what turning it costs least in.
 
 use super::Sym3;
+use super::fused::times;
 use nalgebra::{Matrix3, Vector3};
 
 /// `J = middle 1 + Σ excess u uᵀ` over the axes of the least and the largest moment: turning it turns two axes instead
@@ -35,12 +36,12 @@ impl Principal {
     }
 
     /// `R J Rᵀ`.
-    #[inline]
+    #[inline(always)]
     pub fn turned(&self, turn: &Matrix3<f64>) -> Sym3 {
         let mut sum = Sym3::scalar(self.middle);
-        sum += Sym3::outer(self.excess[0], turn * self.axes[0]);
+        sum.add_outer(self.excess[0], &times(turn, &self.axes[0]));
         if self.excess[1] != 0.0 {
-            sum += Sym3::outer(self.excess[1], turn * self.axes[1]);
+            sum.add_outer(self.excess[1], &times(turn, &self.axes[1]));
         }
         sum
     }

@@ -6,9 +6,10 @@ mod way;
 use super::element::{Reduced, bias, moment_in_link_axes};
 use super::plan::{Place, To, plan};
 use super::{LinkAcceleration, accelerate, along, inboard};
-use crate::model::{Joint, Model};
-use crate::motion::Motion;
+use crate::model::{Joint, Link, Model};
+use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
+use crate::spatial::fused::{dot_add, times, transposed_times};
 use ball::{Ball, Pivot};
 use nalgebra::Vector3;
 
@@ -118,53 +119,41 @@ impl Reduction {
             } else if let Some(join) = place.join {
                 carried.add(&std::mem::take(&mut self.joins[join as usize]));
             }
-            let Carried { S, e } = &mut carried;
-            if !place.is_massless {
-                S.add_body(link.mass, &at.center, &at.inertia);
-                *e += bias(link.mass, &model.gravity, at);
-            }
-            if let Some(applied) = load.applied.get(index) {
-                *e = *e - *applied;
-            }
+            let applied = load.applied.get(index);
             let failed = |pivot| Singular { link: index, pivot };
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn => {
-                    let SH = Wrench { force: S.fm * at.axis, moment: S.mm * at.axis };
-                    let armature = model.coordinates[link.velocity].armature;
-                    let D = at.axis.dot(&SH.moment) + armature;
-                    *left = One::of(SH, D, S.mm.trace()).map_err(failed)?;
-                    left.u = load.tau[link.velocity] - at.axis.dot(&e.moment);
-                }
-                Joint::Slide { .. } => {
-                    let SH = Wrench { force: S.ff * at.axis, moment: S.fm.tr_mul(&at.axis) };
-                    let armature = model.coordinates[link.velocity].armature;
-                    let D = at.axis.dot(&SH.force) + armature;
-                    *left = One::of(SH, D, S.ff.trace()).map_err(failed)?;
-                    left.u = load.tau[link.velocity] - at.axis.dot(&e.force);
+            let across = match link.joint {
+                Joint::None => carried,
+                Joint::Turn | Joint::Slide { .. } => {
+                    let here = carried.with_body(link, at, &model.gravity, applied);
+                    let (armature, tau) = (model.coordinates[link.velocity].armature, load.tau[link.velocity]);
+                    let one = match link.joint {
+                        Joint::Turn => One::turn(&here.S, &at.axis, armature, tau, &here.e),
+                        _ => One::slide(&here.S, &at.axis, armature, tau, &here.e),
+                    };
+                    let one = one.map_err(failed)?;
+                    *left = one;
+                    if matches!(place.to, To::Ground) {
+                        continue;
+                    }
+                    one.across(here.S, here.e, at)
                 }
                 Joint::Ball { .. } => {
+                    let here = carried.with_body(link, at, &model.gravity, applied);
                     let ball = &mut self.balls[place.ball as usize];
                     let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
-                    let (eliminated, across) = ball::eliminate(model, link, at, S, pivot).map_err(failed)?;
+                    let (eliminated, across) = ball::eliminate(model, link, at, &here.S, pivot).map_err(failed)?;
                     *ball = eliminated;
                     let tau = three(load.tau, link.velocity);
-                    let applied = load.applied.get(index).map_or(Vector3::zeros(), |wrench| wrench.moment);
+                    let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
                     let own = || moment_in_link_axes(link, &model.gravity, at) - at.turn.tr_mul(&applied);
-                    let passed = ball.load(at, &tau, e, own);
-                    *S = across;
-                    *e = passed;
+                    let passed = ball.load(at, &tau, &here.e, own);
+                    Carried { e: passed + across.times(&at.velocity_terms()), S: across }
                 }
-            }
+            };
             if matches!(place.to, To::Ground) {
                 continue;
             }
-            if !matches!(link.joint, Joint::Ball { .. }) {
-                S.downdate(&left.SH, left.inverse);
-                *e += left.SH.times(left.inverse * left.u);
-            }
-            *e += S.times(&LinkAcceleration { linear: at.bias, angular: at.angular_bias });
-            carried = Carried { S: S.shifted(&at.arm), e: e.shifted(at.arm) };
+            carried = Carried { S: across.S.shifted(&at.arm), e: across.e.shifted(at.arm) };
             if let To::Join(join) = place.to {
                 self.joins[join as usize].add(&carried);
             }
@@ -186,7 +175,7 @@ impl Reduction {
                 Joint::Turn | Joint::Slide { .. } => {
                     let left = &mut self.hinges[index];
                     left.u = load.tau[link.velocity] - along(&link.joint, &at.axis, &e);
-                    e += left.SH.times(left.inverse * left.u);
+                    e.add_times(left.inverse * left.u, &left.SH);
                 }
                 Joint::Ball { .. } => {
                     let ball = &mut self.balls[self.plan[index].ball as usize];
@@ -200,23 +189,28 @@ impl Reduction {
     /// Root → tips: eq. (8).
     #[inline(always)]
     fn outward<const BIAS: bool>(&mut self, model: &Model, motion: &Motion, hinge: &mut [f64]) {
-        self.a[0] = LinkAcceleration::default();
+        let mut before = LinkAcceleration::default();
+        self.a[0] = before;
         let links = model.links.iter().zip(&motion.links).zip(&self.hinges);
         for (index, ((link, at), left)) in links.enumerate().skip(1) {
-            let mut a = inboard(at, &self.a[link.parent], BIAS);
+            // Along a chain the parent's acceleration is still in registers.
+            let parent = if link.parent + 1 == index { before } else { self.a[link.parent] };
+            let mut a = inboard(at, &parent, BIAS);
             match link.joint {
                 Joint::None => {}
                 Joint::Turn | Joint::Slide { .. } => {
-                    let resisted = left.SH.force.dot(&a.linear) + left.SH.moment.dot(&a.angular);
-                    hinge[link.velocity] = left.inverse * (left.u - resisted);
+                    let free = dot_add(&-left.SH.moment, &a.angular, left.u);
+                    hinge[link.velocity] = left.inverse * dot_add(&-left.SH.force, &a.linear, free);
                 }
                 Joint::Ball { .. } => {
-                    let relative = self.balls[self.plan[index].ball as usize].solve(link, at, &a);
+                    let seen = a;
+                    let relative = self.balls[self.plan[index].ball as usize].solve(link, at, &seen);
                     hinge[link.velocity..link.velocity + 3].copy_from_slice(relative.as_slice());
                 }
             }
             accelerate(link, at, hinge, &mut a);
             self.a[index] = a;
+            before = a;
         }
     }
 
@@ -240,18 +234,55 @@ impl Reduction {
 }
 
 impl One {
+    /// Eqs. (5) and (6) for a turn; on failure the pivot.
+    #[inline(always)]
+    fn turn(S: &Reduced, axis: &Vector3<f64>, armature: f64, tau: f64, e: &Wrench) -> Result<Self, f64> {
+        let SH = Wrench { force: times(&S.fm, axis), moment: S.mm * *axis };
+        let D = dot_add(axis, &SH.moment, armature);
+        Self::of(SH, D, S.mm.trace(), dot_add(&-axis, &e.moment, tau))
+    }
+
+    /// The same for a slide.
+    #[inline(always)]
+    fn slide(S: &Reduced, axis: &Vector3<f64>, armature: f64, tau: f64, e: &Wrench) -> Result<Self, f64> {
+        let SH = Wrench { force: S.ff * *axis, moment: transposed_times(&S.fm, axis) };
+        let D = dot_add(axis, &SH.force, armature);
+        Self::of(SH, D, S.ff.trace(), dot_add(&-axis, &e.force, tau))
+    }
+
     /// On failure the pivot: below round-off of what the hinge could see, or not finite.
-    #[inline]
-    fn of(SH: Wrench, D: f64, seen: f64) -> Result<Self, f64> {
+    #[inline(always)]
+    fn of(SH: Wrench, D: f64, seen: f64, u: f64) -> Result<Self, f64> {
         if !(D > SINGULAR * seen && D.is_finite()) {
             return Err(D);
         }
-        Ok(Self { SH, inverse: 1.0 / D, u: 0.0 })
+        Ok(Self { SH, inverse: 1.0 / D, u })
+    }
+
+    /// Eqs. (5) and (6): `S'` and `e'`. `S' γ` is summed on its own: `e` is what the next link waits for.
+    #[inline(always)]
+    fn across(&self, mut S: Reduced, e: Wrench, at: &LinkMotion) -> Carried {
+        S.downdate(&self.SH, self.inverse);
+        let mut e = e + S.times(&at.velocity_terms());
+        e.add_times(self.inverse * self.u, &self.SH);
+        Carried { S, e }
     }
 }
 
 impl Carried {
-    #[inline]
+    /// With what the link itself adds by eq. (1).
+    #[inline(always)]
+    fn with_body(&self, link: &Link, at: &LinkMotion, gravity: &Vector3<f64>, applied: Option<&Wrench>) -> Self {
+        let mut sum = *self;
+        sum.S.add_body(link.mass, &at.center, &at.inertia);
+        sum.e += bias(link.mass, gravity, at);
+        if let Some(applied) = applied {
+            sum.e = sum.e - *applied;
+        }
+        sum
+    }
+
+    #[inline(always)]
     fn add(&mut self, other: &Self) {
         self.S.add(&other.S);
         self.e += other.e;
