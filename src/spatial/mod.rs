@@ -5,6 +5,7 @@
 
 pub mod fused;
 pub mod principal;
+pub mod quad;
 pub mod rotation;
 pub mod sym3;
 

@@ -1,16 +1,18 @@
 //! The reduction: a factorization of the tree, and solutions with it.
 
 mod ball;
+mod carried;
 mod way;
 
-use super::element::{Reduced, bias, moment_in_link_axes};
+use super::element::moment_in_link_axes;
 use super::plan::{Place, To, plan};
 use super::{LinkAcceleration, accelerate, along, inboard};
-use crate::model::{Joint, Link, Model};
-use crate::motion::{LinkMotion, Motion};
+use crate::model::{Joint, Model};
+use crate::motion::Motion;
 use crate::spatial::Wrench;
-use crate::spatial::fused::{dot_add, times, transposed_times};
+use crate::spatial::fused::dot_add;
 use ball::{Ball, Pivot};
+use carried::Carried;
 use nalgebra::Vector3;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
@@ -39,13 +41,6 @@ struct One {
     SH: Wrench,
     inverse: f64,
     u: f64,
-}
-
-/// What a link passes on to its parent: `X(d)ᵀ S' X(d)` and `X(d)ᵀ e'`. Kept in registers along a chain.
-#[derive(Debug, Clone, Copy, Default)]
-struct Carried {
-    S: Reduced,
-    e: Wrench,
 }
 
 /// A hinge whose acceleration is not determined.
@@ -119,41 +114,43 @@ impl Reduction {
             } else if let Some(join) = place.join {
                 carried.add(&std::mem::take(&mut self.joins[join as usize]));
             }
+            let mut here = carried.with_body(link, at, &model.gravity);
             let applied = load.applied.get(index);
+            if let Some(applied) = applied {
+                here = here.loaded(applied);
+            }
             let failed = |pivot| Singular { link: index, pivot };
-            let across = match link.joint {
-                Joint::None => carried,
+            let to_ground = matches!(place.to, To::Ground);
+            carried = match link.joint {
+                Joint::None => here,
                 Joint::Turn | Joint::Slide { .. } => {
-                    let here = carried.with_body(link, at, &model.gravity, applied);
                     let (armature, tau) = (model.coordinates[link.velocity].armature, load.tau[link.velocity]);
                     let one = match link.joint {
-                        Joint::Turn => One::turn(&here.S, &at.axis, armature, tau, &here.e),
-                        _ => One::slide(&here.S, &at.axis, armature, tau, &here.e),
+                        Joint::Turn => here.turn(&at.axis, armature, tau),
+                        _ => here.slide(&at.axis, armature, tau),
                     };
                     let one = one.map_err(failed)?;
-                    *left = one;
-                    if matches!(place.to, To::Ground) {
+                    *left = one.one();
+                    if to_ground {
                         continue;
                     }
-                    one.across(here.S, here.e, at)
+                    here.without(&one).shifted(at)
                 }
                 Joint::Ball { .. } => {
-                    let here = carried.with_body(link, at, &model.gravity, applied);
                     let ball = &mut self.balls[place.ball as usize];
                     let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
-                    let (eliminated, across) = ball::eliminate(model, link, at, &here.S, pivot).map_err(failed)?;
+                    let (eliminated, across) = ball::eliminate(model, link, at, &here.matrix(), pivot).map_err(failed)?;
                     *ball = eliminated;
                     let tau = three(load.tau, link.velocity);
                     let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
                     let own = || moment_in_link_axes(link, &model.gravity, at) - at.turn.tr_mul(&applied);
-                    let passed = ball.load(at, &tau, &here.e, own);
-                    Carried { e: passed + across.times(&at.velocity_terms()), S: across }
+                    let passed = ball.load(at, &tau, &here.vector(), own);
+                    if to_ground {
+                        continue;
+                    }
+                    Carried::of(&across, &passed).shifted(at)
                 }
             };
-            if matches!(place.to, To::Ground) {
-                continue;
-            }
-            carried = Carried { S: across.S.shifted(&at.arm), e: across.e.shifted(at.arm) };
             if let To::Join(join) = place.to {
                 self.joins[join as usize].add(&carried);
             }
@@ -230,62 +227,6 @@ impl Reduction {
                 }
             }
         }
-    }
-}
-
-impl One {
-    /// Eqs. (5) and (6) for a turn; on failure the pivot.
-    #[inline(always)]
-    fn turn(S: &Reduced, axis: &Vector3<f64>, armature: f64, tau: f64, e: &Wrench) -> Result<Self, f64> {
-        let SH = Wrench { force: times(&S.fm, axis), moment: S.mm * *axis };
-        let D = dot_add(axis, &SH.moment, armature);
-        Self::of(SH, D, S.mm.trace(), dot_add(&-axis, &e.moment, tau))
-    }
-
-    /// The same for a slide.
-    #[inline(always)]
-    fn slide(S: &Reduced, axis: &Vector3<f64>, armature: f64, tau: f64, e: &Wrench) -> Result<Self, f64> {
-        let SH = Wrench { force: S.ff * *axis, moment: transposed_times(&S.fm, axis) };
-        let D = dot_add(axis, &SH.force, armature);
-        Self::of(SH, D, S.ff.trace(), dot_add(&-axis, &e.force, tau))
-    }
-
-    /// On failure the pivot: below round-off of what the hinge could see, or not finite.
-    #[inline(always)]
-    fn of(SH: Wrench, D: f64, seen: f64, u: f64) -> Result<Self, f64> {
-        if !(D > SINGULAR * seen && D.is_finite()) {
-            return Err(D);
-        }
-        Ok(Self { SH, inverse: 1.0 / D, u })
-    }
-
-    /// Eqs. (5) and (6): `S'` and `e'`. `S' γ` is summed on its own: `e` is what the next link waits for.
-    #[inline(always)]
-    fn across(&self, mut S: Reduced, e: Wrench, at: &LinkMotion) -> Carried {
-        S.downdate(&self.SH, self.inverse);
-        let mut e = e + S.times(&at.velocity_terms());
-        e.add_times(self.inverse * self.u, &self.SH);
-        Carried { S, e }
-    }
-}
-
-impl Carried {
-    /// With what the link itself adds by eq. (1).
-    #[inline(always)]
-    fn with_body(&self, link: &Link, at: &LinkMotion, gravity: &Vector3<f64>, applied: Option<&Wrench>) -> Self {
-        let mut sum = *self;
-        sum.S.add_body(link.mass, &at.center, &at.inertia);
-        sum.e += bias(link.mass, gravity, at);
-        if let Some(applied) = applied {
-            sum.e = sum.e - *applied;
-        }
-        sum
-    }
-
-    #[inline(always)]
-    fn add(&mut self, other: &Self) {
-        self.S.add(&other.S);
-        self.e += other.e;
     }
 }
 

@@ -1,6 +1,7 @@
 //! A ball, eliminated.
 
-use super::{LinkAcceleration, Reduced, SINGULAR};
+use super::{LinkAcceleration, SINGULAR};
+use crate::transfer::element::Reduced;
 use crate::model::{Link, Model};
 use crate::motion::LinkMotion;
 use crate::spatial::{Sym3, Wrench};
