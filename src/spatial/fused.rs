@@ -27,11 +27,7 @@ pub fn dot_add(a: &Vector3<f64>, b: &Vector3<f64>, c: f64) -> f64 {
 /// `a × b`.
 #[inline(always)]
 pub fn cross(a: &Vector3<f64>, b: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(
-        fma(a.y, b.z, -(a.z * b.y)),
-        fma(a.z, b.x, -(a.x * b.z)),
-        fma(a.x, b.y, -(a.y * b.x)),
-    )
+    Vector3::new(fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)), fma(a.x, b.y, -(a.y * b.x)))
 }
 
 /// `a × b + c`.
@@ -84,9 +80,5 @@ pub fn transposed_times(m: &Matrix3<f64>, a: &Vector3<f64>) -> Vector3<f64> {
 #[inline(always)]
 pub fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
     let column = |x, y, z| times(a, &Vector3::new(x, y, z));
-    Matrix3::from_columns(&[
-        column(b.m11, b.m21, b.m31),
-        column(b.m12, b.m22, b.m32),
-        column(b.m13, b.m23, b.m33),
-    ])
+    Matrix3::from_columns(&[column(b.m11, b.m21, b.m31), column(b.m12, b.m22, b.m32), column(b.m13, b.m23, b.m33)])
 }

@@ -86,6 +86,13 @@ impl Quad {
         Self(self.yzx().0.mul_sub(b.zxy().0, subtracted.0))
     }
 
+    /// `x², y², z²` and `xy, xz, yz`.
+    #[inline(always)]
+    pub fn squares(self) -> (Self, Self) {
+        let [x, y, z, rest] = self.0.to_array();
+        (self * self, Self(f64x4::new([x, x, y, rest])) * Self(f64x4::new([y, z, z, rest])))
+    }
+
     /// `self · b` as a number.
     #[inline(always)]
     pub fn dot(self, b: Self) -> f64 {

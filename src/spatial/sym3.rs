@@ -83,9 +83,8 @@ impl Sym3 {
     #[inline]
     pub fn turned(&self, turn: &Matrix3<f64>) -> Self {
         let t = product(turn, &self.matrix());
-        let entry = |i: usize, j: usize| {
-            fma(t[(i, 2)], turn[(j, 2)], fma(t[(i, 1)], turn[(j, 1)], t[(i, 0)] * turn[(j, 0)]))
-        };
+        let entry =
+            |i: usize, j: usize| fma(t[(i, 2)], turn[(j, 2)], fma(t[(i, 1)], turn[(j, 1)], t[(i, 0)] * turn[(j, 0)]));
         Self { xx: entry(0, 0), yy: entry(1, 1), zz: entry(2, 2), xy: entry(0, 1), xz: entry(0, 2), yz: entry(1, 2) }
     }
 

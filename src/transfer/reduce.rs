@@ -139,7 +139,8 @@ impl Reduction {
                 Joint::Ball { .. } => {
                     let ball = &mut self.balls[place.ball as usize];
                     let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
-                    let (eliminated, across) = ball::eliminate(model, link, at, &here.matrix(), pivot).map_err(failed)?;
+                    let (eliminated, across) =
+                        ball::eliminate(model, link, at, &here.matrix(), pivot).map_err(failed)?;
                     *ball = eliminated;
                     let tau = three(load.tau, link.velocity);
                     let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);

@@ -24,7 +24,7 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 12] = [
+const FOREIGN: [(&str, &[&str]); 13] = [
     ("toml", &["scenario"]),
     ("exmex", &["model"]),
     ("annotate_snippets", &["scenario"]),
@@ -37,6 +37,7 @@ const FOREIGN: [(&str, &[&str]); 12] = [
     ("csv", &["cli"]),
     ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics", "simulate"]),
+    ("wide", &["spatial", "motion"]),
 ];
 
 /// A file longer than this is more than one can hold in the head.
