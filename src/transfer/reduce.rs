@@ -7,8 +7,8 @@ mod way;
 use super::element::moment_in_link_axes;
 use super::plan::{Place, To, plan};
 use super::{LinkAcceleration, accelerate, along, inboard};
-use crate::model::{Joint, Model};
-use crate::motion::Motion;
+use crate::model::{Joint, Link, Model};
+use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::spatial::fused::dot_add;
 use ball::{Ball, Pivot};
@@ -114,8 +114,16 @@ impl Reduction {
             } else if let Some(join) = place.join {
                 carried.add(&std::mem::take(&mut self.joins[join as usize]));
             }
-            let mut here = carried.with_body(link, at, &model.gravity);
             let applied = load.applied.get(index);
+            if place.translates {
+                carried = translate(model, (link, at), place.is_massless, applied, &carried, load.tau, left)
+                    .map_err(|pivot| Singular { link: index, pivot })?;
+                if let To::Join(join) = place.to {
+                    self.joins[join as usize].add(&carried);
+                }
+                continue;
+            }
+            let mut here = carried.with_body(link, at, &model.gravity);
             if let Some(applied) = applied {
                 here = here.loaded(applied);
             }
@@ -229,6 +237,31 @@ impl Reduction {
             }
         }
     }
+}
+
+/// Eqs. (5) to (7) for a link that can only translate: what it and the links below it feel of `S` and `e` is `ff` and the
+/// force. (A floating base is three of these and a ball.)
+#[inline(always)]
+fn translate(
+    model: &Model,
+    (link, at): (&Link, &LinkMotion),
+    is_massless: bool,
+    applied: Option<&Wrench>,
+    carried: &Carried,
+    tau: &[f64],
+    left: &mut One,
+) -> Result<Carried, f64> {
+    let mut here = *carried;
+    if !is_massless {
+        here = here.with_body(link, at, &model.gravity);
+    }
+    if let Some(applied) = applied {
+        here = here.loaded(applied);
+    }
+    let (armature, tau) = (model.coordinates[link.velocity].armature, tau[link.velocity]);
+    let one = here.translation(&at.axis, armature, tau)?;
+    *left = one.one();
+    Ok(here.without_force(&one))
 }
 
 #[inline]

@@ -93,6 +93,21 @@ impl Carried {
         Left::of(force, moment, n.dot(force) + armature, self.ff.trace(), tau - n.dot(self.force))
     }
 
+    /// The same for a slide below which nothing turns: the moments do not count.
+    #[inline(always)]
+    pub(super) fn translation(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
+        let (n, force) = (Quad::of(axis), self.ff.times(axis));
+        Left::of(force, Quad::default(), n.dot(force) + armature, self.ff.trace(), tau - n.dot(self.force))
+    }
+
+    /// `S'` and `e'` of such a slide: the force part alone.
+    #[inline(always)]
+    pub(super) fn without_force(&self, left: &Left) -> Self {
+        let (f, step) = (left.force, Quad::all(left.inverse * left.u));
+        let ff = self.ff.minus_outer(Quad::all(left.inverse), f, f);
+        Self { ff, force: step.times_add(f, self.force), ..Self::default() }
+    }
+
     /// `S'` and `e'` without the velocity terms, eqs. (5) and (6).
     #[inline(always)]
     pub(super) fn without(&self, left: &Left) -> Self {
