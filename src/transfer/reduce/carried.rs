@@ -4,7 +4,7 @@ use super::{One, SINGULAR};
 use crate::model::Link;
 use crate::motion::LinkMotion;
 use crate::spatial::quad::{Columns, Quad, wrench};
-use crate::spatial::{Sym3, Wrench};
+use crate::spatial::Wrench;
 use crate::transfer::element::Reduced;
 use nalgebra::Vector3;
 
