@@ -73,9 +73,11 @@
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
 //! | [`simulate`] | the time loop, the energy ledger, the rest proof |
+//! | [`import`] | models of other programs (URDF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
 //! | [`suggest`] | “did you mean …?” |
+//! | [`text_file`] | reading text, with a limit |
 //!
 //! SI units and radians everywhere; `world_from_body` is a pose that takes body axes to inertial ones; quaternions are
 //! w, x, y, z. Errors name the element, the value and what is allowed.
@@ -84,6 +86,7 @@ pub mod cli;
 pub mod constraint;
 pub mod dynamics;
 pub mod forces;
+pub mod import;
 pub mod integrate;
 pub mod model;
 pub mod motion;
@@ -93,4 +96,5 @@ pub mod simulate;
 pub mod spatial;
 pub mod statics;
 pub mod suggest;
+pub mod text_file;
 pub mod transfer;

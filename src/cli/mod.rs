@@ -3,6 +3,7 @@
 mod bench;
 mod check;
 mod compare;
+mod convert;
 mod inspect;
 mod json;
 mod output;
@@ -89,6 +90,10 @@ enum Command {
     ///
     /// Example: stillpoint view hanging_chain.mcap --save hanging_chain.rrd
     View(view::Arguments),
+    /// Turn a model of another program (URDF) into a scenario; what is not taken over is listed line by line
+    ///
+    /// Example: stillpoint convert robot.urdf -o robot.toml
+    Convert(convert::Arguments),
     /// Validate scenario files
     ///
     /// Example: stillpoint check scenarios/*.toml
@@ -140,6 +145,7 @@ pub fn main(memory: fn() -> Memory) -> ExitCode {
         Command::Inspect(arguments) => inspect::main(&arguments),
         Command::Bench(arguments) => bench::main(&arguments, memory),
         Command::View(arguments) => view::main(&arguments),
+        Command::Convert(arguments) => convert::main(&arguments),
         Command::Check(arguments) => check::main(&arguments),
         Command::Schema => output::print(&format!("{:#}", crate::scenario::schema())).map(|()| Exit::Done),
     };

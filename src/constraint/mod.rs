@@ -27,7 +27,7 @@ mod rows;
 
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
-use crate::model::{Joint, Model, Scalar};
+use crate::model::{End, Joint, Model, Scalar};
 use crate::motion::variation::{LinkAcceleration, LinkVariation};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
@@ -39,7 +39,8 @@ pub(crate) use close::ROUND_OFF;
 use envelope::Envelope;
 use nalgebra::Vector3;
 use plan::Plan;
-use row::{Ends, Placed, Rule, place_motion, power};
+pub(crate) use row::Rule;
+use row::{Ends, Placed, place_motion, power};
 use rows::Held;
 pub use rows::{Element, Owner};
 
@@ -67,6 +68,16 @@ pub struct Constraints {
     multipliers: Vec<f64>,
     /// (s)
     time: f64,
+}
+
+/// An independent row apart from the tree: for equations in other coordinates.
+pub(crate) struct IndependentRow {
+    /// Its condition.
+    pub(crate) rule: Rule,
+    /// Both ends, of a loop.
+    pub(crate) ends: Option<[End; 2]>,
+    /// What a sum of coordinates has to be.
+    pub(crate) target: f64,
 }
 
 /// What a rate of the rows is made of.
@@ -155,6 +166,17 @@ impl Constraints {
     /// inertia: 0 in a singular position.
     pub(crate) fn clearance(&self) -> f64 {
         self.matrix.smallest_pivot().sqrt()
+    }
+
+    /// The rows that are solved for, in their order, drives where they are now.
+    pub(crate) fn independent_rows(&self, model: &Model) -> Vec<IndependentRow> {
+        let of_group = |group: &plan::Group| {
+            let element = &self.elements[group.element];
+            let target = element.target(model, self.time).position;
+            let row = |row: &usize| IndependentRow { rule: self.rules[*row], ends: element.ends, target };
+            group.rows.iter().map(row).collect::<Vec<_>>()
+        };
+        self.plan.groups.iter().flat_map(of_group).collect()
     }
 
     /// Number of rows that are solved for.

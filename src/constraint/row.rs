@@ -26,7 +26,7 @@ use nalgebra::Vector3;
 
 /// The condition of a row.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Rule {
+pub(crate) enum Rule {
     /// The second end stays in a plane of the first link.
     Along {
         /// Normal of the plane, axes of the first link.

@@ -46,9 +46,17 @@ impl System<'_> {
     /// # Errors
     /// The element whose numbers are not finite.
     pub fn static_stiffness(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
+        self.steady_stiffness(q, &vec![0.0; self.model.velocity_count()])
+    }
+
+    /// The same in a steady motion with velocities `v`.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn steady_stiffness(&mut self, q: &[f64], v: &[f64]) -> Result<Mat<f64>, Fault> {
         let rest = vec![0.0; self.model.velocity_count()];
         let mut residual = rest.clone();
-        self.residual(q, &rest, &rest, &mut residual)?;
+        self.residual(q, v, &rest, &mut residual)?;
         Ok(self.columns(q, &rest, Of::Position))
     }
 

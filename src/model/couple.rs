@@ -58,7 +58,7 @@ pub struct Gear {
     pub coordinates: [Scalar; 2],
     /// `dq₁/dq₂` (1, m/rad).
     pub ratio: f64,
-    /// From the positions as they are given.
+    /// As given, or from the positions as they are given.
     pub offset: f64,
 }
 
@@ -119,6 +119,10 @@ pub(super) fn check(description: &Description, problems: &mut Vec<Problem>) {
         if !value.is_finite() || value == 0.0 {
             let message = format!("`{field}` of `{}` is {value}", gear.name);
             add(Element::Gear(index), field, message, "allowed: a finite number that is not zero");
+        }
+        if let Some(offset) = gear.offset.filter(|offset| !offset.is_finite()) {
+            let message = format!("`offset` of `{}` is {offset}", gear.name);
+            add(Element::Gear(index), "offset", message, "allowed: a finite number");
         }
     }
 }
@@ -293,6 +297,8 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
 }
 
 fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Problem>) {
+    // Gears whose first coordinate starts where they have it.
+    let mut followers: Vec<usize> = Vec::new();
     for (index, gear) in description.gears.iter().enumerate() {
         let element = Element::Gear(index);
         let mut found = Vec::new();
@@ -323,7 +329,7 @@ fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Proble
         }
         let ratio = gear.kind.factor();
         let at = |scalar: &Scalar| model.start_position[scalar.position];
-        let offset = at(&first) - ratio * at(&second);
+        let offset = gear.offset.unwrap_or_else(|| at(&first) - ratio * at(&second));
         if model
             .gears
             .iter()
@@ -339,6 +345,17 @@ fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Proble
             add(message, "two coordinates have one ratio");
         }
         model.gears.push(Gear { name: gear.name.clone(), coordinates: [first, second], ratio, offset });
+        let own = description.bodies.iter().find(|body| body.name == gear.between[0].body);
+        if gear.offset.is_some() && own.is_some_and(|body| body.hinge.position.is_empty()) {
+            followers.push(model.gears.len() - 1);
+        }
+    }
+    // One may follow another that follows: as many rounds as there are of them.
+    for _ in 0..followers.len() {
+        for index in &followers {
+            let Gear { coordinates: [first, second], ratio, offset, .. } = model.gears[*index];
+            model.start_position[first.position] = ratio * model.start_position[second.position] + offset;
+        }
     }
 }
 

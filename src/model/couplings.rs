@@ -105,7 +105,7 @@ pub enum MotionDescription {
     },
 }
 
-/// A fixed ratio between two coordinates: `q₁ − q₁(0) = ratio (q₂ − q₂(0))`.
+/// A fixed ratio between two coordinates: `q₁ = ratio q₂ + offset`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GearDescription {
     /// Unique name; scenario files without one get `gear[i]`.
@@ -114,6 +114,9 @@ pub struct GearDescription {
     pub between: [CoordinateName; 2],
     /// What they have in common.
     pub kind: GearKind,
+    /// The first where the second is zero (m or rad); `None`: they are engaged in the given positions. With an offset a
+    /// first coordinate whose position is not given starts where the gear has it.
+    pub offset: Option<f64>,
 }
 
 /// Kinds of gears.

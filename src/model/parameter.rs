@@ -7,10 +7,14 @@
 //! | `upper.force`, `upper.stiffness`, `upper.rest`, `upper.position` | what acts in its hinge, and where that stands |
 //! | `strut.length`, `strut.stiffness` | a spring's free length and stiffness; `mount.stiffness[3]` of a bushing |
 //! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
+//! | `left link.length`, `engine.rate` | a rod's length, the rate of a drive |
 //! | `hinge.force` | every hinge |
 //!
 //! Without `[i]` an address stands for all components of its number, and the name of a repeated body for all copies.
 
+mod value;
+
+use super::couplings::{Closure, MotionDescription};
 use super::description::{BodyDescription, Description, ForceDescription, ForceKind, HingeKind};
 use super::problem::Element;
 use crate::suggest::closest;
@@ -34,6 +38,10 @@ pub enum Quantity {
     Mass,
     /// (m/s²)
     Acceleration,
+    /// (m/s)
+    Speed,
+    /// (rad/s)
+    TurnRate,
 }
 
 impl Quantity {
@@ -48,6 +56,8 @@ impl Quantity {
             Self::TurnStiffness => "N m/rad",
             Self::Mass => "kg",
             Self::Acceleration => "m/s²",
+            Self::Speed => "m/s",
+            Self::TurnRate => "rad/s",
         }
     }
 }
@@ -69,12 +79,14 @@ pub enum Field {
     Force,
     /// Torque of a load.
     Torque,
-    /// Free length of a spring.
+    /// Free length of a spring, length of a rod.
     Length,
+    /// Rate of a drive.
+    Rate,
 }
 
 impl Field {
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 9] = [
         Self::Gravity,
         Self::Mass,
         Self::Position,
@@ -83,6 +95,7 @@ impl Field {
         Self::Force,
         Self::Torque,
         Self::Length,
+        Self::Rate,
     ];
 
     /// The key in scenario files.
@@ -96,6 +109,7 @@ impl Field {
             Self::Force => "force",
             Self::Torque => "torque",
             Self::Length => "length",
+            Self::Rate => "rate",
         }
     }
 }
@@ -165,72 +179,6 @@ impl Parameter {
     pub fn component(&self) -> usize {
         self.index
     }
-
-    /// Its value.
-    pub fn value(&self, description: &Description) -> f64 {
-        let list = |list: &[f64]| list.get(self.index).copied().unwrap_or(0.0);
-        match self.element {
-            Element::Scene => description.gravity[self.index],
-            // Events have no parameters.
-            Element::Event(_) => f64::NAN,
-            Element::Body(body) => {
-                let body = &description.bodies[body];
-                match self.field {
-                    Field::Mass => body.mass.mass,
-                    Field::Position => list(&body.hinge.position),
-                    Field::Rest => list(&body.hinge.rest),
-                    Field::Stiffness => list(&body.hinge.stiffness),
-                    _ => list(&body.hinge.force),
-                }
-            }
-            Element::Force(force) => match (&description.forces[force].kind, self.field) {
-                (ForceKind::Spring { length, .. }, Field::Length) => *length,
-                (ForceKind::Spring { stiffness, .. }, _) => *stiffness,
-                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index],
-                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index],
-                (ForceKind::Load { force, .. }, _) => force[self.index],
-            },
-            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => f64::NAN,
-        }
-    }
-
-    /// Gives it a value; whether that is allowed is told by [`Model::build`](super::Model::build).
-    pub fn set(&self, description: &mut Description, value: f64) {
-        match self.element {
-            Element::Scene => description.gravity[self.index] = value,
-            Element::Event(_) => {}
-            Element::Body(body) => {
-                let body = &mut description.bodies[body];
-                let (positions, velocities) = body.hinge.kind.counts();
-                let quaternion = positions != velocities;
-                let (list, count) = match self.field {
-                    Field::Mass => {
-                        body.mass.mass = value;
-                        return;
-                    }
-                    Field::Position => (&mut body.hinge.position, positions),
-                    Field::Rest => (&mut body.hinge.rest, positions),
-                    Field::Stiffness => (&mut body.hinge.stiffness, velocities),
-                    _ => (&mut body.hinge.force, velocities),
-                };
-                if list.is_empty() {
-                    list.resize(count, 0.0);
-                    if quaternion && count == positions {
-                        list[count - 4] = 1.0;
-                    }
-                }
-                list[self.index] = value;
-            }
-            Element::Force(force) => match (&mut description.forces[force].kind, self.field) {
-                (ForceKind::Spring { length, .. }, Field::Length) => *length = value,
-                (ForceKind::Spring { stiffness, .. }, _) => *stiffness = value,
-                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index] = value,
-                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index] = value,
-                (ForceKind::Load { force, .. }, _) => force[self.index] = value,
-            },
-            Element::Loop(_) | Element::Drive(_) | Element::Gear(_) => {}
-        }
-    }
 }
 
 /// `tip.force[2]` → `tip.force` and 2.
@@ -262,7 +210,10 @@ fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element
     let rest = |name: &str| path.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
     let bodies = description.bodies.iter().enumerate().map(|(i, body)| (Element::Body(i), body.name.as_str()));
     let forces = description.forces.iter().enumerate().map(|(i, force)| (Element::Force(i), force.name.as_str()));
-    let named = bodies.chain(forces).filter_map(|(element, name)| Some((element, rest(name)?)));
+    let loops = description.loops.iter().enumerate().map(|(i, one)| (Element::Loop(i), one.name.as_str()));
+    let drives = description.drives.iter().enumerate().map(|(i, drive)| (Element::Drive(i), drive.name.as_str()));
+    let named =
+        bodies.chain(forces).chain(loops).chain(drives).filter_map(|(element, name)| Some((element, rest(name)?)));
     if let Some((element, key)) = named.min_by_key(|(_, rest)| rest.len()) {
         return Some((vec![element], key));
     }
@@ -283,9 +234,16 @@ fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
-        // What couples coordinates has no parameters.
-        Element::Scene | Element::Loop(_) | Element::Drive(_) | Element::Gear(_) | Element::Event(_) => {
-            return Vec::new();
+        Element::Scene | Element::Gear(_) | Element::Event(_) => return Vec::new(),
+        Element::Loop(index) => {
+            let closed = &description.loops[index];
+            let rod = matches!(closed.closure, Closure::Rod { .. }) && field == Field::Length;
+            (&closed.name, if rod { vec![Quantity::Length] } else { Vec::new() })
+        }
+        Element::Drive(index) => {
+            let drive = &description.drives[index];
+            let steady = matches!(drive.motion, MotionDescription::Rate { .. }) && field == Field::Rate;
+            (&drive.name, if steady { vec![of_rate(description, &drive.coordinate)] } else { Vec::new() })
         }
         Element::Body(index) => {
             let body = &description.bodies[index];
@@ -310,6 +268,12 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     quantities.iter().enumerate().map(one).collect()
 }
 
+fn of_rate(description: &Description, coordinate: &super::couplings::CoordinateName) -> Quantity {
+    let body = description.bodies.iter().find(|body| body.name == coordinate.body);
+    let unit = body.and_then(|body| Some(super::Model::velocity_names(&body.hinge.kind).get(coordinate.index)?.1));
+    if unit == Some("m/s") { Quantity::Speed } else { Quantity::TurnRate }
+}
+
 fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
     let (positions, velocities) = body.hinge.kind.counts();
     let slides = super::Model::velocity_names(&body.hinge.kind).iter().map(|(_, unit)| *unit == "m/s");
@@ -323,7 +287,7 @@ fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
             let count = if positions == velocities { positions } else { positions - 4 };
             pick(Quantity::Length, Quantity::Angle).take(count).collect()
         }
-        Field::Gravity | Field::Torque | Field::Length => Vec::new(),
+        Field::Gravity | Field::Torque | Field::Length | Field::Rate => Vec::new(),
     }
 }
 
@@ -343,7 +307,11 @@ fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
 fn unknown_element(description: &Description, address: &str) -> UnknownAddress {
     let target = address.rsplit_once('.').map_or(address, |(target, _)| target);
     let bodies = description.bodies.iter().map(|body| body.name.as_str());
-    let known = bodies.chain(description.forces.iter().map(|force| force.name.as_str())).chain(["gravity", "hinge"]);
+    let known = bodies
+        .chain(description.forces.iter().map(|force| force.name.as_str()))
+        .chain(description.loops.iter().map(|one| one.name.as_str()))
+        .chain(description.drives.iter().map(|drive| drive.name.as_str()))
+        .chain(["gravity", "hinge"]);
     let help = match closest(target, known) {
         Some(near) => format!("did you mean `{near}`?"),
         None => "a number is addressed as `body.force`, `spring.length` or `gravity[2]`".to_owned(),

@@ -69,7 +69,7 @@ pub(super) fn gear(table: &Reader<'_>, index: usize) -> Option<GearDescription> 
         [first, second] => [coordinate(table, first)?, coordinate(table, second)?],
         _ => return None,
     };
-    Some(GearDescription { name: name(table, "gear", index), between, kind })
+    Some(GearDescription { name: name(table, "gear", index), between, kind, offset: table.number("offset") })
 }
 
 fn coordinate(table: &Reader<'_>, value: Value<'_>) -> Option<CoordinateName> {

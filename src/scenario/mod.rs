@@ -36,9 +36,9 @@ mod force;
 mod hinge;
 mod lower;
 mod mass;
+mod model;
 mod naming;
 mod path;
-mod read;
 mod reader;
 mod settings;
 mod shape;
@@ -48,18 +48,32 @@ pub mod start;
 mod syntax;
 mod unknown;
 
+pub use crate::text_file::{LARGEST_FILE, ReadError};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
+pub use model::convert;
 pub use overrides::{Override, OverrideError};
-pub use read::{LARGEST_FILE, LoadError};
 pub use schema::schema;
 pub use start::{Started, load_start};
 
+use crate::import::Imported;
 use crate::model::{Description, Model, Parameter, Problem};
-use crate::{constraint, record, simulate, statics};
+use crate::{constraint, record, simulate, statics, text_file};
 use findings::Findings;
 use reader::Reader;
 use sources::Sources;
 use std::path::Path;
+use toml::de::DeTable;
+
+/// Why a scenario cannot be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// Its file cannot be read.
+    #[error(transparent)]
+    File(#[from] ReadError),
+    /// Something is wrong in it.
+    #[error(transparent)]
+    Problems(#[from] Diagnostics),
+}
 
 /// A scenario, read and checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,6 +94,8 @@ pub struct Scenario {
     pub path: Option<statics::path::Settings>,
     /// What is asked of the recording.
     pub record: record::Settings,
+    /// The models of other programs that it takes.
+    pub models: Vec<Imported>,
     /// What will not happen although it is written.
     pub warnings: Diagnostics,
 }
@@ -98,9 +114,9 @@ pub fn load(path: &Path) -> Result<Scenario, LoadError> {
 /// # Errors
 /// As [`load`]; a problem with a change is shown at the change.
 pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scenario, LoadError> {
-    let text = read::text(path)?;
-    let name = if path == Path::new("-") { read::STANDARD_INPUT.to_owned() } else { path.display().to_string() };
-    Ok(parse_owned(&name, text, overrides, problems)?)
+    let text = text_file::read(path, "scenario")?;
+    let name = if path == Path::new("-") { text_file::STANDARD_INPUT.to_owned() } else { path.display().to_string() };
+    Ok(parse_owned(&name, text, overrides)?)
 }
 
 /// Reads a scenario from text. `name` is what it is called in messages; mesh files are found from its folder.
@@ -108,7 +124,7 @@ pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scenario, LoadEr
 /// # Errors
 /// Where something is wrong in it: with all problems at once.
 pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario, Diagnostics> {
-    parse_owned(name, text.to_owned(), overrides, problems)
+    parse_owned(name, text.to_owned(), overrides)
 }
 
 /// What the model finds wrong with a description, and what keeps its loops from closing.
@@ -119,13 +135,8 @@ fn problems(description: &Description) -> Vec<Problem> {
     }
 }
 
-fn parse_owned(
-    name: &str,
-    text: String,
-    overrides: &[Override],
-    problems: impl Fn(&Description) -> Vec<Problem>,
-) -> Result<Scenario, Diagnostics> {
-    let (scenario, diagnostics) = parse_text(name, &text, overrides, problems);
+fn parse_owned(name: &str, text: String, overrides: &[Override]) -> Result<Scenario, Diagnostics> {
+    let (scenario, diagnostics) = parse_text(name, &text, overrides);
     let diagnostics = Diagnostics::new(name, diagnostics);
     match scenario {
         Some(scenario) if diagnostics.errors() == 0 => Ok(Scenario { text, warnings: diagnostics, ..scenario }),
@@ -133,25 +144,24 @@ fn parse_owned(
     }
 }
 
-fn parse_text(
-    name: &str,
-    text: &str,
-    overrides: &[Override],
-    problems: impl Fn(&Description) -> Vec<Problem>,
-) -> (Option<Scenario>, Vec<Diagnostic>) {
+fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenario>, Vec<Diagnostic>) {
     let findings = Findings::default();
     let mut sources = Sources::new(name, text);
     let mut document = syntax::parse(text, &sources, &findings);
     if findings.errors() > 0 {
         return (None, findings.into_diagnostics(&sources));
     }
-    overrides::apply(overrides, &mut document, &mut sources, &findings);
-    check::table(&format::SCENARIO, &document, &findings);
     let folder = Path::new(name).parent().unwrap_or(Path::new(""));
-    let (description, spans) = lower::lower(&document, folder, &findings);
-    if !description.bodies.is_empty() || !document.contains_key("body") {
-        spans::report(&spans, problems(&description), &findings);
+    model::open(&mut document);
+    overrides::apply(overrides.iter().filter(|change| change.is_of_model()), &mut document, &mut sources, &findings);
+    let models = model::import(&mut document, folder, &findings);
+    let mut document = model::merge(document, &models, &mut sources, &findings);
+    if findings.errors() > 0 {
+        // Without the model's bodies nothing else could be judged.
+        return (None, findings.into_diagnostics(&sources));
     }
+    overrides::apply(overrides.iter().filter(|change| !change.is_of_model()), &mut document, &mut sources, &findings);
+    let description = checked(&document, folder, &findings);
     let whole = Reader::new(&document, 0..0, &findings);
     let unknown = unknown::read(&whole, &description);
     let path = path::read(&whole, &description);
@@ -164,7 +174,18 @@ fn parse_text(
         unknown,
         path,
         record: settings::record(&whole),
+        models: models.iter().filter_map(|model| model.result.as_ref().ok().cloned()).collect(),
         warnings: Diagnostics::default(),
     };
     (Some(scenario), findings.into_diagnostics(&sources))
+}
+
+/// The scene of a document; what is wrong with it is in `findings`.
+fn checked(document: &DeTable<'_>, folder: &Path, findings: &Findings) -> Description {
+    check::table(&format::SCENARIO, document, findings);
+    let (description, spans) = lower::lower(document, folder, findings);
+    if !description.bodies.is_empty() || !document.contains_key("body") {
+        spans::report(&spans, problems(&description), findings);
+    }
+    description
 }

@@ -3,6 +3,7 @@
 //! | path | sets |
 //! |---|---|
 //! | `title`, `gravity` | a key of the file |
+//! | `model.base` | how a model is taken; its bodies and hinges are set by name like all others |
 //! | `simulate.duration` | a key of `(simulate)`, `(statics)` or `[record]` |
 //! | `upper.mass`, `upper.markers.tip` | a key of the body `upper`; of a repeated body for all its copies |
 //! | `upper.hinge.position`, `upper.position` | a key of its hinge |
@@ -67,11 +68,16 @@ impl Override {
     fn path(&self) -> &str {
         &self.shown[self.path.clone()]
     }
+
+    /// Whether it changes how a model is taken, which has to be known before there are any bodies.
+    pub(super) fn is_of_model(&self) -> bool {
+        self.path() == "model" || self.path().starts_with("model.")
+    }
 }
 
 /// Puts all overrides into a parsed file, so that they are checked as if they were written there.
 pub(super) fn apply<'a>(
-    overrides: &'a [Override],
+    overrides: impl Iterator<Item = &'a Override>,
     document: &mut DeTable<'a>,
     sources: &mut Sources<'a>,
     findings: &Findings,
@@ -92,7 +98,7 @@ fn parse_value(text: &str) -> Spanned<DeValue<'_>> {
 }
 
 /// The same value with all spans moved.
-fn moved(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
+pub(super) fn moved(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
     let span = value.span().start + by..value.span().end + by;
     let inner = match value.into_inner() {
         DeValue::Array(items) => DeValue::Array(items.into_iter().map(|item| moved(item, by)).collect()),
@@ -119,7 +125,7 @@ struct Change<'a> {
 impl<'a> Change<'a> {
     fn apply(self, document: &mut DeTable<'a>) -> Result<(), Finding> {
         let first = self.path.split('.').next().unwrap_or_default();
-        if ["title", "gravity"].contains(&self.path) || ["simulate", "statics", "record"].contains(&first) {
+        if ["title", "gravity"].contains(&self.path) || ["simulate", "statics", "record", "model"].contains(&first) {
             let path = self.path;
             return self.set(document, path);
         }

@@ -74,11 +74,16 @@ fn numbers(table: &Reader<'_>, description: &Description) -> Option<Vec<Paramete
         return None;
     }
     let loose = |one: &&Parameter| match one.element {
-        crate::model::Element::Body(body) => one.field == Field::Position && !description.bodies[body].hinge.lock,
+        crate::model::Element::Body(body) => {
+            let driven = description.drives.iter().any(|drive| {
+                drive.coordinate.body == description.bodies[body].name && drive.coordinate.index == one.component()
+            });
+            one.field == Field::Position && !description.bodies[body].hinge.lock && !driven
+        }
         _ => false,
     };
     if let Some(one) = found.iter().find(loose) {
-        let help = "a path can move a hinge that is held: add `lock = true` to it";
+        let help = "a path can move a hinge that is held: add `lock = true` to it, or a drive";
         refuse(format!("`{}` is a guess, statics finds it", one.address), Some(help.to_owned()));
         return None;
     }

@@ -18,6 +18,8 @@ struct Part<'t> {
     text: &'t str,
     start: usize,
     line_starts: OnceCell<Vec<usize>>,
+    /// For a text that was made from others: where its parts were written there.
+    origins: Vec<(Range<usize>, Range<usize>)>,
 }
 
 /// The longest piece of a line that is shown [bytes].
@@ -34,8 +36,16 @@ impl<'t> Sources<'t> {
     pub(super) fn add(&mut self, name: &str, text: &'t str) -> usize {
         // One address between two texts, so that the end of one is not the start of the next.
         let start = self.parts.last().map_or(0, |last| last.start + last.text.len() + 1);
-        self.parts.push(Part { name: name.to_owned(), text, start, line_starts: OnceCell::new() });
+        self.parts.push(Part { name: name.to_owned(), text, start, line_starts: OnceCell::new(), origins: Vec::new() });
         start
+    }
+
+    /// Says of the text added last, which was made from others, where its parts were written: spans here and there. Of
+    /// several that hold a place the narrowest counts.
+    pub(super) fn made_from(&mut self, origins: Vec<(Range<usize>, Range<usize>)>) {
+        if let Some(part) = self.parts.last_mut() {
+            part.origins = origins;
+        }
     }
 
     /// The text at a span.
@@ -47,6 +57,10 @@ impl<'t> Sources<'t> {
     /// File, line, column and the line itself; of a span over several lines the first one.
     pub(super) fn place(&self, span: &Range<usize>) -> Place {
         let part = self.part(span.start);
+        let around = part.origins.iter().filter(|(here, _)| here.contains(&span.start));
+        if let Some((_, there)) = around.min_by_key(|(here, _)| here.len()) {
+            return self.place(there);
+        }
         let starts = part.line_starts.get_or_init(|| line_starts(part.text));
         let from = floor(part.text, span.start - part.start);
         let line = starts.partition_point(|start| *start <= from);

@@ -110,7 +110,7 @@ fn written_field<'f>(body: &DeTable<'_>, field: &'f str, copy: Option<usize>) ->
 }
 
 /// The deepest value on a path like `hinge.position[2]` that is there; `None` where not even its first key is.
-fn walk<'a>(table: &'a DeTable<'a>, path: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+pub(super) fn walk<'a>(table: &'a DeTable<'a>, path: &str) -> Option<&'a Spanned<DeValue<'a>>> {
     // Names that users choose may hold dots and brackets: the longest key wins.
     let (value, rest) = match table.get(path) {
         Some(value) => (value, ""),

@@ -12,10 +12,10 @@
 //!
 //! Numbers have all their digits: what is read is what was written, bit for bit.
 
+use super::LoadError;
 use super::diagnostic::Diagnostics;
 use super::findings::{Finding, Findings};
 use super::format::START;
-use super::read::{self, LoadError};
 use super::reader::Reader;
 use super::sources::Sources;
 use super::{check, syntax};
@@ -24,6 +24,7 @@ use crate::model::parameter::{Field, Parameter};
 use crate::model::problem::{Element, Problem};
 use crate::model::{Body, Model};
 use crate::suggest::closest;
+use crate::text_file;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
@@ -91,7 +92,7 @@ fn quoted(text: &str) -> String {
 /// # Errors
 /// Where the file cannot be read, and where something in it does not fit the scene: with all problems at once.
 pub fn load_start(path: &Path, description: &Description) -> Result<Started, LoadError> {
-    let text = read::text(path)?;
+    let text = text_file::read(path, "start")?;
     Ok(parse_start(&path.display().to_string(), &text, description)?)
 }
 

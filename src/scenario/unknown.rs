@@ -3,7 +3,7 @@
 use super::findings::Finding;
 use super::reader::Reader;
 use crate::model::parameter::Field;
-use crate::model::{Description, Parameter};
+use crate::model::{Description, Element, Parameter};
 
 /// The parameters that the list stands for, in its order.
 pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Parameter> {
@@ -16,6 +16,10 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Para
             table.findings.push_value(Finding::error(item.span(), message).maybe_help(help));
         };
         match Parameter::find(description, address) {
+            Ok(found) if found.iter().any(|one| matches!(one.element, Element::Loop(_))) => {
+                let help = "lengths of rods follow from the pose; unknown can be forces, springs, loads and masses";
+                refuse(format!("`{address}` is part of the pose, which is given"), Some(help.to_owned()));
+            }
             Ok(found) if found.iter().any(|one| one.field == Field::Position) => {
                 let help = "the pose is what inverse statics starts from; for a pose leave `unknown` out";
                 refuse(format!("`{address}` is part of the pose, which is given"), Some(help.to_owned()));

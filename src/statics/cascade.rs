@@ -12,7 +12,7 @@
 use super::landscape::Landscape;
 use super::search::{Iteration, Place, polish};
 use super::stability::{MOST_DENSE, Verdict, classify};
-use super::{Method, Settings, Want, lagrange, newton, relaxation, release, trust_region};
+use super::{Method, Settings, Want, lagrange, newton, relaxation, release, tied, trust_region};
 use crate::dynamics::Fault;
 use crate::model::Model;
 use crate::model::problem::number;
@@ -191,7 +191,11 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
             if !place.is_balanced() || free.len() > MOST_DENSE {
                 return Ok(None);
             }
-            let stability = classify(landscape.system(), &place.q, &free, &place.scales.stiffness, false)?;
+            let stability = match landscape.ties.is_some() {
+                true => tied::examine(landscape, place)?.1,
+                false => Some(classify(landscape.system(), &place.q, &free, &place.scales.stiffness, false)?),
+            };
+            let Some(stability) = stability else { return Ok(None) };
             let leaves = stability.verdict == Verdict::Unstable;
             let fastest = stability.modes.into_iter().max_by(|a, b| a.growth_rate.total_cmp(&b.growth_rate));
             Ok(fastest.filter(|_| leaves).map(|mode| mode.shape))
@@ -262,12 +266,17 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
     }
 }
 
-/// Takes off the full turns that the search made in hinges without springs: the same pose, nearest to the guess.
+/// Takes off the full turns that the search made in hinges without springs, drives and gears: the same pose, nearest to
+/// the guess.
 fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
+    let tied: Vec<usize> = (model.drives.iter().map(|drive| drive.coordinate.velocity))
+        .chain(model.gears.iter().flat_map(|gear| gear.coordinates.map(|coordinate| coordinate.velocity)))
+        .collect();
     for link in &model.links {
         let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;
-        if matches!(link.joint, crate::model::Joint::Turn) && !spring(link.velocity) {
+        let counts = |at: usize| spring(at) || tied.contains(&at);
+        if matches!(link.joint, crate::model::Joint::Turn) && !counts(link.velocity) {
             let turns = ((q[link.position] - start[link.position]) / TAU).round();
             if turns != 0.0 {
                 q[link.position] -= turns * TAU;

@@ -4,7 +4,7 @@ use super::cascade::{self, Effort, Found, Stage};
 use super::landscape::Landscape;
 use super::search::{BALANCED, Iteration, Place};
 use super::stability::{Stability, Verdict, classify};
-use super::{Method, Settings, Want, constrained};
+use super::{Method, Settings, Want, tied};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
@@ -106,12 +106,6 @@ fn search(
     searched: &mut dyn FnMut(),
     trail: Option<Vec<Vec<f64>>>,
 ) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
-    if model.is_constrained() {
-        let found = constrained::equilibrium(model, settings, start)?;
-        searched();
-        let way = if trail.is_some() { vec![start.to_vec(), found.position.clone()] } else { Vec::new() };
-        return Ok((found, way));
-    }
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
     landscape.trail = trail;
@@ -219,21 +213,27 @@ fn certify(
     let (free, conservative) = (landscape.free.clone(), landscape.conservative);
     let (force_evaluations, stiffness_evaluations) = (landscape.residuals + effort.forces, landscape.stiffnesses);
     let factorizations = landscape.factorizations + effort.factorizations;
+    let (steady, rest) = (landscape.steady.clone(), vec![0.0; model.velocity_count()]);
+    notes.extend(tied::notes(&landscape));
+    let balanced = place.is_balanced();
+    let (residual_acceleration, stability) = match landscape.ties.is_some() {
+        true => tied::examine(&mut landscape, &place)?,
+        false => {
+            let system = landscape.system();
+            let acceleration = held_acceleration(system, &place, &free)?;
+            let classify = || classify(system, &place.q, &free, &place.scales.stiffness, conservative);
+            (acceleration, balanced.then(classify).transpose()?)
+        }
+    };
     let system = landscape.system();
-    let rest = vec![0.0; model.velocity_count()];
     let mut residual = rest.clone();
-    let residual_acceleration = held_acceleration(system, &place, &free)?;
-    system.residual(&place.q, &rest, &rest, &mut residual)?;
+    system.residual(&place.q, &steady, &rest, &mut residual)?;
     let (mut poses, mut reactions) = (Vec::new(), Vec::new());
     system.poses(&mut poses);
     system.reactions(&mut reactions);
+    let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
-    let balanced = place.is_balanced();
-    let stability = match balanced {
-        true => Some(classify(system, &place.q, &free, &place.scales.stiffness, conservative)?),
-        false => None,
-    };
     let verdict = stability.as_ref().map(|s| s.verdict);
     if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
         notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
@@ -253,8 +253,8 @@ fn certify(
         residual_acceleration,
         residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
         relative_residual: place.residual().0,
-        drive_forces: Vec::new(),
-        velocity: vec![0.0; model.velocity_count()],
+        drive_forces,
+        velocity: steady,
         position: place.q,
         poses,
         reactions,

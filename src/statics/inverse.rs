@@ -8,10 +8,12 @@
 //!
 //! `S` holds the scene's own units (its weight, its length, and what follows from them), so newtons and metres compare;
 //! rows are divided by the forces that cancel in them. The columns of `A` are differences of two balances, exact up to
-//! round-off. The singular values of the scaled matrix tell how many unknowns the pose determines; what it leaves open
+//! round-off. With loops, drives and gears `f` is what their rows leave of the forces: multipliers are unknowns too, and
+//! cost nothing. The singular values of the scaled matrix tell how many unknowns the pose determines; what it leaves open
 //! is filled by the least change from the values of the scenario. The answer is checked by the balance of a scene that
 //! is built with it, not by (1).
 
+use super::assembled::Assembled;
 use super::equilibrium::{self, Equilibrium};
 use super::landscape::Landscape;
 use super::search::Place;
@@ -63,9 +65,20 @@ pub fn hold(
     settings: &Settings,
 ) -> Result<Held, Fault> {
     let build = |description: &Description| Model::build(description).ok();
-    let given = build(description).expect("a description that was built before");
-    let first = place(&given, pose)?;
-    let problem = Problem::new(description, unknown, pose, &given, &first)?;
+    let mut given = build(description).expect("a description that was built before");
+    let assembled = Assembled::of(&mut given).expect("loops that were closed before");
+    given.start_position.copy_from_slice(pose);
+    let build = |description: &Description| {
+        let mut model = build(description)?;
+        assembled.give(&mut model, &mut pose.to_vec()).ok()?;
+        model.start_position.copy_from_slice(pose);
+        Some(model)
+    };
+    // One metric for all: what loops leave of a force is measured in it.
+    let metric = metric(&given, pose)?;
+    let place = |model: &Model| place(model, pose, &metric);
+    let first = place(&given)?;
+    let problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
     let mut notes = problem.useless();
     let influential = notes.is_empty();
     let (mut best, mut model, mut place_now) = (description.clone(), given, first);
@@ -84,7 +97,7 @@ pub fn hold(
             notes.push(refused(&next, unknown));
             break;
         };
-        let placed = place(&built, pose)?;
+        let placed = place(&built)?;
         if placed.residual().0 >= place_now.residual().0 {
             break;
         }
@@ -104,9 +117,15 @@ pub fn hold(
     Ok(Held { description: best, model, found })
 }
 
-fn place(model: &Model, pose: &[f64]) -> Result<Place, Fault> {
+fn metric(model: &Model, pose: &[f64]) -> Result<Vec<f64>, Fault> {
+    let mut system = System::new(model);
+    Ok(Landscape::new(&mut system, pose)?.metric)
+}
+
+fn place(model: &Model, pose: &[f64], metric: &[f64]) -> Result<Place, Fault> {
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, pose)?;
+    landscape.metric.copy_from_slice(metric);
     Place::at(&mut landscape, pose.to_vec())
 }
 
@@ -114,9 +133,9 @@ impl<'a> Problem<'a> {
     fn new(
         description: &Description,
         unknown: &'a [Parameter],
-        pose: &[f64],
-        model: &Model,
-        first: &Place,
+        (model, first): (&Model, &Place),
+        build: &dyn Fn(&Description) -> Option<Model>,
+        place: &dyn Fn(&Model) -> Result<Place, Fault>,
     ) -> Result<Self, Fault> {
         let largest = first.scales.force.iter().fold(0.0_f64, |m, f| m.max(*f));
         let rows: Vec<f64> = first
@@ -132,8 +151,8 @@ impl<'a> Problem<'a> {
             let mut moved = description.clone();
             one.set(&mut moved, one.value(description) + units[j]);
             // More of anything is allowed: lengths, masses and stiffnesses are bounded from below.
-            let Ok(model) = Model::build(&moved) else { continue };
-            let force = place(&model, pose)?.force;
+            let Some(model) = build(&moved) else { continue };
+            let force = place(&model)?.force;
             for i in 0..rows.len() {
                 let change = force[i] - first.force[i];
                 // A change within the round-off of what it is the difference of is none.
@@ -187,6 +206,8 @@ fn unit(quantity: Quantity, model: &Model, largest: f64) -> f64 {
         Quantity::Stiffness => force / length,
         Quantity::Mass => or_one(model.total_mass()),
         Quantity::Acceleration => or_one(gravity),
+        Quantity::Speed => length / model.time_scale(),
+        Quantity::TurnRate => 1.0 / model.time_scale(),
     }
 }
 

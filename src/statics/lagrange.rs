@@ -11,6 +11,10 @@
 //! with the exact tangent: weight, force elements, hinge springs and the geometric stiffness of the constraints. The
 //! matrix is equilibrated and factorized by a sparse LU whose ordering is found once.
 //!
+//! Loops, drives and gears are further rows, those that are independent; where locks or a singular position make them hang
+//! on each other after all, a small compliance of these rows decides for the least multipliers. It does not enter the
+//! residual. Drives in steady motion add inertia forces.
+//!
 //! The first multipliers are those of the least unbalanced force; without them the matrix would have no geometric
 //! stiffness. Newton (σ = 0) goes by a line search on `½|r|²`, forces measured by the scene's weight and lengths by its
 //! size. Where that comes to a stand the search starts again as pseudo-transient continuation: σ holds the links' turn
@@ -20,11 +24,13 @@ mod balance;
 mod constraints;
 mod entries;
 mod poses;
+mod steady;
 
 use super::landscape::Landscape;
 use super::search::{Iteration, Place};
+use crate::constraint::Rule;
 use crate::dynamics::Fault;
-use crate::model::Model;
+use crate::model::{Model, Scalar};
 use crate::spatial::Wrench;
 use constraints::Constraint;
 use entries::{Entries, Pattern};
@@ -40,6 +46,9 @@ const TRANSIENT_TURN: f64 = 0.4;
 const SMALLEST_PART: f64 = 1e-3;
 /// Below this residual the answer is also looked at as hinge coordinates.
 const NEAR: f64 = 1e-6;
+
+/// Compliance of the rows of loops, drives and gears, in units of the scene's length over its forces.
+const COMPLIANCE: f64 = 1e-13;
 
 /// How the search ended, with the work in maximal coordinates.
 #[derive(Debug, Clone)]
@@ -97,10 +106,25 @@ struct State {
     residual: Vec<f64>,
 }
 
+/// A sum of coordinates that a drive or a gear prescribes.
+struct Sum {
+    row: usize,
+    parts: [(Scalar, f64); 2],
+    target: f64,
+}
+
 struct Search<'l, 's, 'm> {
     landscape: &'l mut Landscape<'s, 'm>,
     model: &'m Model,
+    /// Of hinges, then of loops.
     constraints: Vec<Constraint>,
+    hinges: usize,
+    sums: Vec<Sum>,
+    /// Rows of loops, drives and gears, and the compliance of each.
+    compliance: Vec<(usize, f64)>,
+    /// Coordinates of drives and gears.
+    pushed: Vec<bool>,
+    spins: bool,
     /// One over the size of each residual: forces, moments, lengths, cosines.
     weights: Vec<f64>,
     /// Pose unknowns; multipliers come after them.
@@ -116,15 +140,41 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
     /// At the guess, without multipliers.
     fn new(landscape: &'l mut Landscape<'s, 'm>, place: &Place) -> Self {
         let model = landscape.model();
-        let (constraints, rows) = constraints::of_model(model, &place.q);
+        let (mut constraints, first) = constraints::of_model(model, &place.q);
+        let hinges = constraints.len();
+        let tied = landscape.system().constraints().map_or(Vec::new(), |rows| rows.independent_rows(model));
+        constraints.extend(constraints::of_loops(&tied, first));
+        let rows = first + tied.len();
+        let mut pushed = vec![false; model.velocity_count()];
+        let mut sums = Vec::new();
+        for (index, row) in tied.iter().enumerate() {
+            if let Rule::Motion { parts } = row.rule {
+                parts.iter().filter(|part| part.1 != 0.0).for_each(|(scalar, _)| pushed[scalar.velocity] = true);
+                sums.push(Sum { row: first + index, parts, target: row.target });
+            }
+        }
         let moving = 6 * (model.links.len() - 1);
         let poses = Poses::new(model, &place.q);
         let state = State { poses, multipliers: vec![0.0; rows], residual: vec![0.0; moving + rows] };
+        let spins = landscape.steady.iter().any(|v| *v != 0.0);
+        let inertia = if spins { steady::inertia(model, &state.poses, &landscape.steady) } else { Vec::new() };
+        let mut weights = weights(model, &state.poses, (&constraints, &inertia), moving + rows);
+        for sum in sums.iter().filter(|sum| sum.parts[0].0.slides) {
+            weights[moving + sum.row] = 1.0 / model.length_scale();
+        }
+        // The weight of a force over that of the gap, squared.
+        let compliance = |row: usize| COMPLIANCE * weights[0] / weights[moving + row].powi(2) / model.length_scale();
+        let compliance = (first..rows).map(|row| (row, compliance(row))).collect();
         let mut search = Self {
             landscape,
             model,
-            weights: weights(model, &state.poses, &constraints, moving + rows),
+            weights,
             constraints,
+            hinges,
+            sums,
+            compliance,
+            pushed,
+            spins,
             moving,
             pattern: None,
             entries: Entries::default(),
@@ -141,13 +191,16 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
         self.evaluations += 1;
         let (model, state) = (self.model, &mut self.state);
         let mut sum = balance::applied(model, &state.poses);
-        let constraint = balance::reactions(&self.constraints, &state.poses, &state.multipliers, model.links.len());
-        for (index, (own, [on_link, on_parent])) in
-            balance::hinges(model, &state.poses).iter().zip(&constraint).enumerate().skip(1)
-        {
-            sum[index] += own[0] + *on_link;
-            sum[model.links[index].parent] += own[1] + *on_parent;
+        if self.spins {
+            let inertia = steady::inertia(model, &state.poses, &self.landscape.steady);
+            sum.iter_mut().zip(inertia).for_each(|(sum, inertia)| *sum += inertia);
         }
+        let push = push(&self.sums, &state.multipliers, self.pushed.len());
+        for (index, own) in balance::hinges(model, &state.poses, &push).iter().enumerate().skip(1) {
+            sum[index] += own[0];
+            sum[model.links[index].parent] += own[1];
+        }
+        balance::add_reactions(&self.constraints, &state.poses, &state.multipliers, &mut sum);
         for (index, wrench) in sum.iter().enumerate() {
             entries::place(&mut state.residual, index, &wrench.force, &wrench.moment);
         }
@@ -155,6 +208,10 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
             for (i, (gap, _)) in constraint.at(&state.poses.motion).iter().take(constraint.count()).enumerate() {
                 state.residual[self.moving + constraint.row + i] = *gap;
             }
+        }
+        for one in &self.sums {
+            let now: f64 = one.parts.iter().map(|(scalar, factor)| factor * state.poses.q[scalar.position]).sum();
+            state.residual[self.moving + one.row] = now - one.target;
         }
     }
 
@@ -186,12 +243,26 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
                 self.entries.add_constraint(row, gradient, constraint.link, constraint.parent);
             }
         }
+        for one in &self.sums {
+            for (scalar, factor) in one.parts.iter().filter(|part| part.1 != 0.0) {
+                let link = &self.model.links[scalar.link];
+                let gradient = balance::coordinate(&self.state.poses, scalar.link, link).times(*factor);
+                self.entries.add_constraint(self.moving + one.row, &gradient, scalar.link, link.parent);
+            }
+        }
+        for (row, value) in &self.compliance {
+            self.entries.add_diagonal(self.moving + row, *value);
+        }
     }
 
     /// The step of the shifted equations; `None` where they are singular.
     fn direction(&mut self, shift: f64) -> Option<Vec<f64>> {
         self.entries.clear();
-        balance::vary(self.model, &self.state.poses, shift, &mut self.entries);
+        let push = push(&self.sums, &self.state.multipliers, self.pushed.len());
+        balance::vary(self.model, &self.state.poses, (&push, &self.pushed), shift, &mut self.entries);
+        if self.spins {
+            steady::vary(self.model, &self.state.poses, &self.landscape.steady, &mut self.entries);
+        }
         for constraint in &self.constraints {
             constraint.vary(&self.state.poses.motion, &self.state.multipliers, &mut self.entries);
         }
@@ -283,26 +354,41 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
         if !(self.merit() <= NEAR * NEAR) {
             return Ok(None);
         }
-        let place = Place::at(self.landscape, self.state.poses.q.clone())?;
+        let mut q = self.state.poses.q.clone();
+        if !self.landscape.close(&mut q) {
+            return Ok(None);
+        }
+        let place = Place::at(self.landscape, q)?;
         Ok(place.is_balanced().then_some(place))
     }
 
     /// What each hinge passes to its link, by link.
     fn reactions(&self) -> Vec<Wrench> {
         let (model, state) = (self.model, &self.state);
-        let constraint = balance::reactions(&self.constraints, &state.poses, &state.multipliers, model.links.len());
-        let own = balance::hinges(model, &state.poses);
+        let hinges = &self.constraints[..self.hinges];
+        let constraint = balance::reactions(hinges, &state.poses, &state.multipliers, model.links.len());
+        let push = push(&self.sums, &state.multipliers, self.pushed.len());
+        let own = balance::hinges(model, &state.poses, &push);
         own.iter().zip(&constraint).map(|(own, constraint)| own[0] + constraint[0]).collect()
     }
 }
 
+/// What drives and gears push in every coordinate.
+fn push(sums: &[Sum], multipliers: &[f64], count: usize) -> Vec<f64> {
+    let mut push = vec![0.0; count];
+    for one in sums {
+        one.parts.iter().for_each(|(scalar, factor)| push[scalar.velocity] += factor * multipliers[one.row]);
+    }
+    push
+}
+
 /// Forces by everything that pushes at the start, lengths by the scene's.
-fn weights(model: &Model, poses: &Poses, constraints: &[Constraint], size: usize) -> Vec<f64> {
+fn weights(model: &Model, poses: &Poses, (constraints, inertia): (&[Constraint], &[Wrench]), size: usize) -> Vec<f64> {
     let length = model.length_scale();
     let of_wrench = |wrench: &Wrench| wrench.force.norm() + wrench.moment.norm() / length;
     let applied = balance::applied(model, poses);
-    let hinges = balance::hinges(model, poses);
-    let sum: f64 = applied.iter().skip(1).chain(hinges.iter().map(|pair| &pair[0])).map(of_wrench).sum();
+    let hinges = balance::hinges(model, poses, &[]);
+    let sum: f64 = applied.iter().skip(1).chain(hinges.iter().map(|pair| &pair[0])).chain(inertia).map(of_wrench).sum();
     let force = if sum > 0.0 { sum } else { 1.0 };
     let mut weights = vec![1.0; size];
     let moving = 6 * (model.links.len() - 1);

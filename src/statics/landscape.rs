@@ -1,12 +1,16 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
 
+mod tied;
+
 use super::search::{Place, SHIFT};
 use super::stiffness::Stiffness;
 use crate::dynamics::{Fault, System};
 use crate::model::{Joint, Model};
 use faer::Mat;
+pub(super) use tied::Branch;
+use tied::Ties;
 
-/// The static problem of a model with its locked hinges held.
+/// The static problem of a model with its locked hinges held; of one with loops, drives or gears on its closed positions.
 pub struct Landscape<'s, 'm> {
     system: &'s mut System<'m>,
     /// Indices of the velocity coordinates that may move.
@@ -27,12 +31,15 @@ pub struct Landscape<'s, 'm> {
     /// Which velocity coordinates are distances, and the scene's length.
     slides: Vec<bool>,
     length: f64,
+    /// Velocities: zero, but for drives that keep theirs.
+    pub(super) steady: Vec<f64>,
     rest: Vec<f64>,
     full: Vec<f64>,
+    pub(super) ties: Option<Box<Ties<'m>>>,
 }
 
 /// How large the terms are that must cancel in each free coordinate.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Scales {
     /// Sum of the magnitudes of the forces in the balance (N, N m).
     pub force: Vec<f64>,
@@ -49,9 +56,6 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// A singular hinge, or the element whose numbers are not finite.
     pub fn new(system: &'s mut System<'m>, q: &[f64]) -> Result<Self, Fault> {
         let model = system.model();
-        if model.is_constrained() {
-            return Err(Fault::Tied { method: "this search" });
-        }
         let n = model.velocity_count();
         let rest = vec![0.0; n];
         let mut full = vec![0.0; n];
@@ -60,6 +64,13 @@ impl<'s, 'm> Landscape<'s, 'm> {
         let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
         let metric = free.iter().map(|i| full[*i]).collect();
         let conservative = model.is_conservative();
+        let (steady, ties) = match model.is_constrained() {
+            false => (rest.clone(), None),
+            true => {
+                let (steady, frozen) = tied::steady(system, q);
+                (steady, Some(Box::new(Ties::new(model, frozen))))
+            }
+        };
         let stiffness = Stiffness::new(model, &free);
         let (residuals, stiffnesses, factorizations) = (0, 0, 0);
         Ok(Self {
@@ -74,8 +85,10 @@ impl<'s, 'm> Landscape<'s, 'm> {
             stiffness,
             slides: slides(model),
             length: model.length_scale(),
+            steady,
             rest,
             full,
+            ties,
         })
     }
 
@@ -95,6 +108,9 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// The element whose numbers are not finite.
     pub fn force(&mut self, q: &[f64]) -> Result<Vec<f64>, Fault> {
         self.residuals += 1;
+        if self.ties.is_some() {
+            return Ok(self.tied_forces(q)?.0);
+        }
         self.system.residual(q, &self.rest, &self.rest, &mut self.full)?;
         Ok(self.free.iter().map(|i| -self.full[*i]).collect())
     }
@@ -105,6 +121,12 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// The element whose numbers are not finite.
     pub fn look(&mut self, q: &[f64]) -> Result<(), Fault> {
         self.stiffnesses += 1;
+        if self.ties.is_some() {
+            let matrix = self.dense_stiffness(q)?;
+            let tangent = self.step_from_view().unwrap_or_else(Mat::new);
+            self.stiffness = Stiffness::closed(tangent, &matrix);
+            return Ok(());
+        }
         if self.stiffness.is_dense() {
             let matrix = self.dense_stiffness(q)?;
             self.stiffness.set_dense(matrix);
@@ -140,6 +162,11 @@ impl<'s, 'm> Landscape<'s, 'm> {
         }
         let x = self.stiffness.solve(self.system.model(), rhs);
         x.iter().all(|x| x.is_finite()).then_some(x)
+    }
+
+    /// The damped step of Levenberg and Marquardt at the place last looked at, whose dense stiffness is given.
+    pub(super) fn levenberg(&self, stiffness: &Mat<f64>, force: &[f64], part: f64) -> Option<Vec<f64>> {
+        self.stiffness.levenberg(stiffness, &self.metric, force, part)
     }
 
     /// `σB` with σ this part of the largest curvature.
@@ -189,7 +216,10 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// # Errors
     /// The element whose numbers are not finite.
     pub fn dense_stiffness(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
-        let full = self.system.static_stiffness(q)?;
+        if self.ties.is_some() {
+            self.take_view(q)?;
+        }
+        let full = self.system.steady_stiffness(q, &self.steady)?;
         let (free, n) = (&self.free, self.free.len());
         Ok(if self.conservative {
             // Off equilibrium the coordinates of a ball have a connection term: the Hessian is the symmetric part.
@@ -199,12 +229,13 @@ impl<'s, 'm> Landscape<'s, 'm> {
         })
     }
 
-    /// Potential energy (J).
+    /// Potential energy, less the kinetic energy of a steady motion (J).
     pub fn potential(&mut self, q: &[f64]) -> f64 {
-        self.system.energies(q, &self.rest).potential
+        let energies = self.system.energies(q, &self.steady);
+        energies.potential - energies.kinetic
     }
 
-    /// `q ⊞ x` with `x` in free coordinates.
+    /// `q ⊞ x` with `x` in free coordinates, loops closed again: numbers that are not finite where that cannot be done.
     pub fn moved(&mut self, q: &[f64], x: &[f64]) -> Vec<f64> {
         self.full.fill(0.0);
         for (i, x) in self.free.iter().zip(x) {
@@ -212,7 +243,20 @@ impl<'s, 'm> Landscape<'s, 'm> {
         }
         let mut moved = q.to_vec();
         System::displace(self.system.model(), &mut moved, &self.full);
+        if !self.close(&mut moved) {
+            moved.fill(f64::NAN);
+        }
         moved
+    }
+
+    /// Sizes of the terms in the potential that closing the loops stirs (J); 0 without loops.
+    pub(super) fn stirred(&self, place: &Place) -> f64 {
+        if self.ties.is_none() {
+            return 0.0;
+        }
+        let work =
+            |(row, i): (usize, &usize)| place.scales.force[row] * if self.slides[*i] { self.length } else { 1.0 };
+        self.free.iter().enumerate().map(work).fold(0.0, f64::max)
     }
 
     /// `√(xᵀ B x)`.
@@ -226,6 +270,10 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// # Errors
     /// The element whose numbers are not finite.
     pub fn forces_and_scales(&mut self, q: &[f64]) -> Result<(Vec<f64>, Scales), Fault> {
+        if self.ties.is_some() {
+            self.residuals += 1;
+            return self.tied_forces(q);
+        }
         let force = self.force(q)?;
         let magnitudes = self.system.balance_magnitudes(q);
         let length = self.length;

@@ -15,8 +15,8 @@
 //!
 //! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
+mod assembled;
 pub mod cascade;
-mod constrained;
 pub mod damped;
 pub mod equilibrium;
 pub mod inverse;
@@ -32,6 +32,7 @@ pub mod settings;
 pub mod stability;
 mod stiffness;
 mod subspace;
+mod tied;
 mod trust_region;
 
 pub use cascade::Stage;

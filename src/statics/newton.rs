@@ -6,7 +6,6 @@
 //! whatever its stability.
 
 use super::landscape::Landscape;
-use super::linear;
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
 
@@ -39,37 +38,44 @@ fn step(
     place: &Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Option<Place>, Fault> {
-    let stiffness = landscape.dense_stiffness(&place.q)?;
     landscape.look(&place.q)?;
     let before = merit(landscape, &place.force);
-    let damped = |landscape: &Landscape<'_, '_>, part: f64| levenberg(landscape, &stiffness, &place.force, part);
-    let directions = [landscape.newton(&place.force), damped(landscape, 1e-6), damped(landscape, 1e-2)];
-    for direction in directions.into_iter().flatten() {
-        let mut scale = 1.0;
-        for _ in 0..12 {
-            let x: Vec<f64> = direction.iter().map(|x| scale * x).collect();
-            let q = landscape.moved(&place.q, &x);
-            if let Ok(next) = Place::at(landscape, q)
-                && merit(landscape, &next.force) <= (1.0 - 1e-4 * scale) * before
-            {
-                let size = landscape.size(&x);
-                history.push(Iteration { stage: "newton", residual: next.residual().0, step: size, shift: 0.0 });
-                return Ok(Some(next));
-            }
-            scale *= 0.5;
+    let newton = landscape.newton(&place.force);
+    if let Some(next) = newton.map(|x| along(landscape, place, &x, before, history)).transpose()?.flatten() {
+        return Ok(Some(next));
+    }
+    let stiffness = landscape.dense_stiffness(&place.q)?;
+    landscape.look(&place.q)?;
+    for part in [1e-6, 1e-2] {
+        if let Some(x) = landscape.levenberg(&stiffness, &place.force, part)
+            && let Some(next) = along(landscape, place, &x, before, history)?
+        {
+            return Ok(Some(next));
         }
     }
     Ok(None)
 }
 
-/// `(Kᵀ B⁻¹ K + λ B) x = Kᵀ B⁻¹ f`, λ being `part` of the largest curvature.
-fn levenberg(landscape: &Landscape<'_, '_>, k: &faer::Mat<f64>, force: &[f64], part: f64) -> Option<Vec<f64>> {
-    let n = force.len();
-    let b = &landscape.metric;
-    let weighted = faer::Mat::from_fn(n, n, |i, j| k[(i, j)] / b[i]);
-    let normal = k.transpose() * &weighted;
-    let curvature = (0..n).map(|i| normal[(i, i)] / b[i]).fold(0.0, f64::max);
-    let shift: Vec<f64> = b.iter().map(|b| part * curvature * b).collect();
-    let rhs: Vec<f64> = (0..n).map(|j| (0..n).map(|i| weighted[(i, j)] * force[i]).sum()).collect();
-    Some(linear::Definite::of(&normal, &shift)?.solve(&rhs))
+/// The first place of a halving line search along a direction that is better by enough.
+fn along(
+    landscape: &mut Landscape<'_, '_>,
+    place: &Place,
+    direction: &[f64],
+    before: f64,
+    history: &mut Vec<Iteration>,
+) -> Result<Option<Place>, Fault> {
+    let mut scale = (landscape.longest() / landscape.size(direction)).min(1.0);
+    for _ in 0..12 {
+        let x: Vec<f64> = direction.iter().map(|x| scale * x).collect();
+        let q = landscape.moved(&place.q, &x);
+        if let Ok(next) = Place::at(landscape, q)
+            && merit(landscape, &next.force) <= (1.0 - 1e-4 * scale) * before
+        {
+            let size = landscape.size(&x);
+            history.push(Iteration { stage: "newton", residual: next.residual().0, step: size, shift: 0.0 });
+            return Ok(Some(next));
+        }
+        scale *= 0.5;
+    }
+    Ok(None)
 }

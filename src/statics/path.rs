@@ -15,6 +15,7 @@ mod trace;
 
 pub(super) use curve::{Curve, Direction, Family, Look, Metric};
 
+use super::assembled::Assembled;
 use super::equilibrium::{Equilibrium, equilibrium};
 use super::stability::Verdict;
 use crate::model::description::Description;
@@ -160,8 +161,9 @@ pub fn follow(
 ) -> Result<Path, String> {
     let mut first = description.clone();
     settings.numbers.iter().for_each(|one| one.set(&mut first, settings.from));
-    let model = Model::build(&first)
+    let mut model = Model::build(&first)
         .map_err(|problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
+    let assembled = Assembled::of(&mut model)?;
     let start = equilibrium(&model, statics, &model.start_position).map_err(|fault| fault.to_string())?;
     let mut path = Path { branches: Vec::new(), complete: start.converged, start, notes: Vec::new() };
     if !path.start.converged {
@@ -171,7 +173,7 @@ pub fn follow(
     }
     let range = (settings.to - settings.from).abs();
     let q = path.start.position.clone();
-    let mut moving = Moving::new(&first, &settings.numbers, settings.from, range, &q)?;
+    let mut moving = Moving::new(&first, assembled, &settings.numbers, settings.from, range, &q)?;
     if !moving.is_felt(&q, settings.from)? {
         return Err(format!("nothing in this equilibrium feels `{}`: there is no path to follow", settings.parameter));
     }

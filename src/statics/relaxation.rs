@@ -14,11 +14,15 @@
 //! Stability rule: `h` is [`SAFETY`] of the limit `2/ω` of the leapfrog, `ω²` being the largest eigenvalue of
 //! `−∂q̈/∂q` by power iteration on differences of accelerations, at the start and whenever the motion starts again. A
 //! period at the end of which the potential has risen is done again with half the step.
+//!
+//! With loops, drives and gears the accelerations are those that their rows allow, velocities are kept in agreement with
+//! the rows, and positions are closed after every step. Locks are held by rows too.
 
 use super::landscape::Landscape;
 use super::search::{Iteration, Place};
 use crate::dynamics::{Fault, System};
-use crate::model::Model;
+use crate::model::prescribed::Prescribed;
+use crate::model::{Drive, Joint, Model, Scalar};
 
 /// Part of the stability limit that a step takes.
 const SAFETY: f64 = 0.85;
@@ -68,6 +72,10 @@ pub(super) fn run(
 /// The model with locked coordinates too heavy to move. Masses do not change where the forces balance.
 fn held(landscape: &mut Landscape<'_, '_>, q: &[f64]) -> Result<Model, Fault> {
     let mut model = landscape.model().clone();
+    if model.is_constrained() {
+        hold_by_rows(&mut model, q, &landscape.steady);
+        return Ok(model);
+    }
     let mut inertia = vec![0.0; model.velocity_count()];
     let rest = inertia.clone();
     landscape.system().accelerations(q, &rest, &mut inertia)?;
@@ -78,6 +86,25 @@ fn held(landscape: &mut Landscape<'_, '_>, q: &[f64]) -> Result<Model, Fault> {
         }
     }
     Ok(model)
+}
+
+/// Locks become drives that hold, and so do drives that cannot be kept moving.
+fn hold_by_rows(model: &mut Model, q: &[f64], steady: &[f64]) {
+    for drive in &mut model.drives {
+        let (start, rate) = (q[drive.coordinate.position], steady[drive.coordinate.velocity]);
+        drive.motion = Prescribed::Line { start, rate };
+    }
+    for (index, link) in model.links.iter().enumerate().filter(|(_, link)| link.joint.counts() == (1, 1)) {
+        if model.coordinates[link.velocity].lock {
+            let slides = matches!(link.joint, Joint::Slide { .. });
+            let coordinate = Scalar { link: index, position: link.position, velocity: link.velocity, slides };
+            let motion = Prescribed::Line { start: q[link.position], rate: 0.0 };
+            model.drives.push(Drive { name: String::new(), coordinate, motion });
+        }
+    }
+    model.start_position.copy_from_slice(q);
+    // Which rows are independent beside the locks is decided anew.
+    model.independent_rows = None;
 }
 
 struct Motion<'l, 's, 'm, 'h> {
@@ -94,6 +121,8 @@ struct Motion<'l, 's, 'm, 'h> {
     steps: usize,
     most_steps: usize,
     accelerations: usize,
+    /// Velocities about which it moves: those of a steady motion, else zero.
+    steady: Vec<f64>,
     rest: Vec<f64>,
     full: Vec<f64>,
 }
@@ -118,12 +147,25 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
         let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let fastest = unit.iter().enumerate().map(|(i, unit)| sign(i) * unit / (1.0 + 0.1 * (i % 7) as f64)).collect();
         let rest = vec![0.0; held.velocity_count()];
-        let full = rest.clone();
+        let (full, steady) = (rest.clone(), landscape.steady.clone());
         let (step, steps, most_steps, accelerations) = (f64::INFINITY, 0, MOST_STEPS, 0);
         let system = System::new(held);
         let known = place.is_balanced();
-        let mut motion =
-            Self { landscape, system, place, turns, unit, fastest, step, steps, most_steps, accelerations, rest, full };
+        let mut motion = Self {
+            landscape,
+            system,
+            place,
+            turns,
+            unit,
+            fastest,
+            step,
+            steps,
+            most_steps,
+            accelerations,
+            steady,
+            rest,
+            full,
+        };
         if !known {
             motion.step = motion.stable_step(FIRST_POWERS)?;
         }
@@ -159,7 +201,8 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
 
     /// One motion from rest at `place`.
     fn motion(&mut self) -> Result<End, Fault> {
-        let (mut q, mut force) = (self.place.q.clone(), self.place.force.clone());
+        let mut q = self.place.q.clone();
+        let mut force = if self.system.model().is_constrained() { self.pull(&q)? } else { self.place.force.clone() };
         let mut velocity = vec![0.0; force.len()];
         let (mut travelled, mut part) = (0.0, 0.5);
         while self.steps < self.most_steps {
@@ -172,12 +215,18 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
             self.limit(&mut velocity);
             let by: Vec<f64> = velocity.iter().map(|v| self.step * v).collect();
             let next = self.landscape.moved(&q, &by);
-            let pull = self.landscape.force(&next)?;
+            if next.iter().any(|x| !x.is_finite()) {
+                // The loops do not close there: from here again, from rest.
+                return Ok(End::Peak(q));
+            }
+            let pull = self.pull(&next)?;
+            self.keep_rows(&next, &mut velocity);
             let power = |force: &[f64]| force.iter().zip(&by).map(|(f, x)| f * x).sum::<f64>();
             let (before, after) = (power(&force), power(&pull));
             if after <= 0.0 {
                 let to_peak: Vec<f64> = by.iter().map(|x| x * before / (before - after)).collect();
-                return Ok(End::Peak(self.landscape.moved(&q, &to_peak)));
+                let peak = self.landscape.moved(&q, &to_peak);
+                return Ok(End::Peak(if peak.iter().all(|x| x.is_finite()) { peak } else { q }));
             }
             travelled += by.iter().zip(&self.unit).map(|(x, unit)| (x / unit).abs()).fold(0.0, f64::max);
             if travelled > FAR {
@@ -198,10 +247,39 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
         }
     }
 
+    /// Forces of the free coordinates, rows and all.
+    fn pull(&mut self, q: &[f64]) -> Result<Vec<f64>, Fault> {
+        if !self.system.model().is_constrained() {
+            return self.landscape.force(q);
+        }
+        self.acceleration(q)?;
+        self.system.residual(q, &self.steady, &self.rest, &mut self.full)?;
+        Ok(self.landscape.free.iter().map(|i| -self.full[*i]).collect())
+    }
+
+    /// The part of the velocities that agrees with the rows.
+    fn keep_rows(&mut self, q: &[f64], velocity: &mut [f64]) {
+        if !self.system.model().is_constrained() {
+            return;
+        }
+        self.full.copy_from_slice(&self.steady);
+        for (i, v) in self.landscape.free.iter().zip(velocity.iter()) {
+            self.full[*i] += v;
+        }
+        let mut q = q.to_vec();
+        if self.system.settle(&mut q, &mut self.full).is_ok() {
+            let moving = self.landscape.free.iter().map(|i| self.full[*i] - self.steady[*i]);
+            velocity.iter_mut().zip(moving).for_each(|(v, moving)| *v = moving);
+        }
+    }
+
     /// Accelerations of the free coordinates at rest.
     fn acceleration(&mut self, q: &[f64]) -> Result<Vec<f64>, Fault> {
         self.accelerations += 1;
-        self.system.accelerations(q, &self.rest, &mut self.full)?;
+        self.system.accelerations(q, &self.steady, &mut self.full)?;
+        if self.system.model().is_constrained() {
+            return Ok(self.landscape.free.iter().map(|i| self.full[*i]).collect());
+        }
         if self.landscape.free.len() < self.rest.len() {
             // The force that a lock holds is not among those that move the others, however heavy it is.
             let mut force = self.rest.clone();

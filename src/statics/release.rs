@@ -32,7 +32,9 @@ impl Family for Release<'_, '_, '_> {
         let mut look = || -> Result<Look, Fault> {
             let mut place = Place::at(self.landscape, q.to_vec())?;
             self.landscape.look(q)?;
-            for (i, held) in self.held.iter().enumerate() {
+            // What the rows carry of them is theirs.
+            let held = self.landscape.along_rows(q, &self.held)?;
+            for (i, held) in held.iter().enumerate() {
                 place.force[i] -= (1.0 - parameter) * held;
                 place.scales.force[i] += ((1.0 - parameter) * held).abs();
             }

@@ -10,6 +10,8 @@ use faer::{Mat, Side};
 pub(super) enum Stiffness {
     /// By sweeps; locked coordinates are held by an infinite shift.
     Sweep { solver: Box<TangentSolver>, free: Vec<usize>, shift: Vec<f64>, rest: Vec<f64>, full: Vec<f64> },
+    /// By matrices, along the motions that loops leave: `Z` and `H = Zᵀ K Z`.
+    Closed { tangent: Mat<f64>, matrix: Mat<f64>, factor: Option<Factor> },
     /// By matrices.
     Dense { matrix: Mat<f64>, factor: Option<Factor> },
 }
@@ -18,6 +20,22 @@ pub(super) enum Stiffness {
 pub(super) enum Factor {
     Definite(Definite),
     General(linear::General),
+}
+
+impl Factor {
+    fn of(matrix: &Mat<f64>, shift: &[f64], definite: bool) -> Option<Self> {
+        match definite {
+            true => Definite::of(matrix, shift).map(Self::Definite),
+            false => Some(Self::General(linear::General::of(matrix, shift))),
+        }
+    }
+
+    fn solve(&self, rhs: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Definite(factor) => factor.solve(rhs),
+            Self::General(factor) => factor.solve(rhs),
+        }
+    }
 }
 
 impl Stiffness {
@@ -32,8 +50,14 @@ impl Stiffness {
         Self::Sweep { solver, free: free.to_vec(), shift, rest: vec![0.0; n], full: vec![0.0; n] }
     }
 
+    /// Along the columns of `tangent`.
+    pub(super) fn closed(tangent: Mat<f64>, full: &Mat<f64>) -> Self {
+        let matrix = tangent.transpose() * full * &tangent;
+        Self::Closed { tangent, matrix, factor: None }
+    }
+
     pub(super) fn is_dense(&self) -> bool {
-        matches!(self, Self::Dense { .. })
+        !matches!(self, Self::Sweep { .. })
     }
 
     pub(super) fn set_dense(&mut self, new: Mat<f64>) {
@@ -58,11 +82,12 @@ impl Stiffness {
     pub(super) fn factorize(&mut self, system: &System<'_>, by: &[f64], definite: bool) -> bool {
         match self {
             Self::Sweep { .. } => self.sweep(system, by, definite).is_ok(),
+            Self::Closed { tangent, matrix, factor } => {
+                *factor = Factor::of(&shifted_along(tangent, matrix, by), &[], definite);
+                factor.is_some()
+            }
             Self::Dense { matrix, factor } => {
-                *factor = match definite {
-                    true => Definite::of(matrix, by).map(Factor::Definite),
-                    false => Some(Factor::General(linear::General::of(matrix, by))),
-                };
+                *factor = Factor::of(matrix, by, definite);
                 factor.is_some()
             }
         }
@@ -87,23 +112,73 @@ impl Stiffness {
                 solver.solve(model, full);
                 free.iter().map(|i| full[*i]).collect()
             }
-            Self::Dense { factor: Some(Factor::Definite(factor)), .. } => factor.solve(rhs),
-            Self::Dense { factor: Some(Factor::General(factor)), .. } => factor.solve(rhs),
-            Self::Dense { factor: None, .. } => vec![f64::NAN; rhs.len()],
+            Self::Closed { tangent, .. } if tangent.ncols() == 0 => vec![0.0; rhs.len()],
+            Self::Closed { tangent, factor: Some(factor), .. } => {
+                let (n, count) = (tangent.nrows(), tangent.ncols());
+                let along: Vec<f64> = (0..count).map(|j| (0..n).map(|i| tangent[(i, j)] * rhs[i]).sum()).collect();
+                combined(tangent, &factor.solve(&along))
+            }
+            Self::Dense { factor: Some(factor), .. } => factor.solve(rhs),
+            Self::Closed { factor: None, .. } | Self::Dense { factor: None, .. } => vec![f64::NAN; rhs.len()],
         }
+    }
+
+    /// The damped step of Levenberg and Marquardt, `(Kᵀ B⁻¹ K + λ B) x = Kᵀ B⁻¹ f`, λ being `part` of the largest
+    /// curvature. Needs matrices; `matrix` is the one of a sweep.
+    pub(super) fn levenberg(&self, swept: &Mat<f64>, metric: &[f64], force: &[f64], part: f64) -> Option<Vec<f64>> {
+        let Self::Closed { tangent, matrix, .. } = self else { return levenberg(swept, metric, force, part) };
+        let (n, count) = (tangent.nrows(), tangent.ncols());
+        let along: Vec<f64> = (0..count).map(|j| (0..n).map(|i| tangent[(i, j)] * force[i]).sum()).collect();
+        // Along the motions the metric is the identity.
+        Some(combined(tangent, &levenberg(matrix, &vec![1.0; count], &along, part)?))
     }
 
     /// A direction in which `K + diag(by)` is negative, or none.
     pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64]) -> Option<Vec<f64>> {
-        if let Self::Dense { matrix, .. } = self {
-            let n = by.len();
-            let shifted = Mat::from_fn(n, n, |i, j| matrix[(i, j)] + if i == j { by[i] } else { 0.0 });
-            let eigen = shifted.self_adjoint_eigen(Side::Lower).ok()?;
-            return (n > 0 && eigen.S()[0] < 0.0).then(|| (0..n).map(|i| eigen.U()[(i, 0)]).collect());
+        match self {
+            Self::Sweep { .. } => {}
+            Self::Closed { tangent, matrix, .. } => {
+                return lowest(&shifted_along(tangent, matrix, by)).map(|y| combined(tangent, &y));
+            }
+            Self::Dense { matrix, .. } => {
+                let n = by.len();
+                return lowest(&Mat::from_fn(n, n, |i, j| matrix[(i, j)] + if i == j { by[i] } else { 0.0 }));
+            }
         }
         let breakdown = self.sweep(system, by, true).err()?;
         let Self::Sweep { solver, free, full, .. } = self else { return None };
         solver.negative_direction(system.model(), breakdown, full);
         Some(free.iter().map(|i| full[*i]).collect())
     }
+}
+
+/// `H + Zᵀ diag(by) Z`.
+fn shifted_along(tangent: &Mat<f64>, matrix: &Mat<f64>, by: &[f64]) -> Mat<f64> {
+    let weighted = Mat::from_fn(tangent.nrows(), tangent.ncols(), |i, j| by[i] * tangent[(i, j)]);
+    matrix + tangent.transpose() * weighted
+}
+
+/// `Z y`.
+fn combined(tangent: &Mat<f64>, y: &[f64]) -> Vec<f64> {
+    (0..tangent.nrows()).map(|i| y.iter().enumerate().map(|(j, y)| tangent[(i, j)] * y).sum()).collect()
+}
+
+/// The direction of the lowest eigenvalue where that is negative.
+fn lowest(matrix: &Mat<f64>) -> Option<Vec<f64>> {
+    let n = matrix.nrows();
+    if n == 0 {
+        return None;
+    }
+    let eigen = matrix.self_adjoint_eigen(Side::Lower).ok()?;
+    (eigen.S()[0] < 0.0).then(|| (0..n).map(|i| eigen.U()[(i, 0)]).collect())
+}
+
+fn levenberg(k: &Mat<f64>, b: &[f64], force: &[f64], part: f64) -> Option<Vec<f64>> {
+    let n = force.len();
+    let weighted = Mat::from_fn(n, n, |i, j| k[(i, j)] / b[i]);
+    let normal = k.transpose() * &weighted;
+    let curvature = (0..n).map(|i| normal[(i, i)] / b[i]).fold(0.0, f64::max);
+    let shift: Vec<f64> = b.iter().map(|b| part * curvature * b).collect();
+    let rhs: Vec<f64> = (0..n).map(|j| (0..n).map(|i| weighted[(i, j)] * force[i]).sum()).collect();
+    Some(Definite::of(&normal, &shift)?.solve(&rhs))
 }

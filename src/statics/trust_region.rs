@@ -101,6 +101,7 @@ impl Search<'_, '_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
         self.landscape.look(&self.outcome.place.q)?;
+        self.radius = self.radius.min(self.landscape.longest());
         let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
         while self.radius > smallest {
             let Some(trial) = self.within_radius() else {
@@ -125,7 +126,8 @@ impl Search<'_, '_, '_> {
         let q = self.landscape.moved(&place.q, &trial.x);
         let potential = self.landscape.potential(&q);
         // Below the round-off of the potential only the model can tell.
-        let tiny = predicted.abs().max((self.potential - potential).abs()) < 1e-13 * self.potential.abs();
+        let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
+        let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
         let ratio = if tiny { 1.0 } else { (self.potential - potential) / predicted };
         if !(ratio >= 0.25) {
             self.radius = 0.3 * trial.size.min(self.radius);

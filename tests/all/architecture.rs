@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Module → the modules of ours that it may import. Dependencies point one way: no module stands below itself.
-const MAY_IMPORT: [(&str, &[&str]); 14] = [
+const MAY_IMPORT: [(&str, &[&str]); 16] = [
     ("suggest", &[]),
+    ("text_file", &["suggest"]),
     ("spatial", &[]),
     ("integrate", &[]),
     ("model", &["spatial", "suggest"]),
@@ -19,12 +20,29 @@ const MAY_IMPORT: [(&str, &[&str]); 14] = [
     ("statics", &["model", "motion", "forces", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
-    ("scenario", &["model", "constraint", "simulate", "statics", "record", "suggest"]),
-    ("cli", &["model", "constraint", "dynamics", "statics", "integrate", "record", "simulate", "scenario", "spatial"]),
+    ("import", &["suggest", "text_file"]),
+    ("scenario", &["import", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"]),
+    (
+        "cli",
+        &[
+            "import",
+            "model",
+            "constraint",
+            "dynamics",
+            "statics",
+            "integrate",
+            "record",
+            "simulate",
+            "scenario",
+            "spatial",
+        ],
+    ),
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 13] = [
+const FOREIGN: [(&str, &[&str]); 15] = [
+    ("roxmltree", &["import"]),
+    ("toml_edit", &["import"]),
     ("toml", &["scenario"]),
     ("exmex", &["model"]),
     ("annotate_snippets", &["scenario"]),

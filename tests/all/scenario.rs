@@ -6,7 +6,7 @@ use std::path::Path;
 use stillpoint::integrate::Method as Stepping;
 use stillpoint::model::description::{Attachment, BodyDescription, ForceKind, HingeKind, LoadAxes, Point};
 use stillpoint::model::shape::Geometry;
-use stillpoint::scenario::{self, LoadError, Override, Scenario};
+use stillpoint::scenario::{self, LoadError, Override, ReadError, Scenario};
 use stillpoint::simulate::settings::{Integrator, Start};
 use stillpoint::statics::settings::{Method, Want};
 
@@ -293,7 +293,7 @@ fn large_files_load_and_huge_ones_are_refused_at_once() {
     fs::write(&path, &text).expect("a file");
     assert_eq!(scenario::load(&path).expect("20 000 bodies").description.bodies.len(), 20_000);
     fs::write(&path, text.repeat(1 + (50 << 20) / text.len())).expect("50 MB");
-    assert!(matches!(scenario::load(&path), Err(LoadError::TooLarge(_))));
+    assert!(matches!(scenario::load(&path), Err(LoadError::File(ReadError::TooLarge { .. }))));
     assert!(failure(&path).contains("larger than 32 MiB"));
 }
 #[test]

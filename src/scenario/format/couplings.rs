@@ -107,7 +107,7 @@ pub const DRIVE: Table = Table {
 /// `[[gear]]`
 pub const GEAR: Table = Table {
     name: "gear",
-    doc: "A fixed ratio between two hinge coordinates, engaged in the positions as given.",
+    doc: "A fixed ratio between two hinge coordinates, engaged in the positions as given, or with `offset` where that says.",
     types: &[
         ("ratio", "The first moves `ratio` times as far as the second; both turn or both slide."),
         ("rack", "A rack (first, slides) on a pinion (second, turns): `radius` times the angle."),
@@ -125,6 +125,13 @@ pub const GEAR: Table = Table {
             .example("-0.25"),
         Key::new("radius", NUMBER, "Radius of the pinion.").unit("m").required().only(&["rack"]).example("0.05"),
         Key::new("lead", NUMBER, "Way per full turn.").unit("m").required().only(&["screw"]).example("0.002"),
+        Key::new(
+            "offset",
+            NUMBER,
+            "The first where the second is zero. A first coordinate whose `position` is not given then starts where the gear has it.",
+        )
+        .unit("m or rad")
+        .example("0.0"),
     ],
 };
 

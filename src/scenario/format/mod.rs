@@ -5,6 +5,7 @@ mod couplings;
 mod event;
 mod force;
 mod hinge;
+mod model;
 mod settings;
 mod start;
 
@@ -13,6 +14,7 @@ pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use event::EVENT;
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::{HINGE, LIMIT};
+pub use model::{MODEL, MODEL_HINGE};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
@@ -41,7 +43,17 @@ pub const SCENARIO: Table = Table {
         Key::new("simulate", Kind::Table(&SIMULATE), "The run.").example("{ duration = 10.0 }"),
         Key::new("statics", Kind::Table(&STATICS), "The equilibrium.").example("{ want = \"stable\" }"),
         Key::new("record", Kind::Table(&RECORD), "The recording.").example("{ rate = 100.0 }"),
-        Key::new("body", Kind::List(&Kind::Table(&BODY), &[]), "The bodies, in any order.").required(),
+        Key::new(
+            "model",
+            Kind::Either(&[Kind::Text, Kind::Table(&MODEL), Kind::List(&Kind::Table(&MODEL), &[])]),
+            "A model of another program (URDF): its file, or how it is taken; or several.",
+        )
+        .example("\"robots/arm.urdf\""),
+        Key::new(
+            "body",
+            Kind::List(&Kind::Table(&BODY), &[]),
+            "The bodies, in any order; without a `model` at least one.",
+        ),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings and loads."),
         Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
         Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),

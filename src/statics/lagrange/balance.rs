@@ -20,11 +20,13 @@ pub(super) fn applied(model: &Model, poses: &Poses) -> Vec<Wrench> {
     wrenches
 }
 
-/// Springs and motors in the hinges: what each hinge's own force does to its link and, opposite, to the parent.
-pub(super) fn hinges(model: &Model, poses: &Poses) -> Vec<[Wrench; 2]> {
+/// Springs and motors in the hinges, and what drives and gears `push` there: what each hinge's own force does to its
+/// link and, opposite, to the parent.
+pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench; 2]> {
     let rest = vec![0.0; model.velocity_count()];
     let mut tau = rest.clone();
     forces::hinge::apply(model, &poses.q, &rest, &mut tau);
+    tau.iter_mut().zip(push).for_each(|(tau, push)| *tau += push);
     let of_link = |(index, link): (usize, &Link)| match link.joint {
         Joint::None => [Wrench::ZERO; 2],
         Joint::Turn | Joint::Slide { .. } => {
@@ -57,8 +59,19 @@ pub(super) fn reactions(
     out
 }
 
+/// Adds what the constraints push to every link.
+pub(super) fn add_reactions(constraints: &[Constraint], poses: &Poses, multipliers: &[f64], sum: &mut [Wrench]) {
+    for constraint in constraints {
+        for (i, (_, gradient)) in constraint.at(&poses.motion).iter().take(constraint.count()).enumerate() {
+            let size = multipliers[constraint.row + i];
+            sum[constraint.link] += gradient.on_link(size);
+            sum[constraint.parent] += gradient.on_parent(size);
+        }
+    }
+}
+
 /// The gradient of the one coordinate of a turn or slide.
-fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
+pub(super) fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
     let (own, parent) = (&poses.motion.links[index], &poses.motion.links[link.parent]);
     let zero = Vector3::zeros();
     match link.joint {
@@ -74,13 +87,13 @@ fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
     }
 }
 
-/// `∂(forces)/∂(poses) − σ M` with fixed multipliers.
-pub(super) fn vary(model: &Model, poses: &Poses, shift: f64, entries: &mut Entries) {
+/// `∂(forces)/∂(poses) − σ M` with fixed multipliers; `pushed` are the coordinates of drives and gears.
+pub(super) fn vary(model: &Model, poses: &Poses, (push, pushed): (&[f64], &[bool]), shift: f64, entries: &mut Entries) {
     weights(model, poses, shift, entries);
     elements(model, poses, entries);
-    let own = hinges(model, poses);
+    let own = hinges(model, poses, push);
     for index in 1..model.links.len() {
-        hinge(model, poses, index, &own[index][0], shift, entries);
+        hinge(model, poses, index, (&own[index][0], pushed), shift, entries);
     }
 }
 
@@ -123,11 +136,21 @@ fn elements(model: &Model, poses: &Poses, entries: &mut Entries) {
 }
 
 /// The hinge's own force `acting` turns with its axes and changes with its coordinates.
-fn hinge(model: &Model, poses: &Poses, index: usize, acting: &Wrench, shift: f64, entries: &mut Entries) {
+fn hinge(
+    model: &Model,
+    poses: &Poses,
+    index: usize,
+    (acting, pushed): (&Wrench, &[bool]),
+    shift: f64,
+    entries: &mut Entries,
+) {
     let link = &model.links[index];
     let parent = link.parent;
     let of = |i: usize| &model.coordinates[link.velocity + i];
-    let active = |i: usize| of(i).stiffness != 0.0 || of(i).force != 0.0 || of(i).armature != 0.0;
+    let active = |i: usize| {
+        let own = of(i).stiffness != 0.0 || of(i).force != 0.0 || of(i).armature != 0.0;
+        own || pushed[link.velocity + i]
+    };
     match link.joint {
         Joint::None => {}
         Joint::Turn | Joint::Slide { .. } if !active(0) => {}

@@ -14,8 +14,18 @@
 //! | ball | coincide |
 //!
 //! A locked hinge is one without freedom: coincide, and square for three pairs.
+//!
+//! The independent rows of loops are constraints between two links that are not neighbours; `A`, `B` are the arms from the
+//! root markers of P and of the link to the ends of the loop:
+//!
+//! ```text
+//! plane     g = u·(D + B − A)        u on the link at B; −u on P at D + B
+//! distance  g = |D + B − A| − l      along that line, at B and at A
+//! square    g = a·b − cosine
+//! ```
 
 use super::entries::{Entries, Part};
+use crate::constraint::{IndependentRow, Rule};
 use crate::model::{Joint, Link, Model};
 use crate::motion::{Motion, hinge_from_link};
 use crate::spatial::Wrench;
@@ -37,8 +47,12 @@ enum Kind {
     Coincide { point: Vector3<f64> },
     /// Axis and hinge point, parent axes.
     Across { axis: Vector3<f64>, point: Vector3<f64> },
-    /// One axis of the parent and one of the link, each in its own axes.
-    Square { on_parent: Vector3<f64>, on_link: Vector3<f64> },
+    /// One axis of the parent and one of the link, each in its own axes, and the cosine between them.
+    Square { on_parent: Vector3<f64>, on_link: Vector3<f64>, cosine: f64 },
+    /// A point of the link in a plane of the parent: its normal and a point of it, parent axes.
+    Plane { axis: Vector3<f64>, point: Vector3<f64>, on_link: Vector3<f64> },
+    /// A point of the parent and one of the link.
+    Distance { length: f64, point: Vector3<f64>, on_link: Vector3<f64> },
 }
 
 /// What a multiplier of size one does: `force` and `on_link` to the link, `−force` and `on_parent` to the parent. The
@@ -51,6 +65,10 @@ pub(super) struct Gradient {
 }
 
 impl Gradient {
+    pub(super) fn times(&self, factor: f64) -> Self {
+        Self { force: factor * self.force, on_link: factor * self.on_link, on_parent: factor * self.on_parent }
+    }
+
     pub(super) fn on_link(&self, size: f64) -> Wrench {
         Wrench { force: size * self.force, moment: size * self.on_link }
     }
@@ -97,7 +115,7 @@ fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
             welded(point, link.turn * hinge_from_link(&q[link.position..link.position + 4]))
         }
         Joint::Turn => {
-            let square = |across| Kind::Square { on_parent: link.turn * across, on_link: Vector3::z() };
+            let square = |across| Kind::Square { on_parent: link.turn * across, on_link: Vector3::z(), cosine: 0.0 };
             let [first, second] = across(&Vector3::z());
             vec![Kind::Coincide { point }, square(first), square(second)]
         }
@@ -115,9 +133,27 @@ fn welded(point: Vector3<f64>, turn: Matrix3<f64>) -> Vec<Kind> {
 
 /// The link's axes stand as `turn` on the parent.
 fn parallel(turn: Matrix3<f64>) -> impl Iterator<Item = Kind> {
-    [(1, 2), (2, 0), (0, 1)]
-        .into_iter()
-        .map(move |(i, j)| Kind::Square { on_parent: turn.column(i).into_owned(), on_link: Vector3::ith(j, 1.0) })
+    [(1, 2), (2, 0), (0, 1)].into_iter().map(move |(i, j)| Kind::Square {
+        on_parent: turn.column(i).into_owned(),
+        on_link: Vector3::ith(j, 1.0),
+        cosine: 0.0,
+    })
+}
+
+/// The independent rows of loops, from row `first` on.
+pub(super) fn of_loops(rows: &[IndependentRow], first: usize) -> Vec<Constraint> {
+    let of = |(index, row): (usize, &IndependentRow)| {
+        let [a, b] = row.ends?;
+        let (point, on_link) = (a.point, b.point);
+        let kind = match row.rule {
+            Rule::Along { axis } => Kind::Plane { axis, point, on_link },
+            Rule::Aligned { first, second, cosine } => Kind::Square { on_parent: first, on_link: second, cosine },
+            Rule::Distance { length } => Kind::Distance { length, point, on_link },
+            Rule::Motion { .. } => return None,
+        };
+        Some(Constraint { link: b.link, parent: a.link, row: first + index, kind })
+    };
+    rows.iter().enumerate().filter_map(of).collect()
 }
 
 /// Two unit axes across one.
@@ -156,10 +192,23 @@ impl Constraint {
                 let gradient = Gradient { force: u, on_link: zero, on_parent: u.cross(&between) };
                 [(u.dot(&between) - axis.dot(&point), gradient); 3]
             }
-            Kind::Square { on_parent, on_link } => {
+            Kind::Square { on_parent, on_link, cosine } => {
                 let (a, b) = (parent.turn * on_parent, link.turn * on_link);
                 let moment = a.cross(&b);
-                [(a.dot(&b), Gradient { force: zero, on_link: -moment, on_parent: moment }); 3]
+                [(a.dot(&b) - cosine, Gradient { force: zero, on_link: -moment, on_parent: moment }); 3]
+            }
+            Kind::Plane { axis, point, on_link } => {
+                let (u, arm) = (parent.turn * axis, link.turn * on_link);
+                let reach = between + arm;
+                let gradient = Gradient { force: u, on_link: arm.cross(&u), on_parent: u.cross(&reach) };
+                [(u.dot(&(reach - parent.turn * point)), gradient); 3]
+            }
+            Kind::Distance { length, point, on_link } => {
+                let (arm, far) = (parent.turn * point, link.turn * on_link);
+                let line = between + far - arm;
+                let e = line / line.norm();
+                let gradient = Gradient { force: e, on_link: far.cross(&e), on_parent: e.cross(&arm) };
+                [(line.norm() - length, gradient); 3]
             }
         }
     }
@@ -177,7 +226,45 @@ impl Constraint {
             Kind::Across { axis, .. } => {
                 axial(motion, (i, p), parent.turn * axis, multipliers[self.row], entries);
             }
-            Kind::Square { on_parent, on_link } => {
+            Kind::Plane { axis, on_link, .. } => {
+                let arm = link.turn * on_link;
+                let reach = (link.position - parent.position + arm).cross_matrix();
+                let arm = arm.cross_matrix();
+                let force = multipliers[self.row] * (parent.turn * axis).cross_matrix();
+                entries.add((i, Part::Place), (p, Part::Turn), &-force);
+                entries.add((p, Part::Place), (p, Part::Turn), &force);
+                entries.add((i, Part::Turn), (i, Part::Turn), &(force * arm));
+                entries.add((i, Part::Turn), (p, Part::Turn), &(-arm * force));
+                entries.add((p, Part::Turn), (p, Part::Turn), &(reach * force));
+                entries.add((p, Part::Turn), (i, Part::Turn), &(-force * arm));
+                entries.add((p, Part::Turn), (i, Part::Place), &force);
+                entries.add((p, Part::Turn), (p, Part::Place), &-force);
+            }
+            Kind::Distance { point, on_link, .. } => {
+                let (arm, far) = (parent.turn * point, link.turn * on_link);
+                let line = link.position - parent.position + far - arm;
+                let (length, size) = (line.norm(), multipliers[self.row]);
+                let e = line / length;
+                let across = size / length * (Matrix3::identity() - e * e.transpose());
+                let force = (size * e).cross_matrix();
+                let (arm, far) = (arm.cross_matrix(), far.cross_matrix());
+                let ends = [
+                    ((i, Part::Place), Matrix3::identity()),
+                    ((i, Part::Turn), -far),
+                    ((p, Part::Place), -Matrix3::identity()),
+                    ((p, Part::Turn), arm),
+                ];
+                for (by, line) in ends {
+                    let change = across * line;
+                    entries.add((i, Part::Place), by, &change);
+                    entries.add((p, Part::Place), by, &-change);
+                    entries.add((i, Part::Turn), by, &(far * change));
+                    entries.add((p, Part::Turn), by, &(-arm * change));
+                }
+                entries.add((i, Part::Turn), (i, Part::Turn), &(force * far));
+                entries.add((p, Part::Turn), (p, Part::Turn), &(-force * arm));
+            }
+            Kind::Square { on_parent, on_link, .. } => {
                 let (a, b) = ((parent.turn * on_parent).cross_matrix(), (link.turn * on_link).cross_matrix());
                 let size = multipliers[self.row];
                 let (by_parent, by_link) = (size * (b * a), size * (a * b));

@@ -82,6 +82,11 @@ impl Entries {
         }
     }
 
+    /// One entry on the diagonal.
+    pub(super) fn add_diagonal(&mut self, row: usize, value: f64) {
+        self.push(row, row, value);
+    }
+
     /// `−weight` on the diagonal of every part: the balance in the sense of least squares.
     pub(super) fn add_least_squares(&mut self, links: usize, length: f64) {
         for link in 1..links {

@@ -1,8 +1,10 @@
 //! A scene as a family: one of its numbers moves.
 
-use super::super::landscape::Landscape;
+use super::super::assembled::Assembled;
+use super::super::landscape::{Branch, Landscape};
 use super::super::search::{Place, SHIFT};
 use super::super::stability::{NEUTRAL, count_by_motion, count_by_stiffness};
+use super::super::tied;
 use super::curve::{Family, Look, Metric};
 use crate::dynamics::{Fault, Linearization, System};
 use crate::model::description::Description;
@@ -19,6 +21,10 @@ const DIFFERENCE: f64 = 1e-4;
 pub(super) struct Moving<'a> {
     description: Description,
     parameters: &'a [Parameter],
+    /// What the assembly of the loops at the start has decided.
+    assembled: Assembled,
+    /// Motions along the loops where the last solution was looked at.
+    branch: Option<Branch>,
     /// The model at the start: its tree is that of all others.
     model: Model,
     metric: Metric,
@@ -51,13 +57,15 @@ impl<'a> Moving<'a> {
     /// Where the scene cannot be built or evaluated there.
     pub(super) fn new(
         description: &Description,
+        assembled: Assembled,
         parameters: &'a [Parameter],
         start: f64,
         range: f64,
         q: &[f64],
     ) -> Result<Self, String> {
         let mut description = description.clone();
-        let model = build(&mut description, parameters, start)?;
+        let mut model = build(&mut description, parameters, start)?;
+        assembled.give(&mut model, &mut q.to_vec())?;
         let (inertia, reach) = {
             let mut system = System::new(&model);
             let landscape = Landscape::new(&mut system, q).map_err(|fault| fault.to_string())?;
@@ -65,7 +73,7 @@ impl<'a> Moving<'a> {
             (landscape.metric, reach)
         };
         let metric = Metric { inertia, reach, range };
-        Ok(Self { description, parameters, model, metric, shift: 0.0 })
+        Ok(Self { description, parameters, assembled, branch: None, model, metric, shift: 0.0 })
     }
 
     pub(super) fn metric(&self) -> &Metric {
@@ -81,37 +89,40 @@ impl<'a> Moving<'a> {
         self.shift = SHIFT;
     }
 
-    /// The model at a value of the parameter.
-    ///
-    /// # Errors
-    /// What no model accepts.
-    pub(super) fn at(&mut self, parameter: f64) -> Result<Model, String> {
-        build(&mut self.description, self.parameters, parameter)
-    }
-
-    /// Calls `of` with the landscape at a value of the parameter, and with `q`, locked hinges where that puts them.
+    /// Calls `of` with the landscape at a value of the parameter, and with `q`: locked and driven hinges where that puts
+    /// them, loops closed.
     fn with<T>(
         &mut self,
         q: &[f64],
         parameter: f64,
         of: impl FnOnce(&mut Landscape<'_, '_>, Vec<f64>) -> Result<T, Fault>,
     ) -> Result<T, String> {
-        let model = self.at(parameter)?;
+        let mut model = build(&mut self.description, self.parameters, parameter)?;
         let mut q = q.to_vec();
         for body in model.bodies.iter().filter(|body| body.hinge.lock) {
             let range = body.hinge.position..body.hinge.position + body.hinge.kind.counts().0;
             q[range.clone()].copy_from_slice(&model.start_position[range]);
         }
+        self.assembled.give(&mut model, &mut q)?;
         let mut system = System::new(&model);
         let mut landscape = Landscape::new(&mut system, &q).map_err(|fault| fault.to_string())?;
         landscape.metric.clone_from(&self.metric.inertia);
-        of(&mut landscape, q).map_err(|fault| fault.to_string())
+        landscape.set_branch(self.branch.take());
+        let result = of(&mut landscape, q).map_err(|fault| fault.to_string());
+        self.branch = landscape.branch();
+        result
     }
 
-    /// `∂f/∂λ`.
-    pub(super) fn change(&mut self, q: &[f64], parameter: f64) -> Result<Vec<f64>, String> {
+    /// How forces and closed positions change with the parameter: `∂f/∂λ`, and what loops that change with it move.
+    pub(super) fn change(&mut self, q: &[f64], parameter: f64) -> Result<(Vec<f64>, Vec<f64>), String> {
         let half = DIFFERENCE * self.metric.range;
-        let mut force = |at: f64| self.with(q, at, |landscape, q| landscape.force(&q));
+        let base = q.to_vec();
+        let tied = self.model.is_constrained();
+        let mut force = |at: f64| {
+            let (force, q) = self.with(q, at, |landscape, q| Ok((landscape.force(&q)?, q)))?;
+            let moved = if tied { self.apart(&base, &q) } else { vec![0.0; force.len()] };
+            Ok::<Vec<f64>, String>([force, moved].concat())
+        };
         // At the end of what a model accepts there is one side only.
         let (after, before) = (force(parameter + half), force(parameter - half));
         let (after, before, distance) = match (after, before) {
@@ -120,7 +131,10 @@ impl<'a> Moving<'a> {
             (Err(_), Ok(before)) => (force(parameter)?, before, half),
             (Err(reason), Err(_)) => return Err(reason),
         };
-        Ok(after.iter().zip(&before).map(|(after, before)| (after - before) / distance).collect())
+        let mut change: Vec<f64> =
+            after.iter().zip(&before).map(|(after, before)| (after - before) / distance).collect();
+        let moved = change.split_off(change.len() / 2);
+        Ok((change, moved))
     }
 
     /// Whether the parameter is felt: at `q`, or beside it where symmetry hides it.
@@ -129,9 +143,10 @@ impl<'a> Moving<'a> {
             (0..self.metric.inertia.len()).map(|i| 0.1 + 0.05 * (i as f64 * 1.618_033_988_75).fract()).collect();
         for q in [q.to_vec(), self.moved(q, &beside)] {
             let place = self.with(&q, parameter, Place::at)?;
-            let change = self.change(&q, parameter)?;
+            let (change, moved) = self.change(&q, parameter)?;
             let felt = |(change, noise): (&f64, &f64)| change.abs() * self.metric.range > 1e3 * noise;
-            if change.iter().zip(&place.scales.noise).any(felt) {
+            let moves = |x: &f64| x.abs() * self.metric.range > 1e-9;
+            if change.iter().zip(&place.scales.noise).any(felt) || moved.iter().any(moves) {
                 return Ok(true);
             }
         }
@@ -147,9 +162,9 @@ impl<'a> Moving<'a> {
         let magnitude = &place.scales.stiffness;
         self.with(&place.q, parameter, |landscape, q| {
             if !landscape.conservative {
-                let linear = free_part(landscape, &q)?;
+                let (linear, magnitude) = free_part(landscape, &q, magnitude)?;
                 let (unstable, neutral) = count_by_motion(&linear);
-                return Ok(Count { unstable, neutral, negative: negative_real(&linear.stiffness, magnitude) });
+                return Ok(Count { unstable, neutral, negative: negative_real(&linear.stiffness, &magnitude) });
             }
             landscape.look(&q)?;
             let shifted = |part: f64| magnitude.iter().map(|k| part * k).collect::<Vec<f64>>();
@@ -158,6 +173,10 @@ impl<'a> Moving<'a> {
                 .and_then(|unstable| Some((unstable, landscape.negatives(&shifted(-NEUTRAL))?)));
             let (unstable, neutral) = match by_pivots {
                 Some((unstable, with_neutral)) => (unstable, with_neutral.saturating_sub(unstable)),
+                None if landscape.ties.is_some() => {
+                    let (z, k) = (landscape.tangent(&q)?, landscape.dense_stiffness(&q)?);
+                    tied::count(&z, &(z.transpose() * k * &z), magnitude)
+                }
                 None => count_by_stiffness(&landscape.dense_stiffness(&q)?, magnitude),
             };
             Ok(Count { unstable, neutral, negative: unstable })
@@ -229,7 +248,7 @@ impl<'a> Moving<'a> {
 
 impl Family for Moving<'_> {
     fn look(&mut self, q: &[f64], parameter: f64) -> Result<Look, String> {
-        let change = self.change(q, parameter)?;
+        let (change, moves) = self.change(q, parameter)?;
         let shift = self.shift;
         self.with(q, parameter, |landscape, q| {
             let place = Place::at(landscape, q)?;
@@ -239,7 +258,8 @@ impl Family for Moving<'_> {
                 newton = landscape.newton_shifted(&place.force, &landscape.shift(&place, SHIFT));
             }
             let newton = newton.unwrap_or_else(|| vec![f64::NAN; change.len()]);
-            let slope = landscape.solve(&change);
+            let mut slope = landscape.solve(&change);
+            slope.iter_mut().zip(&moves).for_each(|(slope, moves)| *slope += moves);
             Ok(Look { place, newton, slope })
         })
     }
@@ -262,13 +282,22 @@ fn build(description: &mut Description, parameters: &[Parameter], value: f64) ->
         .map_err(|problems| problems.first().map_or_else(String::new, |problem| problem.message.clone()))
 }
 
-/// Mass, damping and stiffness of the free coordinates.
-fn free_part(landscape: &mut Landscape<'_, '_>, q: &[f64]) -> Result<Linearization, Fault> {
-    let free = landscape.free.clone();
-    let rest = vec![0.0; landscape.model().velocity_count()];
-    let full = landscape.system().linearize(q, &rest, &rest)?;
-    let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
-    Ok(Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) })
+/// Mass, damping and stiffness of the free coordinates, of the motions that loops leave; and the sizes of its terms.
+fn free_part(
+    landscape: &mut Landscape<'_, '_>,
+    q: &[f64],
+    magnitude: &[f64],
+) -> Result<(Linearization, Vec<f64>), Fault> {
+    let (free, steady) = (landscape.free.clone(), landscape.steady.clone());
+    let z = if landscape.ties.is_some() { Some(landscape.tangent(q)?) } else { None };
+    let full = landscape.system().linearize(q, &steady, &vec![0.0; steady.len()])?;
+    let pick = |m: &Mat<f64>| {
+        let part = Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
+        z.as_ref().map_or_else(|| part.clone(), |z| z.transpose() * &part * z)
+    };
+    let linear =
+        Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
+    Ok((linear, tied::sizes(z.as_ref(), magnitude)))
 }
 
 /// Real eigenvalues of a stiffness without a potential that are negative: one changes its sign where the balance turns

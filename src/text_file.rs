@@ -1,6 +1,5 @@
-//! Reading a scenario's text from a file or from standard input.
+//! Reading text from a file or from standard input.
 
-use super::diagnostic::Diagnostics;
 use crate::suggest::closest;
 use std::fs::File;
 use std::io::{self, Read};
@@ -9,20 +8,27 @@ use std::path::{Path, PathBuf};
 /// The largest file that is read, in bytes: some 100 000 bodies one by one. Reading takes up to 50 times as much memory.
 pub const LARGEST_FILE: usize = 32 * 1024 * 1024;
 
-/// Why a scenario cannot be loaded.
+/// Why a file's text cannot be read. `what` is what was looked for: `scenario`, `model`.
 #[derive(Debug, thiserror::Error)]
-pub enum LoadError {
+pub enum ReadError {
     /// There is no such file.
-    #[error("no scenario `{}`{}", path.display(), hint.as_ref().map(|near| format!(": did you mean `{near}`?")).unwrap_or_default())]
+    #[error("no {what} `{}`{}", path.display(), hint.as_ref().map(|near| format!(": did you mean `{near}`?")).unwrap_or_default())]
     Missing {
+        /// What was looked for.
+        what: &'static str,
         /// As asked for.
         path: PathBuf,
         /// A file of the same folder with nearly this name.
         hint: Option<String>,
     },
     /// It is a folder.
-    #[error("`{}` is a folder, not a scenario file", .0.display())]
-    Folder(PathBuf),
+    #[error("`{}` is a folder, not a {what} file", path.display())]
+    Folder {
+        /// What was looked for.
+        what: &'static str,
+        /// As asked for.
+        path: PathBuf,
+    },
     /// The operating system does not let it be read.
     #[error("cannot read `{}`: {source}", path.display())]
     Unreadable {
@@ -32,8 +38,13 @@ pub enum LoadError {
         source: io::Error,
     },
     /// It is larger than [`LARGEST_FILE`].
-    #[error("`{}` is larger than {} MiB, the most that is read; use `repeat` for chains of equal bodies", .0.display(), LARGEST_FILE >> 20)]
-    TooLarge(PathBuf),
+    #[error("`{}` is larger than {} MiB, the most that is read{}", path.display(), LARGEST_FILE >> 20, if *what == "scenario" { "; use `repeat` for chains of equal bodies" } else { "" })]
+    TooLarge {
+        /// What was looked for.
+        what: &'static str,
+        /// As asked for.
+        path: PathBuf,
+    },
     /// It is not text.
     #[error("`{}` is not UTF-8 text: byte {byte} (line {line}) is 0x{value:02X}{hint}", path.display())]
     NotText {
@@ -48,50 +59,51 @@ pub enum LoadError {
         /// What the file may be instead; may be empty.
         hint: &'static str,
     },
-    /// Something is wrong in it.
-    #[error(transparent)]
-    Problems(#[from] Diagnostics),
 }
 
 /// What the path `-` is called in messages.
-pub(super) const STANDARD_INPUT: &str = "standard input";
+pub const STANDARD_INPUT: &str = "standard input";
 
-/// The text of a file, or of standard input for `-`.
-pub(super) fn text(path: &Path) -> Result<String, LoadError> {
+/// The text of a file, or of standard input for `-`. `what` is what the file should be, for messages.
+///
+/// # Errors
+/// Where it is not there, cannot be read, is no UTF-8 text or larger than [`LARGEST_FILE`].
+pub fn read(path: &Path, what: &'static str) -> Result<String, ReadError> {
     if path == Path::new("-") {
-        return from_reader(io::stdin().lock(), Path::new(STANDARD_INPUT));
+        return from_reader(io::stdin().lock(), Path::new(STANDARD_INPUT), what);
     }
-    let unreadable = |source| LoadError::Unreadable { path: path.to_owned(), source };
+    let unreadable = |source| ReadError::Unreadable { path: path.to_owned(), source };
+    let folder = || ReadError::Folder { what, path: path.to_owned() };
     let file = File::open(path).map_err(|source| match source.kind() {
-        io::ErrorKind::NotFound => LoadError::Missing { path: path.to_owned(), hint: neighbour(path) },
-        io::ErrorKind::IsADirectory => LoadError::Folder(path.to_owned()),
+        io::ErrorKind::NotFound => ReadError::Missing { what, path: path.to_owned(), hint: neighbour(path) },
+        io::ErrorKind::IsADirectory => folder(),
         _ => unreadable(source),
     })?;
     let about = file.metadata().map_err(unreadable)?;
     if about.is_dir() {
-        return Err(LoadError::Folder(path.to_owned()));
+        return Err(folder());
     }
     if about.len() > LARGEST_FILE as u64 {
-        return Err(LoadError::TooLarge(path.to_owned()));
+        return Err(ReadError::TooLarge { what, path: path.to_owned() });
     }
-    from_reader(file, path)
+    from_reader(file, path, what)
 }
 
-fn from_reader(reader: impl Read, path: &Path) -> Result<String, LoadError> {
+fn from_reader(reader: impl Read, path: &Path, what: &'static str) -> Result<String, ReadError> {
     let mut bytes = Vec::new();
     let limit = LARGEST_FILE as u64 + 1;
     reader
         .take(limit)
         .read_to_end(&mut bytes)
-        .map_err(|source| LoadError::Unreadable { path: path.to_owned(), source })?;
+        .map_err(|source| ReadError::Unreadable { path: path.to_owned(), source })?;
     if bytes.len() > LARGEST_FILE {
-        return Err(LoadError::TooLarge(path.to_owned()));
+        return Err(ReadError::TooLarge { what, path: path.to_owned() });
     }
     decode(bytes, path)
 }
 
 /// UTF-8 text without a byte order mark. Zero bytes are valid UTF-8, but no text.
-fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, LoadError> {
+fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, ReadError> {
     if bytes.starts_with(b"\xEF\xBB\xBF") {
         bytes.drain(..3);
     }
@@ -99,10 +111,10 @@ fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, LoadError> {
     let invalid = std::str::from_utf8(&bytes).err().map(|error| error.valid_up_to());
     let Some(byte) = zero.into_iter().chain(invalid).min() else {
         return String::from_utf8(bytes)
-            .map_err(|error| LoadError::Unreadable { path: path.to_owned(), source: io::Error::other(error) });
+            .map_err(|error| ReadError::Unreadable { path: path.to_owned(), source: io::Error::other(error) });
     };
     let utf16 = bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF");
-    Err(LoadError::NotText {
+    Err(ReadError::NotText {
         path: path.to_owned(),
         byte,
         line: 1 + bytes[..byte].iter().filter(|byte| **byte == b'\n').count(),

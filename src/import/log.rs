@@ -1,0 +1,215 @@
+//! What an importer has to say: notes on what was taken how, and problems.
+
+use crate::text_file::ReadError;
+use std::cell::RefCell;
+use std::collections::HashSet;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A file that was read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Source {
+    /// As it was asked for.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: Arc<str>,
+}
+
+impl Source {
+    /// The line of a byte, from 1.
+    pub fn line(&self, byte: usize) -> usize {
+        let before = self.text.as_bytes().get(..byte).unwrap_or(self.text.as_bytes());
+        1 + before.iter().filter(|byte| **byte == b'\n').count()
+    }
+}
+
+/// Where something is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Which source.
+    pub source: usize,
+    /// Which bytes of it.
+    pub span: Range<usize>,
+}
+
+impl Place {
+    /// In the order of the sources.
+    fn key(&self) -> (usize, usize) {
+        (self.source, self.span.start)
+    }
+}
+
+/// How an element was taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Taken {
+    /// As it is meant, with something to know about it.
+    Used,
+    /// As something that is near to it.
+    Approximated,
+    /// Not at all.
+    Ignored,
+}
+
+impl Taken {
+    /// In one word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Used => "used",
+            Self::Approximated => "approximated",
+            Self::Ignored => "ignored",
+        }
+    }
+}
+
+/// What became of an element.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Note {
+    /// The file, as it was asked for.
+    pub file: PathBuf,
+    /// Line, from 1.
+    pub line: usize,
+    /// The element, for people: ``joint `elbow` ``.
+    pub element: String,
+    /// How it was taken.
+    pub verdict: Taken,
+    /// What that means.
+    pub what: String,
+}
+
+/// How many notes there are of each kind: `2 approximated, 3 ignored`; empty for none.
+pub fn counted(notes: &[Note]) -> String {
+    let count = |verdict: Taken| (notes.iter().filter(|note| note.verdict == verdict).count(), verdict);
+    let all = [Taken::Used, Taken::Approximated, Taken::Ignored].map(count);
+    let said = all.iter().filter(|(count, _)| *count > 0).map(|(count, verdict)| match verdict {
+        Taken::Used => format!("{count} used with a remark"),
+        other => format!("{count} {}", other.word()),
+    });
+    said.collect::<Vec<_>>().join(", ")
+}
+
+/// Why a model cannot be taken.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// Where; `None` for the file as a whole.
+    pub place: Option<Place>,
+    /// What is wrong, with the element's name and the value.
+    pub message: String,
+    /// Short words at the place, often what is allowed; may be empty.
+    pub label: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Problem {
+    pub(super) fn at(place: Place, message: String) -> Self {
+        Self { place: Some(place), message, label: String::new(), help: None }
+    }
+
+    pub(super) fn help(self, help: impl Into<String>) -> Self {
+        self.maybe_help(Some(help.into()))
+    }
+
+    pub(super) fn maybe_help(mut self, help: Option<String>) -> Self {
+        self.help = help;
+        self
+    }
+}
+
+/// A model that cannot be taken.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// Its file cannot be read.
+    #[error(transparent)]
+    File(#[from] ReadError),
+    /// Something is wrong in it.
+    #[error("{}", listed(problems, sources))]
+    Problems {
+        /// Everything that is wrong.
+        problems: Vec<Problem>,
+        /// The files that were read.
+        sources: Vec<Source>,
+    },
+}
+
+/// One line per problem: `robot.urdf:12: …`.
+fn listed(problems: &[Problem], sources: &[Source]) -> String {
+    let line = |problem: &Problem| {
+        let place = problem.place.as_ref().and_then(|place| Some((sources.get(place.source)?, place)));
+        let place = place.map(|(source, at)| format!("{}:{}: ", source.path.display(), source.line(at.span.start)));
+        let help = problem.help.as_ref().map(|help| format!(" ({help})"));
+        format!("{}{}{}", place.unwrap_or_default(), problem.message, help.unwrap_or_default())
+    };
+    problems.iter().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// Everything that is said during an import. It never stops at the first problem.
+#[derive(Debug)]
+pub(super) struct Log {
+    sources: RefCell<Vec<Source>>,
+    notes: RefCell<Vec<(Place, String, Taken, String)>>,
+    problems: RefCell<Vec<Problem>>,
+    /// Source and first byte of every element and attribute that was read.
+    seen: RefCell<HashSet<(usize, usize)>>,
+}
+
+impl Log {
+    pub(super) fn new(path: &Path, text: String) -> Self {
+        let source = Source { path: path.to_owned(), text: text.into() };
+        Self {
+            sources: RefCell::new(vec![source]),
+            notes: RefCell::default(),
+            problems: RefCell::default(),
+            seen: RefCell::default(),
+        }
+    }
+
+    /// The text of a source.
+    pub(super) fn text(&self, source: usize) -> Arc<str> {
+        self.sources.borrow()[source].text.clone()
+    }
+
+    pub(super) fn note(&self, place: Place, element: String, verdict: Taken, what: impl Into<String>) {
+        self.notes.borrow_mut().push((place, element, verdict, what.into()));
+    }
+
+    pub(super) fn refuse(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
+    }
+
+    pub(super) fn is_fine(&self) -> bool {
+        self.problems.borrow().is_empty()
+    }
+
+    /// What starts at this byte has been read.
+    pub(super) fn see(&self, source: usize, start: usize) {
+        self.seen.borrow_mut().insert((source, start));
+    }
+
+    pub(super) fn has_seen(&self, source: usize, start: usize) -> bool {
+        self.seen.borrow().contains(&(source, start))
+    }
+
+    /// All notes in the order of the sources.
+    pub(super) fn notes(&mut self) -> Vec<Note> {
+        let mut list = self.notes.take();
+        list.sort_by_key(|(place, ..)| place.key());
+        let sources = self.sources.borrow();
+        let note = |(place, element, verdict, what): (Place, String, Taken, String)| {
+            let source = &sources[place.source];
+            Note { file: source.path.clone(), line: source.line(place.span.start), element, verdict, what }
+        };
+        list.into_iter().map(note).collect()
+    }
+
+    /// All problems in the order of the sources.
+    pub(super) fn take_problems(&mut self) -> Vec<Problem> {
+        let mut list = self.problems.take();
+        list.sort_by_key(|problem| problem.place.as_ref().map(Place::key));
+        list
+    }
+
+    pub(super) fn into_sources(self) -> Vec<Source> {
+        self.sources.into_inner()
+    }
+}

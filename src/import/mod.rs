@@ -1,0 +1,109 @@
+//! Models of other programs, turned into scenario text.
+//!
+//! ```text
+//! robot.urdf ─ xml ─► elements with places ─ urdf │ mjcf ─► Draft ─► scenario text + where each part came from
+//!                          │
+//!                          └ log: notes (what was taken how), problems (why it cannot be taken)
+//! ```
+//!
+//! An importer reads every element and attribute that it understands; [`xml`] keeps count, and what nobody has read
+//! becomes a note by itself. Nothing is dropped in silence, nothing is guessed: what cannot be meant is a problem, and
+//! all problems of a file are said at once.
+
+mod draft;
+mod files;
+mod log;
+mod urdf;
+mod xml;
+
+pub use log::{Note, Place, Problem, Refused, Source, Taken, counted};
+
+use crate::text_file;
+use log::Log;
+use std::path::{Path, PathBuf};
+
+/// How a model is taken.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Options {
+    /// Put before the name of every body, so that a model can be taken twice.
+    pub prefix: String,
+    /// The root moves freely; otherwise it is fixed to the ground.
+    pub floating: bool,
+    /// Where the root stands (m).
+    pub at: [f64; 3],
+    /// How the root is turned: roll, pitch, yaw (rad).
+    pub rpy: [f64; 3],
+    /// The folder from which the scenario text finds its meshes; where it is not given, the folder of the model.
+    pub folder: Option<PathBuf>,
+    /// Folders of packages by name, for `package://name/…`.
+    pub packages: Vec<(String, PathBuf)>,
+    /// Folders that hold packages, as `ROS_PACKAGE_PATH` lists them.
+    pub package_path: Vec<PathBuf>,
+}
+
+impl Options {
+    /// Nothing but the package folders that the environment names (`ROS_PACKAGE_PATH`).
+    pub fn from_environment() -> Self {
+        let listed = std::env::var_os("ROS_PACKAGE_PATH");
+        let package_path = listed.iter().flat_map(std::env::split_paths).filter(|path| path.is_absolute()).collect();
+        Self { package_path, ..Self::default() }
+    }
+}
+
+/// A model, as a scenario.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Imported {
+    /// In the project's own format, with comments that say where things came from.
+    pub scenario: String,
+    /// The files that were read, the first one that was asked for.
+    pub sources: Vec<Source>,
+    /// Parts of the scenario by address (`body[3].hinge.axis`), and where they are written in the sources.
+    pub origins: Vec<(String, Place)>,
+    /// What was not taken as it stands, in the order of the file.
+    pub notes: Vec<Note>,
+    /// Names of joints, and of the bodies by which the scenario names their hinges.
+    pub joints: Vec<(String, String)>,
+}
+
+/// Turns a file into a scenario, by its root element.
+///
+/// # Errors
+/// Where the file cannot be read or is not a model that is known, and where something in it makes no sense: then with
+/// all problems at once.
+pub fn import(path: &Path, options: &Options) -> Result<Imported, Refused> {
+    let text = text_file::read(path, "model")?;
+    import_text(path, text, options)
+}
+
+/// As [`import`], of a text that has been read. `path` is what it is called in messages; meshes are found from its folder.
+///
+/// # Errors
+/// As [`import`].
+pub fn import_text(path: &Path, text: String, options: &Options) -> Result<Imported, Refused> {
+    let mut log = Log::new(path, text);
+    let read = read(&log, path, options);
+    match read {
+        Some(draft) if log.is_fine() => {
+            let (scenario, notes) = (draft.text(), log.notes());
+            let (origins, joints) = (draft.origins, draft.joints);
+            Ok(Imported { scenario, sources: log.into_sources(), origins, notes, joints })
+        }
+        _ => Err(Refused::Problems { problems: log.take_problems(), sources: log.into_sources() }),
+    }
+}
+
+fn read(log: &Log, path: &Path, options: &Options) -> Option<draft::Draft> {
+    let text = log.text(0);
+    let document = xml::parse(&text, 0, log)?;
+    let root = xml::root(&document, 0, log);
+    match root.name() {
+        "robot" => urdf::read(&root, path, options),
+        other => {
+            let message = format!("<{other}> is not a model that can be read");
+            log.refuse(
+                Problem::at(root.place(), message).help("a model is a URDF file, with <robot> around everything"),
+            );
+            None
+        }
+    }
+}

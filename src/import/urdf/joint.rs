@@ -1,0 +1,277 @@
+//! Joints, as hinges and gears.
+
+use super::named;
+use super::tree::{Joint, Link, Tree};
+use crate::import::Options;
+use crate::import::draft::{Draft, Entry};
+use crate::import::log::{Problem, Taken};
+use crate::import::xml::Element;
+use crate::suggest::closest;
+use nalgebra::{UnitQuaternion, Vector3};
+
+const TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
+
+/// Name and hinge of the link that nothing carries.
+pub(super) fn root(link: &Link<'_>, body: &mut Entry, options: &Options) {
+    body.set("name", named(options, link.name), Some(link.name_place.clone()));
+    let mut hinge = Entry::new(None);
+    hinge.set("type", if options.floating { "free" } else { "fixed" }, None);
+    for (key, value) in [("at", options.at), ("rpy", options.rpy)] {
+        if value != [0.0; 3] {
+            hinge.numbers(key, &value, None);
+        }
+    }
+    body.inline("hinge", hinge);
+}
+
+/// Name and hinge of the link that a joint carries. Tells the name of the body that carries the motion.
+pub(super) fn write(
+    joint: &Joint<'_>,
+    tree: &Tree<'_>,
+    body: &mut Entry,
+    draft: &mut Draft,
+    options: &Options,
+) -> String {
+    let (element, link) = (&joint.element, &tree.links[joint.child]);
+    let kind = kind(element);
+    let name = named(options, link.name);
+    body.comment(&format!("joint `{}`, {kind}", joint.name));
+    body.set("name", name.clone(), Some(link.name_place.clone()));
+    let mut hinge = Entry::new(Some(element.place()));
+    hinge.set("type", hinge_type(kind), element.attribute("type").map(|attribute| attribute.place()));
+    let parent = named(options, tree.links[joint.parent].name);
+    hinge.set("parent", parent.as_str(), Some(joint.parent_place.clone()));
+    place(element, &mut hinge);
+    let axis = axis(element);
+    if kind == "planar" && axis.cross(&Vector3::z()) != Vector3::zeros() {
+        return tilted(joint, tree, body, draft, options, &parent, axis);
+    }
+    if matches!(kind, "revolute" | "continuous" | "prismatic") {
+        let from = element.child("axis").and_then(|axis| axis.attribute("xyz"));
+        hinge.numbers("axis", axis.as_slice(), from.map(|xyz| xyz.place()));
+    }
+    limits(element, kind, &mut hinge);
+    dynamics(element, kind, &mut hinge);
+    body.inline("hinge", hinge);
+    name
+}
+
+fn kind(joint: &Element<'_>) -> &'static str {
+    let Some(given) = joint.required("type") else { return "fixed" };
+    let known = TYPES.into_iter().find(|known| *known == given.value);
+    known.unwrap_or_else(|| {
+        let help = match closest(given.value, TYPES.into_iter()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => format!("one of {}", TYPES.map(|known| format!("`{known}`")).join(", ")),
+        };
+        joint.refuse(given.wrong(&format!("does not know `{}`", given.value)).help(help));
+        "fixed"
+    })
+}
+
+fn hinge_type(kind: &str) -> &str {
+    match kind {
+        "continuous" => "revolute",
+        "floating" => "free",
+        same => same,
+    }
+}
+
+/// `at` and `rpy` out of an `<origin>`.
+pub(super) fn place(element: &Element<'_>, entry: &mut Entry) {
+    let Some(origin) = element.child("origin") else { return };
+    for (from, to) in [("xyz", "at"), ("rpy", "rpy")] {
+        let Some(attribute) = origin.attribute(from) else { continue };
+        if let Some(numbers) = attribute.vector::<3>().filter(|numbers| *numbers != [0.0; 3]) {
+            entry.numbers(to, &numbers, Some(attribute.place()));
+        }
+    }
+}
+
+/// Roll, pitch, yaw of an `<origin>`.
+pub(super) fn turn(element: &Element<'_>) -> UnitQuaternion<f64> {
+    let rpy = element.child("origin").and_then(|origin| origin.vector::<3>("rpy"));
+    rpy.map_or_else(UnitQuaternion::identity, |[r, p, y]| UnitQuaternion::from_euler_angles(r, p, y))
+}
+
+fn axis(joint: &Element<'_>) -> Vector3<f64> {
+    let Some(axis) = joint.child("axis") else { return Vector3::x() };
+    let Some(xyz) = axis.required("xyz") else { return Vector3::x() };
+    match xyz.vector::<3>().map(Vector3::from) {
+        Some(axis) if axis != Vector3::zeros() => axis,
+        Some(_) => {
+            axis.refuse(xyz.wrong("is zero").help("an axis has a direction"));
+            Vector3::x()
+        }
+        None => Vector3::x(),
+    }
+}
+
+/// A planar joint whose normal is not z: a body without mass whose z is the normal carries the motion, and the link is
+/// welded to it in its own axes.
+fn tilted(
+    joint: &Joint<'_>,
+    tree: &Tree<'_>,
+    body: &mut Entry,
+    draft: &mut Draft,
+    options: &Options,
+    parent: &str,
+    normal: Vector3<f64>,
+) -> String {
+    let element = &joint.element;
+    let z_to_normal = UnitQuaternion::rotation_between(&Vector3::z(), &normal)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+    let taken = |name: &str| tree.links.iter().any(|link| link.name == name);
+    let mut name = joint.name.to_owned();
+    while taken(&name) {
+        name += "_plane";
+    }
+    let name = named(options, &name);
+    let mut plane = Entry::new(Some(element.place()));
+    plane.comment(&format!("joint `{}`, planar: z of this body is the normal of the plane", joint.name));
+    plane.set("name", name.as_str(), None);
+    let mut hinge = Entry::new(Some(element.place()));
+    hinge.set("type", "planar", None);
+    hinge.set("parent", parent, Some(joint.parent_place.clone()));
+    if let Some(at) = element.child("origin").and_then(|origin| origin.vector::<3>("xyz")) {
+        hinge.numbers("at", &at, None);
+    }
+    let angles = |turn: UnitQuaternion<f64>| <[f64; 3]>::from(turn.euler_angles());
+    hinge.numbers("rpy", &angles(turn(element) * z_to_normal), None);
+    dynamics(element, "planar", &mut hinge);
+    plane.inline("hinge", hinge);
+    draft.add("body", plane);
+
+    let mut weld = Entry::new(Some(element.place()));
+    weld.set("type", "fixed", None);
+    weld.set("parent", name.as_str(), None);
+    weld.numbers("rpy", &angles(z_to_normal.inverse()), None);
+    body.inline("hinge", weld);
+    let what = format!("its plane is not xy: a body `{name}` of no mass was put in between, whose z is the normal");
+    element.note(Taken::Used, what);
+    name
+}
+
+/// Limits, and where the motion starts if zero is beyond them.
+fn limits(joint: &Element<'_>, kind: &str, hinge: &mut Entry) {
+    let Some(limit) = joint.child("limit") else {
+        if matches!(kind, "revolute" | "prismatic") {
+            joint.note(Taken::Approximated, format!("a {kind} joint without <limit>: it has no stops"));
+        }
+        return;
+    };
+    let ends = ["lower", "upper"].map(|key| limit.attribute(key));
+    let numbers = ends.map(|end| end.map(|end| end.number()));
+    let most: Vec<String> = ["effort", "velocity"]
+        .into_iter()
+        .filter_map(|key| limit.attribute(key))
+        .map(|attribute| format!("`{} = {}`", attribute.key, attribute.value))
+        .collect();
+    if !most.is_empty() {
+        limit.note(Taken::Ignored, format!("{}: hinges have no largest force or speed", most.join(", ")));
+    }
+    if !matches!(kind, "revolute" | "prismatic") {
+        if ends.iter().any(Option::is_some) {
+            limit.note(Taken::Ignored, format!("a {kind} joint has no `lower` and `upper`"));
+        }
+        return;
+    }
+    // What is absent is zero, says URDF.
+    let [Some(low), Some(high)] = numbers.map(|end| end.unwrap_or(Some(0.0))) else { return };
+    if low > high {
+        let message = format!("{}: `lower` {low} is above `upper` {high}", limit.label());
+        joint.refuse(Problem::at(limit.place(), message).help("swap the two"));
+    } else if low == high {
+        let what = format!("from {low} to {high} they leave no room: the joint has no stops");
+        limit.note(Taken::Ignored, what);
+    } else {
+        let start = 0.0_f64.clamp(low, high);
+        if start != 0.0 {
+            hinge.set("position", start, Some(limit.place()));
+            let what = format!("0 is beyond them: the joint starts at {start}");
+            limit.note(Taken::Used, what);
+        }
+        hinge.numbers("limits", &[low, high], Some(limit.place()));
+    }
+}
+
+fn dynamics(joint: &Element<'_>, kind: &str, hinge: &mut Entry) {
+    let Some(dynamics) = joint.child("dynamics") else { return };
+    if let Some(damping) = dynamics.attribute("damping") {
+        match damping.number() {
+            Some(number) if number < 0.0 => dynamics.refuse(damping.wrong(&format!("is {number}, allowed: ≥ 0"))),
+            Some(number) if number > 0.0 && kind == "fixed" => {
+                dynamics.note(Taken::Ignored, "`damping` of a joint that does not move");
+            }
+            Some(number) if number > 0.0 => hinge.set("damping", number, Some(damping.place())),
+            _ => {}
+        }
+    }
+    if let Some(friction) = dynamics.attribute("friction")
+        && friction.number().is_some_and(|number| number != 0.0)
+    {
+        dynamics.note(Taken::Ignored, format!("`friction = {}`: dry friction is not simulated", friction.value));
+    }
+}
+
+/// Mimics, as gears. `bodies` are the names of the bodies that carry the joints' motions.
+pub(super) fn gears(tree: &Tree<'_>, bodies: &[String], draft: &mut Draft) {
+    for (index, joint) in tree.joints.iter().enumerate() {
+        let Some(mimic) = joint.element.child("mimic") else { continue };
+        let Some(leader) = mimic.required("joint") else { continue };
+        let Some(other) = tree.joint(leader.value) else {
+            let message = format!("{}: there is no joint `{}`", mimic.label(), leader.value);
+            mimic.refuse(Problem::at(leader.place(), message).maybe_help(tree.near(leader.value)));
+            continue;
+        };
+        let kinds = [index, other].map(|joint| kind(&tree.joints[joint].element));
+        if kinds[0] == "fixed" {
+            mimic.note(Taken::Ignored, "a fixed joint follows nothing");
+            continue;
+        }
+        let many =
+            [index, other].into_iter().zip(kinds).find(|(_, kind)| matches!(*kind, "fixed" | "planar" | "floating"));
+        if let Some((which, kind)) = many {
+            let message = format!("{}: joint `{}` is {kind}", mimic.label(), tree.joints[which].name);
+            let help = "a joint of one coordinate follows another: revolute, continuous or prismatic";
+            mimic.refuse(Problem::at(leader.place(), message).help(help));
+            continue;
+        }
+        let number = |key: &str, default: f64| mimic.attribute(key).map_or(Some(default), |found| found.number());
+        let (Some(multiplier), Some(offset)) = (number("multiplier", 1.0), number("offset", 0.0)) else { continue };
+        if multiplier == 0.0 {
+            let message = format!("{}: with `multiplier` 0 the joint does not move", mimic.label());
+            mimic.refuse(Problem::at(mimic.place(), message).help("make it a fixed joint"));
+            continue;
+        }
+        let slides = kinds.map(|kind| kind == "prismatic");
+        draft.add("gear", gear(&mimic, joint.name, [&bodies[index], &bodies[other]], slides, multiplier, offset));
+    }
+}
+
+/// q_follower = multiplier · q_leader + offset. Where a turn follows a slide it is said the other way round: a rack is
+/// named before its pinion.
+fn gear(
+    mimic: &Element<'_>,
+    name: &str,
+    [follower, leader]: [&str; 2],
+    slides: [bool; 2],
+    multiplier: f64,
+    offset: f64,
+) -> Entry {
+    let from = |key: &str| mimic.attribute(key).map(|attribute| attribute.place());
+    let mut gear = Entry::new(Some(mimic.place()));
+    let (kind, key) = if slides[0] == slides[1] { ("ratio", "ratio") } else { ("rack", "radius") };
+    let turned = slides == [false, true];
+    let (ends, factor, offset) = match turned {
+        false => ([follower, leader], multiplier, offset),
+        true => ([leader, follower], 1.0 / multiplier, -offset / multiplier),
+    };
+    gear.comment(&format!("joint `{name}` follows"));
+    gear.set("name", format!("{name} mimic"), None);
+    gear.set("type", kind, None);
+    gear.set("between", ends.into_iter().collect::<toml_edit::Array>(), from("joint"));
+    gear.set(key, factor, from("multiplier"));
+    gear.set("offset", offset, from("offset"));
+    gear
+}

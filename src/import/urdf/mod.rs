@@ -1,0 +1,91 @@
+//! URDF: links and joints of a robot.
+//!
+//! | URDF | scenario |
+//! |---|---|
+//! | link | body; its axes are the link's |
+//! | joint | the hinge of the child: `origin` is `at` and `rpy`, `axis` is `axis` |
+//! | revolute, continuous | `revolute`, with `limits` |
+//! | prismatic | `prismatic`, with `limits` |
+//! | fixed | `fixed` |
+//! | floating | `free` |
+//! | planar | `planar`; where the axis is not z between two welds that turn z there |
+//! | mimic | gear with an `offset` |
+//! | dynamics damping | `damping` |
+//! | inertial | `mass`, `center`, `inertia`, turned into the link's axes |
+//! | visual, else collision | `shape` |
+//!
+//! The root hangs on the ground. Everything else of the file becomes a note.
+
+mod joint;
+mod link;
+mod shape;
+mod tree;
+
+use super::Options;
+use super::draft::{Draft, Entry};
+use super::log::Problem;
+use super::xml::Element;
+use std::path::Path;
+use tree::Tree;
+
+/// Reads a `<robot>`; `None` where too little of it makes sense.
+pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option<Draft> {
+    if is_macro(root) {
+        return None;
+    }
+    let tree = Tree::read(root)?;
+    let looks = shape::Looks::read(root, path, options);
+    let mut draft = Draft::new();
+    let name = root.text("name").unwrap_or("robot");
+    let file = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+    draft.set("title", &format!("Imported from {file}."), name, root.attribute("name").map(|name| name.place()));
+    let mut movers = vec![String::new(); tree.joints.len()];
+    for &index in &tree.order {
+        let link = &tree.links[index];
+        let mut body = Entry::new(Some(link.element.place()));
+        match link.joint {
+            Some(joint) => {
+                movers[joint] = joint::write(&tree.joints[joint], &tree, &mut body, &mut draft, options);
+                draft.joint(tree.joints[joint].name, &movers[joint]);
+            }
+            None => joint::root(link, &mut body, options),
+        }
+        link::write(&link.element, &mut body);
+        looks.write(&link.element, &mut body);
+        draft.add("body", body);
+    }
+    joint::gears(&tree, &movers, &mut draft);
+    root.text("version");
+    root.sweep(reason);
+    Some(draft)
+}
+
+/// What a link is called in the scenario.
+fn named(options: &Options, link: &str) -> String {
+    format!("{}{link}", options.prefix)
+}
+
+/// Whether this is a program that writes a URDF; that is said.
+fn is_macro(root: &Element<'_>) -> bool {
+    let Some(found) = root.of_namespace("xacro") else { return false };
+    let message = format!("<{}> is a macro of xacro", found.name());
+    let help = "expand it first, as in `xacro robot.urdf.xacro > robot.urdf`";
+    root.refuse(Problem::at(found.place(), message).help(help));
+    true
+}
+
+/// Why an element is left alone, by its tag.
+fn reason(tag: &str) -> Option<&'static str> {
+    Some(match tag {
+        "transmission" => "actuators and their gears are not simulated",
+        "gazebo" => "meant for Gazebo",
+        "ros2_control" | "ros_control" => "controllers are not simulated",
+        "sensor" => "sensors are not simulated",
+        "mujoco" | "drake" => "meant for another simulator",
+        "safety_controller" => "controllers are not simulated",
+        "calibration" => "reference positions of real joints are not used",
+        "contact" | "contact_coefficients" => "contacts between bodies are not simulated",
+        "texture" => "textures are not drawn",
+        _ => return None,
+    })
+}

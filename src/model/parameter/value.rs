@@ -1,0 +1,92 @@
+//! Reading and setting the number that an address stands for.
+
+use super::super::couplings::{Closure, MotionDescription};
+use super::super::description::{Description, ForceKind};
+use super::super::problem::Element;
+use super::{Field, Parameter};
+
+impl Parameter {
+    /// Its value.
+    pub fn value(&self, description: &Description) -> f64 {
+        let list = |list: &[f64]| list.get(self.index).copied().unwrap_or(0.0);
+        match self.element {
+            Element::Scene => description.gravity[self.index],
+            // Events have no parameters.
+            Element::Event(_) => f64::NAN,
+            Element::Body(body) => {
+                let body = &description.bodies[body];
+                match self.field {
+                    Field::Mass => body.mass.mass,
+                    Field::Position => list(&body.hinge.position),
+                    Field::Rest => list(&body.hinge.rest),
+                    Field::Stiffness => list(&body.hinge.stiffness),
+                    _ => list(&body.hinge.force),
+                }
+            }
+            Element::Force(force) => match (&description.forces[force].kind, self.field) {
+                (ForceKind::Spring { length, .. }, Field::Length) => *length,
+                (ForceKind::Spring { stiffness, .. }, _) => *stiffness,
+                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index],
+                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index],
+                (ForceKind::Load { force, .. }, _) => force[self.index],
+            },
+            Element::Loop(index) => match description.loops[index].closure {
+                Closure::Rod { length } => length,
+                Closure::Hinge(_) => f64::NAN,
+            },
+            Element::Drive(index) => match description.drives[index].motion {
+                MotionDescription::Rate { rate } => rate,
+                _ => f64::NAN,
+            },
+            Element::Gear(_) => f64::NAN,
+        }
+    }
+
+    /// Gives it a value; whether that is allowed is told by [`Model::build`](super::Model::build).
+    pub fn set(&self, description: &mut Description, value: f64) {
+        match self.element {
+            Element::Scene => description.gravity[self.index] = value,
+            Element::Event(_) => {}
+            Element::Body(body) => {
+                let body = &mut description.bodies[body];
+                let (positions, velocities) = body.hinge.kind.counts();
+                let quaternion = positions != velocities;
+                let (list, count) = match self.field {
+                    Field::Mass => {
+                        body.mass.mass = value;
+                        return;
+                    }
+                    Field::Position => (&mut body.hinge.position, positions),
+                    Field::Rest => (&mut body.hinge.rest, positions),
+                    Field::Stiffness => (&mut body.hinge.stiffness, velocities),
+                    _ => (&mut body.hinge.force, velocities),
+                };
+                if list.is_empty() {
+                    list.resize(count, 0.0);
+                    if quaternion && count == positions {
+                        list[count - 4] = 1.0;
+                    }
+                }
+                list[self.index] = value;
+            }
+            Element::Force(force) => match (&mut description.forces[force].kind, self.field) {
+                (ForceKind::Spring { length, .. }, Field::Length) => *length = value,
+                (ForceKind::Spring { stiffness, .. }, _) => *stiffness = value,
+                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index] = value,
+                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index] = value,
+                (ForceKind::Load { force, .. }, _) => force[self.index] = value,
+            },
+            Element::Loop(index) => {
+                if let Closure::Rod { length } = &mut description.loops[index].closure {
+                    *length = value;
+                }
+            }
+            Element::Drive(index) => {
+                if let MotionDescription::Rate { rate } = &mut description.drives[index].motion {
+                    *rate = value;
+                }
+            }
+            Element::Gear(_) => {}
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The certificate of an equilibrium with loops, drives or gears: motions along the closed positions decide.
+
+use super::landscape::Landscape;
+use super::search::Place;
+use super::stability::{
+    Mode, Stability, Verdict, count_by_motion, count_by_stiffness, generalized, momentum, rates_of, scaled, shares,
+    symmetric, verdict,
+};
+use crate::dynamics::{Fault, Linearization};
+use crate::model::Model;
+use faer::Mat;
+
+/// Largest hinge acceleration that the unbalanced forces of a place make along the loops, and where it is balanced what
+/// kind of equilibrium it is.
+pub(super) fn examine(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
+    let (model, free, steady) = (landscape.model(), landscape.free.clone(), landscape.steady.clone());
+    let z = landscape.tangent(&place.q)?;
+    let rest = vec![0.0; steady.len()];
+    let full = landscape.system().linearize(&place.q, &steady, &rest)?;
+    let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
+    let mass = pick(&full.mass);
+    let reduced = |m: &Mat<f64>| z.transpose() * m * &z;
+    let linear = Linearization {
+        stiffness: reduced(&pick(&full.stiffness)),
+        damping: reduced(&pick(&full.damping)),
+        mass: reduced(&mass),
+    };
+    let acceleration = acceleration(&linear, &z, &place.force);
+    let spins = steady.iter().any(|v| *v != 0.0);
+    let conservative = landscape.conservative && !spins;
+    let stability = place.is_balanced().then(|| classify(model, &free, &z, &mass, &linear, place, conservative));
+    Ok((acceleration, stability))
+}
+
+/// What a person should know of the loops at the end of a search.
+pub(super) fn notes(landscape: &Landscape<'_, '_>) -> Vec<String> {
+    let Some(ties) = &landscape.ties else { return Vec::new() };
+    let mut notes = Vec::new();
+    if !ties.frozen.is_empty() {
+        let frozen = ties.frozen.join(", ");
+        notes.push(format!("the rest cannot stay at rest beside {frozen}: they are held where they are at t = 0"));
+    }
+    if ties.view.as_ref().is_some_and(|view| view.singular) {
+        notes.push(
+            "a singular position of the loops: their reactions are not determined here; the motions that exist only \
+             in this position are left out"
+                .to_owned(),
+        );
+    }
+    notes
+}
+
+fn acceleration(linear: &Linearization, z: &Mat<f64>, force: &[f64]) -> f64 {
+    use faer::linalg::solvers::Solve;
+    let count = z.ncols();
+    if count == 0 {
+        return 0.0;
+    }
+    let rhs = Mat::from_fn(count, 1, |j, _| force.iter().enumerate().map(|(i, f)| z[(i, j)] * f).sum());
+    let a = z * linear.mass.partial_piv_lu().solve(&rhs);
+    (0..a.nrows()).map(|i| a[(i, 0)].abs()).fold(0.0, f64::max)
+}
+
+/// Counts directions along the columns of `z`.
+pub(super) fn count(z: &Mat<f64>, stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
+    match z.ncols() {
+        0 => (0, 0),
+        _ => count_by_stiffness(&symmetric(stiffness), &sizes(Some(z), magnitude)),
+    }
+}
+
+/// Sizes of the stiffness terms along the columns of `z`, where there is one.
+pub(super) fn sizes(z: Option<&Mat<f64>>, magnitude: &[f64]) -> Vec<f64> {
+    let Some(z) = z else { return magnitude.to_vec() };
+    let size = |j: usize| (0..z.nrows()).map(|i| z[(i, j)].powi(2) * magnitude[i]).sum::<f64>();
+    (0..z.ncols()).map(size).collect()
+}
+
+/// Verdict and modes of the motions along the loops.
+fn classify(
+    model: &Model,
+    free: &[usize],
+    z: &Mat<f64>,
+    mass: &Mat<f64>,
+    linear: &Linearization,
+    place: &Place,
+    conservative: bool,
+) -> Stability {
+    if z.ncols() == 0 {
+        let (modes, damped) = (Vec::new(), Vec::new());
+        return Stability { verdict: Verdict::Stable, unstable_directions: 0, neutral_directions: 0, modes, damped };
+    }
+    let (unstable, neutral) = match conservative {
+        true => count(z, &linear.stiffness, &place.scales.stiffness),
+        false => count_by_motion(linear),
+    };
+    let mode = |(k, (value, y)): (usize, (f64, Vec<f64>))| {
+        let shape: Vec<f64> = (0..z.nrows()).map(|i| (0..y.len()).map(|j| z[(i, j)] * y[j]).sum()).collect();
+        let (frequency_hz, growth_rate) = rates_of(value, k, unstable, neutral);
+        let shares = shares(model, free, &momentum(mass, &shape), &shape);
+        Mode { frequency_hz, growth_rate, shares, shape: scaled(&shape) }
+    };
+    let found = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass));
+    let modes = found.map_or(Vec::new(), |(values, vectors)| {
+        let count = values.len();
+        let shapes = (0..count).map(|k| (0..count).map(|i| vectors[(i, k)]).collect::<Vec<f64>>());
+        values.into_iter().zip(shapes).enumerate().map(mode).collect()
+    });
+    // The damped motion of scenes with loops is not looked at yet.
+    let (verdict, damped) = (verdict(unstable, neutral), Vec::new());
+    Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped }
+}

@@ -1,0 +1,225 @@
+//! Statics of scenes with loops, drives and gears: all methods, paths, unknown inputs.
+
+use crate::common::build;
+use crate::scenarios::{found, shipped};
+use stillpoint::model::{Model, Parameter};
+use stillpoint::scenario;
+use stillpoint::statics::path::follow;
+use stillpoint::statics::{Equilibrium, Method, Settings, Verdict, Want, equilibrium, hold};
+
+const G: f64 = 9.80665;
+
+/// A parallelogram of equal bars, hanging from two pins: rods down, bar across.
+const PARALLELOGRAM: &str = r#"
+[[body]]
+name = "left"
+mass = 1.0
+center = [0.0, 0.0, -0.25]
+inertia = [0.02, 0.02, 0.001]
+markers = { pin = [0.0, 0.0, -0.5] }
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0], position = 0.7 }
+
+[[body]]
+name = "bar"
+mass = 2.0
+center = [0.4, 0.0, 0.0]
+inertia = [0.001, 0.05, 0.05]
+markers = { pin = [0.8, 0.0, 0.0] }
+hinge = { type = "revolute", parent = "left", at = "pin", axis = [0.0, 1.0, 0.0], position = -0.7 }
+
+[[body]]
+name = "right"
+mass = 1.0
+center = [0.0, 0.0, -0.25]
+inertia = [0.02, 0.02, 0.001]
+markers = { pin = [0.0, 0.0, -0.5] }
+hinge = { type = "revolute", at = [0.8, 0.0, 0.0], axis = [0.0, 1.0, 0.0], position = 0.7 }
+
+[[loop]]
+type = "revolute"
+between = ["bar.pin", "right.pin"]
+axis = [0.0, 1.0, 0.0]
+"#;
+
+fn by(method: Method, model: &Model) -> Equilibrium {
+    equilibrium(model, &Settings { method, want: Want::Stable }, &model.start_position).expect("statics")
+}
+
+/// Largest distance of a root marker, and largest angle between bodies.
+fn apart(a: &Equilibrium, b: &Equilibrium) -> f64 {
+    let pairs = a.poses.iter().zip(&b.poses);
+    pairs
+        .map(|(a, b)| (a.translation.vector - b.translation.vector).norm().max(a.rotation.angle_to(&b.rotation)))
+        .fold(0.0, f64::max)
+}
+
+fn read(text: &str) -> Model {
+    build(&scenario::parse("scene.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}")).description)
+}
+
+fn assert_all_agree(name: &str, model: &Model) {
+    let cascade = by(Method::Auto, model);
+    assert!(cascade.converged, "{name}: {:?}", cascade.notes);
+    let mut system = stillpoint::dynamics::System::new(model);
+    let (mut q, mut v) = (cascade.position.clone(), cascade.velocity.clone());
+    let settled = system.settle(&mut q, &mut v).expect("a closed position");
+    assert!(settled.gap < 1e-12, "{name}: a gap of {:e}", settled.gap);
+    for method in [Method::Newton, Method::Relaxation, Method::Lagrange] {
+        let found = by(method, model);
+        assert!(found.converged, "{name} by {method:?}: {:?}", found.notes);
+        assert_eq!(found.method, method.name());
+        let distance = apart(&cascade, &found);
+        // 1e-10 of the forces over stiffnesses of some hundredths of them per unit.
+        assert!(distance < 1e-8, "{name} by {method:?}: {distance:e} apart");
+        for (name_of, force) in &cascade.drive_forces {
+            let other = found.drive_forces.iter().find(|(name, _)| name == name_of).expect("the drive").1;
+            assert!((force - other).abs() < 1e-6 * (1.0 + force.abs()), "{name}: {name_of} {force} {other}");
+        }
+    }
+}
+
+#[test]
+fn all_methods_agree_on_closed_loops() {
+    // Rods down: the potential of a parallelogram is that of one pendulum.
+    let hanging = read(PARALLELOGRAM);
+    assert_all_agree("parallelogram", &hanging);
+    let found = by(Method::Auto, &hanging);
+    assert!(found.position[0].abs() < 1e-9, "{:?}", found.position);
+    // The crank is thrown in the scenario; here it may settle.
+    // Upright, where the scenario has it, Newton alone would stay.
+    assert_all_agree("four_bar", &shipped("four_bar", &["crank.hinge.position=2.6"]).1);
+    // In the scenario the slider-crank has no weight.
+    let gravity = ["gravity=[3.0, 0.0, -9.80665]"];
+    assert_all_agree("slider_crank", &shipped("slider_crank", &gravity).1);
+    for name in ["double_wishbone", "excavator"] {
+        assert_all_agree(name, &shipped(name, &[]).1);
+    }
+}
+
+#[test]
+fn all_methods_agree_on_a_steady_motion() {
+    assert_all_agree("flyball_governor", &shipped("flyball_governor", &[]).1);
+}
+
+/// The rods turn together: with a lock on one the other carries it too, and the lock holds the moment of all weights.
+#[test]
+fn a_lock_in_a_loop_holds_by_all_methods() {
+    let model = read(&PARALLELOGRAM.replacen("position = 0.7 }", "position = 0.7, lock = true }", 1));
+    for method in Method::ALL {
+        let found = by(method, &model);
+        assert!(found.converged, "{method:?}: {:?}", found.notes);
+        assert!((found.position[0] - 0.7).abs() < 1e-12 && (found.position[2] - 0.7).abs() < 1e-9, "{method:?}");
+        // Virtual work: both rods by half their length, the bar by all of it.
+        let moment = G * (2.0 * 0.25 + 2.0 * 0.5) * 0.7_f64.sin();
+        let (_, held) = &found.holding[0];
+        assert!((held.abs() - moment).abs() < 1e-9 * moment, "{method:?}: {held} instead of {moment}");
+    }
+}
+
+/// Porter's formula along the whole path: the balls hang h = (1 + M/m) g/ω² below the top.
+#[test]
+fn the_governor_rises_by_porters_formula() {
+    let (scenario, _) = shipped("governor_rise", &[]);
+    let settings = scenario.path.as_ref().expect("a path");
+    let path = follow(&scenario.description, &scenario.statics, settings, &mut |_| true).expect("a path");
+    assert!(path.complete && path.branches.len() == 1 && path.events().count() == 0, "{:?}", path.notes);
+    let (_, model) = shipped("governor_rise", &[]);
+    let left = model.bodies[model.body("left").expect("a body")].hinge.position;
+    let points = &path.branches[0].points;
+    assert_eq!(points.iter().filter(|point| point.wanted).count(), 3);
+    for point in points {
+        let height = 3.0 * G / point.parameter.powi(2);
+        let found = 0.3 * point.position[left].sin();
+        assert!((found - height).abs() < 1e-11, "{}: {found} instead of {height}", point.parameter);
+        assert_eq!(point.verdict, Verdict::Stable);
+    }
+    assert!((points.last().expect("points").parameter - 30.0).abs() < 1e-12);
+}
+
+/// A rod that grows moves what it holds: the path goes along positions that its length closes.
+#[test]
+fn a_path_follows_a_rod_that_grows() {
+    // A plate that may move in the plane x, z, hung from one point by a rod.
+    let text = r#"
+[statics.path]
+parameter = "tie.length"
+from = 0.5
+to = 1.5
+at = [1.0]
+[[body]]
+name = "plate"
+mass = 2.0
+center = [0.0, -0.1, 0.0]
+inertia = [0.1, 0.2, 0.2]
+hinge = { type = "planar", rpy = [1.5707963267948966, 0.0, 0.0], position = [0.1, -0.4, 0.3], stiffness = [5.0, 0.0, 0.0], rest = [0.4, 0.0, 0.0] }
+[[loop]]
+name = "tie"
+type = "rod"
+between = ["plate", { body = "ground", at = [0.0, 0.0, 0.0] }]
+length = 0.5
+"#;
+    let scenario = scenario::parse("tie.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+    let settings = scenario.path.as_ref().expect("a path");
+    let path = follow(&scenario.description, &scenario.statics, settings, &mut |_| true).expect("a path");
+    assert!(path.complete, "{:?}", path.notes);
+    assert_eq!(path.branches[0].points.iter().filter(|point| point.wanted).count(), 1);
+    for point in &path.branches[0].points {
+        let (x, z) = (point.position[0], point.position[1]);
+        assert!((x.hypot(z) - point.parameter).abs() < 1e-12, "{}: {x} {z}", point.parameter);
+        // The pull to the side and the weight stand along the rod.
+        let (side, weight) = (5.0 * (0.4 - x), 2.0 * G);
+        assert!((side * z + weight * x).abs() < 1e-10 * weight, "{}: {x} {z}", point.parameter);
+    }
+}
+
+/// Cylinders that push with unknown forces need what the drives of the same pose need.
+#[test]
+fn unknown_cylinder_forces_are_those_of_the_drives() {
+    let (scenario, model) = shipped("excavator", &[]);
+    let driven = found(&scenario, &model);
+    let mut description = scenario.description.clone();
+    description.drives.clear();
+    let address = |name: &str| Parameter::find(&description, &format!("{name} piston.force")).expect("a hinge");
+    let unknown: Vec<Parameter> = ["boom", "stick", "bucket"].into_iter().flat_map(address).collect();
+    let held = hold(&description, &unknown, &driven.position, &Settings::default()).expect("statics");
+    assert!(held.found.converged, "{:?}", held.found.notes);
+    for ((address, force), (name, drive)) in held.found.unknowns.iter().zip(&driven.drive_forces) {
+        assert!((force - drive).abs() < 1e-7 * drive.abs(), "{address}: {force}, but {name} {drive}");
+    }
+    // A motor where a loop leaves nothing to hold: four forces for three motions, the least of them.
+    let more = [unknown, Parameter::find(&description, "stick.force").expect("a hinge")].concat();
+    let held = hold(&description, &more, &driven.position, &Settings::default()).expect("statics");
+    assert!(held.found.converged && held.found.notes.iter().any(|note| note.contains("determines 3 of 4")));
+}
+
+/// A bar between two guides, its ends on them: geared to each other they move as one.
+#[test]
+fn gears_agree_by_all_methods() {
+    let text = r#"
+[[body]]
+name = "wheel"
+mass = 1.0
+center = [0.2, 0.0, 0.0]
+inertia = [0.02, 0.02, 0.02]
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0], position = 0.4 }
+[[body]]
+name = "pinion"
+mass = 0.5
+center = [0.1, 0.0, 0.05]
+inertia = [0.01, 0.01, 0.01]
+hinge = { type = "revolute", at = [0.6, 0.0, 0.0], axis = [0.0, 1.0, 0.0], position = -0.3, stiffness = 0.3 }
+[[gear]]
+type = "ratio"
+ratio = -0.5
+between = ["wheel", "pinion"]
+"#;
+    let model = read(text);
+    assert_all_agree("gears", &model);
+    let found = by(Method::Auto, &model);
+    // q₁ − q₁(0) = −½ (q₂ − q₂(0)), and virtual work along that motion.
+    let (a, b) = (found.position[0], found.position[1]);
+    assert!((a - 0.4 + 0.5 * (b + 0.3)).abs() < 1e-12, "{a} {b}");
+    let wheel = 1.0 * G * 0.2 * a.cos();
+    let pinion = 0.5 * G * (0.1 * b.cos() - 0.05 * -b.sin()) - 0.3 * b;
+    assert!((-0.5 * wheel + pinion).abs() < 1e-9, "{wheel} {pinion}");
+}
