@@ -68,6 +68,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("clap_mangen", &["cli"]),
     ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics"]),
+    ("wide", &["spatial", "motion"]),
 ];
 
 /// A file longer than this is more than one can hold in the head.
