@@ -12,6 +12,7 @@ mod documents;
 mod events;
 mod faults;
 mod identities;
+mod import;
 mod instructions;
 mod integrators;
 mod loops;
