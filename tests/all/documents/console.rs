@@ -103,16 +103,23 @@ fn missing<'a>(shown: &'a [String], printed: &str) -> Option<&'a String> {
     shown.iter().filter(|line| !line.trim().is_empty() && line.trim() != "…").find(|line| !rest.any(|p| alike(line, p)))
 }
 
+/// A folder with all that is in it.
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir(to).expect("a folder");
+    for entry in std::fs::read_dir(from).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let target = to.join(path.file_name().expect("a name"));
+        match path.is_dir() {
+            true => copy(&path, &target),
+            false => drop(std::fs::copy(&path, &target).expect("a copy")),
+        }
+    }
+}
+
 /// What the pages take for granted in the folder they work in.
 fn prepare(folder: &Path) {
     let scenarios = root().join("scenarios");
-    std::fs::create_dir(folder.join("scenarios")).expect("a folder");
-    for entry in std::fs::read_dir(&scenarios).expect("scenarios") {
-        let path = entry.expect("an entry").path();
-        if path.is_file() {
-            std::fs::copy(&path, folder.join("scenarios").join(path.file_name().expect("a name"))).expect("a copy");
-        }
-    }
+    copy(&scenarios, &folder.join("scenarios"));
     let brick = "[[body]]\nname = \"brick\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nhinge = { type = \"free\" }\n";
     std::fs::write(folder.join("brick.toml"), brick).expect("a file");
     let mobile = std::fs::read_to_string(scenarios.join("calder_mobile.toml")).expect("the mobile");
