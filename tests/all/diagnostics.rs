@@ -488,7 +488,31 @@ shape = { mesh = "bob.stl" }
 hinge = { type = "free" }
 "#
     .trim_start();
-    insta::assert_snapshot!(said(text, &[]), @r#""#);
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: body `bob`: `density` needs a shape with a volume
+     --> scene.toml:3:1
+      |
+    3 | density = 7850.0
+      | ^^^^^^^
+      |
+      = help: give a `shape`: a box, sphere, cylinder, capsule or closed mesh
+
+    error: body `mesh`: cannot read the mesh `bob.stl`: No such file or directory (os error 2)
+     --> scene.toml:9:9
+      |
+    9 | shape = { mesh = "bob.stl" }
+      |         ^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: with `density` the mesh is needed for its volume
+
+    warning: there is no mesh file `bob.stl`: it is not drawn
+     --> scene.toml:9:18
+      |
+    9 | shape = { mesh = "bob.stl" }
+      |                  ^^^^^^^^^
+
+    scene.toml: 2 errors, 1 warning
+    "#);
 }
 
 #[test]

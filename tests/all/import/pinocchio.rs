@@ -20,9 +20,12 @@ fn accelerations_of_imported_robots_are_pinocchios() {
     let robots = found.as_object().expect("robots");
     assert_eq!(robots.len(), 12, "six robots, fixed and free");
     for (robot, result) in robots {
-        let difference = result["difference"].as_f64().expect("a number");
-        // Round-off of two different algorithms, larger where light links hang on heavy ones.
-        assert!(difference < 1e-9, "{robot}: {difference:e}");
+        let [difference, condition] = ["difference", "condition"].map(|key| result[key].as_f64().expect("a number"));
+        // Rounding, multiplied by the condition of the mass matrix: iCub's head has no inertia about the axis of its
+        // neck, which passes through its centre, and is thrown about with 6e9 rad/s².
+        let allowed = f64::max(1e-9, 1e-15 * condition);
+        assert!(difference < allowed, "{robot}: {difference:e}, allowed {allowed:e}");
+        assert!(condition < 1e6 || robot.starts_with("icub"), "{robot}: {condition:e}");
     }
     assert!(robots["panda fixed"]["mimics"] == 1, "a mimic is compared too");
 }

@@ -92,18 +92,66 @@ length = 0.0
 fn problems_are_told_where_they_are() {
     let typo =
         Folder::new(&two_links(), "[model]\nfile = \"robots/r.urdf\"\nbase = \"fre\"\npositions = { elbo = 1.0 }\n");
-    insta::assert_snapshot!(typo.said(&[]), @"");
-    insta::assert_snapshot!(typo.said(&["model.base=free"]), @"");
+    insta::assert_snapshot!(typo.said(&[]), @r###"
+    error: [model]: `base` does not know `fre`
+     --> scene.toml:3:8
+      |
+    3 | base = "fre"
+      |        ^^^^^
+      |
+      = help: did you mean `free`?
+
+    scene.toml: 1 error
+    "###);
+    insta::assert_snapshot!(typo.said(&["model.base=free"]), @r###"
+    error: the model has no joint or body `elbo`
+     --> scene.toml:4:15
+      |
+    4 | positions = { elbo = 1.0 }
+      |               ^^^^
+      |
+      = help: did you mean `elbow`?
+
+    scene.toml: 1 error
+    "###);
     let missing = Folder::new(&two_links(), "model = \"robots/s.urdf\"\n");
-    insta::assert_snapshot!(missing.said(&[]), @"");
+    insta::assert_snapshot!(missing.said(&[]), @r###"
+    error: no model `robots/s.urdf`: did you mean `robots/r.urdf`?
+     --> scene.toml:1:9
+      |
+    1 | model = "robots/s.urdf"
+      |         ^^^^^^^^^^^^^^^
+
+    scene.toml: 1 error
+    "###);
     let inside = Folder::new(
         &two_links().replacen("parent link=\"upper\"", "parent link=\"uper\"", 1),
         "model = \"robots/r.urdf\"\n",
     );
-    insta::assert_snapshot!(inside.said(&[]), @"");
+    insta::assert_snapshot!(inside.said(&[]), @r###"
+    error: joint `elbow`: there is no link `uper`
+     --> robots/r.urdf:6:47
+      |
+    6 | <joint name="elbow" type="continuous"><parent link="uper"/><child link="lower"/><origin xyz="0 0 -1"/><axis xyz="0 1 0"/></joint>
+      |                                               ^^^^^^^^^^^
+      |
+      = help: did you mean `upper`?
+
+    scene.toml: 1 error
+    "###);
     let heavy = Folder::new(
         &two_links(),
         "model = \"robots/r.urdf\"\n\n[[body]]\nname = \"upper\"\nmass = 1.0\nhinge = { type = \"free\" }\n",
     );
-    insta::assert_snapshot!(heavy.said(&[]), @"");
+    insta::assert_snapshot!(heavy.said(&[]), @r###"
+    error: two bodies are called `upper`
+     --> scene.toml:4:8
+      |
+    4 | name = "upper"
+      |        ^^^^^^^
+      |
+      = help: names must be unique
+
+    scene.toml: 1 error
+    "###);
 }

@@ -50,8 +50,40 @@ fn a_robot_reads_like_a_scenario() {
         joint("slide", "prismatic", ["upper", "lower"], "<axis xyz=\"0 0 -1\"/><limit lower=\"0.2\" upper=\"0.5\"/>"),
     ));
     let imported = import(&text, &Options { prefix: "left/".into(), at: [0.0, 0.0, 1.0], ..Options::default() });
-    insta::assert_snapshot!(imported.scenario, @"");
-    insta::assert_snapshot!(notes(&imported), @"");
+    insta::assert_snapshot!(imported.scenario, @r###"
+    # Imported from robot.urdf.
+    title = "test"
+
+    [[body]]
+    name = "left/base"
+    hinge = { type = "fixed", at = [0.0, 0.0, 1.0] }
+
+    # joint `shoulder`, revolute
+    [[body]]
+    name = "left/upper"
+    hinge = { type = "revolute", parent = "left/base", at = [0.0, 0.0, 2.0], rpy = [0.0, 0.0, 0.1], axis = [0.0, 1.0, 0.0], limits = [-1.0, 0.1], damping = 0.3 }
+    mass = 2.0
+    center = [0.0, 0.0, -0.5]
+    inertia = [0.2, 0.2, 0.05]
+    shape = { box = [0.1, 0.1, 1.0], at = [0.0, 0.0, -0.5], color = [1.0, 0.0, 0.0, 1.0] }
+
+    # joint `slide`, prismatic
+    [[body]]
+    name = "left/lower"
+    hinge = { type = "prismatic", parent = "left/upper", axis = [0.0, 0.0, -1.0], position = 0.2, limits = [0.2, 0.5] }
+    mass = 2.0
+    center = [0.0, 0.0, -0.5]
+    inertia = [0.2, 0.2, 0.05]
+    shape = [
+      { sphere = 0.1, color = [1.0, 0.0, 0.0, 1.0] },
+      { cylinder = [0.1, 0.3] },
+    ]
+    "###);
+    insta::assert_snapshot!(notes(&imported), @r###"
+    4: ignored: <limit> of joint `shoulder`: `effort = 10`, `velocity = 3`: hinges have no largest force or speed
+    4: ignored: <dynamics> of joint `shoulder`: `friction = 0.1`: dry friction is not simulated
+    6: used: <limit> of joint `slide`: 0 is beyond them: the joint starts at 0.2
+    "###);
     assert_eq!(
         imported.joints,
         [("shoulder", "left/upper"), ("slide", "left/lower")].map(|(a, b)| (a.into(), b.into()))
@@ -77,7 +109,19 @@ fn what_is_not_taken_is_listed_line_by_line() {
         "<transmission name=\"motor\"><joint name=\"turn\"/></transmission>\n<gazebo reference=\"arm\"/>\n\
          <wheel name=\"spare\"><rim/></wheel>\nstray words\n",
     ));
-    insta::assert_snapshot!(notes(&import(&text.replace("<link name=\"base\"/>", "<link name=\"base\" colour=\"red\"/>"), &Options::default())), @"");
+    insta::assert_snapshot!(notes(&import(&text.replace("<link name=\"base\"/>", "<link name=\"base\" colour=\"red\"/>"), &Options::default())), @r###"
+    2: ignored: link `base`: `colour = "red"` is not known here
+    3: ignored: <collision> of link `arm`: contacts between bodies are not simulated
+    4: ignored: <mesh> of <geometry> of <visual> of link `arm`: no file `package://parts/arm.stl`: it is not drawn; say where the package is with `--package parts=FOLDER` or ROS_PACKAGE_PATH
+    5: ignored: sensor `eye`: sensors are not simulated
+    6: ignored: <safety_controller> of joint `turn`: controllers are not simulated
+    6: ignored: <limit> of joint `turn`: `effort = 2`: hinges have no largest force or speed
+    6: ignored: <limit> of joint `turn`: a continuous joint has no `lower` and `upper`
+    7: ignored: transmission `motor`: actuators and their gears are not simulated
+    8: ignored: <gazebo>: meant for Gazebo
+    9: ignored: wheel `spare`: not known here, nor is anything within it
+    9: ignored: <robot>: the text `stray words`
+    "###);
 }
 
 /// One joint of every type, and what its link does when it is let go.
@@ -116,7 +160,7 @@ fn every_joint_moves_as_its_type_says() {
 /// The link of a planar joint keeps its own axes at zero, wherever the normal points.
 #[test]
 fn a_tilted_plane_leaves_the_link_where_its_joint_says() {
-    for axis in ["1 0 0", "0 -2 0", "0 0 -1", "0.3 -0.4 0.5"] {
+    for axis in ["1 0 0", "0 -2 0", "0.3 -0.4 0.5", "-0.1 0 -1"] {
         let inner = format!("<origin xyz=\"1 2 3\" rpy=\"0.1 0.2 0.3\"/><axis xyz=\"{axis}\"/>");
         let text = robot(&format!("{}{}", link("sledge"), joint("slide", "planar", ["base", "sledge"], &inner)));
         let imported = import(&text, &Options::default());
