@@ -13,8 +13,8 @@ use super::tree::Tree;
 use crate::model::description::{GROUND, MassProperties};
 use nalgebra::{Isometry3, Translation3, Vector3};
 
-/// The most bodies that `<replicate>` may make.
-const MOST_BODIES: usize = 100_000;
+/// The most elements that `<replicate>` may make.
+const MOST_COPIES: usize = 100_000;
 
 /// Reads the bodies of a model.
 pub(super) fn read<'a>(tree: &Tree<'a>, defaults: &Defaults<'a>, settings: &Settings, assets: &Assets) -> Scene<'a> {
@@ -29,7 +29,7 @@ pub(super) fn read<'a>(tree: &Tree<'a>, defaults: &Defaults<'a>, settings: &Sett
             sites: Vec::new(),
             names: Names::default(),
         },
-        steps: 0,
+        copies: 0,
     };
     walk.add_body(tree.root, "world".to_owned(), WORLD, Isometry3::identity());
     for world in tree.all(&tree.root, "worldbody") {
@@ -46,8 +46,8 @@ struct Walk<'w, 'a> {
     defaults: &'w Defaults<'a>,
     assets: &'w Assets,
     scene: Scene<'a>,
-    /// Elements visited, copies counted.
-    steps: usize,
+    /// Elements that `<replicate>` has made.
+    copies: usize,
 }
 
 /// Where an element stands.
@@ -94,11 +94,13 @@ impl<'a> Walk<'_, 'a> {
 
     fn children(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
         for child in self.tree.children(element) {
-            self.steps += 1;
-            if self.steps > 20 * MOST_BODIES {
-                if self.steps == 20 * MOST_BODIES + 1 {
-                    let message = format!("{}: the model grows beyond {} elements", child.label(), 20 * MOST_BODIES);
-                    child.refuse(Problem::at(child.place(), message).help("count the nested <replicate>s"));
+            if !around.suffix.is_empty() {
+                self.copies += 1;
+            }
+            if self.copies > MOST_COPIES {
+                if self.copies == MOST_COPIES + 1 {
+                    let message = format!("{}: <replicate> makes more than {MOST_COPIES} elements", child.label());
+                    child.refuse(Problem::at(child.place(), message).help("count the nested ones"));
                 }
                 return;
             }
@@ -137,8 +139,8 @@ impl<'a> Walk<'_, 'a> {
         element.see();
         let Some(attribute) = element.required("count") else { return };
         let Some(count) = attribute.number() else { return };
-        if !(count >= 1.0 && count.fract() == 0.0 && count <= MOST_BODIES as f64) {
-            let problem = attribute.wrong(&format!("must be a whole number from 1 to {MOST_BODIES}, found {count}"));
+        if !(count >= 1.0 && count.fract() == 0.0 && count <= MOST_COPIES as f64) {
+            let problem = attribute.wrong(&format!("must be a whole number from 1 to {MOST_COPIES}, found {count}"));
             element.refuse(problem);
             return;
         }

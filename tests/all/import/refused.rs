@@ -189,7 +189,7 @@ fn files_that_are_no_robots() {
     1 | <sdf version="1.7"/>
       | ^^^^
       |
-      = help: a model is a URDF file, with <robot> around everything
+      = help: a model is a URDF file, with <robot> around everything, or MJCF, with <mujoco>
 
     robot.urdf: 1 error
     "###);
