@@ -5,6 +5,7 @@ mod choice;
 pub mod events;
 mod ledger;
 mod pace;
+mod passage;
 pub mod precision;
 pub mod problem;
 pub mod rest;
