@@ -7,6 +7,7 @@ use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::collections::HashSet;
 
 /// The name of the inertial frame where a parent or a body is asked for.
 pub const GROUND: &str = "ground";
@@ -20,6 +21,8 @@ pub struct Description {
     pub gravity: Vector3<f64>,
     /// The bodies in any order: a child may stand before its parent.
     pub bodies: Vec<BodyDescription>,
+    /// Names of bodies whose inertia is taken though no body can have it: models of other programs have such.
+    pub unphysical: HashSet<String>,
     /// Springs, bushings and loads.
     pub forces: Vec<ForceDescription>,
     /// What closes kinematic loops.
@@ -38,6 +41,7 @@ impl Default for Description {
             title: String::new(),
             gravity: Vector3::new(0.0, 0.0, -9.80665),
             bodies: Vec::new(),
+            unphysical: HashSet::new(),
             forces: Vec::new(),
             loops: Vec::new(),
             drives: Vec::new(),

@@ -75,7 +75,7 @@ fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, s
             scenario.findings.push(Finding::error(table.span_of("repeat"), message));
             return;
         }
-        template.expand(&mut description.bodies);
+        template.expand(description);
         spans.add_bodies(index, template.repeat);
     }
 }

@@ -50,7 +50,7 @@ mod unknown;
 
 pub use crate::text_file::{LARGEST_FILE, ReadError};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
-pub use model::convert;
+pub use model::{convert, convert_text};
 pub use overrides::{Override, OverrideError};
 pub use schema::schema;
 pub use start::{Started, load_start};

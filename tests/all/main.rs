@@ -11,6 +11,7 @@ mod diagnostics;
 mod events;
 mod faults;
 mod identities;
+mod import;
 mod instructions;
 mod integrators;
 mod loops;

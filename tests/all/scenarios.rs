@@ -626,3 +626,76 @@ fn the_excavator_stays_and_its_cylinders_push_what_they_must() {
     let moved = samples.iter().flat_map(|s| s.positions.iter().zip(&found.position).map(|(a, b)| (a - b).abs()));
     assert!(moved.fold(0.0, f64::max) < 1e-11);
 }
+
+/// Torque of the weights that hang on a hinge about its axis, from the poses that statics found.
+fn weight_about(model: &Model, found: &Equilibrium, hinge: &str) -> f64 {
+    let mut system = stillpoint::dynamics::System::new(model);
+    let mut out = vec![0.0; model.velocity_count()];
+    system.accelerations(&found.position, &vec![0.0; model.velocity_count()], &mut out).expect("accelerations");
+    let mut poses = Vec::new();
+    system.poses(&mut poses);
+    let carrier = model.body(hinge).expect("a body");
+    let stillpoint::model::description::HingeKind::Revolute { axis } = model.bodies[carrier].hinge.kind else {
+        panic!("`{hinge}` turns")
+    };
+    let axis = poses[carrier] * axis;
+    let carried = |mut body: usize| loop {
+        if body == carrier {
+            return true;
+        }
+        match model.bodies[body].parent {
+            Some(parent) => body = parent,
+            None => return false,
+        }
+    };
+    let torque = |index: usize| {
+        let body = &model.bodies[index];
+        let arm = (poses[index] * Point3::from(body.mass.center)).coords - poses[carrier].translation.vector;
+        arm.cross(&Vector3::new(0.0, 0.0, -body.mass.mass * G)).dot(&axis)
+    };
+    (0..model.bodies.len()).filter(|body| carried(*body)).map(torque).sum()
+}
+
+/// Every joint of the arm twists its spring by the moment of what hangs on it.
+#[test]
+fn arm_out_of_a_urdf_sags_by_its_weights() {
+    let (scenario, model) = shipped("arm_from_urdf", &[]);
+    assert_eq!(scenario.models.len(), 1);
+    let found = found(&scenario, &model);
+    assert_eq!(found.stability.as_ref().expect("an equilibrium").verdict, Verdict::Stable);
+    let springs = [
+        ("turret", 150.0, 0.0),
+        ("upper_arm", 900.0, 0.5),
+        ("forearm", 500.0, 1.1),
+        ("wrist", 150.0, 0.0),
+        ("hand", 150.0, 0.6),
+        ("flange", 150.0, 0.0),
+    ];
+    for (body, stiffness, rest) in springs {
+        let angle = coordinates(&model, &found.position, body)[0];
+        near(stiffness * (angle - rest), weight_about(&model, &found, body), 1e-9);
+    }
+    // It does sag: 2 kg at the end of 0.8 m are not held for nothing.
+    assert!(coordinates(&model, &found.position, "upper_arm")[0] > 0.54);
+}
+
+/// The jaws stay upright, one finger mirrors the other, and the spring between them carries all weights.
+#[test]
+fn gripper_out_of_a_urdf_opens_in_parallel() {
+    let (scenario, model) = shipped("gripper_from_urdf", &[]);
+    let found = found(&scenario, &model);
+    let at = |body: &str| coordinates(&model, &found.position, body)[0];
+    let angle = at("left_crank");
+    near(at("right_crank"), -angle, 1e-12);
+    for side in ["left", "right"] {
+        near(at(&format!("{side}_crank")) + at(&format!("{side}_jaw")), 0.0, 1e-10);
+        near(at(&format!("{side}_rocker")), at(&format!("{side}_crank")), 1e-10);
+    }
+    // Virtual work: per finger two bars lift half as far as the jaw on its circle of 60 mm; the spring reaches from jaw
+    // to jaw, 0.04 m apart where the cranks hang straight down.
+    let lift = 2.0 * (2.0 * 0.05 * 0.03 + 0.12 * 0.06) * G * angle.sin();
+    let distance = 0.04 + 2.0 * 0.06 * angle.sin();
+    let push = 200.0 * (0.11 - distance) * 2.0 * 0.06 * angle.cos();
+    near(push, lift, 1e-9);
+    assert!(angle > 0.2, "it opens");
+}
