@@ -82,6 +82,7 @@
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
 //! | [`simulate`] | the time loop, the energy ledger, the rest proof |
+//! | [`mesh`] | triangle meshes from files: STL, OBJ, glTF |
 //! | [`import`] | models of other programs (URDF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
@@ -97,6 +98,7 @@ pub mod dynamics;
 pub mod forces;
 pub mod import;
 pub mod integrate;
+pub mod mesh;
 pub mod model;
 pub mod motion;
 pub mod record;

@@ -18,6 +18,9 @@ pub(super) struct Arguments {
     /// Let the root move freely instead of fixing it to the ground
     #[arg(long)]
     floating: bool,
+    /// Leave out the limits of joints
+    #[arg(long)]
+    no_limits: bool,
     /// Put this before the name of every body
     #[arg(long, default_value = "")]
     prefix: String,
@@ -36,6 +39,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let options = Options {
         prefix: arguments.prefix.clone(),
         floating: arguments.floating,
+        without_limits: arguments.no_limits,
         folder: arguments.out.as_deref().map(folder),
         packages: arguments.packages.iter().map(|text| package(text)).collect::<Result<_, _>>()?,
         ..Options::from_environment()

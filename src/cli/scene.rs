@@ -18,6 +18,11 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
     if !scenario.warnings.is_empty() && !common.quiet {
         output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
     }
+    for taken in scenario.models.iter().filter(|taken| !common.quiet && !taken.notes.is_empty()) {
+        let path = taken.sources.first().map(|source| source.path.display().to_string()).unwrap_or_default();
+        let counted = crate::import::counted(&taken.notes);
+        output::note(&format!("{path}: {counted}; `stillpoint convert {path}` lists them"));
+    }
     let mut model = Model::build(&scenario.description).map_err(listed)?;
     assemble(common, &mut model)?;
     Ok(Ok((scenario, model)))

@@ -29,6 +29,8 @@ pub struct Options {
     pub prefix: String,
     /// The root moves freely; otherwise it is fixed to the ground.
     pub floating: bool,
+    /// Limits of joints are left out.
+    pub without_limits: bool,
     /// Where the root stands (m).
     pub at: [f64; 3],
     /// How the root is turned: roll, pitch, yaw (rad).

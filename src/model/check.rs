@@ -21,7 +21,7 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
         found.add(Element::Scene, "gravity", format!("gravity is {}", list(&description.gravity)), "give finite m/s²");
     }
     for (index, body) in description.bodies.iter().enumerate() {
-        check_body(&mut found, index, body);
+        check_body(&mut found, index, body, description.unphysical.contains(&body.name));
     }
     for (index, force) in description.forces.iter().enumerate() {
         check_force(&mut found, index, force);
@@ -40,7 +40,7 @@ impl Findings {
     }
 }
 
-fn check_body(found: &mut Findings, index: usize, body: &BodyDescription) {
+fn check_body(found: &mut Findings, index: usize, body: &BodyDescription, unphysical: bool) {
     let element = Element::Body(index);
     let name = &body.name;
     if name.is_empty() {
@@ -48,7 +48,7 @@ fn check_body(found: &mut Findings, index: usize, body: &BodyDescription) {
     } else if name == GROUND {
         found.add(element, "name", format!("a body cannot be called `{GROUND}`"), "that is the inertial frame");
     }
-    check_mass(found, element, name, &body.mass);
+    check_mass(found, element, name, &body.mass, unphysical);
     for (marker, at) in &body.markers {
         if !finite(at) {
             let message = format!("marker `{marker}` of `{name}` is {}", list(at));
@@ -58,7 +58,7 @@ fn check_body(found: &mut Findings, index: usize, body: &BodyDescription) {
     check_hinge(found, element, body);
 }
 
-fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassProperties) {
+fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassProperties, unphysical: bool) {
     if !mass.mass.is_finite() || mass.mass < 0.0 {
         found.add(element, "mass", format!("the mass of `{name}` is {}", mass.mass), "allowed: a finite number ≥ 0 kg");
         return;
@@ -79,9 +79,9 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
     moments.sort_by(f64::total_cmp);
     let (small, middle, large) = (moments[0], moments[1], moments[2]);
     let shown = format!("principal moments {}, {}, {} kg m²", number(small), number(middle), number(large));
-    if small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
+    if !unphysical && small < -TRIANGLE_SLACK * large.abs().max(f64::MIN_POSITIVE) {
         found.add(element, "inertia", format!("the inertia of `{name}` has a negative principal moment: {shown}"), "");
-    } else if large > (small + middle) * (1.0 + TRIANGLE_SLACK) {
+    } else if !unphysical && large > (small + middle) * (1.0 + TRIANGLE_SLACK) {
         let short = 100.0 * (large - small - middle) / large;
         let message = format!(
             "no body can have the inertia of `{name}`: the largest principal moment exceeds the sum of the others by \
@@ -90,7 +90,7 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
         let help = "inertia is about the centre of mass, in body axes; a flat body sits exactly on the limit";
         found.add(element, "inertia", message, help);
     }
-    if mass.mass == 0.0 && large > 0.0 {
+    if !unphysical && mass.mass == 0.0 && large > 0.0 {
         let message = format!("`{name}` has inertia but no mass");
         found.add(element, "mass", message, "for a rotor's inertia in a hinge use `armature`");
     }

@@ -26,9 +26,11 @@
 //! ```
 
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
+use super::motor::MotorDescription;
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::collections::HashSet;
 
 /// The name of the inertial frame where a parent or a body is asked for.
 pub const GROUND: &str = "ground";
@@ -42,6 +44,8 @@ pub struct Description {
     pub gravity: Vector3<f64>,
     /// The bodies in any order: a child may stand before its parent.
     pub bodies: Vec<BodyDescription>,
+    /// Names of bodies whose inertia is taken though no body can have it: models of other programs have such.
+    pub unphysical: HashSet<String>,
     /// Springs, bushings and loads.
     pub forces: Vec<ForceDescription>,
     /// What closes kinematic loops.
@@ -50,6 +54,8 @@ pub struct Description {
     pub drives: Vec<DriveDescription>,
     /// Coordinates in a fixed ratio.
     pub gears: Vec<GearDescription>,
+    /// Forces in coordinates that follow a law.
+    pub motors: Vec<MotorDescription>,
     /// What a run takes note of.
     pub events: Vec<EventDescription>,
 }
@@ -60,10 +66,12 @@ impl Default for Description {
             title: String::new(),
             gravity: Vector3::new(0.0, 0.0, -9.80665),
             bodies: Vec::new(),
+            unphysical: HashSet::new(),
             forces: Vec::new(),
             loops: Vec::new(),
             drives: Vec::new(),
             gears: Vec::new(),
+            motors: Vec::new(),
             events: Vec::new(),
         }
     }

@@ -36,7 +36,7 @@ pub enum Geometry {
         /// Of the cylindrical part (m).
         length: f64,
     },
-    /// A triangle mesh in a file; for pictures only.
+    /// A triangle mesh in a file.
     Mesh {
         /// File as found from the scenario's folder.
         file: PathBuf,
@@ -46,7 +46,8 @@ pub enum Geometry {
 }
 
 impl Shape {
-    /// Mass properties of the solid filled with `density` (kg/m³); `None` for a mesh, whose volume is not known here.
+    /// Mass properties of the solid filled with `density` (kg/m³); `None` for a mesh: what it encloses
+    /// stands in its file ([`crate::mesh::Mesh::solid`]).
     pub fn mass_properties(&self, density: f64) -> Option<MassProperties> {
         let (mass, principal) = match &self.geometry {
             Geometry::Box(edges) => {

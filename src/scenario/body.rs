@@ -5,7 +5,7 @@ use super::hinge::{Hinge, hinge, point};
 use super::mass::{Mass, mass};
 use super::reader::Reader;
 use super::shape::shapes;
-use crate::model::description::{Attachment, BodyDescription, GROUND, Point};
+use crate::model::description::{Attachment, BodyDescription, Description, GROUND, Point};
 use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::path::Path;
@@ -15,6 +15,7 @@ use std::path::Path;
 pub(super) struct Template {
     pub(super) repeat: Option<usize>,
     body: BodyDescription,
+    unphysical: bool,
     next: Option<Point>,
     mass: Mass,
     hinge: Hinge,
@@ -36,7 +37,8 @@ pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
         shapes,
         hinge: hinge.description.clone(),
     };
-    Some(Template { repeat, body, next: hinge.next.take(), mass, hinge })
+    let unphysical = table.flag("unphysical").unwrap_or(false);
+    Some(Template { repeat, body, unphysical, next: hinge.next.take(), mass, hinge })
 }
 
 impl Template {
@@ -46,7 +48,16 @@ impl Template {
     }
 
     /// The bodies it makes.
-    pub(super) fn expand(&self, bodies: &mut Vec<BodyDescription>) {
+    pub(super) fn expand(&self, description: &mut Description) {
+        let bodies = &mut description.bodies;
+        let first = bodies.len();
+        self.expand_bodies(bodies);
+        if self.unphysical {
+            description.unphysical.extend(bodies[first..].iter().map(|body| body.name.clone()));
+        }
+    }
+
+    fn expand_bodies(&self, bodies: &mut Vec<BodyDescription>) {
         let Some(copies) = self.repeat else {
             bodies.push(self.body.clone());
             return;

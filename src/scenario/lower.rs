@@ -6,6 +6,7 @@ use super::event::event;
 use super::findings::{Finding, Findings};
 use super::force::force;
 use super::format::MOST_BODIES;
+use super::motor::motor;
 use super::reader::Reader;
 use super::spans::SpanTable;
 use crate::model::description::Description;
@@ -51,6 +52,12 @@ pub(super) fn lower<'a>(
             spans.gears.push(index);
         }
     }
+    for (index, table) in scenario.tables("motor").iter().enumerate() {
+        if let Some(motor) = motor(table, index) {
+            description.motors.push(motor);
+            spans.motors.push(index);
+        }
+    }
     for (index, table) in scenario.tables("event").iter().enumerate() {
         if let Some(event) = event(table, index, &names) {
             description.events.push(event);
@@ -75,7 +82,7 @@ fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, s
             scenario.findings.push(Finding::error(table.span_of("repeat"), message));
             return;
         }
-        template.expand(&mut description.bodies);
+        template.expand(description);
         spans.add_bodies(index, template.repeat);
     }
 }

@@ -3,9 +3,11 @@
 use super::findings::Finding;
 use super::format::BODY;
 use super::reader::{Reader, number, numbers};
+use crate::mesh::Mesh;
 use crate::model::description::MassProperties;
 use crate::model::shape::{Geometry, Shape};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
+use std::path::Path;
 
 /// Mass properties, and the masses of the copies where a repeat gives a list.
 #[derive(Debug)]
@@ -88,21 +90,62 @@ fn filled(body: &Reader<'_>, owner: &str, shapes: &[Shape]) -> Option<Mass> {
         }
     }
     let density = body.number("density")?;
-    let solids: Vec<MassProperties> = shapes.iter().filter_map(|shape| shape.mass_properties(density)).collect();
+    let mut solids = Vec::new();
+    for shape in shapes {
+        match &shape.geometry {
+            Geometry::Mesh { file, scale } => solids.push(enclosed(body, owner, density, shape, file, *scale)?),
+            _ => solids.extend(shape.mass_properties(density)),
+        }
+    }
     if solids.is_empty() {
         if !body.has("shape") || !shapes.is_empty() {
             let message = format!("body `{owner}`: `density` needs a shape with a volume");
-            let help = "give a `shape` that is a box, sphere, cylinder or capsule; the volume of a mesh is not known";
+            let help = "give a `shape`: a box, sphere, cylinder, capsule or closed mesh";
             body.findings.push(Finding::error(body.key_span("density"), message).help(help));
         }
         return None;
     }
-    if shapes.iter().any(|shape| matches!(shape.geometry, Geometry::Mesh { .. })) {
-        let message = format!("body `{owner}`: its mesh does not count towards the mass");
-        let help = "`density` fills boxes, spheres, cylinders and capsules; the volume of a mesh is not known";
-        body.findings.push(Finding::warning(body.key_span("density"), message).help(help));
-    }
     Some(Mass { properties: combined(&solids), each: None })
+}
+
+/// What a mesh encloses, filled.
+fn enclosed(
+    body: &Reader<'_>,
+    owner: &str,
+    density: f64,
+    shape: &Shape,
+    file: &Path,
+    scale: Vector3<f64>,
+) -> Option<MassProperties> {
+    let refuse = |message: String, help: &str| {
+        body.findings.push(Finding::error(body.span_of("shape"), format!("body `{owner}`: {message}")).help(help));
+    };
+    let mesh = match Mesh::read(file) {
+        Ok(mesh) => mesh,
+        Err(error) => {
+            refuse(error.to_string(), "with `density` the mesh is needed for its volume");
+            return None;
+        }
+    };
+    let solid = match mesh.solid(scale) {
+        Ok(solid) => solid,
+        Err(error) => {
+            let help = "close the mesh, or give `mass`, `center` and `inertia` instead of `density`";
+            refuse(format!("the mesh `{}` has no mass: {error}", file.display()), help);
+            return None;
+        }
+    };
+    if solid.inside_out {
+        let message = format!("body `{owner}`: the triangles of `{}` look inwards", file.display());
+        let help = "their volume was taken as positive";
+        body.findings.push(Finding::warning(body.span_of("shape"), message).help(help));
+    }
+    let turn = shape.pose.rotation.to_rotation_matrix();
+    Some(MassProperties {
+        mass: density * solid.volume,
+        center: (shape.pose * Point3::from(solid.center)).coords,
+        inertia: turn * (solid.inertia * density) * turn.transpose(),
+    })
 }
 
 /// One rigid body out of several, by the parallel-axis theorem.

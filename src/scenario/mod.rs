@@ -37,6 +37,7 @@ mod hinge;
 mod lower;
 mod mass;
 mod model;
+mod motor;
 mod naming;
 mod path;
 mod reader;
@@ -50,7 +51,7 @@ mod unknown;
 
 pub use crate::text_file::{LARGEST_FILE, ReadError};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
-pub use model::convert;
+pub use model::{convert, convert_text};
 pub use overrides::{Override, OverrideError};
 pub use schema::schema;
 pub use start::{Started, load_start};

@@ -13,6 +13,7 @@ use super::spans::walk;
 use super::{LoadError, check, checked};
 use crate::import::{self, Imported, Options, Problem, Refused, Source};
 use crate::suggest::closest;
+use crate::text_file;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -41,11 +42,16 @@ pub(super) struct Model<'a> {
 /// Where the file cannot be read or is no model that is known, and where something is wrong in it: then with all
 /// problems at once, each at its place in the model.
 pub fn convert(path: &Path, options: &Options) -> Result<Imported, LoadError> {
+    convert_text(path, text_file::read(path, "model")?, options)
+}
+
+/// As [`convert`], of a text that has been read; `path` is what it is called, and where its meshes are found from.
+///
+/// # Errors
+/// As [`convert`].
+pub fn convert_text(path: &Path, text: String, options: &Options) -> Result<Imported, LoadError> {
     let name = path.display().to_string();
-    let result = match import::import(path, options) {
-        Err(Refused::File(error)) => return Err(error.into()),
-        result => result,
-    };
+    let result = import::import_text(path, text, options);
     let findings = Findings::default();
     let mut models = vec![Model { span: 0..0, prefix: String::new(), settings: Vec::new(), result }];
     let mut sources = Sources::new(&name, "");
@@ -100,6 +106,7 @@ fn model<'a>(table: &Reader<'_>, settings: Vec<Setting<'a>>, folder: &Path) -> O
     let package = |(name, all): (&str, Reader<'_>)| Some((name.to_owned(), folder.join(all.text(name)?)));
     let options = Options {
         prefix: table.text("prefix").unwrap_or_default().to_owned(),
+        without_limits: table.flag("limits") == Some(false),
         floating: table.text("base") == Some("free"),
         at: array("at"),
         rpy: array("rpy"),

@@ -43,7 +43,12 @@ fn geometry(table: &Reader<'_>, solid: &str, folder: &Path) -> Option<Geometry> 
         "sphere" => Geometry::Sphere(table.number("sphere")?),
         "mesh" => {
             let scale = table.number("scale").map(Vector3::repeat).or_else(|| table.vector("scale"));
-            Geometry::Mesh { file: folder.join(table.text("mesh")?), scale: scale.unwrap_or(Vector3::repeat(1.0)) }
+            let file = folder.join(table.text("mesh")?);
+            if !file.is_file() {
+                let message = format!("there is no mesh file `{}`: it is not drawn", file.display());
+                table.findings.push(Finding::warning(table.span_of("mesh"), message));
+            }
+            Geometry::Mesh { file, scale: scale.unwrap_or(Vector3::repeat(1.0)) }
         }
         _ => {
             let (radius, length) = round(table, solid)?;

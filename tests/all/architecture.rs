@@ -5,9 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Module → the modules of ours that it may import. Dependencies point one way: no module stands below itself.
-const MAY_IMPORT: [(&str, &[&str]); 16] = [
+const MAY_IMPORT: [(&str, &[&str]); 17] = [
     ("suggest", &[]),
     ("text_file", &["suggest"]),
+    ("mesh", &[]),
     ("spatial", &[]),
     ("integrate", &[]),
     ("model", &["spatial", "suggest"]),
@@ -18,10 +19,10 @@ const MAY_IMPORT: [(&str, &[&str]); 16] = [
     ("dynamics", &["model", "motion", "forces", "transfer", "constraint", "spatial"]),
     // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
     ("statics", &["model", "motion", "forces", "constraint", "dynamics", "transfer", "spatial"]),
-    ("record", &["spatial"]),
+    ("record", &["mesh", "spatial"]),
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     ("import", &["suggest", "text_file"]),
-    ("scenario", &["import", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"]),
+    ("scenario", &["import", "mesh", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"]),
     (
         "cli",
         &[
@@ -41,7 +42,11 @@ const MAY_IMPORT: [(&str, &[&str]); 16] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 19] = [
+const FOREIGN: [(&str, &[&str]); 23] = [
+    ("stl_io", &["mesh"]),
+    ("tobj", &["mesh"]),
+    ("gltf", &["mesh"]),
+    ("base64", &["mesh"]),
     ("roxmltree", &["import"]),
     ("toml_edit", &["import"]),
     ("toml", &["scenario"]),
@@ -60,7 +65,7 @@ const FOREIGN: [(&str, &[&str]); 19] = [
     ("clap_complete", &["cli"]),
     ("clap_mangen", &["cli"]),
     ("plotters", &["cli"]),
-    ("faer", &["dynamics", "statics", "simulate"]),
+    ("faer", &["dynamics", "statics"]),
 ];
 
 /// A file longer than this is more than one can hold in the head.

@@ -479,6 +479,11 @@ fn density_without_a_volume() {
 [[body]]
 name = "bob"
 density = 7850.0
+hinge = { type = "free" }
+
+[[body]]
+name = "mesh"
+density = 7850.0
 shape = { mesh = "bob.stl" }
 hinge = { type = "free" }
 "#
@@ -490,9 +495,23 @@ hinge = { type = "free" }
     3 | density = 7850.0
       | ^^^^^^^
       |
-      = help: give a `shape` that is a box, sphere, cylinder or capsule; the volume of a mesh is not known
+      = help: give a `shape`: a box, sphere, cylinder, capsule or closed mesh
 
-    scene.toml: 1 error
+    error: body `mesh`: cannot read the mesh `bob.stl`: No such file or directory (os error 2)
+     --> scene.toml:9:9
+      |
+    9 | shape = { mesh = "bob.stl" }
+      |         ^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: with `density` the mesh is needed for its volume
+
+    warning: there is no mesh file `bob.stl`: it is not drawn
+     --> scene.toml:9:18
+      |
+    9 | shape = { mesh = "bob.stl" }
+      |                  ^^^^^^^^^
+
+    scene.toml: 2 errors, 1 warning
     "#);
 }
 

@@ -12,6 +12,7 @@ mod events;
 mod examples;
 mod faults;
 mod identities;
+mod import;
 mod instructions;
 mod integrators;
 mod loops;

@@ -4,7 +4,8 @@
 
 Without robots: those of the package `example-robot-data` that are named below. Every robot is taken with its root fixed
 and with its root free; `stillpoint inspect` tells the accelerations at the given state. Prints one JSON object: for
-every robot and base the largest difference relative to the largest acceleration, over all states.
+every robot and base the largest difference relative to the largest acceleration over all states, and the largest condition
+of the mass matrix: it is what rounding is multiplied by.
 
 What is done by hand, because conventions differ:
 
@@ -115,14 +116,16 @@ def allowed_motions(model, follows):
 
 
 def theirs(model, state, motions):
+    """Accelerations, and the condition of the matrix they were solved with."""
     data = model.createData()
     mass = pin.crba(model, data, state.q)
     mass = np.triu(mass) + np.triu(mass, 1).T
     force = -pin.nonLinearEffects(model, data, state.q, state.v) - model.damping * state.v
-    return motions @ np.linalg.solve(motions.T @ mass @ motions, motions.T @ force)
+    reduced = motions.T @ mass @ motions
+    return motions @ np.linalg.solve(reduced, motions.T @ force), np.linalg.cond(reduced)
 
 
-def scenario(urdf, free, state, bodies, root):
+def scenario(urdf, free, state, root):
     hinges = {root if name == "root_joint" else name: at for name, at in state.ours.items()}
     lines = [f'gravity = {GRAVITY}\n[model]\nfile = "{urdf}"\nbase = "{"free" if free else "fixed"}"\nlimits = false']
     lines.append("[model.hinges]")
@@ -139,16 +142,18 @@ def compare(program, urdf, free, folder):
     follows = {name: how for name, how in mimics(urdf).items() if model.existJointName(name)}
     motions = allowed_motions(model, follows)
     bodies = call(program, "convert", urdf, "--json", "--quiet", "--no-limits")["joints"]
-    children = {joint.find("child").get("link") for joint in ElementTree.parse(urdf).getroot().iter("joint") if joint.find("child") is not None}
-    root = next(link.get("name") for link in ElementTree.parse(urdf).getroot().findall("link") if link.get("name") not in children)
+    document = ElementTree.parse(urdf).getroot()
+    children = {joint.find("child").get("link") for joint in document.findall("joint")}
+    root = next(link.get("name") for link in document.findall("link") if link.get("name") not in children)
     random = np.random.default_rng(7)
-    worst = 0.0
+    worst, condition = 0.0, 0.0
     for _ in range(STATES):
         state = State(model, follows, random)
         path = folder / "state.toml"
-        path.write_text(scenario(urdf, free, state, bodies, root))
+        path.write_text(scenario(urdf, free, state, root))
         found = call(program, "inspect", path, "--json", "--quiet")["accelerations"]
-        expected = theirs(model, state, motions)
+        expected, at_state = theirs(model, state, motions)
+        condition = max(condition, float(at_state))
         ours = np.zeros(model.nv)
         for index in range(1, model.njoints):
             joint, name = model.joints[index], model.names[index]
@@ -160,7 +165,7 @@ def compare(program, urdf, free, folder):
                 linear, angular = state.v[rate : rate + 3], state.v[rate + 3 : rate + 6]
                 expected[rate : rate + 3] = turn @ (expected[rate : rate + 3] + np.cross(angular, linear))
         worst = max(worst, float(np.abs(ours - expected).max() / np.abs(expected).max()))
-    return {"difference": worst, "velocities": model.nv, "mimics": len(follows)}
+    return {"difference": worst, "condition": condition, "velocities": model.nv, "mimics": len(follows)}
 
 
 def main(program, *robots):

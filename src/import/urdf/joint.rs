@@ -42,7 +42,7 @@ pub(super) fn write(
     let parent = named(options, tree.links[joint.parent].name);
     hinge.set("parent", parent.as_str(), Some(joint.parent_place.clone()));
     place(element, &mut hinge);
-    let axis = axis(element);
+    let axis = axis(element, kind);
     if kind == "planar" && axis.cross(&Vector3::z()) != Vector3::zeros() {
         return tilted(joint, tree, body, draft, options, &parent, axis);
     }
@@ -50,7 +50,7 @@ pub(super) fn write(
         let from = element.child("axis").and_then(|axis| axis.attribute("xyz"));
         hinge.numbers("axis", axis.as_slice(), from.map(|xyz| xyz.place()));
     }
-    limits(element, kind, &mut hinge);
+    limits(element, kind, options, &mut hinge);
     dynamics(element, kind, &mut hinge);
     body.inline("hinge", hinge);
     name
@@ -94,8 +94,13 @@ pub(super) fn turn(element: &Element<'_>) -> UnitQuaternion<f64> {
     rpy.map_or_else(UnitQuaternion::identity, |[r, p, y]| UnitQuaternion::from_euler_angles(r, p, y))
 }
 
-fn axis(joint: &Element<'_>) -> Vector3<f64> {
+fn axis(joint: &Element<'_>, kind: &str) -> Vector3<f64> {
     let Some(axis) = joint.child("axis") else { return Vector3::x() };
+    if matches!(kind, "fixed" | "floating") {
+        // Many write one, often of no direction; there is nothing in it.
+        axis.see_all();
+        return Vector3::x();
+    }
     let Some(xyz) = axis.required("xyz") else { return Vector3::x() };
     match xyz.vector::<3>().map(Vector3::from) {
         Some(axis) if axis != Vector3::zeros() => axis,
@@ -153,7 +158,7 @@ fn tilted(
 }
 
 /// Limits, and where the motion starts if zero is beyond them.
-fn limits(joint: &Element<'_>, kind: &str, hinge: &mut Entry) {
+fn limits(joint: &Element<'_>, kind: &str, options: &Options, hinge: &mut Entry) {
     let Some(limit) = joint.child("limit") else {
         if matches!(kind, "revolute" | "prismatic") {
             joint.note(Taken::Approximated, format!("a {kind} joint without <limit>: it has no stops"));
@@ -181,6 +186,8 @@ fn limits(joint: &Element<'_>, kind: &str, hinge: &mut Entry) {
     if low > high {
         let message = format!("{}: `lower` {low} is above `upper` {high}", limit.label());
         joint.refuse(Problem::at(limit.place(), message).help("swap the two"));
+    } else if options.without_limits {
+        limit.note(Taken::Ignored, "left out, as asked for");
     } else if low == high {
         let what = format!("from {low} to {high} they leave no room: the joint has no stops");
         limit.note(Taken::Ignored, what);

@@ -2,10 +2,12 @@
 
 use super::joint::turn;
 use crate::import::draft::Entry;
-use crate::import::log::Problem;
+use crate::import::log::{Problem, Taken};
 use crate::import::xml::Element;
-use nalgebra::{Matrix3, UnitQuaternion};
+use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion};
 
+/// By how much of the largest moment rounding may break what holds for bodies, as a scenario's check allows.
+const ROUNDING: f64 = 1e-9;
 const MOMENTS: [&str; 6] = ["ixx", "iyy", "izz", "ixy", "ixz", "iyz"];
 
 /// Mass, centre and inertia out of `<inertial>`; a link without is without mass.
@@ -13,11 +15,11 @@ pub(super) fn write(link: &Element<'_>, body: &mut Entry) {
     let Some(inertial) = link.child("inertial") else { return };
     let (Some(mass), Some(inertia)) = (part(&inertial, "mass"), part(&inertial, "inertia")) else { return };
     let Some(value) = mass.required("value") else { return };
-    match value.number() {
-        Some(number) if number < 0.0 => inertial.refuse(value.wrong(&format!("is {number}, allowed: ≥ 0 kg"))),
-        Some(number) => body.set("mass", number, Some(value.place())),
-        None => {}
+    let Some(kilograms) = value.number() else { return };
+    if kilograms < 0.0 {
+        inertial.refuse(value.wrong(&format!("is {kilograms}, allowed: ≥ 0 kg")));
     }
+    body.set("mass", kilograms, Some(value.place()));
     let origin = inertial.child("origin");
     if let Some(xyz) = origin.and_then(|origin| origin.attribute("xyz"))
         && let Some(center) = xyz.vector::<3>().filter(|center| *center != [0.0; 3])
@@ -31,6 +33,29 @@ pub(super) fn write(link: &Element<'_>, body: &mut Entry) {
         body.comment(&format!("its inertia is given in axes turned by rpy = {rpy}"));
     }
     body.numbers("inertia", &in_body_axes(moments, turn), Some(inertia.place()));
+    if let Some(why) = impossible(moments, kilograms) {
+        body.set("unphysical", true, Some(inertia.place()));
+        inertia.note(Taken::Used, format!("no body can have it ({why}): it is taken as it stands"));
+    }
+}
+
+/// Why no body can have these moments; small excess is rounding.
+fn impossible([xx, yy, zz, xy, xz, yz]: [f64; 6], mass: f64) -> Option<String> {
+    let matrix = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let mut principal: [f64; 3] = SymmetricEigen::new(matrix).eigenvalues.into();
+    principal.sort_by(f64::total_cmp);
+    let [small, middle, large] = principal;
+    if mass == 0.0 && large > 0.0 {
+        return Some("there is no mass with it".to_owned());
+    }
+    if small < -ROUNDING * large.abs().max(f64::MIN_POSITIVE) {
+        return Some(format!("its smallest principal moment is {small:e} kg m²"));
+    }
+    let excess = large - small - middle;
+    (excess > ROUNDING * large.abs()).then(|| {
+        let part = 100.0 * excess / large;
+        format!("its largest principal moment exceeds the sum of the others by {part:.3} %")
+    })
 }
 
 fn part<'a>(inertial: &Element<'a>, name: &str) -> Option<Element<'a>> {

@@ -34,7 +34,7 @@ pub const BODY: Table = Table {
         .unit("kg")
         .default("0.0")
         .example("2.0"),
-        Key::new("density", POSITIVE, "In place of `mass`, `center` and `inertia`: they follow from the shapes filled with it (meshes weigh nothing).")
+        Key::new("density", POSITIVE, "In place of `mass`, `center` and `inertia`: they follow from the shapes filled with it (meshes must be closed).")
             .unit("kg/m³")
             .example("7850.0"),
         Key::new("center", VECTOR, "Centre of mass from the root marker, body axes.")
@@ -49,6 +49,13 @@ pub const BODY: Table = Table {
         .unit("kg m²")
         .default("[0.0, 0.0, 0.0]")
         .example("[0.17, 0.17, 0.004]"),
+        Key::new(
+            "unphysical",
+            Kind::Flag,
+            "Take `inertia` though no body can have it: its largest principal moment above the sum of the others, one below zero, or no mass with it. Models of other programs have such.",
+        )
+        .default("false")
+        .example("true"),
         Key::new("markers", Kind::Map(&VECTOR), "Named points, body axes, from the root marker.")
             .unit("m")
             .example("{ tip = [0.0, 0.0, -1.0] }"),
@@ -98,12 +105,16 @@ pub const SHAPE: Table = Table {
         )
         .unit("m")
         .example("{ radius = 0.05, length = 1.0 }"),
-        Key::new("mesh", Kind::Text, "A triangle mesh for pictures only: a file, as found from the scenario's folder.")
-            .example("\"link.stl\""),
+        Key::new(
+            "mesh",
+            Kind::Text,
+            "A triangle mesh: a file (.stl, .obj, .gltf, .glb), as found from the scenario's folder.",
+        )
+        .example("\"link.stl\""),
         Key::new(
             "scale",
-            Kind::Either(&[POSITIVE, Kind::List(&POSITIVE, &[3])]),
-            "Scale of a mesh, along all axes or along each.",
+            Kind::Either(&[POSITIVE, Kind::List(&Kind::Number(Range::Any), &[3])]),
+            "Scale of a mesh, along all axes or along each; negative to mirror it.",
         )
         .default("1.0")
         .example("0.001"),

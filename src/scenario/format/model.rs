@@ -29,6 +29,7 @@ pub const MODEL: Table = Table {
             .unit("rad")
             .default("[0.0, 0.0, 0.0]")
             .example("[0.0, 0.0, 1.5708]"),
+        Key::new("limits", Kind::Flag, "Whether the limits of its joints become stops.").default("true").example("false"),
         Key::new("packages", Kind::Map(&Kind::Text), "Folders of packages by name, for `package://name/…`.")
             .example("{ arm_description = \"../arm_description\" }"),
         Key::new("positions", Kind::Map(&VALUES), "Where its hinges start, by the name of the joint or of the body.")

@@ -1,0 +1,69 @@
+//! Triangle meshes from files: STL, OBJ and glTF. For pictures, and where a density is given for mass.
+//!
+//! Numbers are taken as they stand in the file, in its own axes. A file that says more than it holds is refused before
+//! anything of the size that it claims is allocated.
+
+mod file;
+mod gltf;
+mod obj;
+mod solid;
+mod stl;
+
+pub use file::{LARGEST_MESH, MeshError};
+pub use solid::{NotSolid, Solid};
+
+use std::path::Path;
+
+/// Triangles with their corners.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mesh {
+    /// Corners (units of the file).
+    pub vertices: Vec<[f32; 3]>,
+    /// Three corners each, counter-clockwise as seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// One normal per corner, where the file gives them.
+    pub normals: Option<Vec<[f32; 3]>>,
+    /// Red, green, blue, opacity of each corner, 0…1, where the file gives colours.
+    pub colors: Option<Vec<[f32; 4]>>,
+}
+
+impl Mesh {
+    /// Reads a mesh; its format is told by the extension of the file: `stl`, `obj`, `gltf`, `glb`.
+    ///
+    /// # Errors
+    /// Where the file cannot be read, is larger than [`LARGEST_MESH`], or is not what its extension says.
+    pub fn read(path: &Path) -> Result<Self, MeshError> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        let mesh = match extension.to_ascii_lowercase().as_str() {
+            "stl" => stl::read(path),
+            "obj" => obj::read(path),
+            "gltf" | "glb" => gltf::read(path),
+            _ => return Err(MeshError::Unknown(path.to_owned())),
+        }?;
+        mesh.checked(path)
+    }
+
+    /// Lowest and highest corner; `None` without corners.
+    pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        let first = *self.vertices.first()?;
+        let widen = |[low, high]: [[f32; 3]; 2], at: &[f32; 3]| {
+            [0, 1].map(|end| std::array::from_fn(|i| if end == 0 { low[i].min(at[i]) } else { high[i].max(at[i]) }))
+        };
+        Some(self.vertices.iter().fold([first, first], widen))
+    }
+
+    /// Corners that are there and numbers that are finite.
+    fn checked(self, path: &Path) -> Result<Self, MeshError> {
+        let count = self.vertices.len();
+        if let Some(corner) = self.triangles.iter().flatten().find(|corner| **corner as usize >= count) {
+            return Err(MeshError::damaged(path, format!("a triangle names corner {corner}, there are {count}")));
+        }
+        if let Some(at) = self.vertices.iter().flatten().find(|x| !x.is_finite()) {
+            return Err(MeshError::damaged(path, format!("a corner is at {at}")));
+        }
+        if self.triangles.is_empty() {
+            return Err(MeshError::damaged(path, "it has no triangles".to_owned()));
+        }
+        Ok(self)
+    }
+}

@@ -1,0 +1,9 @@
+//! Models of other programs: what becomes of them, and that they move as they do elsewhere.
+
+mod fixture;
+mod meshes;
+mod mutations;
+mod pinocchio;
+mod refused;
+mod scenes;
+mod urdf;

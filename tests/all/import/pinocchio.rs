@@ -1,0 +1,31 @@
+//! Robots of the world beside Pinocchio: Python with the packages `pin` and `example-robot-data`.
+
+use std::process::Command;
+
+#[test]
+fn accelerations_of_imported_robots_are_pinocchios() {
+    let python = || Command::new("python3");
+    let there = python()
+        .args(["-c", "import pathlib, pinocchio, sys; sys.exit(not any(d for p in sys.path for d in pathlib.Path(p).glob('cmeel.prefix/share/example-robot-data')))"])
+        .output();
+    if !there.is_ok_and(|output| output.status.success()) {
+        assert!(std::env::var_os("CI").is_none(), "python3 with pin and example-robot-data must be there");
+        eprintln!("skipped: python3 with the packages pin and example-robot-data is not there");
+        return;
+    }
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/compare_urdf.py");
+    let output = python().arg(script).arg(env!("CARGO_BIN_EXE_stillpoint")).output().expect("run");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let robots = found.as_object().expect("robots");
+    assert_eq!(robots.len(), 12, "six robots, fixed and free");
+    for (robot, result) in robots {
+        let [difference, condition] = ["difference", "condition"].map(|key| result[key].as_f64().expect("a number"));
+        // Rounding, multiplied by the condition of the mass matrix: iCub's head has no inertia about the axis of its
+        // neck, which passes through its centre, and is thrown about with 6e9 rad/s².
+        let allowed = f64::max(1e-9, 1e-15 * condition);
+        assert!(difference < allowed, "{robot}: {difference:e}, allowed {allowed:e}");
+        assert!(condition < 1e6 || robot.starts_with("icub"), "{robot}: {condition:e}");
+    }
+    assert!(robots["panda fixed"]["mimics"] == 1, "a mimic is compared too");
+}
