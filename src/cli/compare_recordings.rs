@@ -17,10 +17,10 @@ pub(super) struct Arguments {
     /// The other one
     second: PathBuf,
     /// Differences up to this are none (in each column's unit)
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     tolerance: f64,
     /// Differences up to this part of a column's largest number are none either
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     relative: f64,
     /// Only this channel (hinges, energy, reactions, tf) or this column (upper.angle); may be repeated
     #[arg(long, value_name = "NAME")]
@@ -224,7 +224,7 @@ fn report(arguments: &Arguments, differences: &[Difference], missing: &[Vec<Stri
         (0, Some(largest)) => {
             format!("{columns} are the same within the tolerance; furthest apart: {}", line(largest))
         }
-        (many, _) => format!("{many} of {columns} differ"),
+        (many, _) => format!("{many} of {columns} {}", if many == 1 { "differs" } else { "differ" }),
     };
     for one in different.iter().take(MOST_LINES) {
         out += &format!("\n  {}", line(one));

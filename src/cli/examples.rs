@@ -10,7 +10,7 @@ Examples:
 pub(super) const RUN: &str = "\
 Examples:
   stillpoint run scenarios/hanging_chain.toml --out chain.mcap --set simulate.duration=2
-  stillpoint run scenarios/pendulum.toml --set rod.position=0.5 --set simulate.start=given --verify
+  stillpoint run scenarios/pendulum.toml --set rod.position=0.5 --verify
   stillpoint new - --kind chain | stillpoint run - --json";
 
 pub(super) const STATICS: &str = "\
@@ -31,7 +31,7 @@ Examples:
 pub(super) const SWEEP: &str = "\
 Examples:
   stillpoint sweep scenarios/machine_on_mounts.toml --over machine.mass=200:400:5
-  stillpoint sweep scenarios/pendulum.toml --over rod.mass=1,2 --over rod.position=0.1:0.9:3 --set simulate.duration=1 --run --json";
+  stillpoint sweep scenarios/pendulum.toml --over rod.mass=1,2 --over rod.position=0.1:0.9:3 --json";
 
 pub(super) const INSPECT: &str = "\
 Examples:

@@ -3,6 +3,7 @@
 
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 use super::description::*;
+use super::motor::MotorDescription;
 use super::shape::Shape;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
@@ -38,6 +39,12 @@ impl Description {
     /// Adds a given motion.
     pub fn drive(mut self, drive: DriveDescription) -> Self {
         self.drives.push(drive);
+        self
+    }
+
+    /// Adds a motor.
+    pub fn motor(mut self, motor: MotorDescription) -> Self {
+        self.motors.push(motor);
         self
     }
 

@@ -51,7 +51,7 @@ fn the_schema_takes_every_scenario_and_refuses_broken_ones() {
         ("hinge", pendulum.replace("\"revolute\"", "\"revolt\"")),
         ("range", format!("{}\n[record]\nrate = -1.0\n", pendulum.replace("[record]", "[ignored]"))),
         ("list", format!("gravity = [0.0, -9.81]\n{pendulum}")),
-        ("empty", String::new()),
+        ("bodies", "body = 3\n".to_owned()),
     ];
     for (name, text) in &broken {
         assert_ne!(*text, pendulum, "{name}");

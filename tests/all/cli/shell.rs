@@ -8,7 +8,9 @@ use std::path::Path;
 fn commands(bench: &Bench) -> Vec<String> {
     let help = bench.call(&["--help"]).code(0).out;
     let list = help.split("Commands:\n").nth(1).expect("a list of commands");
-    let names = list.lines().take_while(|line| !line.is_empty()).filter_map(|line| line.split_whitespace().next());
+    let names = list.lines().take_while(|line| !line.is_empty());
+    // Long descriptions go on in lines that begin further right.
+    let names = names.filter(|line| !line.starts_with("   ")).filter_map(|line| line.split_whitespace().next());
     names.filter(|name| *name != "help").map(str::to_owned).collect()
 }
 

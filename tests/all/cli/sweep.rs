@@ -1,7 +1,6 @@
 //! Many cases in one call.
 
 use super::{Answer, Bench, shipped};
-use serde_json::Value;
 
 /// A weight on a spring between stops of the scale: more than the spring can carry has no equilibrium.
 const SCALE: &str = "
@@ -54,9 +53,8 @@ fn rows_go_into_a_table_and_may_be_runs() {
     assert!(lines[1].starts_with("0.0,true,1.0,"), "{text}");
     // The same as one run of that case alone.
     let alone = ["run", &scenario, "--set", "simulate.duration=1", "--set", "rod.position=0.5", "--json"];
-    let alone: Value = bench.call(&alone).code(0).json();
-    let last: f64 = lines[2].split(',').nth(5).expect("a column").parse().expect("a number");
-    assert_eq!(alone["final"]["positions"]["rod"][0], last);
+    let last = lines[2].split(',').nth(5).expect("a column");
+    assert!(bench.call(&alone).code(0).out.contains(&format!("\"positions\":{{\"rod\":[{last}]}}")), "{last}");
 }
 
 #[test]

@@ -100,7 +100,9 @@ fn a_recording_cut_at_any_byte_keeps_what_is_whole() {
     let bytes = std::fs::read(&whole).expect("read");
     let all: Vec<OwnedSample> = Motion::times(0.02).map(|time| motion.at(time)).collect();
     let mut kept = 0;
-    for length in (0..bytes.len()).rev() {
+    // Some hundred of them; all of them where more is asked for.
+    let step = if std::env::var_os("ROBUST_CASES").is_some() { 1 } else { 61 };
+    for length in (0..bytes.len()).rev().step_by(step) {
         std::fs::write(&path, &bytes[..length]).expect("written");
         let Ok(recording) = Recording::open(&path) else { continue };
         assert!(!recording.complete, "cut at {length} of {}", bytes.len());
