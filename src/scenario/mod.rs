@@ -37,6 +37,7 @@ mod hinge;
 mod lower;
 mod mass;
 mod model;
+mod motor;
 mod naming;
 mod path;
 mod reader;

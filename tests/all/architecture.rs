@@ -59,7 +59,7 @@ const FOREIGN: [(&str, &[&str]); 18] = [
     ("ctrlc", &["cli"]),
     ("csv", &["cli"]),
     ("plotters", &["cli"]),
-    ("faer", &["dynamics", "statics", "simulate"]),
+    ("faer", &["dynamics", "statics"]),
 ];
 
 /// A file longer than this is more than one can hold in the head.
