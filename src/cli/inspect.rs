@@ -37,6 +37,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
     let center = center_of_mass(&model, &system);
     if common.json {
+        // What a model calls its joints; hinges go by the names of bodies.
+        let all = scenario.models.iter().flat_map(|taken| &taken.joints);
+        let joints: serde_json::Map<_, _> = all.map(|(joint, body)| (joint.clone(), json!(body))).collect();
         let result = json!({
             "bodies": model.bodies.len(),
             "degrees_of_freedom": assembly.degrees_of_freedom,
@@ -45,6 +48,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "gap": assembly.gap,
             "drives": json::pushes(&forces),
             "motors": json::pushes(&json::motors(&model, q, v)),
+            "joints": joints,
             "total_mass": model.total_mass(),
             "center_of_mass": [center.x, center.y, center.z],
             "kinetic_energy": energies.kinetic,

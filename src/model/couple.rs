@@ -256,7 +256,11 @@ pub(super) fn couple(
             element: Element::Body(body),
             field: "hinge.limits".to_owned(),
             message: format!("`{}` has a stop in a scene with loops, drives or gears", model.bodies[body].name),
-            help: Some("stops and loops cannot be simulated together yet: take off the `limits`".to_owned()),
+            help: Some(
+                "stops and loops cannot be simulated together yet: take off the `limits`; those of a model with \
+                 `limits = false` in [model], or `convert --no-limits`"
+                    .to_owned(),
+            ),
         });
     }
     problems

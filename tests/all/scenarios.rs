@@ -125,6 +125,8 @@ fn the_scenarios_show_every_hinge_and_every_force() {
         "cylinder",
         "capsule",
         "sphere",
+        "[model]",
+        "[model.hinges]",
     ] {
         assert!(texts.contains(feature), "no scenario shows {feature}");
     }

@@ -7,7 +7,7 @@ use crate::import::draft::{Draft, Entry};
 use crate::import::log::{Problem, Taken};
 use crate::import::xml::Element;
 use crate::suggest::closest;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
 const TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
@@ -43,7 +43,7 @@ pub(super) fn write(
     hinge.set("parent", parent.as_str(), Some(joint.parent_place.clone()));
     place(element, &mut hinge);
     let axis = axis(element, kind);
-    if kind == "planar" && axis.cross(&Vector3::z()) != Vector3::zeros() {
+    if kind == "planar" && (axis.xy() != Vector2::zeros() || axis.z < 0.0) {
         return tilted(joint, tree, body, draft, options, &parent, axis);
     }
     if matches!(kind, "revolute" | "continuous" | "prismatic") {

@@ -160,7 +160,7 @@ fn every_joint_moves_as_its_type_says() {
 /// The link of a planar joint keeps its own axes at zero, wherever the normal points.
 #[test]
 fn a_tilted_plane_leaves_the_link_where_its_joint_says() {
-    for axis in ["1 0 0", "0 -2 0", "0.3 -0.4 0.5", "-0.1 0 -1"] {
+    for axis in ["1 0 0", "0 -2 0", "0 0 -1", "0.3 -0.4 0.5"] {
         let inner = format!("<origin xyz=\"1 2 3\" rpy=\"0.1 0.2 0.3\"/><axis xyz=\"{axis}\"/>");
         let text = robot(&format!("{}{}", link("sledge"), joint("slide", "planar", ["base", "sledge"], &inner)));
         let imported = import(&text, &Options::default());
