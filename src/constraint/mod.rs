@@ -28,7 +28,7 @@ mod rows;
 
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
-use crate::model::{Joint, Model, Scalar};
+use crate::model::{Joint, Model};
 use crate::motion::variation::{LinkAcceleration, LinkVariation};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
@@ -487,15 +487,5 @@ impl Constraints {
     /// Which element a row belongs to.
     pub(crate) fn element_of(&self, row: usize) -> Option<&Element> {
         self.elements.iter().find(|element| element.rows.contains(&row))
-    }
-}
-
-impl Rule {
-    /// The hinge force of a unit multiplier on a link's coordinate.
-    #[inline]
-    fn tau(&self, link: usize) -> f64 {
-        let Self::Motion { parts } = self else { return 0.0 };
-        let of = |(scalar, factor): &(Scalar, f64)| if scalar.link == link { *factor } else { 0.0 };
-        parts.iter().map(of).sum()
     }
 }

@@ -54,6 +54,14 @@ pub(crate) enum Rule {
 }
 
 impl Rule {
+    /// The hinge force of a unit multiplier on a link's coordinate.
+    #[inline]
+    pub(super) fn tau(&self, link: usize) -> f64 {
+        let Self::Motion { parts } = self else { return 0.0 };
+        let of = |(scalar, factor): &(Scalar, f64)| if scalar.link == link { *factor } else { 0.0 };
+        parts.iter().map(of).sum()
+    }
+
     /// Whether the gap is an angle.
     pub(super) fn turns(&self) -> bool {
         match self {
