@@ -13,6 +13,8 @@
 //! | `/energy` | `stillpoint.Energy`, each sample |
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
+//! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; where `ros` is asked for, up to 1000 bodies |
+//! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, where there are up to 64 |
 //! | `/events` | `foxglove.Log`, each event: stops that are hit, crossings, changes of the integrator. The topic is there from the first event on |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
 //!
@@ -44,6 +46,7 @@ mod numbers;
 mod partial;
 mod pictures;
 mod reader;
+mod ros;
 mod samples;
 mod schema;
 mod writer;
@@ -68,4 +71,6 @@ const HINGES_TOPIC: &str = "/hinges";
 const ENERGY_TOPIC: &str = "/energy";
 const REACTIONS_TOPIC: &str = "/reactions";
 const FRAMES_TOPIC: &str = "/tf";
+const ROBOT_TOPIC: &str = "/robot_description";
+const JOINTS_TOPIC: &str = "/joint_states";
 const EVENTS_TOPIC: &str = "/events";
