@@ -7,8 +7,9 @@
 //! A function that made an event keeps the sign it has afterwards until it is seen with the other one: rounding at the
 //! start of the next step makes no second event.
 
+use super::error::{RunError, named};
 use super::problem::Motion;
-use super::run::{RunError, State, named};
+use super::run::State;
 use super::stops::Side;
 use crate::integrate::Stepper;
 use crate::model::watch::Direction;

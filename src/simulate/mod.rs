@@ -2,6 +2,7 @@
 
 mod bordered;
 mod choice;
+mod error;
 pub mod events;
 mod ledger;
 mod pace;
@@ -17,6 +18,7 @@ mod stiffness;
 mod stops;
 pub mod verify;
 
-pub use run::{RunError, State, Summary, run};
+pub use error::RunError;
+pub use run::{State, Summary, run};
 pub use scene::scene;
 pub use settings::{Integrator, Settings, Start};

@@ -9,8 +9,9 @@
 //! its scale (1 rad, the scene's length, the same per the scene's time); between steps as dense output gives it. The
 //! time is that of the steps alone.
 
+use super::error::{RunError, named};
 use super::problem::Motion;
-use super::run::{RunError, State, named};
+use super::run::State;
 use super::stiffness::fastest;
 use crate::integrate::{Method, Options, Problem, Start, Statistics, StepError, Stepper};
 use crate::model::Model;

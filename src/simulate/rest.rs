@@ -5,7 +5,8 @@
 //! step, so adaptive methods run with a tolerance well below that, whatever the scene asks for in other runs. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
 //! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
 
-use super::run::{RunError, State, run};
+use super::error::RunError;
+use super::run::{State, run};
 use super::settings::Settings;
 use crate::model::{Joint, Model};
 use crate::motion::unit_quaternion;

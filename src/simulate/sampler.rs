@@ -1,8 +1,9 @@
 //! What is recorded of a run, and when.
 
+use super::error::{RunError, named};
 use super::ledger::Ledger;
 use super::problem::Motion;
-use super::run::{RunError, State, named};
+use super::run::State;
 use crate::integrate::Stepper;
 use crate::model::Model;
 use crate::record::{Recorder, Sample};

@@ -5,7 +5,8 @@
 //! as the second is much the better one. On a chaotic scene they differ by as much as the motion itself: then no method
 //! can say where it ends.
 
-use super::run::{RunError, State, Summary, run};
+use super::error::RunError;
+use super::run::{State, Summary, run};
 use super::settings::{Integrator, Settings};
 use crate::integrate::Method;
 use crate::model::{Joint, Model};
