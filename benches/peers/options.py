@@ -13,6 +13,7 @@ def arguments():
     parser.add_argument("--passes", type=int, metavar="N", help="how often each is measured; default 3, with --quick 1")
     parser.add_argument("--quick", action="store_true", help="one short pass and the smaller models")
     parser.add_argument("--ode", action="store_true", help="error against time of the integrators, instead")
+    parser.add_argument("--squeezer", action="store_true", help="Andrews' squeezing mechanism beside Exudyn, instead")
     parser.add_argument(
         "--out", type=pathlib.Path, metavar="FOLDER", help="where results go; default: target/peers/results"
     )

@@ -35,9 +35,18 @@ fn lists(lists: &[(String, Vec<f64>)]) -> Value {
     Value::Object(lists.iter().map(|(name, list)| (name.clone(), json!(list))).collect())
 }
 
-/// What every drive pushes, by its name (N or N m).
-pub(super) fn drives(forces: &[(String, f64)]) -> Value {
+/// What every drive or motor pushes, by its name (N or N m).
+pub(super) fn pushes(forces: &[(String, f64)]) -> Value {
     Value::Object(forces.iter().map(|(name, force)| (name.clone(), json!(force))).collect())
+}
+
+/// What every motor pushes at t = 0.
+pub(super) fn motors(model: &Model, q: &[f64], v: &[f64]) -> Vec<(String, f64)> {
+    let push = |motor: &crate::model::Motor| {
+        let at = motor.coordinate;
+        (motor.name.clone(), motor.at(0.0, q[at.position], v[at.velocity]).force)
+    };
+    model.motors.iter().map(push).collect()
 }
 
 pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
@@ -88,7 +97,8 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
         "stops": found.stops.iter().map(bearing).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
-        "drives": drives(&found.drive_forces),
+        "drives": pushes(&found.drive_forces),
+        "motors": pushes(&motors(model, &found.position, &found.velocity)),
         "multipliers": lists(&found.carried),
         "redundant": redundant(&found.redundant),
         "notes": found.notes,

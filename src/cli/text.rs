@@ -1,5 +1,6 @@
 //! Reports for people.
 
+use super::json;
 use super::output::bold;
 use crate::constraint::Assembly;
 use crate::model::Model;
@@ -167,6 +168,10 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     };
     pose(&mut out, model, &found.position, title);
     let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
+    let motors = json::motors(model, &found.position, &found.velocity);
+    let drives = model.drives.iter().map(|drive| drive.coordinate.slides);
+    pushes(&mut out, "drives", &found.drive_forces, drives);
+    pushes(&mut out, "motors", &motors, model.motors.iter().map(|motor| motor.coordinate.slides));
     for (name, force) in &found.holding {
         let held = match without_noise(*force, weight) {
             0.0 => "nothing".to_owned(),
@@ -195,6 +200,15 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         let _ = writeln!(out, "  note         {note}");
     }
     out.trim_end().to_owned()
+}
+
+/// What drives or motors push with.
+fn pushes(out: &mut String, title: &str, forces: &[(String, f64)], slides: impl Iterator<Item = bool>) {
+    for (line, ((name, force), slides)) in forces.iter().zip(slides).take(MOST_LINES).enumerate() {
+        let head = if line == 0 { title } else { "" };
+        let _ = writeln!(out, "  {head:<12} {name:<20} {} {}", number(*force), if slides { "N" } else { "N m" });
+    }
+    more(out, forces.len());
 }
 
 fn carriers(shares: &[(String, f64)]) -> String {

@@ -87,6 +87,11 @@ impl Envelope {
         }
     }
 
+    /// The pivot of one row relative to a size; 0 for a dependent row.
+    pub(super) fn pivot(&self, row: usize, size: f64) -> f64 {
+        if self.inverse[row] == 0.0 { 0.0 } else { 1.0 / (self.inverse[row] * size) }
+    }
+
     /// The smallest pivot of the last factorization relative to the size of its row: how near the rows are to hanging
     /// on each other.
     pub(super) fn smallest_pivot(&self) -> f64 {

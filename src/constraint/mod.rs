@@ -383,18 +383,10 @@ impl Constraints {
     /// Adds how the wrenches of [`Constraints::add_loads`], taken as applied ones, vary with the links at fixed
     /// multipliers.
     pub(crate) fn add_variation(&self, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
-        for group in &self.plan.groups {
-            let element = &self.elements[group.element];
+        for (index, element) in self.elements.iter().enumerate() {
             let Some(ends) = &element.ends else { continue };
-            let geometry = Ends::of(ends, &element.branches, motion);
-            let links = [&by[ends[0].link], &by[ends[1].link]];
-            for row in &group.rows {
-                let multiplier = self.multipliers[*row];
-                for (end, w) in ends.iter().zip(geometry.vary(&self.rules[*row], links)) {
-                    let link = &mut wrenches[end.link];
-                    link.force += multiplier * w.force;
-                    link.moment += multiplier * w.moment;
-                }
+            for (end, w) in ends.iter().zip(self.vary_loop(index, motion, by)) {
+                wrenches[end.link] += w;
             }
         }
     }
@@ -430,6 +422,33 @@ impl Constraints {
                 }
             }
         }
+    }
+
+    /// Marks the rows solved for whose clearance at the last factorization is not above a limit, and takes their
+    /// multipliers as zero.
+    pub(crate) fn drop_weak(&mut self, limit: f64, weak: &mut [bool]) {
+        for (unknown, (row, weak)) in self.plan.rows().zip(weak).enumerate() {
+            *weak = !(self.matrix.pivot(unknown, self.sizes[unknown]) > limit * limit);
+            if *weak {
+                self.multipliers[row] = 0.0;
+            }
+        }
+    }
+
+    /// How the wrenches of one loop vary with its links at fixed multipliers.
+    pub(crate) fn vary_loop(&self, index: usize, motion: &Motion, by: &[LinkVariation]) -> [Wrench; 2] {
+        let mut sum = [Wrench::ZERO; 2];
+        let element = &self.elements[index];
+        let Some(ends) = &element.ends else { return sum };
+        let geometry = Ends::of(ends, &element.branches, motion);
+        let links = [&by[ends[0].link], &by[ends[1].link]];
+        for row in element.rows.clone().filter(|row| self.multipliers[*row] != 0.0) {
+            for (sum, w) in sum.iter_mut().zip(geometry.vary(&self.rules[row], links)) {
+                sum.force += self.multipliers[row] * w.force;
+                sum.moment += self.multipliers[row] * w.moment;
+            }
+        }
+        sum
     }
 
     /// Takes these as the multipliers, one per row solved for.

@@ -6,6 +6,7 @@
 //! x = x₀ + X y,      (1 − A Z) y = A z₀   X, Z: responses to unit wrenches at the ends, six of them each
 //! ```
 
+use super::dense::Dense;
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
@@ -24,12 +25,10 @@ pub(super) struct Border {
     pub(super) felt: Vec<[Applied; 2]>,
     /// `X`, one row of velocities for each unknown.
     responses: Vec<f64>,
-    /// `1 − A Z`, factorized in place by rows, and the order of its rows.
-    small: Vec<f64>,
-    order: Vec<usize>,
+    /// `1 − A Z`.
+    small: Dense,
     /// Right side and solution.
     y: Vec<f64>,
-    swapped: Vec<f64>,
 }
 
 impl Border {
@@ -40,10 +39,8 @@ impl Border {
             felt: vec![<[Applied; 2]>::default(); links.len()],
             links,
             responses: vec![0.0; m * model.velocity_count()],
-            small: vec![0.0; m * m],
-            order: (0..m).collect(),
+            small: Dense::new(m),
             y: vec![0.0; m],
-            swapped: vec![0.0; m],
         }
     }
 
@@ -61,10 +58,10 @@ impl Border {
             tangent.solve_loaded(model, Some((self.links[element][end], unit(axis))), response);
             self.feel(tangent);
             for row in 0..m {
-                self.small[row * m + column] = f64::from(u8::from(row == column)) - self.y[row];
+                *self.small.entry(row, column) = f64::from(u8::from(row == column)) - self.y[row];
             }
         }
-        self.eliminate()
+        self.small.eliminate()
     }
 
     /// `y ← A z` of the last solution.
@@ -79,45 +76,11 @@ impl Border {
         }
     }
 
-    /// Gaussian elimination with row pivoting: the library's factorizations ask for memory at every call.
-    fn eliminate(&mut self) -> bool {
-        let m = self.len();
-        self.order.iter_mut().enumerate().for_each(|(i, row)| *row = i);
-        for k in 0..m {
-            let size = |i: &usize| self.small[self.order[*i] * m + k].abs();
-            let Some(best) = (k..m).max_by(|i, j| size(i).total_cmp(&size(j))) else { return false };
-            self.order.swap(k, best);
-            let top = self.order[k] * m;
-            let pivot = self.small[top + k];
-            if pivot == 0.0 || !pivot.is_finite() {
-                return false;
-            }
-            for i in k + 1..m {
-                let row = self.order[i] * m;
-                let factor = self.small[row + k] / pivot;
-                self.small[row + k] = factor;
-                for j in k + 1..m {
-                    self.small[row + j] -= factor * self.small[top + j];
-                }
-            }
-        }
-        true
-    }
-
     /// Completes a solution `x₀` of the sweep.
     pub(super) fn complete(&mut self, tangent: &Tangent, x: &mut [f64]) {
-        let m = self.len();
         self.feel(tangent);
-        for (i, row) in self.order.iter().enumerate() {
-            let known: f64 = (0..i).map(|j| self.small[row * m + j] * self.swapped[j]).sum();
-            self.swapped[i] = self.y[*row] - known;
-        }
-        for i in (0..m).rev() {
-            let row = self.order[i] * m;
-            let known: f64 = (i + 1..m).map(|j| self.small[row + j] * self.swapped[j]).sum();
-            self.swapped[i] = (self.swapped[i] - known) / self.small[row + i];
-        }
-        for (y, response) in self.swapped.iter().zip(self.responses.chunks_exact(x.len().max(1))) {
+        self.small.solve(&mut self.y);
+        for (y, response) in self.y.iter().zip(self.responses.chunks_exact(x.len().max(1))) {
             x.iter_mut().zip(response).for_each(|(x, response)| *x += y * response);
         }
     }

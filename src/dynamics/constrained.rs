@@ -77,8 +77,9 @@ impl Constrained {
 }
 
 impl System<'_> {
-    /// The time at which drives are looked at (s); nothing else depends on time.
+    /// The time at which drives and motors are looked at (s); nothing else depends on time.
     pub fn set_time(&mut self, time: f64) {
+        self.time = time;
         if let Some(constrained) = &mut self.constraints {
             constrained.rows.set_time(time);
         }
@@ -123,6 +124,12 @@ impl System<'_> {
         }
     }
 
+    /// How the wrenches of one loop vary with its links at fixed multipliers.
+    pub(super) fn vary_loop(&self, index: usize, by: &[LinkVariation]) -> [Wrench; 2] {
+        let rows = self.constraints.as_ref().map(|constrained| &constrained.rows);
+        rows.map_or([Wrench::ZERO; 2], |rows| rows.vary_loop(index, &self.motion, by))
+    }
+
     /// Adds how what [`System::apply_multipliers`] applied varies with the links at fixed multipliers.
     pub(super) fn vary_multipliers(&self, motion_by: &[LinkVariation], applied: &mut [Wrench]) {
         if let Some(constrained) = &self.constraints {
@@ -139,6 +146,28 @@ impl System<'_> {
         let mut matrix = Mat::zeros(constrained.rows.rank(), n);
         constrained.rows.gradient(self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
         matrix
+    }
+
+    /// Number of independent rows of loops, gears and drives.
+    pub fn constraint_rank(&self) -> usize {
+        self.constraints.as_ref().map_or(0, |constrained| constrained.rows.rank())
+    }
+
+    /// The same as [`System::constraint_matrix`], by rows, into memory that was made before.
+    pub fn constraint_gradient(&mut self, q: &[f64], out: &mut [f64]) {
+        let n = self.model.velocity_count();
+        out.fill(0.0);
+        let Some(constrained) = &mut self.constraints else { return };
+        constrained.rows.place(self.model, &self.motion, q, false);
+        constrained.rows.gradient(self.model, &self.motion, |row, column, entry| out[row * n + column] += entry);
+    }
+
+    /// After accelerations: marks the rows whose clearance is not above a limit, and takes their multipliers as zero for
+    /// what follows.
+    pub fn drop_weak_multipliers(&mut self, limit: f64, weak: &mut [bool]) {
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.drop_weak(limit, weak);
+        }
     }
 
     /// `G a + bias` of the independent rows for accelerations `a`: zero where they agree with the rows.
@@ -254,7 +283,7 @@ impl System<'_> {
         moved
     }
 
-    /// Rounds of eq. (4), while they help.
+    /// Rounds of eq. (4) of [`crate::constraint`], while they help.
     fn settle_velocity(&mut self, q: &[f64], v: &mut [f64]) -> bool {
         let mut moved = false;
         let mut left = f64::INFINITY;

@@ -2,7 +2,7 @@
 //! columns of the dense derivatives.
 
 use super::linearize::Of;
-use super::{Fault, System};
+use super::{Dense, Fault, System};
 use crate::forces;
 use crate::model::Model;
 use crate::transfer::jacobian::{Jacobian, TOGETHER};
@@ -66,7 +66,9 @@ impl System<'_> {
 
     /// The same into memory that was made before. Where nothing but hinge springs, dampers, motors and armatures acts,
     /// it asks for no more memory and goes through all columns side by side; with force elements it takes a tangent
-    /// sweep and a solution for each column, which is O(n²) too, but an order of magnitude slower.
+    /// sweep and a solution for each column, which is O(n²) too, but an order of magnitude slower. With loops, drives or
+    /// gears the columns are those of the accelerations that the rows allow, also along steps that leave the loops: along
+    /// steps that keep them closed they are the mechanism's own.
     ///
     /// # Errors
     /// As [`System::acceleration_jacobians`]; then the matrices are not to be used.
@@ -76,12 +78,12 @@ impl System<'_> {
         v: &[f64],
         out: &mut AccelerationJacobians,
     ) -> Result<(), Fault> {
-        if self.constraints.is_some() {
-            return Err(Fault::Tied { method: "the Jacobian of the accelerations" });
-        }
         self.accelerations(q, v, &mut out.accelerations)?;
         self.residual(q, v, &out.accelerations, &mut out.residual)?;
-        match self.model.forces.is_empty() {
+        if self.constraints.is_some() {
+            return self.jacobians_with_rows(q, v, out);
+        }
+        match self.model.forces.is_empty() && self.model.motors.is_empty() {
             true => self.jacobians_by_sweeps(q, v, out),
             false => {
                 self.jacobians_by_columns(q, out);
@@ -123,5 +125,63 @@ impl System<'_> {
                 column.copy_from_slice(&out.residual);
             }
         }
+    }
+
+    /// `M a − Gᵀ λ = f`, `G a + bias = 0` differentiated: the columns of the free tree at fixed multipliers, then the
+    /// multipliers' variation, which takes the rows' variation away.
+    fn jacobians_with_rows(&mut self, q: &[f64], v: &[f64], out: &mut AccelerationJacobians) -> Result<(), Fault> {
+        let (m, n) = (self.constraint_rank(), v.len());
+        let mut gradient = vec![0.0; m * n];
+        self.constraint_gradient(q, &mut gradient);
+        let mut responses = gradient.clone();
+        for (row, response) in gradient.chunks_exact(n).zip(responses.chunks_exact_mut(n)) {
+            self.solve_mass(row, response);
+        }
+        let product = |row: &[f64], x: &[f64]| row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>();
+        let mut small = Dense::new(m);
+        for (i, row) in gradient.chunks_exact(n).enumerate() {
+            responses.chunks_exact(n).enumerate().for_each(|(j, y)| *small.entry(i, j) = product(row, y));
+        }
+        if !small.eliminate() {
+            let element = self.constraints().and_then(|rows| rows.elements().first()).map(|e| e.name.clone());
+            return Err(Fault::NotFinite { what: "the tangent", element: element.unwrap_or_default() });
+        }
+        self.jacobians_by_columns(q, out);
+        for (of, matrix) in [(Of::Position, &mut out.by_position), (Of::Velocity, &mut out.by_velocity)] {
+            for j in 0..n {
+                let column = matrix.col_as_slice_mut(j);
+                let mut rates = self.row_derivative(q, v, &out.accelerations, of, j)?;
+                for (rate, row) in rates.iter_mut().zip(gradient.chunks_exact(n)) {
+                    *rate = -*rate - product(row, column);
+                }
+                small.solve(&mut rates);
+                for (by, response) in rates.iter().zip(responses.chunks_exact(n)) {
+                    column.iter_mut().zip(response).for_each(|(x, response)| *x += by * response);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How `G a + bias` varies with one coordinate or velocity at fixed accelerations: a difference of fourth order.
+    fn row_derivative(&mut self, q: &[f64], v: &[f64], a: &[f64], of: Of, j: usize) -> Result<Vec<f64>, Fault> {
+        const STEP: f64 = 1e-3;
+        let m = self.constraint_rank();
+        let (mut sum, mut rates) = (vec![0.0; m], vec![0.0; m]);
+        let (mut near, mut by) = (q.to_vec(), vec![0.0; v.len()]);
+        for (times, weight) in [(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)] {
+            by[j] = times * STEP;
+            let faster: Vec<f64> = match of {
+                Of::Velocity => v.iter().zip(&by).map(|(v, by)| v + by).collect(),
+                Of::Position | Of::Acceleration => v.to_vec(),
+            };
+            near.copy_from_slice(q);
+            if matches!(of, Of::Position) {
+                System::displace(self.model, &mut near, &by);
+            }
+            self.constraint_rates(&near, &faster, a, &mut rates)?;
+            sum.iter_mut().zip(&rates).for_each(|(sum, rate)| *sum += weight / STEP * rate);
+        }
+        Ok(sum)
     }
 }

@@ -1,4 +1,4 @@
-//! Dense derivatives: mass, damping and stiffness matrices (section 4 of the method: the transfer equations
+//! Dense derivatives: mass, damping and stiffness matrices (docs/guide/method.md: the transfer equations
 //! differentiated column by column).
 
 use super::{Fault, System};
@@ -75,7 +75,8 @@ impl System<'_> {
         for j in 0..z.ncols() {
             (0..n).for_each(|i| direction[i] = z[(i, j)]);
             column.fill(0.0);
-            self.column(q, &rest, Of::Position, 1..self.model.links.len(), &direction, &mut column);
+            let by = Direction { position: &direction, ..Direction::default() };
+            self.column(q, &rest, &by, 1..self.model.links.len(), &mut column);
             (0..n).for_each(|i| product[(i, j)] = column[i]);
         }
         Ok(product)
@@ -92,7 +93,12 @@ impl System<'_> {
             for j in first..first + count {
                 unit[j] = 1.0;
                 column.fill(0.0);
-                self.column(q, a, of, link..self.model.links[link].subtree_end, &unit, &mut column);
+                let by = match of {
+                    Of::Position => Direction { position: &unit, ..Direction::default() },
+                    Of::Velocity => Direction { velocity: &unit, ..Direction::default() },
+                    Of::Acceleration => Direction { acceleration: &unit, ..Direction::default() },
+                };
+                self.column(q, a, &by, link..self.model.links[link].subtree_end, &mut column);
                 unit[j] = 0.0;
                 for (i, x) in column.iter().enumerate() {
                     matrix[(i, j)] = *x;
@@ -104,16 +110,11 @@ impl System<'_> {
 
     /// The residual's variation when hinges of one subtree vary: it moves, and the way to the root feels it. Forces
     /// between bodies reach further.
-    fn column(&mut self, q: &[f64], a: &[f64], of: Of, subtree: Range<usize>, unit: &[f64], out: &mut [f64]) {
-        let by = match of {
-            Of::Position => Direction { position: unit, ..Direction::default() },
-            Of::Velocity => Direction { velocity: unit, ..Direction::default() },
-            Of::Acceleration => Direction { acceleration: unit, ..Direction::default() },
-        };
+    pub(super) fn column(&mut self, q: &[f64], a: &[f64], by: &Direction<'_>, subtree: Range<usize>, out: &mut [f64]) {
         let (model, motion, balance) = (self.model, &self.motion, &self.balance);
-        self.variation.outward_subtree(model, motion, balance, a, &by, subtree.clone());
+        self.variation.outward_subtree(model, motion, balance, a, by, subtree.clone());
         let constrained = self.constraints.is_some();
-        let forces = (!model.forces.is_empty() || constrained) && !matches!(of, Of::Acceleration);
+        let forces = (!model.forces.is_empty() || constrained) && !(by.position.is_empty() && by.velocity.is_empty());
         if forces {
             forces::vary(model, motion, &self.variation.links, &mut self.variation.applied);
         }
@@ -124,15 +125,16 @@ impl System<'_> {
         }
         let (motion, balance) = (&self.motion, &self.balance);
         if forces && (constrained || model.forces.iter().any(|force| reaches_far(&force.law))) {
-            self.variation.inward(model, motion, balance, &by, out);
+            self.variation.inward(model, motion, balance, by, out);
         } else {
-            self.variation.inward_subtree(model, motion, balance, &by, subtree.clone(), out);
+            self.variation.inward_subtree(model, motion, balance, by, subtree.clone(), out);
         }
         if forces {
             self.variation.applied.fill(crate::spatial::Wrench::ZERO);
         }
         self.variation.clear(subtree);
         forces::hinge::vary(model, q, by.position, by.velocity, &mut self.scratch);
+        forces::motor::vary(model, &self.pushes, by.position, by.velocity, &mut self.scratch);
         for (out, change) in out.iter_mut().zip(&self.scratch) {
             *out -= change;
         }

@@ -76,6 +76,13 @@ impl System<'_> {
             parent.stiffness += size.stiffness;
             parent.turn_stiffness += size.turn_stiffness + arm * arm * size.stiffness;
         }
+        for (motor, push) in model.motors.iter().zip(&self.pushes) {
+            let (i, at) = (motor.coordinate.velocity, motor.coordinate.position);
+            let size = push.force.abs() + (push.by_position * q[at]).abs();
+            out.force[i] += size;
+            out.noise[i] += size;
+            out.stiffness[i] += push.by_position.abs();
+        }
         out
     }
 }

@@ -3,12 +3,14 @@
 
 mod border;
 mod constrained;
+mod dense;
 mod jacobian;
 mod linearize;
 mod magnitudes;
 mod tangent;
 
 pub use constrained::Settled;
+pub use dense::{Dense, DenseTangent};
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
@@ -16,6 +18,7 @@ pub use tangent::{Coefficients, TangentSolver};
 
 use crate::forces;
 use crate::model::Model;
+use crate::model::motor::Push;
 use crate::motion::Motion;
 use crate::spatial::{Pose, Wrench};
 use crate::transfer::balance::Balance;
@@ -40,6 +43,10 @@ pub struct System<'m> {
     /// Hinge forces, and scratch of the same length.
     tau: Vec<f64>,
     scratch: Vec<f64>,
+    /// What motors push with, of the last evaluation.
+    pushes: Vec<Push>,
+    /// The time at which drives and motors are looked at (s).
+    time: f64,
     /// Loops, drives and gears, where there are any.
     constraints: Option<Box<Constrained>>,
 }
@@ -114,6 +121,8 @@ impl<'m> System<'m> {
             applied: vec![Wrench::ZERO; n],
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
+            pushes: vec![Push::default(); model.motors.len()],
+            time: 0.0,
             constraints: Constrained::new(model),
         }
     }
@@ -135,6 +144,10 @@ impl<'m> System<'m> {
             forces::apply(self.model, &self.motion, &mut self.applied);
         }
         forces::hinge::apply(self.model, q, v, &mut self.tau);
+        if !self.pushes.is_empty() {
+            forces::motor::pushes(self.model, self.time, q, v, &mut self.pushes);
+            forces::motor::apply(self.model, &self.pushes, &mut self.tau);
+        }
     }
 
     /// `a ← q̈(q, v)`, in O(n).
@@ -263,12 +276,24 @@ impl<'m> System<'m> {
         }
     }
 
+    /// Energies as a search for rest sees them: with the potential of motors at t = 0, whose energy is work in a run.
+    pub fn energies_at_rest(&mut self, q: &[f64], v: &[f64]) -> Energies {
+        let mut energies = self.energies(q, v);
+        energies.potential += forces::motor::potential_at_rest(self.model, q);
+        energies
+    }
+
+    /// The motors and what each pushes with at the last evaluation (N or N m).
+    pub fn motor_forces(&self) -> impl Iterator<Item = (String, f64)> {
+        self.model.motors.iter().zip(&self.pushes).map(|(motor, push)| (motor.name.clone(), push.force))
+    }
+
     /// Powers of a state that no potential stands for.
     pub fn powers(&mut self, q: &[f64], v: &[f64]) -> Powers {
         let driven = if self.model.drives.is_empty() { 0.0 } else { self.drive_power(q, v) };
         self.motion.update(self.model, q, v);
         Powers {
-            input: forces::input(self.model, &self.motion, v) + driven,
+            input: forces::input(self.model, &self.motion, self.time, q, v) + driven,
             dissipated: forces::dissipated(self.model, &self.motion, v),
         }
     }

@@ -3,8 +3,9 @@
 use super::border::{Border, UNKNOWNS};
 use super::{Fault, System};
 use crate::forces;
-use crate::model::{Joint, Law, Model};
+use crate::model::{End, Joint, Model};
 use crate::motion::variation::LinkVariation;
+use crate::spatial::Wrench;
 use crate::transfer::tangent::{Applied, At, Breakdown, Coupling, Tangent};
 use nalgebra::{Matrix3, Vector3};
 
@@ -19,7 +20,7 @@ pub struct TangentSolver {
     coupled: Vec<(usize, Coupling)>,
     ball_springs: Vec<(usize, Matrix3<f64>)>,
     unit: Vec<LinkVariation>,
-    /// Elements that reach further, by their index among the forces.
+    /// Elements that reach further, by their index among the forces and then the loops.
     far: Vec<Option<usize>>,
     border: Border,
 }
@@ -44,9 +45,9 @@ impl TangentSolver {
     pub fn new(model: &Model) -> Self {
         let mut links = Vec::new();
         let mut far = Vec::with_capacity(model.forces.len());
-        for force in &model.forces {
-            far.push(match force.law.ends() {
-                [a, b] if !is_near(model, &force.law) => {
+        for ends in elements(model) {
+            far.push(match ends {
+                [a, b] if !is_near(model, ends) => {
                     links.push([a.link, b.link]);
                     Some(links.len() - 1)
                 }
@@ -57,8 +58,8 @@ impl TangentSolver {
             tangent: Tangent::new(model),
             diagonal: vec![0.0; model.velocity_count()],
             shifted: vec![0.0; model.velocity_count()],
-            applied: Vec::with_capacity(2 * model.forces.len()),
-            coupled: Vec::with_capacity(2 * model.forces.len()),
+            applied: Vec::with_capacity(2 * far.len()),
+            coupled: Vec::with_capacity(2 * far.len()),
             ball_springs: Vec::with_capacity(model.links.len()),
             unit: vec![LinkVariation::default(); model.links.len()],
             far,
@@ -70,14 +71,13 @@ impl TangentSolver {
     /// loop, drive or gear ties coordinates together. Forces that reach further cost a dozen more right sides each in
     /// [`TangentSolver::solve`], and the count of negative pivots leaves them out.
     pub fn covers(model: &Model) -> bool {
-        !model.is_constrained() && model.forces.iter().all(|force| is_near(model, &force.law))
+        !model.is_constrained() && elements(model).all(|ends| is_near(model, ends))
     }
 
-    /// Whether the dense tangent has to do: far elements bring more unknowns than the scene has, or loops, drives or gears
-    /// tie coordinates together.
+    /// Whether the dense tangent has to do: far elements, loops among them, bring more unknowns than the scene has.
     pub fn is_for_dense(model: &Model) -> bool {
-        let far = model.forces.iter().filter(|force| !is_near(model, &force.law)).count();
-        model.is_constrained() || UNKNOWNS * far > model.velocity_count()
+        let far = elements(model).filter(|ends| !is_near(model, ends)).count();
+        UNKNOWNS * far > model.velocity_count()
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
@@ -119,6 +119,9 @@ impl System<'_> {
         let model = self.model;
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature;
+        }
+        for (motor, push) in model.motors.iter().zip(&self.pushes) {
+            solver.diagonal[motor.coordinate.velocity] -= push.by_position + with.c1 * push.by_velocity;
         }
         self.gather_springs(solver, q, with.symmetric);
         self.gather_forces(solver);
@@ -179,23 +182,24 @@ impl System<'_> {
         }
     }
 
-    /// Force elements, column by column: the links they act on are moved one way at a time.
+    /// Force elements, and loops at fixed multipliers, column by column: the links they act on are moved one way at a
+    /// time.
     fn gather_forces(&self, solver: &mut TangentSolver) {
         solver.applied.clear();
         solver.coupled.clear();
-        for (force, far) in self.model.forces.iter().zip(&solver.far) {
-            let ends = force.law.ends();
+        for (index, ends) in elements(self.model).enumerate() {
+            let far = solver.far[index];
             for (end, link) in ends.iter().map(|end| end.link).enumerate() {
                 if link == 0 || (end == 1 && link == ends[0].link) {
                     continue;
                 }
-                let blocks = self.blocks(&force.law, link, &mut solver.unit);
+                let blocks = self.blocks(index, link, &mut solver.unit);
                 let mut own = Applied::default();
                 for (other, (felt, block)) in ends.iter().zip(&blocks).enumerate() {
                     match (felt.link, far) {
                         (0, _) => {}
                         (at, _) if at == link => add(&mut own, block),
-                        (_, Some(element)) => solver.border.felt[*element][other] = *block,
+                        (_, Some(element)) => solver.border.felt[element][other] = *block,
                         (parent, None) if parent < link => {
                             solver.coupled.push((link, Coupling { on_parent: *block, ..Coupling::default() }));
                         }
@@ -220,12 +224,17 @@ impl System<'_> {
     }
 
     /// What both ends of a force element feel when one link moves.
-    fn blocks(&self, law: &Law, link: usize, unit: &mut [LinkVariation]) -> [Applied; 2] {
+    fn blocks(&self, index: usize, link: usize, unit: &mut [LinkVariation]) -> [Applied; 2] {
+        let vary = |unit: &[LinkVariation]| match (self.model.forces.get(index), &self.constraints) {
+            (Some(force), _) => forces::vary_law(&force.law, &self.motion, unit),
+            (None, Some(_)) => self.vary_loop(index - self.model.forces.len(), unit),
+            (None, None) => [Wrench::ZERO; 2],
+        };
         let mut blocks = [Applied::default(); 2];
         for block in 0..blocks[0].len() {
             for axis in 0..3 {
                 unit[link] = unit_variation(block, axis);
-                let wrenches = forces::vary_law(law, &self.motion, unit);
+                let wrenches = vary(unit);
                 for (end, wrench) in wrenches.iter().enumerate() {
                     blocks[end][block].force.set_column(axis, &wrench.force);
                     blocks[end][block].moment.set_column(axis, &wrench.moment);
@@ -245,10 +254,16 @@ fn add(sum: &mut Applied, more: &Applied) {
     }
 }
 
-/// Whether a force element acts on the ground, on one link, or on a link and its parent.
-fn is_near(model: &Model, law: &Law) -> bool {
+/// The ends of every element that pushes on links: forces, then loops.
+fn elements(model: &Model) -> impl Iterator<Item = &[End]> {
+    let forces = model.forces.iter().map(|force| force.law.ends());
+    forces.chain(model.loops.iter().map(|closed| &closed.ends[..]))
+}
+
+/// Whether an element acts on the ground, on one link, or on a link and its parent.
+fn is_near(model: &Model, ends: &[End]) -> bool {
     let parent = |link: usize| model.links[link].parent;
-    match law.ends() {
+    match ends {
         [a, b] => {
             let (a, b) = (a.link, b.link);
             a == 0 || b == 0 || a == b || parent(a) == b || parent(b) == a

@@ -7,6 +7,7 @@
 mod bushing;
 pub mod hinge;
 mod load;
+pub mod motor;
 mod spring;
 
 use crate::model::{Law, Model};
@@ -112,13 +113,15 @@ pub fn dissipated(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
 }
 
 /// Power put in by loads and motors without a potential (W).
-pub fn input(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
+pub fn input(model: &Model, motion: &Motion, time: f64, q: &[f64], v: &[f64]) -> f64 {
     let of_law = |law: &Law| match law {
         Law::DeadLoad { on, torque, .. } => torque.dot(&motion.links[on.link].angular_velocity),
         Law::FollowerLoad { on, force, torque } => load::follower_power(on, force, torque, motion),
         Law::Spring { .. } | Law::Bushing { .. } => 0.0,
     };
-    model.forces.iter().map(|force| of_law(&force.law)).sum::<f64>() + hinge::input(model, v)
+    model.forces.iter().map(|force| of_law(&force.law)).sum::<f64>()
+        + hinge::input(model, v)
+        + motor::input(model, time, q, v)
 }
 
 /// How large what one end of an element feels is.

@@ -4,7 +4,7 @@ use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, ForceKind, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check, couple, watch};
+use super::{Model, check, couple, motor, watch};
 use crate::suggest;
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -12,6 +12,7 @@ use std::collections::HashMap;
 pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     let mut problems = check::check(description);
     couple::check(description, &mut problems);
+    motor::check(description, &mut problems);
     problems.extend(watch::check(description));
     let names = index_names(description, &mut problems);
     let parents = resolve_parents(description, &names, &mut problems);

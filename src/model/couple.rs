@@ -3,6 +3,7 @@
 use super::build::{Place, Places};
 use super::couplings::{Closure, CoordinateName, GearKind, LoopDescription, MotionDescription};
 use super::description::{Description, HingeKind};
+use super::motor;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem, number};
 use super::{End, Link, Model};
@@ -183,7 +184,7 @@ fn check_loop(index: usize, closed: &LoopDescription, add: &mut impl FnMut(Eleme
 }
 
 /// A coordinate by name, or the problem with it.
-fn scalar(
+pub(super) fn scalar(
     description: &Description,
     model: &Model,
     wanted: &CoordinateName,
@@ -248,6 +249,7 @@ pub(super) fn couple(
     }
     drives(description, model, &mut problems);
     gears(description, model, &mut problems);
+    motor::motors(description, model, &mut problems);
     if let (true, Some(stop)) = (model.is_constrained(), model.stops.first()) {
         let body = stop.body;
         problems.push(Problem {

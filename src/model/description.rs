@@ -4,6 +4,7 @@
 //! scenario files go through the same checks.
 
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
+use super::motor::MotorDescription;
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -31,6 +32,8 @@ pub struct Description {
     pub drives: Vec<DriveDescription>,
     /// Coordinates in a fixed ratio.
     pub gears: Vec<GearDescription>,
+    /// Forces in coordinates that follow a law.
+    pub motors: Vec<MotorDescription>,
     /// What a run takes note of.
     pub events: Vec<EventDescription>,
 }
@@ -46,6 +49,7 @@ impl Default for Description {
             loops: Vec::new(),
             drives: Vec::new(),
             gears: Vec::new(),
+            motors: Vec::new(),
             events: Vec::new(),
         }
     }

@@ -11,6 +11,7 @@ mod couple;
 pub mod couplings;
 pub mod description;
 mod link;
+pub mod motor;
 pub mod parameter;
 pub mod prescribed;
 pub mod problem;
@@ -21,6 +22,7 @@ pub mod watch;
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use link::{Joint, Link};
+pub use motor::Motor;
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
 pub use watch::{Event, Stop, StopLaw, Watched};
@@ -51,6 +53,8 @@ pub struct Model {
     pub drives: Vec<Drive>,
     /// Coordinates in a fixed ratio.
     pub gears: Vec<Gear>,
+    /// Forces in coordinates that follow a law.
+    pub motors: Vec<Motor>,
     /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by
     /// `constraint::assemble`).
     pub independent_rows: Option<Vec<bool>>,
@@ -253,7 +257,8 @@ impl Model {
         self.bodies.iter().map(|body| body.mass.mass).sum()
     }
 
-    /// Whether every load has a potential: no follower loads, no torques fixed in space, no motors about balls.
+    /// Whether every load has a potential: no follower loads, no torques fixed in space, no motors about balls or by
+    /// formulas of their coordinate.
     pub fn is_conservative(&self) -> bool {
         let loads = self.forces.iter().all(|force| match &force.law {
             Law::FollowerLoad { .. } => false,
@@ -261,6 +266,7 @@ impl Model {
             Law::Spring { .. } | Law::Bushing { .. } => true,
         });
         loads
+            && self.motors.iter().all(Motor::has_potential)
             && self.links.iter().all(|link| {
                 !matches!(link.joint, Joint::Ball { .. })
                     || self.coordinates[link.velocity..link.velocity + 3].iter().all(|c| c.force == 0.0)

@@ -234,7 +234,7 @@ fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
-        Element::Scene | Element::Gear(_) | Element::Event(_) => return Vec::new(),
+        Element::Scene | Element::Gear(_) | Element::Motor(_) | Element::Event(_) => return Vec::new(),
         Element::Loop(index) => {
             let closed = &description.loops[index];
             let rod = matches!(closed.closure, Closure::Rod { .. }) && field == Field::Length;

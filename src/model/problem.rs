@@ -30,6 +30,8 @@ pub enum Element {
     Drive(usize),
     /// Index into `Description::gears`.
     Gear(usize),
+    /// Index into `Description::motors`.
+    Motor(usize),
     /// Index into `Description::events`.
     Event(usize),
 }

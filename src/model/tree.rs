@@ -209,6 +209,7 @@ impl<'a> Tree<'a> {
             loops: Vec::new(),
             drives: Vec::new(),
             gears: Vec::new(),
+            motors: Vec::new(),
             independent_rows: None,
             stops,
             events,

@@ -9,7 +9,7 @@ use crate::model::couplings::{
 };
 use toml::de::DeValue;
 
-fn name(table: &Reader<'_>, what: &str, index: usize) -> String {
+pub(super) fn name(table: &Reader<'_>, what: &str, index: usize) -> String {
     table.text("name").map_or_else(|| format!("{what}[{index}]"), str::to_owned)
 }
 
@@ -34,7 +34,18 @@ pub(super) fn closed_loop(table: &Reader<'_>, index: usize, bodies: &Names<'_>) 
 
 /// Reads a `[[drive]]`; `None` where too little of it is readable.
 pub(super) fn drive(table: &Reader<'_>, index: usize) -> Option<DriveDescription> {
-    let motion = match table.text("type")? {
+    let motion = motion(table)?;
+    Some(DriveDescription { name: name(table, "drive", index), coordinate: hinge_coordinate(table)?, motion })
+}
+
+/// `hinge` and `coordinate` of a table.
+pub(super) fn hinge_coordinate(table: &Reader<'_>) -> Option<CoordinateName> {
+    Some(CoordinateName { body: table.text("hinge")?.to_owned(), index: table.count("coordinate").unwrap_or(0) })
+}
+
+/// A motion of a drive or a motor's target.
+pub(super) fn motion(table: &Reader<'_>) -> Option<MotionDescription> {
+    Some(match table.text("type")? {
         "hold" => MotionDescription::Hold,
         "rate" => MotionDescription::Rate { rate: table.number("rate")? },
         "ramp" => MotionDescription::Ramp {
@@ -51,10 +62,7 @@ pub(super) fn drive(table: &Reader<'_>, index: usize) -> Option<DriveDescription
         "table" => MotionDescription::Table { times: table.numbers("times")?, values: table.numbers("values")? },
         "expression" => MotionDescription::Expression { text: table.text("expression")?.to_owned() },
         _ => return None,
-    };
-    let index_of = table.count("coordinate").unwrap_or(0);
-    let coordinate = CoordinateName { body: table.text("hinge")?.to_owned(), index: index_of };
-    Some(DriveDescription { name: name(table, "drive", index), coordinate, motion })
+    })
 }
 
 /// Reads a `[[gear]]`; `None` where too little of it is readable.
@@ -77,8 +85,7 @@ fn coordinate(table: &Reader<'_>, value: Value<'_>) -> Option<CoordinateName> {
         DeValue::String(body) => Some(CoordinateName { body: body.as_ref().to_owned(), index: 0 }),
         DeValue::Table(inner) => {
             let inner = Reader::new(inner, value.span(), table.findings);
-            let index = inner.count("coordinate").unwrap_or(0);
-            Some(CoordinateName { body: inner.text("hinge")?.to_owned(), index })
+            hinge_coordinate(&inner)
         }
         _ => None,
     }

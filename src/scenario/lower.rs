@@ -6,6 +6,7 @@ use super::event::event;
 use super::findings::{Finding, Findings};
 use super::force::force;
 use super::format::MOST_BODIES;
+use super::motor::motor;
 use super::reader::Reader;
 use super::spans::SpanTable;
 use crate::model::description::Description;
@@ -49,6 +50,12 @@ pub(super) fn lower<'a>(
         if let Some(gear) = gear(table, index) {
             description.gears.push(gear);
             spans.gears.push(index);
+        }
+    }
+    for (index, table) in scenario.tables("motor").iter().enumerate() {
+        if let Some(motor) = motor(table, index) {
+            description.motors.push(motor);
+            spans.motors.push(index);
         }
     }
     for (index, table) in scenario.tables("event").iter().enumerate() {

@@ -13,10 +13,11 @@ pub(super) struct SpanTable<'a> {
     document: &'a DeTable<'a>,
     bodies: Vec<Origin>,
     forces: Vec<usize>,
-    /// Which `[[loop]]`, `[[drive]]`, `[[gear]]` the description's ones come from.
+    /// Which `[[loop]]`, `[[drive]]`, `[[gear]]`, `[[motor]]` the description's ones come from.
     pub(super) loops: Vec<usize>,
     pub(super) drives: Vec<usize>,
     pub(super) gears: Vec<usize>,
+    pub(super) motors: Vec<usize>,
     events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
@@ -33,8 +34,8 @@ impl<'a> SpanTable<'a> {
     pub(super) fn new(document: &'a DeTable<'a>) -> Self {
         let (bodies, forces) = (Vec::new(), Vec::new());
         let (loops, drives, gears) = (Vec::new(), Vec::new(), Vec::new());
-        let events = Vec::new();
-        Self { document, bodies, forces, events, loops, drives, gears, nameless: false }
+        let (motors, events) = (Vec::new(), Vec::new());
+        Self { document, bodies, forces, events, loops, drives, gears, motors, nameless: false }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -68,6 +69,7 @@ impl<'a> SpanTable<'a> {
             Element::Loop(index) => ("loop", *self.loops.get(index)?),
             Element::Drive(index) => ("drive", *self.drives.get(index)?),
             Element::Gear(index) => ("gear", *self.gears.get(index)?),
+            Element::Motor(index) => ("motor", *self.motors.get(index)?),
             Element::Event(event) => ("event", *self.events.get(event)?),
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)

@@ -12,95 +12,189 @@
 //! solved bordered, `g̈ = G a + bias` being the rows' accelerations:
 //!
 //! ```text
-//! [ c₂ M + c₁ C + K                 −Gᵀ ] [ x ]   [ r       ]
-//! [ c₂ G + c₁ ∂g̈/∂v + ∂g̈/∂q          0  ] [ ν ] = [ G M⁻¹ r ]
+//! [ T    −Gᵀ ] [ x ]   [ r       ]      T = c₂ M + c₁ C + K              the tangent of the tree, by its sweep
+//! [ B     0  ] [ ν ] = [ G M⁻¹ r ]      B = c₂ G + c₁ ∂g̈/∂v + ∂g̈/∂q
+//!
+//! x = x₀ + Y ν,   T x₀ = r,   T Y = Gᵀ,   (B Y) ν = G M⁻¹ r − B x₀
 //! ```
 //!
-//! The rows' derivatives are taken as differences: their error, a part in 10⁷, only costs that part of the convergence.
+//! so one factorization costs a solution of the tree's tangent for each row. `∂g̈` is only needed along single directions:
+//! it is taken as a difference there, whose error, a part in 10⁷, only costs that part of the convergence.
+//!
+//! Near a singular position rows that hang on others are left out of the border (not of the residual).
 
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Coefficients, Dense, DenseTangent, Fault, System, TangentSolver};
+use crate::integrate::Point;
+use crate::model::Model;
 use crate::motion::displace;
-use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 
-/// A factorized matrix.
+/// A factorized matrix. Valid until the next factorization, whatever the system evaluates in between.
 pub(super) struct Bordered {
-    factor: PartialPivLu<f64>,
-    /// `G M⁻¹`.
-    weighted: Mat<f64>,
+    tree: Tree,
+    /// `G`, by rows.
+    gradient: Vec<f64>,
+    /// `G M⁻¹`, by rows.
+    weighted: Vec<f64>,
+    /// `Yᵀ`, by rows.
+    responses: Vec<f64>,
+    /// `B Y`.
+    small: Dense,
+    /// Rows that are left out.
+    weak: Vec<bool>,
+    /// Where the matrix belongs to.
+    at: At,
+    /// `g̈` there.
+    base: Vec<f64>,
+    /// Scratch: a displaced state, its `g̈`, a solution.
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    rates: Vec<f64>,
+    nu: Vec<f64>,
+    x: Vec<f64>,
 }
 
-impl Bordered {
-    /// Factorizes at a state with accelerations `a`.
-    pub(super) fn of(
-        system: &mut System<'_>,
-        q: &[f64],
-        v: &[f64],
-        a: &[f64],
-        c1: f64,
-        c2: f64,
-    ) -> Result<Self, Fault> {
-        let n = a.len();
-        let mut allowed = vec![0.0; n];
-        system.accelerations(q, v, &mut allowed)?;
-        let rows = system.constraint_matrix(q);
-        let m = rows.nrows();
-        let mut weighted = Mat::zeros(m, n);
-        for i in 0..m {
-            let gradient: Vec<f64> = (0..n).map(|j| rows[(i, j)]).collect();
-            system.solve_mass(&gradient, &mut allowed);
-            (0..n).for_each(|j| weighted[(i, j)] = allowed[j]);
-        }
-        let rates = rate_derivatives(system, q, v, a, c1, m)?;
-        let linear = system.linearize(q, v, a)?;
-        let matrix = Mat::from_fn(n + m, n + m, |i, j| match (i < n, j < n) {
-            (true, true) => linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)],
-            (true, false) => -rows[(j - n, i)],
-            (false, true) => c2 * rows[(i - n, j)] + rates[(i - n, j)],
-            (false, false) => 0.0,
-        });
-        Ok(Self { factor: matrix.partial_piv_lu(), weighted })
-    }
+/// The tangent of the tree.
+enum Tree {
+    Sweep(Box<TangentSolver>),
+    Dense(DenseTangent),
+}
 
-    /// `x ← N⁻¹ x`.
-    pub(super) fn solve(&self, x: &mut [f64]) {
-        let (m, n) = (self.weighted.nrows(), x.len());
-        let rate = |i: usize| (0..n).map(|j| self.weighted[(i, j)] * x[j]).sum::<f64>();
-        let mut both = Mat::from_fn(n + m, 1, |i, _| if i < n { x[i] } else { rate(i - n) });
-        self.factor.solve_in_place(&mut both);
-        x.iter_mut().enumerate().for_each(|(i, x)| *x = both[(i, 0)]);
-    }
+#[derive(Default)]
+struct At {
+    time: f64,
+    q: Vec<f64>,
+    v: Vec<f64>,
+    a: Vec<f64>,
+    c1: f64,
+    c2: f64,
 }
 
 /// Size of a difference (rad, m).
 const DIFFERENCE: f64 = 1e-7;
 
-/// `c₁ ∂g̈/∂v + ∂g̈/∂q` at fixed accelerations, column by column.
-fn rate_derivatives(
-    system: &mut System<'_>,
-    q: &[f64],
-    v: &[f64],
-    a: &[f64],
-    c1: f64,
-    rows: usize,
-) -> Result<Mat<f64>, Fault> {
-    let n = v.len();
-    let (mut base, mut moved) = (vec![0.0; rows], vec![0.0; rows]);
-    system.constraint_rates(q, v, a, &mut base)?;
-    let mut derivatives = Mat::zeros(rows, n);
-    let (mut step, mut near, mut faster) = (vec![0.0; n], q.to_vec(), v.to_vec());
-    // One difference for both: the velocity moves with the position as within a stage, but never by more than its size.
-    let largest = v.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
-    let size = DIFFERENCE * (largest / c1.max(f64::MIN_POSITIVE)).min(1.0);
-    for j in 0..n {
-        step[j] = size;
-        near.copy_from_slice(q);
-        displace(system.model(), &mut near, &step);
-        step[j] = 0.0;
-        faster[j] = v[j] + c1 * size;
-        system.constraint_rates(&near, &faster, a, &mut moved)?;
-        faster[j] = v[j];
-        (0..rows).for_each(|i| derivatives[(i, j)] = (moved[i] - base[i]) / size);
+impl Bordered {
+    /// Room for a system.
+    pub(super) fn new(system: &System<'_>) -> Self {
+        let model = system.model();
+        let (m, n) = (system.constraint_rank(), model.velocity_count());
+        let tree = match TangentSolver::is_for_dense(model) {
+            true => Tree::Dense(DenseTangent::new(model)),
+            false => Tree::Sweep(Box::new(TangentSolver::new(model))),
+        };
+        let at = At { q: model.start_position.clone(), v: vec![0.0; n], a: vec![0.0; n], ..At::default() };
+        Self {
+            tree,
+            gradient: vec![0.0; m * n],
+            weighted: vec![0.0; m * n],
+            responses: vec![0.0; m * n],
+            small: Dense::new(m),
+            weak: vec![false; m],
+            position: at.q.clone(),
+            velocity: vec![0.0; n],
+            at,
+            base: vec![0.0; m],
+            rates: vec![0.0; m],
+            nu: vec![0.0; m],
+            x: vec![0.0; n],
+        }
     }
-    Ok(derivatives)
+
+    /// Factorizes at a point; rows with a clearance below `weak` are left out. `Ok(false)` where it is singular.
+    pub(super) fn factorize(
+        &mut self,
+        system: &mut System<'_>,
+        at: Point<'_>,
+        [c1, c2]: [f64; 2],
+        weak: f64,
+    ) -> Result<bool, Fault> {
+        let (n, m) = (at.a.len(), self.weak.len());
+        (self.at.time, self.at.c1, self.at.c2) = (at.time, c1, c2);
+        self.at.q.copy_from_slice(at.q);
+        self.at.v.copy_from_slice(at.v);
+        self.at.a.copy_from_slice(at.a);
+        system.accelerations(at.q, at.v, &mut self.x)?;
+        system.drop_weak_multipliers(weak, &mut self.weak);
+        system.constraint_gradient(at.q, &mut self.gradient);
+        for (row, weighted) in self.gradient.chunks_exact(n).zip(self.weighted.chunks_exact_mut(n)) {
+            system.solve_mass(row, weighted);
+        }
+        let regular = match &mut self.tree {
+            Tree::Sweep(solver) => {
+                let with = Coefficients { c1, c2, ..Coefficients::default() };
+                system.factorize_tangent(solver, at.q, at.v, at.a, &with)?
+            }
+            Tree::Dense(dense) => system.factorize_dense(dense, at.q, at.v, at.a, [c1, c2], &[])?,
+        };
+        if !regular {
+            return Ok(false);
+        }
+        system.constraint_rates(at.q, at.v, at.a, &mut self.base)?;
+        self.responses.copy_from_slice(&self.gradient);
+        for row in 0..m {
+            self.tree.solve(system.model(), &mut self.responses[row * n..(row + 1) * n]);
+            self.x.copy_from_slice(&self.responses[row * n..(row + 1) * n]);
+            self.rates_along(system)?;
+            for i in 0..m {
+                *self.small.entry(i, row) = match self.weak[i] || self.weak[row] {
+                    true => f64::from(u8::from(i == row)),
+                    false => self.rates[i],
+                };
+            }
+        }
+        Ok(self.small.eliminate())
+    }
+
+    /// `rates ← B x`.
+    fn rates_along(&mut self, system: &mut System<'_>) -> Result<(), Fault> {
+        let Self { at, x, position, velocity, rates, base, gradient, .. } = self;
+        let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        if largest == 0.0 {
+            rates.fill(0.0);
+            return Ok(());
+        }
+        // One difference for both: the velocity moves with the position as within a stage, but never by more than its
+        // size.
+        let fastest = at.v.iter().fold(1.0_f64, |m, v| m.max(v.abs()));
+        let size = DIFFERENCE * (fastest / at.c1.max(f64::MIN_POSITIVE)).min(1.0) / largest;
+        position.copy_from_slice(&at.q);
+        velocity.iter_mut().zip(&*x).for_each(|(step, x)| *step = size * x);
+        displace(system.model(), position, velocity);
+        velocity.iter_mut().zip(&at.v).for_each(|(step, v)| *step = v + at.c1 * *step);
+        system.constraint_rates(position, velocity, &at.a, rates)?;
+        for (i, row) in gradient.chunks_exact(x.len()).enumerate() {
+            let by_acceleration: f64 = row.iter().zip(&*x).map(|(g, x)| g * x).sum();
+            rates[i] = (rates[i] - base[i]) / size + at.c2 * by_acceleration;
+        }
+        Ok(())
+    }
+
+    /// `rhs ← N⁻¹ rhs`; not numbers where the rows cannot be evaluated.
+    pub(super) fn solve(&mut self, system: &mut System<'_>, rhs: &mut [f64]) {
+        let n = rhs.len();
+        for (nu, row) in self.nu.iter_mut().zip(self.weighted.chunks_exact(n)) {
+            *nu = row.iter().zip(&*rhs).map(|(g, r)| g * r).sum();
+        }
+        self.tree.solve(system.model(), rhs);
+        self.x.copy_from_slice(rhs);
+        system.set_time(self.at.time);
+        if self.rates_along(system).is_err() {
+            return rhs.fill(f64::NAN);
+        }
+        for ((nu, rate), weak) in self.nu.iter_mut().zip(&self.rates).zip(&self.weak) {
+            *nu = if *weak { 0.0 } else { *nu - rate };
+        }
+        self.small.solve(&mut self.nu);
+        for (nu, response) in self.nu.iter().zip(self.responses.chunks_exact(n)) {
+            rhs.iter_mut().zip(response).for_each(|(x, response)| *x += nu * response);
+        }
+    }
+}
+
+impl Tree {
+    fn solve(&mut self, model: &Model, x: &mut [f64]) {
+        match self {
+            Self::Sweep(solver) => solver.solve(model, x),
+            Self::Dense(dense) => dense.solve(x),
+        }
+    }
 }

@@ -25,7 +25,11 @@ impl Ledger {
     pub(super) fn new(model: &Model, start: Energies) -> Self {
         let damped = |law: StopLaw| matches!(law, StopLaw::Compliant { damping, .. } if damping > 0.0);
         let stops = model.stops.iter().any(|stop| damped(stop.law));
-        let flows = model.has_damping() || stops || !model.is_conservative() || !model.drives.is_empty();
+        let flows = model.has_damping()
+            || stops
+            || !model.is_conservative()
+            || !model.drives.is_empty()
+            || !model.motors.is_empty();
         Self { start, work: 0.0, dissipated: 0.0, drift: 0.0, flows }
     }
 

@@ -4,6 +4,7 @@ mod bordered;
 mod choice;
 pub mod events;
 mod ledger;
+mod passage;
 pub mod precision;
 pub mod problem;
 pub mod rest;

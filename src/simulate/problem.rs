@@ -1,13 +1,12 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
 use super::bordered::Bordered;
-use crate::dynamics::{Coefficients, Energies, Fault, Powers, System, TangentSolver};
+use super::passage::Passage;
+use crate::dynamics::{Coefficients, DenseTangent, Energies, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Joint, Model};
 use crate::simulate::run::State;
 use crate::simulate::stops::{Side, Stops};
-use faer::Mat;
-use faer::linalg::solvers::{PartialPivLu, Solve};
 use nalgebra::Vector3;
 
 /// [`System`] with what integrators ask for.
@@ -20,35 +19,9 @@ pub struct Motion<'m> {
     stops: Option<Stops<'m>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     passage: Option<Passage>,
-}
-
-/// How a run passes singular positions of its loops.
-///
-/// A state that is off the loops by `e` gets accelerations that are off by `e / c`, `c` being the clearance, and stages of
-/// explicit methods are off by more than their steps' errors. So where the clearance is small the accelerations are
-/// taken from the settled state: that is the same system on the loops, and as smooth beside them as the motion itself.
-struct Passage {
-    /// Steps may be asked for again, shorter: they are adaptive.
-    retries: bool,
-    /// How far from a singular position the last step ended.
-    clearance: f64,
-    /// The farthest that one has ended.
-    widest: f64,
-    /// A state to settle.
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-}
-
-impl Passage {
-    /// Nearer than this part of the farthest is near.
-    const NEAR: f64 = 0.4;
-    /// A step that starts with at least the first clearance is not ended within the second part of it: what is left to
-    /// round-off there would be amplified most. The next step passes it.
-    const SKIP: [f64; 2] = [1e-3, 0.2];
-
-    fn is_near(&self) -> bool {
-        self.clearance < Self::NEAR * self.widest
-    }
+    /// Scratch for residuals near those.
+    allowed: Vec<f64>,
+    balance: Vec<f64>,
 }
 
 /// The factorized tangents of an implicit step, one per slot.
@@ -56,9 +29,9 @@ enum Tangent {
     /// In O(n), by sweeps.
     Sweep(Vec<TangentSolver>),
     /// Dense: where more forces reach across the tree than it has coordinates.
-    Dense(Vec<Option<PartialPivLu<f64>>>),
-    /// Dense and bordered: with loops, drives or gears.
-    Bordered(Vec<Option<Bordered>>),
+    Dense(Vec<DenseTangent>),
+    /// With loops, drives or gears: bordered by their rows.
+    Bordered(Vec<Bordered>),
 }
 
 impl From<Fault> for Failure {
@@ -79,32 +52,23 @@ impl<'m> Motion<'m> {
                 velocity_scales[link.velocity] = length / time;
             }
         }
-        let passage = model.is_constrained().then(|| Passage {
-            retries: false,
-            clearance: 0.0,
-            widest: f64::MIN_POSITIVE,
-            position: model.start_position.clone(),
-            velocity: model.start_velocity.clone(),
-        });
+        let mut system = System::new(model);
+        let sizes = velocity_scales.iter().map(|scale| scale * time).collect();
+        let passage = model.is_constrained().then(|| Passage::new(model, &mut system, sizes));
         let tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
             (true, _) => Tangent::Bordered(Vec::new()),
             (false, false) => Tangent::Sweep(Vec::new()),
             (false, true) => Tangent::Dense(Vec::new()),
         };
         let stops = Stops::new(model);
-        Self { system: System::new(model), position_scales, velocity_scales, tangent, stops, passage }
+        let scratch = vec![0.0; if passage.is_some() { model.velocity_count() } else { 0 }];
+        let (allowed, balance) = (scratch.clone(), scratch);
+        Self { system, position_scales, velocity_scales, tangent, stops, passage, allowed, balance }
     }
 
     /// The system at a time (s), for what is recorded between steps.
     pub fn at(&mut self, time: f64) -> &mut System<'m> {
         at_time(&mut self.system, time)
-    }
-
-    /// Whether steps can be asked for again, shorter.
-    pub fn set_retries(&mut self, retries: bool) {
-        if let Some(passage) = &mut self.passage {
-            passage.retries = retries;
-        }
     }
 
     /// The model.
@@ -118,11 +82,25 @@ impl<'m> Motion<'m> {
     /// As [`System::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
         let system = at_time(&mut self.system, time);
-        system.accelerations(q, v, a)?;
+        match &mut self.passage {
+            Some(passage) if passage.is_near() => passage.accelerations(system, q, v, a)?,
+            _ => system.accelerations(q, v, a)?,
+        }
         if let Some(stops) = &mut self.stops {
             stops.correct(q, v, a, &mut |rhs, x| system.solve_mass(rhs, x));
         }
         Ok(())
+    }
+
+    /// Brings a state onto loops, drives and gears, but for one that touches a singular position.
+    ///
+    /// # Errors
+    /// As [`System::settle`].
+    pub(super) fn settle(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), Fault> {
+        match &mut self.passage {
+            Some(passage) => passage.settle(at_time(&mut self.system, time), q, v).map(drop),
+            None => Ok(()),
+        }
     }
 
     /// Kinetic and potential energy, stops included.
@@ -222,7 +200,7 @@ impl<'m> Motion<'m> {
 }
 
 /// The one way from a time to the system.
-fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
+pub(super) fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
     system.set_time(time);
     system
 }
@@ -247,17 +225,7 @@ impl Problem for Motion<'_> {
     }
 
     fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure> {
-        match &mut self.passage {
-            Some(passage) if passage.is_near() => {
-                let Passage { position, velocity, .. } = passage;
-                position.copy_from_slice(q);
-                velocity.copy_from_slice(v);
-                let system = at_time(&mut self.system, time);
-                system.settle(position, velocity)?;
-                Ok(system.accelerations(position, velocity, a)?)
-            }
-            _ => Ok(self.accelerations(time, q, v, a)?),
-        }
+        Ok(self.accelerations(time, q, v, a)?)
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
@@ -284,17 +252,9 @@ impl Problem for Motion<'_> {
     }
 
     fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {
-        let settled = self.at(time).settle(q, v)?;
-        if let Some(passage) = &mut self.passage {
-            let [far, part] = Passage::SKIP;
-            if passage.retries && passage.clearance > far && settled.clearance < part * passage.clearance {
-                return Err(Failure {
-                    message: "the step ends too near to a singular position of the loops".to_owned(),
-                });
-            }
-            passage.clearance = settled.clearance;
-            passage.widest = passage.widest.max(settled.clearance);
-        }
+        let Some(passage) = &mut self.passage else { return Ok(false) };
+        let settled = passage.settle(at_time(&mut self.system, time), q, v)?;
+        passage.advance(&settled);
         Ok(settled.moved)
     }
 
@@ -330,11 +290,22 @@ impl ImplicitProblem for Motion<'_> {
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         let system = at_time(&mut self.system, time);
-        if system.constraints().is_some() {
+        match &mut self.passage {
+            // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
+            Some(passage) if passage.is_near() => {
+                passage.accelerations(system, q, v, r)?;
+                self.allowed.copy_from_slice(r);
+                system.residual(q, v, &self.allowed, &mut self.balance)?;
+                system.residual(q, v, a, r)?;
+                r.iter_mut().zip(&self.balance).for_each(|(r, allowed)| *r -= allowed);
+            }
             // The multipliers of this state, see `bordered`.
-            system.accelerations(q, v, r)?;
+            Some(_) => {
+                system.accelerations(q, v, r)?;
+                system.residual(q, v, a, r)?;
+            }
+            None => system.residual(q, v, a, r)?,
         }
-        system.residual(q, v, a, r)?;
         if let Some(stops) = &self.stops {
             stops.balance(q, v, r);
         }
@@ -347,8 +318,11 @@ impl ImplicitProblem for Motion<'_> {
             Tangent::Sweep(solvers) if solvers.len() < slots => {
                 solvers.resize_with(slots, || TangentSolver::new(model))
             }
-            Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || None),
-            Tangent::Bordered(factors) if factors.len() < slots => factors.resize_with(slots, || None),
+            Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || DenseTangent::new(model)),
+            Tangent::Bordered(factors) if factors.len() < slots => {
+                let system = &self.system;
+                factors.resize_with(slots, || Bordered::new(system));
+            }
             Tangent::Sweep(_) | Tangent::Dense(_) | Tangent::Bordered(_) => {}
         }
     }
@@ -357,46 +331,28 @@ impl ImplicitProblem for Motion<'_> {
         let Point { time, q, v, a } = at;
         let system = at_time(&mut self.system, time);
         let shift = self.stops.as_mut().map_or(&[][..], |stops| stops.diagonal(c1));
-        match &mut self.tangent {
+        let regular = match &mut self.tangent {
             Tangent::Sweep(solvers) => {
                 let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
-                if !system.factorize_tangent(&mut solvers[slot], q, v, a, &with)? {
-                    return Err(Failure { message: "the tangent of the implicit step is singular".to_owned() });
-                }
+                system.factorize_tangent(&mut solvers[slot], q, v, a, &with)?
             }
-            Tangent::Dense(factors) => {
-                let linear = system.linearize(q, v, a)?;
-                let n = a.len();
-                let held = |i: usize| shift.get(i).is_some_and(|shift| shift.is_infinite());
-                let tangent = Mat::from_fn(n, n, |i, j| {
-                    if held(i) || held(j) {
-                        return f64::from(u8::from(i == j));
-                    }
-                    let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };
-                    linear.stiffness[(i, j)] + c1 * linear.damping[(i, j)] + c2 * linear.mass[(i, j)] + own
-                });
-                factors[slot] = Some(tangent.partial_piv_lu());
+            Tangent::Dense(factors) => system.factorize_dense(&mut factors[slot], q, v, a, [c1, c2], shift)?,
+            Tangent::Bordered(factors) => {
+                let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
+                factors[slot].factorize(system, at, [c1, c2], weak)?
             }
-            Tangent::Bordered(factors) => factors[slot] = Some(Bordered::of(system, q, v, a, c1, c2)?),
+        };
+        match regular {
+            true => Ok(()),
+            false => Err(Failure { message: "the tangent of the implicit step is singular".to_owned() }),
         }
-        Ok(())
     }
 
     fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
         match &mut self.tangent {
             Tangent::Sweep(solvers) => solvers[slot].solve(self.system.model(), rhs),
-            Tangent::Dense(factors) => {
-                let Some(factor) = &factors[slot] else { return rhs.fill(f64::NAN) };
-                let mut x = Mat::from_fn(rhs.len(), 1, |i, _| rhs[i]);
-                factor.solve_in_place(&mut x);
-                for (i, value) in rhs.iter_mut().enumerate() {
-                    *value = x[(i, 0)];
-                }
-            }
-            Tangent::Bordered(factors) => match &factors[slot] {
-                Some(factor) => factor.solve(rhs),
-                None => rhs.fill(f64::NAN),
-            },
+            Tangent::Dense(factors) => factors[slot].solve(rhs),
+            Tangent::Bordered(factors) => factors[slot].solve(&mut self.system, rhs),
         }
     }
 }

@@ -272,7 +272,6 @@ impl<'m> Run<'m> {
             rho_infinity: settings.rho_infinity,
             ..Options::default()
         };
-        motion.set_retries(!options.fixed && !method.needs_step());
         self.refuse_hopeless(motion, method, time)?;
         let start =
             Start { time, position: &self.state.position, velocity: &self.state.velocity, end: settings.duration };

@@ -49,7 +49,7 @@ impl Sampler {
         let State { position, velocity } = &mut self.state;
         stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))?;
         // Between the ends of a step loops are closed to the accuracy of the interpolation only.
-        motion.at(time).settle(position, velocity).map_err(|fault| RunError::Sample { time, fault })?;
+        motion.settle(time, position, velocity).map_err(|fault| RunError::Sample { time, fault })?;
         Ok(())
     }
 

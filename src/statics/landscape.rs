@@ -235,7 +235,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
 
     /// Potential energy, less the kinetic energy of a steady motion (J).
     pub fn potential(&mut self, q: &[f64]) -> f64 {
-        let energies = self.system.energies(q, &self.steady);
+        let energies = self.system.energies_at_rest(q, &self.steady);
         energies.potential - energies.kinetic
     }
 

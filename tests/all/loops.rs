@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod identities;
+mod motors;
 mod order;
 
 use stillpoint::constraint::assemble;

@@ -1,10 +1,13 @@
 //! What a time step calls over and over asks for no memory: all of it belongs to the `System`.
 
 use crate::common::{Options, build, random_scene};
+use crate::scenarios::shipped;
 use std::collections::{BTreeSet, HashSet};
 use std::mem::discriminant;
+use stillpoint::constraint::assemble;
 use stillpoint::dynamics::{AccelerationJacobians, System, TangentSolver};
 use stillpoint::integrate::{Method, Options as Settings, Start};
+use stillpoint::model::Model;
 use stillpoint::simulate::problem::Motion;
 
 /// Counted on this thread, from the first call after construction on, over a scene with all eight kinds of hinges and
@@ -54,8 +57,25 @@ fn stepping_allocates_nothing() {
     description.forces.truncate(8);
     let model = build(&description);
     assert!(!TangentSolver::covers(&model) && !TangentSolver::is_for_dense(&model));
+    count_steps(&model);
+}
+
+/// With closed loops neither: a small mechanism (a dense tangent) and a long chain held at both ends (the sweep, bordered).
+#[test]
+fn stepping_with_loops_allocates_nothing() {
+    let (_, small) = shipped("four_bar", &[]);
+    assert!(small.is_constrained() && TangentSolver::is_for_dense(&small));
+    let (_, long) = shipped("suspended_chain", &[]);
+    assert!(long.is_constrained() && !TangentSolver::is_for_dense(&long));
+    for mut model in [small, long] {
+        assemble(&mut model).unwrap();
+        count_steps(&model);
+    }
+}
+
+fn count_steps(model: &Model) {
     for method in Method::ALL {
-        let mut motion = Motion::new(&model);
+        let mut motion = Motion::new(model);
         let start = Start {
             time: 0.0,
             position: &model.start_position,

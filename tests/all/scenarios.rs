@@ -627,6 +627,132 @@ fn the_excavator_stays_and_its_cylinders_push_what_they_must() {
     assert!(moved.fold(0.0, f64::max) < 1e-11);
 }
 
+/// Motors hold an arm at rest from the first step on: what it sags by is what their springs need to carry the weight.
+#[test]
+fn robot_holds_from_the_first_step() {
+    let (scenario, model) = shipped("robot_holds", &[]);
+    let rest = found(&scenario, &model);
+    let angle = |body: &str| coordinates(&model, &rest.position, body)[0];
+    let (shoulder, elbow, grip) = (angle("upper_arm"), angle("forearm"), angle("finger"));
+    let reach = |length: f64, bend: f64| length * bend.sin();
+    let bend = shoulder + elbow;
+    let beyond_elbow = G * (3.0 * reach(0.17, bend) + 0.3 * reach(0.35 + grip + 0.05, bend));
+    let beyond_shoulder = beyond_elbow + G * (5.0 * reach(0.2, shoulder) + 3.3 * reach(0.4, shoulder));
+    near(1500.0 * (0.9 - shoulder), -beyond_shoulder, 1e-9);
+    near(700.0 * (0.8 - elbow) - 8.0, -beyond_elbow, 1e-9);
+    near(2000.0 * grip, 20.0 - 0.3 * G * bend.cos(), 1e-9);
+    let (summary, samples) = simulated(&scenario, &model);
+    for sample in &samples {
+        for (now, start) in sample.positions.iter().zip(&rest.position) {
+            near(*now, *start, 1e-9);
+        }
+    }
+    // The work of forces of 25 N m at speeds that are zero to the tolerance of the run only.
+    assert!(summary.energy_drift < 1e-6, "{:e}", summary.energy_drift);
+}
+
+/// A motor runs up to where its characteristic meets what the load asks for; its work is in the energy ledger.
+#[test]
+fn winch_runs_up_to_the_speed_of_its_load() {
+    let (scenario, model) = shipped("winch", &["simulate.tolerance=1e-8"]);
+    let (summary, _) = simulated(&scenario, &model);
+    let speed = summary.state.velocity[model.body("load").map_or(0, |body| model.bodies[body].hinge.velocity)];
+    let rate = speed / 0.1;
+    assert!(rate > 5.0, "on the second line of the table: {rate}");
+    near((120.0 - 8.0 * rate) / 0.1, 40.0 * G + 60.0 * speed * speed, 1e-2);
+    assert!(summary.energy_end - summary.energy_start > 1000.0);
+    // The quadrature of the work over steps across the corner of the table.
+    assert!(summary.energy_drift < 1e-3, "{:e}", summary.energy_drift);
+}
+
+/// A chain between two walls hangs in the figure of constant horizontal pull: the slopes of its links fall evenly.
+#[test]
+fn suspended_chain_hangs_with_constant_horizontal_pull() {
+    let (scenario, model) = shipped("suspended_chain", &[]);
+    let rest = found(&scenario, &model);
+    let mut angle = 0.0;
+    let slopes = rest.position.iter().map(|turn| {
+        angle += turn;
+        angle.tan()
+    });
+    let slopes: Vec<f64> = slopes.collect();
+    let fall = slopes[0] - slopes[1];
+    assert!(fall > 0.01);
+    for pair in slopes.windows(2) {
+        near(pair[0] - pair[1], fall, 1e-9);
+    }
+    // Both walls carry half.
+    near(rest.reactions[0].force.z, 0.5 * 50.0 * 0.05 * G, 1e-9);
+}
+
+/// Six motors hold a platform that cannot turn, at the height where weights and springs balance along its one way down.
+#[test]
+fn stewart_platform_rests_over_constrained() {
+    let (scenario, mut model) = shipped("stewart_platform", &[]);
+    let assembly = stillpoint::constraint::assemble(&mut model).expect("an assembly");
+    assert_eq!(assembly.degrees_of_freedom, 3);
+    assert_eq!(assembly.redundant.iter().map(|(_, redundant, _)| redundant).sum::<usize>(), 3);
+    let rest = found(&scenario, &model);
+    let height = coordinates(&model, &rest.position, "platform")[2];
+    // By virtual work: a leg of length L leans by a horizontal 0.4 m; its cylinder's weight sits 0.3 m up, its rod's
+    // 0.25 m below its head.
+    let energy = |h: f64| {
+        let length = h.hypot(0.4);
+        let spring = 0.5 * 40_000.0 * (0.9849 - length).powi(2);
+        60.0 * G * h + 6.0 * (4.0 * G * 0.3 * h / length + 2.0 * G * (length - 0.25) * h / length + spring)
+    };
+    let slope = (energy(height + 1e-5) - energy(height - 1e-5)) / 2e-5;
+    near(slope, 0.0, 1e-5);
+    let (summary, samples) = simulated(&scenario, &model);
+    for sample in &samples {
+        near(sample.positions[model.bodies[model.body("platform").expect("it")].hinge.position + 2], height, 1e-9);
+    }
+    assert!(summary.constraint_error < 1e-12, "{:e}", summary.constraint_error);
+}
+
+/// What the first universal joint spoils the second mends: the driven shaft turns as the driving one, the shaft between
+/// by `tan(angle) = tan(turn) cos(bend)`, and it takes no power on the whole.
+#[test]
+fn double_cardan_turns_evenly() {
+    let (scenario, mut model) = shipped("double_cardan", &["simulate.tolerance=1e-10"]);
+    assert_eq!(stillpoint::constraint::assemble(&mut model).expect("an assembly").redundant[0].1, 1);
+    let (summary, samples) = simulated(&scenario, &model);
+    let at = |name: &str| model.body(name).expect("a body");
+    for sample in &samples {
+        let x = |body: usize| sample.bodies[body].rotation * Vector3::x();
+        let (driving, driven) = (x(at("driving")), x(at("driven")));
+        near(driving.dot(&driven), 1.0, 1e-12);
+        near(driving.cross(&driven).norm(), 0.0, 1e-8);
+        // About the axis of the shaft between, from the direction its yoke had at the start.
+        let between = &sample.bodies[at("between")].rotation;
+        let turn = TAU * sample.time;
+        let yoke = between * Vector3::x();
+        let expected = (turn.tan() * 0.5_f64.cos()).atan();
+        let found = yoke.dot(&Vector3::new(0.0, 0.5_f64.cos(), 0.5_f64.sin())).atan2(yoke.x);
+        near((found - expected - ((found - expected) / PI).round() * PI).abs(), 0.0, 1e-8);
+    }
+    assert!(summary.constraint_error < 1e-13 && summary.energy_drift < 1e-6);
+}
+
+/// Three cranks stay parallel through every change point, though each could leave the others there.
+#[test]
+fn coupled_cranks_pass_their_change_points() {
+    for method in ["dop853", "rk4", "sdirk4", "radau9"] {
+        let method = format!("simulate.integrator={method:?}");
+        let (scenario, model) = shipped("coupled_cranks", &[&method, "simulate.tolerance=1e-8"]);
+        let (summary, samples) = simulated(&scenario, &model);
+        let turned = coordinates(&model, &summary.state.position, "crank0")[0];
+        assert!(turned > 2.0 * TAU, "several change points: {turned}");
+        for sample in &samples {
+            for crank in ["crank1", "crank2"] {
+                let one = coordinates(&model, &sample.positions, "crank0")[0];
+                near(coordinates(&model, &sample.positions, crank)[0], one, 1e-7);
+            }
+        }
+        assert!(summary.energy_drift < 1e-4, "{method}: {:e}", summary.energy_drift);
+    }
+}
+
 /// Torque of the weights that hang on a hinge about its axis, from the poses that statics found.
 fn weight_about(model: &Model, found: &Equilibrium, hinge: &str) -> f64 {
     let mut system = stillpoint::dynamics::System::new(model);

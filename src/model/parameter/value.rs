@@ -38,7 +38,7 @@ impl Parameter {
                 MotionDescription::Rate { rate } => rate,
                 _ => f64::NAN,
             },
-            Element::Gear(_) => f64::NAN,
+            Element::Gear(_) | Element::Motor(_) => f64::NAN,
         }
     }
 
@@ -86,7 +86,7 @@ impl Parameter {
                     *rate = value;
                 }
             }
-            Element::Gear(_) => {}
+            Element::Gear(_) | Element::Motor(_) => {}
         }
     }
 }

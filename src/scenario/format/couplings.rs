@@ -53,54 +53,81 @@ pub const LOOP: Table = Table {
 
 const FRAMED: &[&str] = &["fixed", "revolute", "prismatic", "cylindrical", "universal", "planar", "spherical"];
 
+/// Motions of drives and of motors' targets, and their keys.
+pub(super) const MOTIONS: &[(&str, &str)] = &[
+    ("hold", "Stays where it is given."),
+    ("rate", "At a constant rate from the given position."),
+    ("ramp", "Smoothly from the given position to `to`, at rest before and after."),
+    ("sine", "offset + amplitude sin(2π frequency t + phase)."),
+    ("table", "A cubic spline through points, at rest before the first and after the last."),
+    ("expression", "A formula in the time `t`."),
+];
+
+pub(super) const RATE: Key =
+    Key::new("rate", NUMBER, "Rate.").unit("m/s or rad/s").required().only(&["rate"]).example("6.28");
+pub(super) const TO: Key =
+    Key::new("to", NUMBER, "Where it ends.").unit("m or rad").required().only(&["ramp"]).example("0.5");
+pub(super) const BEGIN: Key =
+    Key::new("begin", NUMBER, "When it begins.").unit("s").default("0.0").only(&["ramp"]).example("1.0");
+pub(super) const DURATION: Key =
+    Key::new("duration", POSITIVE, "How long it takes.").unit("s").required().only(&["ramp"]).example("2.0");
+pub(super) const AMPLITUDE: Key =
+    Key::new("amplitude", NUMBER, "Amplitude.").unit("m or rad").required().only(&["sine"]).example("0.1");
+pub(super) const FREQUENCY: Key =
+    Key::new("frequency", NUMBER, "Frequency.").unit("Hz").required().only(&["sine"]).example("2.0");
+pub(super) const PHASE: Key =
+    Key::new("phase", NUMBER, "Phase at t = 0.").unit("rad").default("0.0").only(&["sine"]).example("1.5708");
+pub(super) const OFFSET: Key = Key::new("offset", NUMBER, "Mean; the given position where it is left out.")
+    .unit("m or rad")
+    .only(&["sine"])
+    .example("0.0");
+pub(super) const TIMES: Key = Key::new("times", Kind::List(&NUMBER, &[]), "Times of the points, increasing.")
+    .unit("s")
+    .required()
+    .only(&["table"])
+    .example("[0.0, 1.0, 2.0]");
+pub(super) const VALUES: Key =
+    Key::new("values", Kind::List(&NUMBER, &[]), "Positions at the points, as many as times.")
+        .unit("m or rad")
+        .required()
+        .only(&["table"])
+        .example("[0.0, 0.3, 0.0]");
+pub(super) const EXPRESSION: Key = Key::new(
+    "expression",
+    Kind::Text,
+    "Position [m or rad] as a formula in `t` [s]: + − * / ^, sin, cos, tan, asin, acos, atan, exp, log, sqrt, PI.",
+)
+.required()
+.only(&["expression"])
+.example("\"0.1*sin(2*PI*t)\"");
+
 /// `[[drive]]`
 pub const DRIVE: Table = Table {
     name: "drive",
     doc: "A hinge coordinate that follows a given motion, whatever force that takes; the force is reported.",
-    types: &[
-        ("hold", "Stays where it is given."),
-        ("rate", "At a constant rate from the given position."),
-        ("ramp", "Smoothly from the given position to `to`, at rest before and after."),
-        ("sine", "offset + amplitude sin(2π frequency t + phase)."),
-        ("table", "A cubic spline through points, at rest before the first and after the last."),
-        ("expression", "A formula in the time `t`."),
-    ],
+    types: MOTIONS,
     keys: &[
         Key::new("name", Kind::Text, "Unique name; `drive[i]` with its place in the file, from 0, where left out.")
             .example("\"motor\""),
         Key::new("hinge", Kind::Text, "The body whose hinge is driven.").required().example("\"crank\""),
-        Key::new("coordinate", Kind::Integer(Range::AtLeast(0.0)), "Which of the hinge's angles and distances, from 0.")
-            .default("0")
-            .example("0"),
-        Key::new("rate", NUMBER, "Rate.").unit("m/s or rad/s").required().only(&["rate"]).example("6.28"),
-        Key::new("to", NUMBER, "Where it ends.").unit("m or rad").required().only(&["ramp"]).example("0.5"),
-        Key::new("begin", NUMBER, "When it begins.").unit("s").default("0.0").only(&["ramp"]).example("1.0"),
-        Key::new("duration", POSITIVE, "How long it takes.").unit("s").required().only(&["ramp"]).example("2.0"),
-        Key::new("amplitude", NUMBER, "Amplitude.").unit("m or rad").required().only(&["sine"]).example("0.1"),
-        Key::new("frequency", NUMBER, "Frequency.").unit("Hz").required().only(&["sine"]).example("2.0"),
-        Key::new("phase", NUMBER, "Phase at t = 0.").unit("rad").default("0.0").only(&["sine"]).example("1.5708"),
-        Key::new("offset", NUMBER, "Mean; the given position where it is left out.")
-            .unit("m or rad")
-            .only(&["sine"])
-            .example("0.0"),
-        Key::new("times", Kind::List(&NUMBER, &[]), "Times of the points, increasing.")
-            .unit("s")
-            .required()
-            .only(&["table"])
-            .example("[0.0, 1.0, 2.0]"),
-        Key::new("values", Kind::List(&NUMBER, &[]), "Positions at the points, as many as times.")
-            .unit("m or rad")
-            .required()
-            .only(&["table"])
-            .example("[0.0, 0.3, 0.0]"),
         Key::new(
-            "expression",
-            Kind::Text,
-            "Position [m or rad] as a formula in `t` [s]: + − * / ^, sin, cos, tan, asin, acos, atan, exp, log, sqrt, PI.",
+            "coordinate",
+            Kind::Integer(Range::AtLeast(0.0)),
+            "Which of the hinge's angles and distances, from 0.",
         )
-        .required()
-        .only(&["expression"])
-        .example("\"0.1*sin(2*PI*t)\""),
+        .default("0")
+        .example("0"),
+        RATE,
+        TO,
+        BEGIN,
+        DURATION,
+        AMPLITUDE,
+        FREQUENCY,
+        PHASE,
+        OFFSET,
+        TIMES,
+        VALUES,
+        EXPRESSION,
     ],
 };
 

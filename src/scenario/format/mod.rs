@@ -6,6 +6,7 @@ mod event;
 mod force;
 mod hinge;
 mod model;
+mod motor;
 mod settings;
 mod start;
 
@@ -15,6 +16,7 @@ pub use event::EVENT;
 pub use force::{BUSHING_VALUES, FORCE};
 pub use hinge::{HINGE, LIMIT};
 pub use model::{MODEL, MODEL_HINGE};
+pub use motor::{MOTOR, TARGET};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
@@ -59,5 +61,6 @@ pub const SCENARIO: Table = Table {
         Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
         Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),
+        Key::new("motor", Kind::List(&Kind::Table(&MOTOR), &[]), "Forces in coordinates that follow a law."),
     ],
 };

@@ -4,6 +4,7 @@ use super::constraints::{Constraint, Gradient, axial};
 use super::entries::{Entries, Part};
 use super::poses::Poses;
 use crate::forces;
+use crate::model::motor::Push;
 use crate::model::{Joint, Link, Model};
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
@@ -26,6 +27,7 @@ pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench;
     let rest = vec![0.0; model.velocity_count()];
     let mut tau = rest.clone();
     forces::hinge::apply(model, &poses.q, &rest, &mut tau);
+    forces::motor::apply(model, &motors(model, poses), &mut tau);
     tau.iter_mut().zip(push).for_each(|(tau, push)| *tau += push);
     let of_link = |(index, link): (usize, &Link)| match link.joint {
         Joint::None => [Wrench::ZERO; 2],
@@ -39,6 +41,13 @@ pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench;
         }
     };
     model.links.iter().enumerate().map(of_link).collect()
+}
+
+/// What motors push with at rest.
+fn motors(model: &Model, poses: &Poses) -> Vec<Push> {
+    let (rest, mut pushes) = (vec![0.0; model.velocity_count()], vec![Push::default(); model.motors.len()]);
+    forces::motor::pushes(model, 0.0, &poses.q, &rest, &mut pushes);
+    pushes
 }
 
 /// What the constraints pass to each link and to its parent.
@@ -147,9 +156,14 @@ fn hinge(
     let link = &model.links[index];
     let parent = link.parent;
     let of = |i: usize| &model.coordinates[link.velocity + i];
+    let by_motors: f64 = (model.motors.iter().zip(motors(model, poses)))
+        .filter(|(motor, _)| motor.coordinate.link == index)
+        .map(|(_, push)| push.by_position)
+        .sum();
+    let motor = model.motors.iter().any(|motor| motor.coordinate.link == index);
     let active = |i: usize| {
         let own = of(i).stiffness != 0.0 || of(i).force != 0.0 || of(i).armature != 0.0;
-        own || pushed[link.velocity + i]
+        own || motor || pushed[link.velocity + i]
     };
     match link.joint {
         Joint::None => {}
@@ -159,13 +173,13 @@ fn hinge(
             let moment = acting.moment.cross_matrix();
             entries.add((index, Part::Turn), (index, Part::Turn), &-moment);
             entries.add((parent, Part::Turn), (index, Part::Turn), &moment);
-            entries.add_outer(&gradient, index, parent, -of(0).stiffness - shift * of(0).armature);
+            entries.add_outer(&gradient, index, parent, by_motors - of(0).stiffness - shift * of(0).armature);
         }
         Joint::Slide { .. } => {
             let gradient = coordinate(poses, index, link);
             let size = gradient.force.dot(&acting.force);
             axial(&poses.motion, (index, parent), gradient.force, size, entries);
-            entries.add_outer(&gradient, index, parent, -of(0).stiffness - shift * of(0).armature);
+            entries.add_outer(&gradient, index, parent, by_motors - of(0).stiffness - shift * of(0).armature);
         }
         Joint::Ball { .. } if !(0..3).any(active) => {}
         Joint::Ball { .. } => {

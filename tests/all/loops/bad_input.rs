@@ -37,7 +37,7 @@ axis = [0.0, 1.0, 0.0]
 "#;
 
 #[track_caller]
-fn refused(text: &str, parts: &[&str]) {
+pub(super) fn refused(text: &str, parts: &[&str]) {
     let said = scenario::parse("scene.toml", text, &[]).expect_err("a refusal").to_string();
     for part in parts {
         assert!(said.contains(part), "no `{part}` in\n{said}");

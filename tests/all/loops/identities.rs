@@ -170,3 +170,37 @@ fn rows_are_solved_without_allocating() {
     let (_, free) = read(FOUR_BAR.split("[[loop]]").next().expect("the bodies"));
     assert!(System::new(&free).constraints().is_none());
 }
+
+/// The Jacobians of the accelerations of a closed loop are what differences say, along every coordinate.
+#[test]
+fn jacobians_know_loops() {
+    let spring = "[[force]]\ntype = \"spring\"\nbetween = [\"coupler.pin\", { body = \"ground\", at = [0.1, 0.0, 0.5] }]\n\
+                  stiffness = 300.0\nlength = 0.2\ndamping = 3.0\n";
+    let (_, model) = read(&format!("{FOUR_BAR}{spring}"));
+    let (q, v) = (&model.start_position, &model.start_velocity);
+    let mut system = System::new(&model);
+    let (by_position, by_velocity) = system.acceleration_jacobians(q, v).expect("Jacobians");
+    let mut at = |q: &[f64], v: &[f64]| {
+        let mut a = vec![0.0; 3];
+        system.accelerations(q, v, &mut a).expect("accelerations");
+        a
+    };
+    let h = 1e-6;
+    for j in 0..3 {
+        let moved = |list: &[f64], by: f64| {
+            let mut list = list.to_vec();
+            list[j] += by;
+            list
+        };
+        let of_position = (at(&moved(q, h), v), at(&moved(q, -h), v));
+        let of_velocity = (at(q, &moved(v, h)), at(q, &moved(v, -h)));
+        for ((ahead, behind), matrix) in [(of_position, &by_position), (of_velocity, &by_velocity)] {
+            for i in 0..3 {
+                let difference = (ahead[i] - behind[i]) / (2.0 * h);
+                // Round-off of accelerations of 1e3 over 1e-6.
+                let size = matrix.norm_max();
+                assert!((matrix[(i, j)] - difference).abs() < 1e-6 * size, "{i} {j}: {} {difference}", matrix[(i, j)]);
+            }
+        }
+    }
+}

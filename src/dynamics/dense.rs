@@ -1,0 +1,154 @@
+//! Dense systems that are factorized in place: the library's factorizations ask for memory at every call.
+
+use super::{Fault, System};
+use crate::model::Model;
+use crate::motion::variation::Direction;
+
+/// A square matrix by rows, and its factorization in place.
+#[derive(Debug, Clone, Default)]
+pub struct Dense {
+    entries: Vec<f64>,
+    /// The order of the rows in the factorization.
+    order: Vec<usize>,
+    swapped: Vec<f64>,
+}
+
+impl Dense {
+    /// Zeros.
+    pub fn new(size: usize) -> Self {
+        Self { entries: vec![0.0; size * size], order: (0..size).collect(), swapped: vec![0.0; size] }
+    }
+
+    /// One entry.
+    pub fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.entries[row * self.order.len() + column]
+    }
+
+    /// Gaussian elimination with row pivoting; false where a pivot is zero or not finite.
+    pub fn eliminate(&mut self) -> bool {
+        let m = self.order.len();
+        self.order.iter_mut().enumerate().for_each(|(i, row)| *row = i);
+        for k in 0..m {
+            let size = |i: &usize| self.entries[self.order[*i] * m + k].abs();
+            let Some(best) = (k..m).max_by(|i, j| size(i).total_cmp(&size(j))) else { return false };
+            self.order.swap(k, best);
+            let top = self.order[k] * m;
+            let pivot = self.entries[top + k];
+            if pivot == 0.0 || !pivot.is_finite() {
+                return false;
+            }
+            for i in k + 1..m {
+                let row = self.order[i] * m;
+                let factor = self.entries[row + k] / pivot;
+                if factor == 0.0 {
+                    self.entries[row + k] = 0.0;
+                    continue;
+                }
+                self.entries[row + k] = factor;
+                for j in k + 1..m {
+                    self.entries[row + j] -= factor * self.entries[top + j];
+                }
+            }
+        }
+        true
+    }
+
+    /// `x ← A⁻¹ x` after the elimination.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        let m = self.order.len();
+        for (i, row) in self.order.iter().enumerate() {
+            let known: f64 = (0..i).map(|j| self.entries[row * m + j] * self.swapped[j]).sum();
+            self.swapped[i] = x[*row] - known;
+        }
+        for i in (0..m).rev() {
+            let row = self.order[i] * m;
+            let known: f64 = (i + 1..m).map(|j| self.entries[row + j] * self.swapped[j]).sum();
+            self.swapped[i] = (self.swapped[i] - known) / self.entries[row + i];
+        }
+        x.copy_from_slice(&self.swapped);
+    }
+}
+
+/// The tangent `c₂ M + c₁ C + K` as a dense matrix.
+#[derive(Debug, Clone)]
+pub struct DenseTangent {
+    matrix: Dense,
+    /// A unit vector, and `c₁` and `c₂` times it.
+    unit: [Vec<f64>; 3],
+    column: Vec<f64>,
+}
+
+impl DenseTangent {
+    /// Room for a model.
+    pub fn new(model: &Model) -> Self {
+        let n = model.velocity_count();
+        Self { matrix: Dense::new(n), unit: [(); 3].map(|()| vec![0.0; n]), column: vec![0.0; n] }
+    }
+
+    /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
+    pub fn solve(&mut self, x: &mut [f64]) {
+        self.matrix.solve(x);
+    }
+}
+
+impl System<'_> {
+    /// Factorizes the tangent at a state with hinge accelerations `a`; `shift` is added to its diagonal, infinite for a
+    /// coordinate that is held, empty for nothing. `Ok(false)` where it is singular.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn factorize_dense(
+        &mut self,
+        dense: &mut DenseTangent,
+        q: &[f64],
+        v: &[f64],
+        a: &[f64],
+        [c1, c2]: [f64; 2],
+        shift: &[f64],
+    ) -> Result<bool, Fault> {
+        let mut residual = std::mem::take(&mut self.scratch);
+        let evaluated = self.residual(q, v, a, &mut residual);
+        self.scratch = residual;
+        evaluated?;
+        let held = |i: usize| shift.get(i).is_some_and(|shift| shift.is_infinite());
+        let DenseTangent { matrix, unit, column } = dense;
+        for link in 1..self.model.links.len() {
+            let (first, (_, count)) = (self.model.links[link].velocity, self.model.links[link].joint.counts());
+            for j in first..first + count {
+                [1.0, c1, c2].iter().zip(&mut *unit).for_each(|(size, unit)| unit[j] = *size);
+                let [position, velocity, acceleration] = &*unit;
+                column.fill(0.0);
+                self.column(q, a, &Direction { position, velocity, acceleration }, link, column);
+                unit.iter_mut().for_each(|unit| unit[j] = 0.0);
+                for (i, x) in column.iter().enumerate() {
+                    let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };
+                    *matrix.entry(i, j) = match held(i) || held(j) {
+                        true => f64::from(u8::from(i == j)),
+                        false => x + own,
+                    };
+                }
+            }
+        }
+        Ok(matrix.eliminate())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows that need another order, solved against what the right side was made from.
+    #[test]
+    fn solves_what_it_eliminates() {
+        let rows = [[0.0, 2.0, 1.0], [1.0, -1.0, 0.5], [4.0, 0.0, -3.0]];
+        let x = [1.0, -2.0, 0.5];
+        let mut dense = Dense::new(3);
+        (0..9).for_each(|k| *dense.entry(k / 3, k % 3) = rows[k / 3][k % 3]);
+        let mut rhs = rows.map(|row| row.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>());
+        assert!(dense.eliminate());
+        dense.solve(&mut rhs);
+        assert!(rhs.iter().zip(&x).all(|(found, x)| (found - x).abs() < 1e-15), "{rhs:?}");
+        *dense.entry(0, 0) = f64::NAN;
+        assert!(!dense.eliminate());
+    }
+}

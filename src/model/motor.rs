@@ -1,0 +1,394 @@
+//! Motors: forces in hinge coordinates that follow a law of time, place and speed.
+
+use super::Model;
+use super::couple::{Scalar, scalar};
+use super::couplings::{CoordinateName, MotionDescription};
+use super::description::Description;
+use super::prescribed::Prescribed;
+use super::problem::{Element, Problem};
+use exmex::{Differentiate, Express, FlatEx};
+use std::collections::HashMap;
+
+/// A force (N) or torque (N m) in a hinge coordinate, as a user describes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotorDescription {
+    /// Unique name; scenario files without one get `motor[i]`.
+    pub name: String,
+    /// Where it acts.
+    pub coordinate: CoordinateName,
+    /// What it pushes with.
+    pub law: MotorLawDescription,
+    /// It never pushes with more (N or N m), > 0; `None` for no limit.
+    pub limit: Option<f64>,
+}
+
+/// The law of a motor.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MotorLawDescription {
+    /// Always the same.
+    Constant {
+        /// (N or N m)
+        force: f64,
+    },
+    /// Straight lines through points, constant before the first and after the last.
+    Table {
+        /// What it is looked up by.
+        over: Over,
+        /// (s, or m/s or rad/s), increasing.
+        at: Vec<f64>,
+        /// (N or N m)
+        forces: Vec<f64>,
+    },
+    /// `stiffness (s − q) + damping (ṡ − q̇) + force`, towards the target `s(t)`.
+    Pd {
+        /// The target.
+        target: TargetDescription,
+        /// (N/m or N m/rad), ≥ 0.
+        stiffness: f64,
+        /// (N s/m or N m s/rad), ≥ 0.
+        damping: f64,
+        /// Added (N or N m).
+        force: f64,
+    },
+    /// A formula in the time `t` (s), the coordinate `q` (m or rad) and its rate `v` (m/s or rad/s).
+    Expression {
+        /// As written.
+        text: String,
+    },
+}
+
+/// What a table of forces is looked up by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// The time.
+    Time,
+    /// The rate of the coordinate.
+    Speed,
+}
+
+/// Where a motor wants its coordinate to be.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TargetDescription {
+    /// At a value (m or rad).
+    Value(f64),
+    /// On a motion, as drives have it.
+    Motion(MotionDescription),
+}
+
+/// A motor, compiled.
+#[derive(Debug, Clone)]
+pub struct Motor {
+    /// Name.
+    pub name: String,
+    /// Where it acts.
+    pub coordinate: Scalar,
+    law: MotorLaw,
+    /// Infinite for none.
+    limit: f64,
+}
+
+#[derive(Debug, Clone)]
+enum MotorLaw {
+    Constant(f64),
+    Table { over: Over, at: Vec<f64>, forces: Vec<f64> },
+    Pd { target: Prescribed, stiffness: f64, damping: f64, force: f64 },
+    Formula(Box<Formula>),
+}
+
+/// A formula and its derivatives with respect to `q` and `v`, where rules give them (`abs` has none).
+#[derive(Debug, Clone)]
+struct Formula {
+    force: FlatEx<f64>,
+    by_position: Option<FlatEx<f64>>,
+    by_velocity: Option<FlatEx<f64>>,
+}
+
+/// Size of a difference that stands in for a derivative, relative to a variable, or absolute below 1.
+const DIFFERENCE: f64 = 1e-6;
+
+impl Formula {
+    fn at(&self, time: f64, q: f64, v: f64) -> Push {
+        let force = |q: f64, v: f64| value(&self.force, time, q, v);
+        let (dq, dv) = (DIFFERENCE * q.abs().max(1.0), DIFFERENCE * v.abs().max(1.0));
+        Push {
+            force: force(q, v),
+            by_position: match &self.by_position {
+                Some(slope) => value(slope, time, q, v),
+                None => (force(q + dq, v) - force(q - dq, v)) / (2.0 * dq),
+            },
+            by_velocity: match &self.by_velocity {
+                Some(slope) => value(slope, time, q, v),
+                None => (force(q, v + dv) - force(q, v - dv)) / (2.0 * dv),
+            },
+        }
+    }
+}
+
+/// What a motor pushes with at one state.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Push {
+    /// (N or N m)
+    pub force: f64,
+    /// Its derivative with respect to the coordinate (N/m or N m/rad).
+    pub by_position: f64,
+    /// Its derivative with respect to the rate (N s/m or N m s/rad).
+    pub by_velocity: f64,
+}
+
+impl Motor {
+    /// The push at a time (s), place and rate of its coordinate.
+    pub fn at(&self, time: f64, q: f64, v: f64) -> Push {
+        let push = match &self.law {
+            MotorLaw::Constant(force) => Push { force: *force, ..Push::default() },
+            MotorLaw::Table { over: Over::Time, at, forces } => {
+                Push { force: straight(at, forces, time).0, ..Push::default() }
+            }
+            MotorLaw::Table { over: Over::Speed, at, forces } => {
+                let (force, slope) = straight(at, forces, v);
+                Push { force, by_position: 0.0, by_velocity: slope }
+            }
+            MotorLaw::Pd { target, stiffness, damping, force } => {
+                let now = target.at(time);
+                Push {
+                    force: stiffness * (now.position - q) + damping * (now.velocity - v) + force,
+                    by_position: -stiffness,
+                    by_velocity: -damping,
+                }
+            }
+            MotorLaw::Formula(formula) => formula.at(time, q, v),
+        };
+        // Written so that a number that is not one stays visible.
+        match push.force.abs() > self.limit {
+            true => Push { force: self.limit.copysign(push.force), ..Push::default() },
+            false => push,
+        }
+    }
+
+    /// Whether its force at rest at t = 0 is the derivative of a potential that is known.
+    pub fn has_potential(&self) -> bool {
+        match &self.law {
+            MotorLaw::Formula(formula) => formula.force.var_names().iter().all(|name| name != "q"),
+            MotorLaw::Constant(_) | MotorLaw::Table { .. } | MotorLaw::Pd { .. } => true,
+        }
+    }
+
+    /// The potential (J) of its force at rest at t = 0, where it has one: statics goes down it.
+    pub fn potential(&self, q: f64) -> f64 {
+        let MotorLaw::Pd { target, stiffness, damping, force } = &self.law else {
+            return -self.at(0.0, q, 0.0).force * q;
+        };
+        let start = target.at(0.0);
+        let x = q - start.position;
+        let bias = damping * start.velocity + force;
+        if *stiffness == 0.0 {
+            return -bias.clamp(-self.limit, self.limit) * x;
+        }
+        // Within its limit a parabola, beyond its tangents.
+        let ends = [(bias - self.limit) / stiffness, (bias + self.limit) / stiffness];
+        let within = x.clamp(ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let pushes = bias - stiffness * within;
+        0.5 * stiffness * within * within - bias * within - pushes * (x - within)
+    }
+}
+
+/// Straight lines through points: value and slope.
+fn straight(at: &[f64], values: &[f64], x: f64) -> (f64, f64) {
+    let last = at.len() - 1;
+    if x <= at[0] {
+        return (values[0], 0.0);
+    }
+    if x >= at[last] {
+        return (values[last], 0.0);
+    }
+    let i = at.partition_point(|point| *point <= x).clamp(1, last) - 1;
+    let slope = (values[i + 1] - values[i]) / (at[i + 1] - at[i]);
+    (values[i] + slope * (x - at[i]), slope)
+}
+
+/// A formula at a state; variables come in the order of their names.
+fn value(part: &FlatEx<f64>, t: f64, q: f64, v: f64) -> f64 {
+    let mut given = [0.0; 3];
+    let names = part.var_names();
+    for (slot, name) in given.iter_mut().zip(names) {
+        *slot = match name.as_str() {
+            "t" => t,
+            "q" => q,
+            _ => v,
+        };
+    }
+    part.eval(&given[..names.len().min(3)]).unwrap_or(f64::NAN)
+}
+
+fn formula(text: &str) -> Result<Formula, String> {
+    let wrong = |error: exmex::ExError| format!("the formula `{text}` cannot be used: {error}");
+    let force = FlatEx::<f64>::parse(text).map_err(wrong)?;
+    let known = |name: &&String| matches!(name.as_str(), "t" | "q" | "v");
+    let others: Vec<String> =
+        force.var_names().iter().filter(|name| !known(name)).map(|name| format!("`{name}`")).collect();
+    if !others.is_empty() {
+        return Err(format!(
+            "the formula `{text}` uses {}: it may use the time `t`, the coordinate `q` and its rate `v`",
+            others.join(", ")
+        ));
+    }
+    let by = |name: &str| match force.var_names().iter().position(|variable| variable == name) {
+        Some(index) => force.clone().partial(index).ok(),
+        None => FlatEx::<f64>::parse("0").ok(),
+    };
+    let (by_position, by_velocity) = (by("q"), by("v"));
+    Ok(Formula { force, by_position, by_velocity })
+}
+
+/// Problems of motors that need no tree.
+pub(super) fn check(description: &Description, problems: &mut Vec<Problem>) {
+    let mut seen = HashMap::new();
+    for (index, motor) in description.motors.iter().enumerate() {
+        let mut add = |field: &str, message: String, help: &str| {
+            let element = Element::Motor(index);
+            problems.push(Problem { element, field: field.to_owned(), message, help: Some(help.to_owned()) });
+        };
+        let name = &motor.name;
+        if seen.insert(name, index).is_some() {
+            add("name", format!("two motors are called `{name}`"), "names must be unique");
+        }
+        let numbers = match &motor.law {
+            MotorLawDescription::Constant { force } => vec![("force", *force, f64::NEG_INFINITY)],
+            MotorLawDescription::Pd { stiffness, damping, force, .. } => {
+                vec![("stiffness", *stiffness, 0.0), ("damping", *damping, 0.0), ("force", *force, f64::NEG_INFINITY)]
+            }
+            MotorLawDescription::Table { .. } | MotorLawDescription::Expression { .. } => vec![],
+        };
+        let limit = motor.limit.map(|limit| ("limit", limit, f64::MIN_POSITIVE));
+        for (field, value, least) in numbers.into_iter().chain(limit) {
+            if !value.is_finite() || value < least {
+                let allowed = match least {
+                    0.0 => "allowed: a finite number ≥ 0",
+                    least if least > 0.0 => "allowed: a finite number > 0",
+                    _ => "allowed: a finite number",
+                };
+                add(field, format!("`{field}` of `{name}` is {value}"), allowed);
+            }
+        }
+        if let MotorLawDescription::Table { at, forces, .. } = &motor.law
+            && let Some(message) = table_problem(at, forces)
+        {
+            add("at", format!("`{name}`: {message}"), "for example `at = [0.0, 1.0]`, `forces = [0.0, 5.0]`");
+        }
+    }
+}
+
+fn table_problem(at: &[f64], forces: &[f64]) -> Option<String> {
+    if at.len() != forces.len() {
+        return Some(format!("{} points and {} forces: there must be as many", at.len(), forces.len()));
+    }
+    if at.is_empty() {
+        return Some("a table needs at least one point".to_owned());
+    }
+    if let Some(bad) = at.iter().chain(forces).find(|x| !x.is_finite()) {
+        return Some(format!("a table holds {bad}: all its numbers must be finite"));
+    }
+    let back = at.windows(2).find(|pair| pair[1] <= pair[0])?;
+    Some(format!("points must increase, but {} comes after {}", back[1], back[0]))
+}
+
+/// Compiles the motors of a model whose tree and drives are complete.
+pub(super) fn motors(description: &Description, model: &mut Model, problems: &mut Vec<Problem>) {
+    for (index, motor) in description.motors.iter().enumerate() {
+        let element = Element::Motor(index);
+        let coordinate = match scalar(description, model, &motor.coordinate, element, "hinge", &motor.name) {
+            Ok(coordinate) => coordinate,
+            Err(problem) => {
+                problems.push(problem);
+                continue;
+            }
+        };
+        let mut add = |field: &str, message: String, help: &str| {
+            problems.push(Problem { element, field: field.to_owned(), message, help: Some(help.to_owned()) });
+        };
+        if let Some(drive) = model.drives.iter().find(|drive| drive.coordinate == coordinate) {
+            let label = model.label(coordinate.velocity);
+            let message = format!("`{}` pushes on {label}, whose motion `{}` prescribes", motor.name, drive.name);
+            add("hinge", message, "take off the motor or the drive: a drive takes whatever force it needs");
+        }
+        let given = model.start_position[coordinate.position];
+        match compile(&motor.law, given) {
+            Ok(law) => {
+                let limit = motor.limit.unwrap_or(f64::INFINITY);
+                model.motors.push(Motor { name: motor.name.clone(), coordinate, law, limit });
+            }
+            Err((field, message)) => {
+                add(field, format!("`{}`: {message}", motor.name), "for example `expression = \"-20*q - 2*v\"`");
+            }
+        }
+    }
+}
+
+fn compile(law: &MotorLawDescription, given: f64) -> Result<MotorLaw, (&'static str, String)> {
+    Ok(match law {
+        MotorLawDescription::Constant { force } => MotorLaw::Constant(*force),
+        MotorLawDescription::Table { over, at, forces } => {
+            MotorLaw::Table { over: *over, at: at.clone(), forces: forces.clone() }
+        }
+        MotorLawDescription::Pd { target, stiffness, damping, force } => {
+            let target = match target {
+                TargetDescription::Value(value) => Prescribed::compile(&MotionDescription::Hold, *value),
+                TargetDescription::Motion(motion) => Prescribed::compile(motion, given),
+            };
+            let target = target.map_err(|message| ("target", message))?;
+            MotorLaw::Pd { target, stiffness: *stiffness, damping: *damping, force: *force }
+        }
+        MotorLawDescription::Expression { text } => {
+            let formula = formula(text).map_err(|message| ("expression", message))?;
+            if !value(&formula.force, 0.0, given, 0.0).is_finite() {
+                let message = "at t = 0 and the given position its force is not a finite number".to_owned();
+                return Err(("expression", message));
+            }
+            MotorLaw::Formula(Box::new(formula))
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn motor(law: &MotorLawDescription, limit: f64) -> Motor {
+        let coordinate = Scalar { link: 1, position: 0, velocity: 0, slides: false };
+        Motor { name: "motor".to_owned(), coordinate, law: compile(law, 0.3).unwrap(), limit }
+    }
+
+    fn laws() -> Vec<MotorLawDescription> {
+        let target = TargetDescription::Motion(MotionDescription::Rate { rate: 0.4 });
+        let at = vec![-1.0, 0.5, 2.0];
+        vec![
+            MotorLawDescription::Constant { force: 3.0 },
+            MotorLawDescription::Table { over: Over::Speed, at: at.clone(), forces: vec![1.0, -2.0, 0.0] },
+            MotorLawDescription::Table { over: Over::Time, at, forces: vec![1.0, -2.0, 0.0] },
+            MotorLawDescription::Pd { target, stiffness: 7.0, damping: 2.0, force: 0.5 },
+            MotorLawDescription::Expression { text: "3*sin(2*t) - 5*q^2*v".to_owned() },
+            MotorLawDescription::Expression { text: "-2*v*abs(v)".to_owned() },
+        ]
+    }
+
+    /// The derivatives of the force and of the potential are what differences say; beyond the limit nothing varies.
+    #[test]
+    fn derivatives_are_derivatives() {
+        let h = 1e-6;
+        for law in laws() {
+            for limit in [f64::INFINITY, 1.5] {
+                let motor = motor(&law, limit);
+                for (t, q, v) in [(0.2, 0.6, 0.1), (1.1, -0.9, 0.7), (0.7, 0.25, -0.3)] {
+                    let push = motor.at(t, q, v);
+                    assert!(push.force.abs() <= limit);
+                    let by_q = (motor.at(t, q + h, v).force - motor.at(t, q - h, v).force) / (2.0 * h);
+                    let by_v = (motor.at(t, q, v + h).force - motor.at(t, q, v - h).force) / (2.0 * h);
+                    assert!((push.by_position - by_q).abs() < 1e-8 && (push.by_velocity - by_v).abs() < 1e-8);
+                    if motor.has_potential() {
+                        let slope = (motor.potential(q + h) - motor.potential(q - h)) / (2.0 * h);
+                        assert!((slope + motor.at(0.0, q, 0.0).force).abs() < 1e-8, "{law:?} {limit}");
+                    }
+                }
+            }
+        }
+    }
+}

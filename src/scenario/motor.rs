@@ -1,0 +1,37 @@
+//! `[[motor]]`.
+
+use super::couplings::{hinge_coordinate, motion, name};
+use super::reader::Reader;
+use crate::model::couplings::MotionDescription;
+use crate::model::motor::{MotorDescription, MotorLawDescription, Over, TargetDescription};
+
+/// Reads a `[[motor]]`; `None` where too little of it is readable.
+pub(super) fn motor(table: &Reader<'_>, index: usize) -> Option<MotorDescription> {
+    let law = match table.text("type")? {
+        "constant" => MotorLawDescription::Constant { force: table.number("force")? },
+        "table" => {
+            let over = if table.text("over")? == "speed" { Over::Speed } else { Over::Time };
+            MotorLawDescription::Table { over, at: table.numbers("at")?, forces: table.numbers("forces")? }
+        }
+        "pd" => MotorLawDescription::Pd {
+            target: target(table)?,
+            stiffness: table.number("stiffness").unwrap_or(0.0),
+            damping: table.number("damping").unwrap_or(0.0),
+            force: table.number("force").unwrap_or(0.0),
+        },
+        "expression" => MotorLawDescription::Expression { text: table.text("expression")?.to_owned() },
+        _ => return None,
+    };
+    let limit = table.number("limit");
+    Some(MotorDescription { name: name(table, "motor", index), coordinate: hinge_coordinate(table)?, law, limit })
+}
+
+fn target(table: &Reader<'_>) -> Option<TargetDescription> {
+    if !table.has("target") {
+        return Some(TargetDescription::Motion(MotionDescription::Hold));
+    }
+    match table.table("target") {
+        Some(inner) => motion(&inner).map(TargetDescription::Motion),
+        None => table.number("target").map(TargetDescription::Value),
+    }
+}

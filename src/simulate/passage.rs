@@ -1,0 +1,174 @@
+//! How a run passes singular positions of its loops: change points, where all bars of a linkage lie in one line.
+//!
+//! Let `c` be the clearance, the sine of the smallest angle between a row and those before it: 0 in the singular position
+//! itself. The motion goes on smoothly there, the numbers do not:
+//!
+//! - A state that is off the loops by `e` gets accelerations that are off by `e / c²`, and stages of a method are off by
+//!   more than their steps' errors. So where `c` is small ([`NEAR`]) accelerations are taken from the settled state: that
+//!   is the same system on the loops, and as smooth beside them as the motion itself.
+//! - A settled state is off by `ε / c`, its accelerations by `ε / c²`, ε the rounding. So where `c` is smaller still
+//!   ([`WITHIN`]) they are interpolated between states before and beyond,
+//!
+//! ```text
+//! a(q, v) ≈ Σ w_k a(q_k, v_k),    q_k = settled(q ⊞ k τ v),  v_k = settled(v),    k = ±1 … ±4
+//! ```
+//!
+//!   the polynomial of degree 7 through eight points along the motion, at its middle. τ is such that all of them are clear.
+//! - A step that ends within [`TOUCHING`] is not settled: the rounding would come back amplified, and the next one is.
+
+use crate::dynamics::{Fault, Settled, System};
+use crate::model::Model;
+
+/// Nearer than this part of the widest clearance met is near.
+pub(super) const NEAR: f64 = 0.4;
+/// Nearer than this part, accelerations are interpolated: there `ε / c²` is about 1e-12.
+const WITHIN: f64 = 0.01;
+/// Nearer than this part, nothing is settled.
+const TOUCHING: f64 = 1e-4;
+/// Weights of the points at ±1, ±2, ±3, ±4.
+const WEIGHTS: [f64; 4] = [0.8, -0.4, 4.0 / 35.0, -1.0 / 70.0];
+/// The farthest point is not farther along the motion (rad, or the scene's length).
+const FARTHEST: f64 = 0.4;
+
+/// Where a run stands with respect to singular positions, and memory to look around.
+pub(super) struct Passage {
+    /// Clearance at the end of the last step.
+    clearance: f64,
+    /// The widest one met.
+    widest: f64,
+    /// Sizes of the velocity coordinates: 1 rad, the scene's length.
+    sizes: Vec<f64>,
+    position: Vec<f64>,
+    velocity: Vec<f64>,
+    step: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+impl Passage {
+    /// Looks how clear the start is and the positions around it, along the motion.
+    pub(super) fn new(model: &Model, system: &mut System<'_>, sizes: Vec<f64>) -> Self {
+        let mut passage = Self {
+            clearance: 0.0,
+            widest: f64::MIN_POSITIVE,
+            sizes,
+            position: model.start_position.clone(),
+            velocity: model.start_velocity.clone(),
+            step: vec![0.0; model.velocity_count()],
+            acceleration: vec![0.0; model.velocity_count()],
+        };
+        let (q, v) = (&model.start_position, &model.start_velocity);
+        passage.clearance = passage.look(system, q, v, 0.0).unwrap_or(0.0);
+        passage.widest = passage.widest.max(passage.clearance);
+        let fastest = passage.fastest(v);
+        for along in [-0.2, -0.05, 0.05, 0.2] {
+            let there = if fastest > 0.0 { passage.look(system, q, v, along / fastest) } else { None };
+            passage.widest = passage.widest.max(there.unwrap_or(0.0));
+        }
+        passage
+    }
+
+    /// Whether the last step ended near a singular position.
+    pub(super) fn is_near(&self) -> bool {
+        self.clearance < NEAR * self.widest
+    }
+
+    /// Rows with a smaller clearance do not hold the tangent of an implicit stage.
+    pub(super) fn weak(&self) -> f64 {
+        NEAR * self.widest
+    }
+
+    /// `a ← q̈` near a singular position.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    pub(super) fn accelerations(
+        &mut self,
+        system: &mut System<'_>,
+        q: &[f64],
+        v: &[f64],
+        a: &mut [f64],
+    ) -> Result<(), Fault> {
+        let here = self.look(system, q, v, 0.0);
+        let within = here.is_some_and(|clearance| clearance < WITHIN * self.widest);
+        if within && self.interpolate(system, q, v, a) {
+            return Ok(());
+        }
+        if within || here.is_none() {
+            return system.accelerations(q, v, a);
+        }
+        self.look(system, q, v, 0.0);
+        system.accelerations(&self.position, &self.velocity, a)
+    }
+
+    /// The interpolation; false where the points around are not clear.
+    fn interpolate(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64], a: &mut [f64]) -> bool {
+        let fastest = self.fastest(v);
+        // The nearest points first: how far one has to go depends on how fast the clearance grows.
+        let mut along = 2.0 * WITHIN * self.widest;
+        let clear = WITHIN * self.widest;
+        while along * WEIGHTS.len() as f64 <= FARTHEST {
+            let sides = [-1.0, 1.0].map(|sign| self.look(system, q, v, sign * along / fastest));
+            if sides.iter().all(|side| side.is_some_and(|clearance| clearance >= clear)) {
+                return self.sum(system, q, v, along / fastest, a);
+            }
+            along *= 2.0;
+        }
+        false
+    }
+
+    fn sum(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64], tau: f64, a: &mut [f64]) -> bool {
+        a.fill(0.0);
+        for (k, weight) in WEIGHTS.iter().enumerate() {
+            for sign in [-1.0, 1.0] {
+                let clear = self.look(system, q, v, sign * (k + 1) as f64 * tau).is_some();
+                let Self { position, velocity, acceleration, .. } = self;
+                if !clear || system.accelerations(position, velocity, acceleration).is_err() {
+                    return false;
+                }
+                a.iter_mut().zip(&*acceleration).for_each(|(a, there)| *a += weight * there);
+            }
+        }
+        true
+    }
+
+    /// Settles the state that lies `time` along the motion into the scratch state; its clearance, `None` where there is
+    /// none.
+    fn look(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64], time: f64) -> Option<f64> {
+        let Self { position, velocity, step, .. } = self;
+        position.copy_from_slice(q);
+        velocity.copy_from_slice(v);
+        if time != 0.0 {
+            step.iter_mut().zip(v).for_each(|(step, v)| *step = time * v);
+            System::displace(system.model(), position, step);
+        }
+        system.settle(position, velocity).ok().map(|settled| settled.clearance)
+    }
+
+    /// The fastest coordinate (1/s).
+    fn fastest(&self, v: &[f64]) -> f64 {
+        v.iter().zip(&self.sizes).fold(0.0, |m, (v, size)| m.max(v.abs() / size))
+    }
+
+    /// Settles a state, unless it touches a singular position.
+    ///
+    /// # Errors
+    /// As [`System::settle`].
+    pub(super) fn settle(&mut self, system: &mut System<'_>, q: &mut [f64], v: &mut [f64]) -> Result<Settled, Fault> {
+        let Self { position, velocity, .. } = self;
+        position.copy_from_slice(q);
+        velocity.copy_from_slice(v);
+        let settled = system.settle(position, velocity)?;
+        if settled.clearance < TOUCHING * self.widest {
+            return Ok(Settled { moved: false, gap: settled.gap_before, ..settled });
+        }
+        q.copy_from_slice(position);
+        v.copy_from_slice(velocity);
+        Ok(settled)
+    }
+
+    /// Takes note of the end of a step.
+    pub(super) fn advance(&mut self, settled: &Settled) {
+        self.clearance = settled.clearance;
+        self.widest = self.widest.max(settled.clearance);
+    }
+}

@@ -1,0 +1,101 @@
+//! Motors with laws: their part in the tangent, and what is said where they cannot be.
+
+use super::bad_input::refused;
+use super::read;
+use stillpoint::dynamics::{Coefficients, System, TangentSolver};
+
+const ARM: &str = r#"
+[[body]]
+name = "upper"
+mass = 2.0
+center = [0.0, 0.0, -0.3]
+inertia = [0.06, 0.06, 0.004]
+markers = { tip = [0.0, 0.0, -0.6] }
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0], position = 0.4, velocity = 0.7 }
+[[body]]
+name = "lower"
+mass = 1.0
+center = [0.0, 0.0, -0.2]
+inertia = [0.02, 0.02, 0.001]
+hinge = { type = "cylindrical", parent = "upper", at = "tip", axis = [0.3, 1.0, 0.0], position = [0.1, 0.2], velocity = [0.2, -0.4] }
+"#;
+
+fn with(motors: &str) -> String {
+    format!("{ARM}{motors}")
+}
+
+const LAWS: &str = r#"
+[[motor]]
+hinge = "upper"
+type = "pd"
+target = { type = "sine", amplitude = 0.3, frequency = 0.5 }
+stiffness = 30.0
+damping = 4.0
+limit = 25.0
+[[motor]]
+hinge = "lower"
+type = "expression"
+expression = "-40*q^3 - 2*v + sin(t)"
+[[motor]]
+hinge = "lower"
+coordinate = 1
+type = "table"
+over = "speed"
+at = [-1.0, 1.0]
+forces = [3.0, -2.0]
+"#;
+
+/// `c₂ M + c₁ C + K` by the sweep is what differences of the force balance say, at a time at which targets move.
+#[test]
+fn motors_are_in_the_tangent() {
+    let (_, model) = read(&with(LAWS));
+    let (q, v) = (&model.start_position, &model.start_velocity);
+    let n = v.len();
+    let (c1, c2, h) = (20.0, 400.0, 1e-6);
+    let mut system = System::new(&model);
+    system.set_time(0.3);
+    let mut a = vec![0.0; n];
+    system.accelerations(q, v, &mut a).expect("accelerations");
+    let mut solver = TangentSolver::new(&model);
+    let with = Coefficients { c1, c2, ..Coefficients::default() };
+    assert!(system.factorize_tangent(&mut solver, q, v, &a, &with).expect("a tangent"));
+    for j in 0..n {
+        let mut residual = |sign: f64| {
+            let moved = |list: &[f64], by: f64| {
+                let mut list = list.to_vec();
+                list[j] += sign * by;
+                list
+            };
+            let mut r = vec![0.0; n];
+            system.residual(&moved(q, h), &moved(v, c1 * h), &moved(&a, c2 * h), &mut r).expect("a residual");
+            r
+        };
+        let (ahead, behind) = (residual(1.0), residual(-1.0));
+        let mut column: Vec<f64> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h)).collect();
+        solver.solve(&model, &mut column);
+        for (i, x) in column.iter().enumerate() {
+            let unit = if i == j { 1.0 } else { 0.0 };
+            // Differences of numbers of size 1e3 over 2e-6.
+            assert!((x - unit).abs() < 1e-7, "column {j}: {column:?}");
+        }
+    }
+}
+
+#[test]
+fn motors_that_cannot_be() {
+    let motor = |keys: &str| with(&format!("[[motor]]\nname = \"servo\"\nhinge = \"upper\"\n{keys}\n"));
+    refused(&motor("type = \"pd\"\nstiffness = -3.0"), &["`stiffness`", "-3"]);
+    refused(&motor("type = \"constant\"\nforce = 1.0\nlimit = 0.0"), &["`limit`"]);
+    refused(&motor("type = \"expression\"\nexpression = \"-k*q\""), &["`k`", "the coordinate `q`"]);
+    refused(
+        &motor("type = \"table\"\nover = \"time\"\nat = [0.0, 1.0]\nforces = [1.0]"),
+        &["2 points and 1 forces: there must be as many"],
+    );
+    refused(
+        &motor("type = \"table\"\nover = \"time\"\nat = [1.0, 1.0]\nforces = [1.0, 2.0]"),
+        &["points must increase, but 1 comes after 1"],
+    );
+    let driven = motor("type = \"pd\"") + "[[drive]]\nname = \"turn\"\nhinge = \"upper\"\ntype = \"hold\"\n";
+    refused(&driven, &["`servo` pushes on `upper`, whose motion `turn` prescribes"]);
+    refused(&motor("type = \"constant\"\nforce = 1.0\ncoordinate = 1"), &["has no coordinate 1"]);
+}
