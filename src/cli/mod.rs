@@ -99,7 +99,13 @@ enum Command {
     /// Example: stillpoint check scenarios/*.toml
     Check(check::Arguments),
     /// Print the JSON Schema of the scenario format, for editors
-    Schema,
+    ///
+    /// Example: stillpoint schema > scenario.schema.json
+    Schema {
+        /// Print the format's reference for people instead, in Markdown
+        #[arg(long)]
+        markdown: bool,
+    },
 }
 
 /// Options of every command that reads a scenario.
@@ -147,7 +153,12 @@ pub fn main(memory: fn() -> Memory) -> ExitCode {
         Command::View(arguments) => view::main(&arguments),
         Command::Convert(arguments) => convert::main(&arguments),
         Command::Check(arguments) => check::main(&arguments),
-        Command::Schema => output::print(&format!("{:#}", crate::scenario::schema())).map(|()| Exit::Done),
+        Command::Schema { markdown: false } => {
+            output::print(&format!("{:#}", crate::scenario::schema())).map(|()| Exit::Done)
+        }
+        Command::Schema { markdown: true } => {
+            output::print(crate::scenario::reference().trim_end()).map(|()| Exit::Done)
+        }
     };
     match result {
         Ok(exit) => exit.into(),

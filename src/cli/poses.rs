@@ -40,7 +40,7 @@ fn film(
     let (file, sinks) = outlets;
     let mut recorder = Fanout::new();
     if let Some(path) = file {
-        recorder = recorder.recorder(RecordingFile::create(path)?.begin(&opening)?);
+        recorder = recorder.recorder(RecordingFile::create(path)?.with_ros(scenario.record.ros).begin(&opening)?);
     }
     for sink in sinks {
         recorder = run::add_viewer(recorder, sink, &opening, common.quiet)?;

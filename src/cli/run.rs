@@ -56,7 +56,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         scenario.simulate.start = if moves { Start::Given } else { Start::Equilibrium };
     }
     let path = recording_path(arguments.out.as_deref(), &common.scenario);
-    let file = RecordingFile::create(&path)?;
+    let file = RecordingFile::create(&path)?.with_ros(scenario.record.ros);
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
     }

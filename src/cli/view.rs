@@ -1,7 +1,7 @@
 //! `view`: a recording in the Rerun viewer.
 
 use super::{Exit, output, text};
-use crate::record::view::{Sink, view};
+use crate::record::view::{Sink, Wishes, view};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -15,6 +15,12 @@ pub(super) struct Arguments {
     /// Send it to a running viewer
     #[arg(long, value_name = "URL", conflicts_with = "save")]
     connect: Option<String>,
+    /// Show one instant alone, the sample nearest to this time
+    #[arg(long, value_name = "SECONDS")]
+    at: Option<f64>,
+    /// Draw what the hinges pass to the bodies as arrows
+    #[arg(long)]
+    reactions: bool,
     /// Print errors only
     #[arg(long, short)]
     quiet: bool,
@@ -26,7 +32,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         (None, Some(url)) => Sink::Connect(url.clone()),
         (None, None) => Sink::Spawn,
     };
-    let shown = view(&arguments.recording, &sink)?;
+    let wishes = Wishes { at: arguments.at, reactions: arguments.reactions };
+    let shown = view(&arguments.recording, &sink, &wishes)?;
     if !shown.complete {
         output::warning("the recording was not finished: this is what was kept of it");
     }

@@ -283,7 +283,7 @@ impl System<'_> {
         moved
     }
 
-    /// Rounds of eq. (4), while they help.
+    /// Rounds of eq. (4) of [`crate::constraint`], while they help.
     fn settle_velocity(&mut self, q: &[f64], v: &mut [f64]) -> bool {
         let mut moved = false;
         let mut left = f64::INFINITY;

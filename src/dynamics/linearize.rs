@@ -1,4 +1,4 @@
-//! Dense derivatives: mass, damping and stiffness matrices (section 4 of the method: the transfer equations
+//! Dense derivatives: mass, damping and stiffness matrices (docs/guide/method.md: the transfer equations
 //! differentiated column by column).
 
 use super::{Fault, System};

@@ -32,11 +32,13 @@ pub use scene::Scene;
 pub struct Settings {
     /// Samples per second of simulated time, > 0.
     pub rate: f64,
+    /// Whether the scene is told to programs that know ROS, too; see [`RecordingFile::with_ros`].
+    pub ros: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { rate: 100.0 }
+        Self { rate: 100.0, ros: false }
     }
 }
 

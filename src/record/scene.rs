@@ -10,8 +10,11 @@ pub struct Scene {
     pub title: String,
     /// Every named body, in the order of the samples' poses.
     pub bodies: Vec<BodyPicture>,
-    /// Springs and bushings: drawn as lines between two points.
+    /// Springs, bushings and rigid rods: drawn as lines between two points.
     pub lines: Vec<LinePicture>,
+    /// Constant loads: drawn as arrows.
+    #[serde(default)]
+    pub loads: Vec<LoadPicture>,
     /// Names of the hinge coordinates, in the order of `Sample::positions`.
     pub positions: Vec<Channel>,
     /// Names of the hinge velocities, in the order of `Sample::velocities` and `Sample::accelerations`.
@@ -60,13 +63,33 @@ pub struct ShapePicture {
     pub color: Option<[f64; 4]>,
 }
 
-/// A spring or bushing as it is drawn.
+/// A spring, bushing or rigid rod as it is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LinePicture {
     /// Name.
     pub name: String,
     /// Ends: body index (`None`: ground) and point in its axes.
     pub ends: [(Option<usize>, [f64; 3]); 2],
+    /// Of a spring its stiffness (N/m) and free length (m): what it pulls with follows from where its ends are.
+    #[serde(default)]
+    pub spring: Option<[f64; 2]>,
+}
+
+/// A constant load as it is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LoadPicture {
+    /// Name.
+    pub name: String,
+    /// Index of the body it acts on.
+    pub body: usize,
+    /// Where, body axes (m).
+    pub at: [f64; 3],
+    /// Force (N).
+    pub force: [f64; 3],
+    /// Torque (N m).
+    pub torque: [f64; 3],
+    /// Whether both are in body axes and turn with the body; else they are in inertial axes.
+    pub turns: bool,
 }
 
 /// A plotted number.

@@ -28,8 +28,8 @@ pub(super) enum Form {
     Cylinder { radius: f64, length: f64 },
     /// Along z; the length of the cylindrical part.
     Capsule { radius: f64, length: f64 },
-    /// The mesh file's content.
-    Mesh { contents: Vec<u8>, media_type: &'static str, scale: [f64; 3] },
+    /// The mesh file and its content.
+    Mesh { file: String, contents: Vec<u8>, media_type: &'static str, scale: [f64; 3] },
 }
 
 /// Quiet colours that can be told apart on dark and on light ground.
@@ -97,7 +97,7 @@ fn mesh(file: &str, scale: [f64; 3]) -> Option<Form> {
         "dae" => "model/vnd.collada+xml",
         _ => return None,
     };
-    Some(Form::Mesh { contents: std::fs::read(path).ok()?, media_type, scale })
+    Some(Form::Mesh { file: file.to_owned(), contents: std::fs::read(path).ok()?, media_type, scale })
 }
 
 /// `longest` is the length of all stand-ins in a row.

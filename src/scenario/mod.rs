@@ -6,7 +6,8 @@
 //!                                            fields, format┘         └ spans ◄─ problems of the model
 //! ```
 //!
-//! The format is declared once in [`mod@format`]; the check, the [JSON Schema](schema) and any reference follow from it.
+//! The format is declared once in [`mod@format`]; the check, the [JSON Schema](schema) and the [reference](reference())
+//! follow from it.
 //! All problems of a file are found in one go, each with its line and column.
 //!
 //! ```
@@ -41,6 +42,7 @@ mod motor;
 mod naming;
 mod path;
 mod reader;
+mod reference;
 mod settings;
 mod shape;
 mod sources;
@@ -53,6 +55,7 @@ pub use crate::text_file::{LARGEST_FILE, ReadError};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use model::{convert, convert_text};
 pub use overrides::{Override, OverrideError};
+pub use reference::reference;
 pub use schema::schema;
 pub use start::{Started, load_start};
 

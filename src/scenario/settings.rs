@@ -36,6 +36,9 @@ pub(super) fn statics(scenario: &Reader<'_>) -> Statics {
 
 pub(super) fn record(scenario: &Reader<'_>) -> crate::record::Settings {
     let default = crate::record::Settings::default();
-    let rate = scenario.table("record").and_then(|table| table.number("rate"));
-    crate::record::Settings { rate: rate.unwrap_or(default.rate) }
+    let Some(table) = scenario.table("record") else { return default };
+    crate::record::Settings {
+        rate: table.number("rate").unwrap_or(default.rate),
+        ros: table.flag("ros").unwrap_or(default.ros),
+    }
 }

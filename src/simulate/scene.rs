@@ -1,10 +1,11 @@
 //! The still part of a recording, from a model.
 
+use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Body, Law, Model};
-use crate::record::scene::{BodyPicture, Channel, LinePicture, Scene, ShapePicture};
-use nalgebra::{Point3, Vector3};
+use crate::model::{Body, End, Law, Loop, Model};
+use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 /// What a picture of this model needs to know.
 pub fn scene(model: &Model) -> Scene {
@@ -21,10 +22,13 @@ pub fn scene(model: &Model) -> Scene {
         };
         by_position.iter().flat_map(of_body).collect()
     };
+    let springs = model.forces.iter().filter_map(|force| line(model, &force.name, &force.law));
+    let rods = model.loops.iter().filter_map(|closed| rod(model, closed));
     Scene {
         title: model.title.clone(),
         bodies: model.bodies.iter().map(picture).collect(),
-        lines: model.forces.iter().filter_map(|force| line(model, &force.name, &force.law)).collect(),
+        lines: springs.chain(rods).collect(),
+        loads: model.forces.iter().filter_map(|force| load(model, &force.name, &force.law)).collect(),
         positions: channels(Model::position_names),
         velocities: channels(Model::velocity_names),
     }
@@ -77,14 +81,40 @@ fn shape(shape: &Shape) -> ShapePicture {
 
 /// Springs and bushings are drawn between the named bodies they are attached to.
 fn line(model: &Model, name: &str, law: &Law) -> Option<LinePicture> {
-    let (Law::Spring { ends, .. } | Law::Bushing { ends, .. }) = law else { return None };
-    let ends = [0, 1].map(|i| {
-        let end = &ends[i];
-        let point = match end.body {
-            Some(body) => model.bodies[body].link_from_body.inverse() * Point3::from(end.point),
-            None => Point3::from(end.point),
-        };
-        (end.body, point.coords.into())
-    });
-    Some(LinePicture { name: name.to_owned(), ends })
+    let (ends, spring) = match law {
+        Law::Spring { ends, stiffness, length, .. } => (ends, Some([*stiffness, *length])),
+        Law::Bushing { ends, .. } => (ends, None),
+        Law::DeadLoad { .. } | Law::FollowerLoad { .. } => return None,
+    };
+    let ends = [0, 1].map(|i| (ends[i].body, on_body(model, &ends[i])));
+    Some(LinePicture { name: name.to_owned(), ends, spring })
+}
+
+/// Rigid rods that close loops have no body that could be drawn.
+fn rod(model: &Model, closed: &Loop) -> Option<LinePicture> {
+    let Closure::Rod { .. } = closed.closure else { return None };
+    let ends = [0, 1].map(|i| (closed.ends[i].body, on_body(model, &closed.ends[i])));
+    Some(LinePicture { name: closed.name.clone(), ends, spring: None })
+}
+
+/// A load on the ground moves nothing and is not drawn.
+fn load(model: &Model, name: &str, law: &Law) -> Option<LoadPicture> {
+    let (on, force, torque, turns) = match law {
+        Law::DeadLoad { on, force, torque } => (on, force, torque, false),
+        Law::FollowerLoad { on, force, torque } => (on, force, torque, true),
+        Law::Spring { .. } | Law::Bushing { .. } => return None,
+    };
+    let body = on.body?;
+    let turn = if turns { model.bodies[body].link_from_body.rotation.inverse() } else { UnitQuaternion::identity() };
+    let (force, torque) = ((turn * force).into(), (turn * torque).into());
+    Some(LoadPicture { name: name.to_owned(), body, at: on_body(model, on), force, torque, turns })
+}
+
+/// The point in the axes of its body.
+fn on_body(model: &Model, end: &End) -> [f64; 3] {
+    let point = match end.body {
+        Some(body) => model.bodies[body].link_from_body.inverse() * Point3::from(end.point),
+        None => Point3::from(end.point),
+    };
+    point.coords.into()
 }

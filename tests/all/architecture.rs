@@ -41,7 +41,7 @@ const MAY_IMPORT: [(&str, &[&str]); 17] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 18] = [
+const FOREIGN: [(&str, &[&str]); 19] = [
     ("stl_io", &["mesh"]),
     ("tobj", &["mesh"]),
     ("gltf", &["mesh"]),
@@ -53,6 +53,7 @@ const FOREIGN: [(&str, &[&str]); 18] = [
     ("annotate_snippets", &["scenario"]),
     ("mcap", &["record"]),
     ("foxglove", &["record"]),
+    ("re_cdr", &["record"]),
     ("rerun", &["record"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),

@@ -53,7 +53,7 @@ colour = "red"
     7 | colour = "red"
       | ^^^^^^
       |
-      = help: allowed: `rate`
+      = help: allowed: `rate`, `ros`
 
     scene.toml: 1 error
     "#);

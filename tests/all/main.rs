@@ -8,6 +8,7 @@ mod closed_forms;
 mod common;
 mod derivatives;
 mod diagnostics;
+mod documents;
 mod events;
 mod faults;
 mod identities;

@@ -146,3 +146,38 @@ fn an_onlooker_that_fails_is_dropped_and_the_recording_goes_on() {
     assert_eq!(fanout.take_lost().len(), 1);
     assert!(Recording::open(&path).expect("a recording").complete);
 }
+
+/// Who decodes every channel as protobuf must not meet another encoding unasked.
+#[test]
+fn ros_messages_are_written_where_they_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let motion = Motion::double_link();
+    for ros in [false, true] {
+        let path = folder.path().join("swing.mcap");
+        let file = RecordingFile::create(&path).expect("created").with_ros(ros);
+        let mut writer = file.begin(&motion.opening()).expect("open");
+        writer.sample(&motion.at(0.5).borrow()).expect("written");
+        writer.finish(&Outcome { summary: String::new() }).expect("finished");
+        let bytes = std::fs::read(&path).expect("read");
+        let messages = mcap::MessageStream::new(&bytes).expect("MCAP");
+        let cdr: Vec<(String, usize)> = messages
+            .map(|message| message.expect("a message"))
+            .filter(|message| message.channel.message_encoding != "protobuf")
+            .map(|message| (message.channel.topic.clone(), message.data.len()))
+            .collect();
+        // Encapsulation, time, an empty frame, two names, and three times two numbers, each on its boundary.
+        let joints = 4 + 8 + 5 + 3 + 4 + 10 + 2 + 10 + 2 + 3 * (4 + 4 + 16);
+        match ros {
+            false => assert!(cdr.is_empty(), "{cdr:?}"),
+            true => {
+                assert_eq!(
+                    (cdr.len(), cdr[0].0.as_str(), cdr[1].0.as_str()),
+                    (2, "/robot_description", "/joint_states")
+                );
+                assert!(cdr[1].1.abs_diff(joints) < 8, "{cdr:?}");
+            }
+        }
+        let samples: Vec<_> = Recording::open(&path).expect("ours").samples().expect("samples").collect();
+        assert_eq!(samples.len(), 1, "nothing of ours minds them");
+    }
+}

@@ -13,6 +13,8 @@
 //! | `/energy` | `stillpoint.Energy`, each sample |
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
+//! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; where `ros` is asked for, up to 1000 bodies |
+//! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, where there are up to 64 |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
 //!
 //! Log times are simulated nanoseconds from 0; the messages of one sample share time and sequence number, and a chunk
@@ -42,6 +44,7 @@ mod numbers;
 mod partial;
 mod pictures;
 mod reader;
+mod ros;
 mod samples;
 mod schema;
 mod writer;
@@ -66,3 +69,5 @@ const HINGES_TOPIC: &str = "/hinges";
 const ENERGY_TOPIC: &str = "/energy";
 const REACTIONS_TOPIC: &str = "/reactions";
 const FRAMES_TOPIC: &str = "/tf";
+const ROBOT_TOPIC: &str = "/robot_description";
+const JOINTS_TOPIC: &str = "/joint_states";

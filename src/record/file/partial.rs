@@ -12,6 +12,7 @@ pub struct RecordingFile {
     target: PathBuf,
     partial: Unused,
     file: File,
+    ros: bool,
 }
 
 impl RecordingFile {
@@ -41,13 +42,20 @@ impl RecordingFile {
         if file.metadata().map_err(failed)?.is_file() {
             file.set_len(0).map_err(failed)?;
         }
-        Ok(Self { target: target.into(), partial: Unused(partial), file })
+        Ok(Self { target: target.into(), partial: Unused(partial), file, ros: false })
     }
 
     /// A device or a pipe is written as it stands: it can be neither renamed nor removed without harm.
     fn onto(target: &Path) -> std::io::Result<Self> {
         let file = OpenOptions::new().write(true).open(target)?;
-        Ok(Self { target: target.into(), partial: Unused(PathBuf::new()), file })
+        Ok(Self { target: target.into(), partial: Unused(PathBuf::new()), file, ros: false })
+    }
+
+    /// Whether `/robot_description` and `/joint_states` are written too, ROS 2 messages by which Rerun draws a recording
+    /// that is opened directly. Readers that decode every channel have to know CDR then. Left out where the scene is large.
+    pub fn with_ros(mut self, ros: bool) -> Self {
+        self.ros = ros;
+        self
     }
 
     /// Writes what is known before the first sample.
@@ -57,7 +65,7 @@ impl RecordingFile {
     pub fn begin(self, opening: &Opening) -> Result<FileWriter, RecordError> {
         let partial = self.partial.keep();
         let written = if partial.as_os_str().is_empty() { self.target.clone() } else { partial };
-        FileWriter::begin(self.file, self.target, written, opening)
+        FileWriter::begin(self.file, self.target, written, opening, self.ros)
     }
 }
 

@@ -42,7 +42,7 @@ fn add(entity: &mut SceneEntity, solid: &Solid) {
                 entity.spheres.push(ball(&at, *radius, color));
             }
         }
-        Form::Mesh { contents, media_type, scale } => entity.models.push(ModelPrimitive {
+        Form::Mesh { contents, media_type, scale, .. } => entity.models.push(ModelPrimitive {
             pose: Some(pose(&solid.pose)),
             scale: Some(vector(*scale)),
             color,

@@ -131,7 +131,8 @@ fn read_scene(json: &str) -> Result<Scene, String> {
     let scene: Scene = serde_json::from_str(json).map_err(|error| error.to_string())?;
     let parents = scene.bodies.iter().filter_map(|body| body.parent);
     let ends = scene.lines.iter().flat_map(|line| &line.ends).filter_map(|(body, _)| *body);
-    match parents.chain(ends).find(|index| *index >= scene.bodies.len()) {
+    let loads = scene.loads.iter().map(|load| load.body);
+    match parents.chain(ends).chain(loads).find(|index| *index >= scene.bodies.len()) {
         Some(index) => Err(format!("body {index} of {}", scene.bodies.len())),
         None => Ok(scene),
     }

@@ -3,6 +3,7 @@
 use super::frames;
 use super::numbers::{put_nested, put_nested_row, put_row, row_length};
 use super::pictures::scene_update;
+use super::ros::{self, Joints};
 use super::schema::{self, Schema};
 use super::*;
 use crate::record::{Opening, Outcome, RecordError, Recorder, Sample, Scene};
@@ -38,8 +39,14 @@ pub struct FileWriter {
 }
 
 impl FileWriter {
-    pub(super) fn begin(file: File, target: PathBuf, partial: PathBuf, opening: &Opening) -> Result<Self, RecordError> {
-        let output = Output::begin(file, opening).map_err(|error| write_error(&partial, error))?;
+    pub(super) fn begin(
+        file: File,
+        target: PathBuf,
+        partial: PathBuf,
+        opening: &Opening,
+        ros: bool,
+    ) -> Result<Self, RecordError> {
+        let output = Output::begin(file, opening, ros).map_err(|error| write_error(&partial, error))?;
         let transforms = frames::transforms(opening.scene);
         Ok(Self { target, partial, output: Some(output), scene: opening.scene.clone(), transforms })
     }
@@ -85,6 +92,7 @@ fn write_error(path: &std::path::Path, error: McapError) -> RecordError {
 struct Output {
     mcap: mcap::Writer<BufWriter<File>>,
     channels: Channels,
+    joints: Option<(u16, Joints)>,
     sequence: u32,
     buffer: Vec<u8>,
     chunk_bytes: usize,
@@ -100,7 +108,7 @@ struct Channels {
 }
 
 impl Output {
-    fn begin(file: File, opening: &Opening) -> McapResult<Self> {
+    fn begin(file: File, opening: &Opening, ros: bool) -> McapResult<Self> {
         let options = WriteOptions::new()
             .compression(Some(Compression::Zstd))
             .compression_threads(0)
@@ -120,8 +128,16 @@ impl Output {
         };
         let header = MessageHeader { channel_id: pictures, sequence: 0, log_time: 0, publish_time: 0 };
         mcap.write_to_known_channel(&header, &scene_update(scene).encode_to_vec())?;
+        if let Some(description) = ros.then(|| ros::description(scene)).flatten() {
+            let channel_id = ros_channel(&mut mcap, ROBOT_TOPIC, ros::STRING, ros::STRING_SCHEMA)?;
+            mcap.write_to_known_channel(&MessageHeader { channel_id, ..header }, &description)?;
+        }
+        let joints = match ros.then(|| Joints::new(scene)).flatten() {
+            Some(joints) => Some((ros_channel(&mut mcap, JOINTS_TOPIC, ros::JOINTS, ros::JOINTS_SCHEMA)?, joints)),
+            None => None,
+        };
         mcap.flush()?;
-        Ok(Self { mcap, channels, sequence: 0, buffer: Vec::new(), chunk_bytes: 0, flushed: Instant::now() })
+        Ok(Self { mcap, channels, joints, sequence: 0, buffer: Vec::new(), chunk_bytes: 0, flushed: Instant::now() })
     }
 
     fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
@@ -137,6 +153,12 @@ impl Output {
         self.message(channels.energy, time)?;
         put_reactions(sample.reactions, &mut self.buffer);
         self.message(channels.reactions, time)?;
+        if let Some((channel, joints)) = &self.joints {
+            joints.put(sample, time, &mut self.buffer);
+            let channel = *channel;
+            self.message(channel, time)?;
+        }
+        // The last one of each sample, for readers.
         frames::fill(transforms, time, sample.bodies);
         Message::encode(&*transforms, &mut self.buffer).map_err(io::Error::other)?;
         self.message(channels.frames, time)?;
@@ -195,6 +217,11 @@ fn foxglove_channel<M: Encode>(mcap: &mut mcap::Writer<BufWriter<File>>, topic: 
         None => 0,
     };
     mcap.add_channel(schema, topic, &M::get_message_encoding(), &BTreeMap::new())
+}
+
+fn ros_channel(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str, name: &str, schema: &str) -> McapResult<u16> {
+    let schema = mcap.add_schema(name, "ros2msg", schema.as_bytes())?;
+    mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())
 }
 
 fn number_channel(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str, schema: Schema) -> McapResult<u16> {

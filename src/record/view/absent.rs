@@ -1,6 +1,6 @@
 //! What stands here when the `rerun` feature is left out.
 
-use super::{Shown, Sink};
+use super::{Shown, Sink, Wishes};
 use crate::record::{Opening, Outcome, RecordError, Recorder, Sample};
 use std::path::Path;
 
@@ -39,7 +39,7 @@ impl Recorder for Viewer {
 ///
 /// # Errors
 /// Always.
-pub fn view(_recording: &Path, _sink: &Sink) -> Result<Shown, RecordError> {
+pub fn view(_recording: &Path, _sink: &Sink, _wishes: &Wishes) -> Result<Shown, RecordError> {
     Err(absent())
 }
 

@@ -1,30 +1,46 @@
 //! Samples on their way to the viewer, as columns of single-precision numbers.
 
-use super::curves::{Plot, curves};
-use super::picture::{body_path, spring_path};
-use crate::record::{Sample, Scene};
-use rerun::{LineStrips3D, RecordingStream, RecordingStreamResult, Scalars, TimeColumn, Transform3D};
+use super::crowd::Moves;
+use super::curves::curves;
+use super::forces::{
+    ends, load_paths, load_points, reaction_arrows, reactions_path, spring_color, spring_path, strip, tension,
+};
+use super::picture::{Picture, body_path, center_path, point};
+use super::survey::center_of_mass;
+use crate::record::Sample;
+use rerun::{
+    Arrows3D, Color, LineStrips3D, Points3D, RecordingStream, RecordingStreamResult, Scalars, TimeColumn, Transform3D,
+};
 
 /// Name of the timeline.
 pub(super) const TIMELINE: &str = "sim_time";
 
-/// A stretch of samples.
+/// The points of a line.
+type Strip = Vec<[f32; 3]>;
+
+/// A stretch of samples: their numbers, and the poses of those that are drawn.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Columns {
     times: Vec<f64>,
-    bodies: Vec<(Vec<[f32; 3]>, Vec<rerun::Quaternion>)>,
-    springs: Vec<Vec<[[f32; 3]; 2]>>,
     curves: Vec<Vec<f64>>,
+    drawn: Vec<f64>,
+    bodies: Vec<(Vec<[f32; 3]>, Vec<rerun::Quaternion>)>,
+    crowd: Moves,
+    springs: Vec<(Vec<Strip>, Vec<Color>)>,
+    loads: Vec<Vec<[f32; 3]>>,
+    reactions: Vec<([f32; 3], [f32; 3])>,
+    center: Vec<[f32; 3]>,
 }
 
 impl Columns {
     /// None yet.
-    pub(super) fn new(scene: &Scene, plots: &[Vec<Plot>]) -> Self {
+    pub(super) fn new(picture: &Picture) -> Self {
         Self {
-            times: Vec::new(),
-            bodies: vec![Default::default(); scene.bodies.len()],
-            springs: vec![Vec::new(); scene.lines.len()],
-            curves: vec![Vec::new(); curves(plots).count()],
+            curves: vec![Vec::new(); curves(&picture.plots).count()],
+            bodies: vec![Default::default(); picture.scene.bodies.len()],
+            springs: vec![Default::default(); picture.scene.lines.len()],
+            loads: vec![Vec::new(); load_paths(&picture.scene).count()],
+            ..Self::default()
         }
     }
 
@@ -33,54 +49,81 @@ impl Columns {
         self.times.len()
     }
 
-    /// Adds a sample whose arrays fit the scene.
-    pub(super) fn push(&mut self, sample: &Sample, scene: &Scene, plots: &[Vec<Plot>]) {
+    /// Adds the numbers of a sample whose arrays fit the scene.
+    pub(super) fn push(&mut self, sample: &Sample, picture: &Picture) {
         self.times.push(sample.time);
-        for ((at, turn), pose) in self.bodies.iter_mut().zip(sample.bodies) {
-            at.push(pose.translation.vector.cast::<f32>().into());
-            turn.push(quaternion(&pose.rotation));
-        }
-        for (column, line) in self.springs.iter_mut().zip(&scene.lines) {
-            column.push(line.ends.map(|(body, point)| {
-                let pose = body.and_then(|body| sample.bodies.get(body)).copied().unwrap_or_default();
-                (pose * nalgebra::Point3::from(point)).coords.cast::<f32>().into()
-            }));
-        }
-        for (column, curve) in self.curves.iter_mut().zip(curves(plots)) {
-            column.push(curve.value(sample));
+        for (column, curve) in self.curves.iter_mut().zip(curves(&picture.plots)) {
+            column.push(curve.value(sample, &picture.scene));
         }
     }
 
-    /// Takes what was collected, leaving none.
-    pub(super) fn take(&mut self) -> Self {
-        let empty = Self {
-            times: Vec::new(),
-            bodies: vec![Default::default(); self.bodies.len()],
-            springs: vec![Vec::new(); self.springs.len()],
-            curves: vec![Vec::new(); self.curves.len()],
-        };
-        std::mem::replace(self, empty)
+    /// Adds where everything is.
+    pub(super) fn push_poses(&mut self, sample: &Sample, picture: &Picture) {
+        let (scene, scales, poses) = (&picture.scene, &picture.scales, sample.bodies);
+        self.drawn.push(sample.time);
+        for (index, (at, turn)) in self.bodies.iter_mut().enumerate() {
+            if !picture.alone(index) {
+                continue;
+            }
+            at.push(point(&poses[index].translation.vector));
+            turn.push(quaternion(&poses[index].rotation));
+        }
+        if let Some(crowd) = &picture.crowd {
+            crowd.push(poses, &mut self.crowd);
+        }
+        for (((strips, colors), line), radius) in self.springs.iter_mut().zip(&scene.lines).zip(&picture.coils) {
+            strips.push(strip(ends(line, poses), *radius));
+            if line.spring.is_some() {
+                colors.push(spring_color(tension(line, poses), scales.tension));
+            }
+        }
+        self.loads.iter_mut().zip(load_points(scene, poses)).for_each(|(column, at)| column.push(at));
+        if scales.reaction > 0.0 {
+            self.reactions.extend(reaction_arrows(poses, sample.reactions, scales));
+        }
+        self.center.extend(center_of_mass(scene, poses).map(|at| point(&at)));
     }
 
     /// Sends everything.
-    pub(super) fn send(
-        self,
-        stream: &RecordingStream,
-        scene: &Scene,
-        plots: &[Vec<Plot>],
-    ) -> RecordingStreamResult<()> {
+    pub(super) fn send(self, stream: &RecordingStream, picture: &Picture) -> RecordingStreamResult<()> {
+        let scene = &picture.scene;
         let times = TimeColumn::new_duration_secs(TIMELINE, self.times);
-        for ((at, turn), body) in self.bodies.into_iter().zip(&scene.bodies) {
+        for (values, curve) in self.curves.into_iter().zip(curves(&picture.plots)) {
+            let scalars = Scalars::new(values).columns_of_unit_batches()?;
+            stream.send_columns(curve.path.clone(), [times.clone()], scalars)?;
+        }
+        let drawn = self.drawn.len();
+        if drawn == 0 {
+            return Ok(());
+        }
+        let times = TimeColumn::new_duration_secs(TIMELINE, self.drawn);
+        for ((at, turn), body) in self.bodies.into_iter().zip(&scene.bodies).filter(|((at, _), _)| !at.is_empty()) {
             let poses = Transform3D::update_fields().with_many_translation(at).with_many_quaternion(turn);
             stream.send_columns(body_path(&body.name), [times.clone()], poses.columns_of_unit_batches()?)?;
         }
-        for (ends, line) in self.springs.into_iter().zip(&scene.lines) {
-            let strips = LineStrips3D::update_fields().with_strips(ends);
+        if let Some(crowd) = &picture.crowd {
+            for (path, columns) in crowd.columns(self.crowd, drawn)? {
+                stream.send_columns(path, [times.clone()], columns)?;
+            }
+        }
+        for ((strips, colors), line) in self.springs.into_iter().zip(&scene.lines) {
+            let strips = LineStrips3D::update_fields().with_strips(strips);
+            let strips = if colors.is_empty() { strips } else { strips.with_colors(colors) };
             stream.send_columns(spring_path(&line.name), [times.clone()], strips.columns_of_unit_batches()?)?;
         }
-        for (values, curve) in self.curves.into_iter().zip(curves(plots)) {
-            let scalars = Scalars::new(values).columns_of_unit_batches()?;
-            stream.send_columns(curve.path.clone(), [times.clone()], scalars)?;
+        for (at, path) in self.loads.into_iter().zip(load_paths(scene)) {
+            let arrows = Arrows3D::update_fields().with_origins(at).columns_of_unit_batches()?;
+            stream.send_columns(path, [times.clone()], arrows)?;
+        }
+        if !self.reactions.is_empty() {
+            let lengths = std::iter::repeat_n(self.reactions.len() / drawn, drawn);
+            let (origins, vectors): (Vec<_>, Vec<_>) = self.reactions.into_iter().unzip();
+            let arrows = Arrows3D::update_fields().with_origins(origins).with_vectors(vectors);
+            stream.send_columns(reactions_path(), [times.clone()], arrows.columns(lengths)?)?;
+        }
+        if !self.center.is_empty() {
+            let center = Points3D::update_fields().with_positions(self.center).columns_of_unit_batches()?;
+            stream.send_columns(center_path(), [times], center)?;
         }
         Ok(())
     }

@@ -6,7 +6,10 @@ use super::bounds::Bounds;
 use super::camera::camera;
 use super::columns::TIMELINE;
 use super::curves::Plot;
-use rerun::blueprint::components::{BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, RootContainer};
+use super::picture::{CAPTION, Picture, STATICS};
+use rerun::blueprint::components::{
+    BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, PlayState, RootContainer,
+};
 use rerun::datatypes::Uuid;
 use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
@@ -21,22 +24,33 @@ const SHARES: [f32; 2] = [3.0, 2.0];
 const BACKGROUND: Color = Color(rerun::Rgba32::from_rgb(224, 228, 233));
 const GRID: Color = Color(rerun::Rgba32::from_rgb(190, 196, 204));
 
-/// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, the plots on the right, those of one
-/// group behind each other.
+/// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, on the right what statics found and
+/// the plots, those of one group behind each other. With `plays` the time runs as soon as it is opened.
 pub(super) fn send(
     stream: &RecordingStream,
     application: &'static str,
-    title: &str,
-    groups: &[Vec<Plot>],
+    picture: &Picture,
     bounds: &Bounds,
+    plays: bool,
 ) -> RecordingStreamResult<()> {
+    let title = picture.scene.title.as_str();
     let (blueprint, storage) = RecordingStreamBuilder::new(application).blueprint().memory()?;
     blueprint.set_time_sequence("blueprint", 0);
     let mut ids = Ids(0);
     let bodies = ids.path("view");
     send_bodies(&blueprint, &bodies, if title.is_empty() { "Bodies" } else { title }, bounds)?;
     let mut rows = Vec::new();
-    for group in groups.iter().filter(|group| !group.is_empty()) {
+    for (shown, origin, name) in
+        [(!picture.captions.is_empty(), CAPTION, "Now"), (picture.statics.is_some(), STATICS, "Statics")]
+    {
+        // What is shown now says all of the mode; the list of all would only be longer.
+        if shown && rows.is_empty() {
+            let text = ids.path("view");
+            send_text(&blueprint, &text, name, origin)?;
+            rows.push(text);
+        }
+    }
+    for group in picture.plots.iter().filter(|group| !group.is_empty()) {
         rows.push(send_tabs(&blueprint, &mut ids, group)?);
     }
     let plots = ids.path("container");
@@ -44,7 +58,7 @@ pub(super) fn send(
     let window = ids.next();
     let halves = ContainerBlueprint::new(ContainerKind::Horizontal).with_contents([bodies, plots]);
     blueprint.log(format!("container/{window}"), &halves.with_col_shares(SHARES))?;
-    send_frame(&blueprint, window)?;
+    send_frame(&blueprint, window, plays)?;
 
     let Some(store) = blueprint.store_info() else { return Ok(()) };
     let activation = BlueprintActivationCommand { blueprint_id: store.store_id, make_active: true, make_default: true };
@@ -67,7 +81,7 @@ impl Ids {
 }
 
 /// The window itself and what lies around it.
-fn send_frame(blueprint: &RecordingStream, window: Uuid) -> RecordingStreamResult<()> {
+fn send_frame(blueprint: &RecordingStream, window: Uuid, plays: bool) -> RecordingStreamResult<()> {
     let viewport = ViewportBlueprint::new()
         .with_root_container(RootContainer(window))
         .with_auto_layout(false)
@@ -77,7 +91,8 @@ fn send_frame(blueprint: &RecordingStream, window: Uuid) -> RecordingStreamResul
         blueprint.log(panel, &PanelBlueprint::new().with_state(PanelState::Collapsed))?;
     }
     let time = TimePanelBlueprint::new().with_state(PanelState::Collapsed).with_timeline(TIMELINE);
-    blueprint.log("time_panel", &time.with_loop_mode(LoopMode::All))
+    let state = if plays { PlayState::Playing } else { PlayState::Following };
+    blueprint.log("time_panel", &time.with_loop_mode(LoopMode::All).with_play_state(state))
 }
 
 fn send_tabs(blueprint: &RecordingStream, ids: &mut Ids, plots: &[Plot]) -> RecordingStreamResult<String> {
@@ -96,8 +111,16 @@ fn send_tabs(blueprint: &RecordingStream, ids: &mut Ids, plots: &[Plot]) -> Reco
     Ok(container)
 }
 
+fn send_text(blueprint: &RecordingStream, view: &str, title: &str, origin: &str) -> RecordingStreamResult<()> {
+    let looks = ViewBlueprint::new("TextDocument").with_display_name(title).with_space_origin(origin);
+    blueprint.log(view, &looks)?;
+    blueprint.log(format!("{view}/ViewContents"), &ViewContents::new(["+ $origin".to_owned()]))
+}
+
 fn send_bodies(blueprint: &RecordingStream, view: &str, title: &str, bounds: &Bounds) -> RecordingStreamResult<()> {
-    send_view(blueprint, view, "3D", title, vec!["+ /world/**".into(), "+ /springs/**".into()])?;
+    let parts = ["world", "springs", "loads", "reactions", "center of mass"];
+    let contents = parts.map(|part| format!("+ {}/**", super::picture::path(&[part])));
+    send_view(blueprint, view, "3D", title, contents.into())?;
     let camera = camera(bounds);
     let eye = EyeControls3D::new()
         .with_position(position(&camera.eye))

@@ -1,8 +1,13 @@
 //! The picture in the Rerun viewer: of a run while it goes on, and of a recording.
 //!
-//! Both ways draw the same: bodies as solids under `/world`, springs under `/springs`, energies and hinge coordinates
-//! as curves, all on the timeline `sim_time`. The viewer computes in single precision: it is for looking, never for
-//! checking numbers.
+//! Both ways draw the same: bodies as solids under `/world`, springs under `/springs` (blue where they push, red where
+//! they pull), constant loads as arrows under `/loads`, the centre of mass and its way; energies, hinge coordinates and
+//! rates and the pull of springs as curves; what statics found as text; all on the timeline `sim_time`. Of a recording it
+//! is known before what moves and pulls how much; a running motion is drawn by what its first sample shows. The viewer
+//! computes in single precision: it is for looking, never for checking numbers.
+//!
+//! Scenes of many bodies are drawn as few things, and of very many samples every second, fourth, … is drawn; `notes`
+//! say so. The curves have them all.
 //!
 //! A viewer that is missing, slow or closed is an error in good time, never a wait without end: everything it is told
 //! goes through a thread of its own.
@@ -20,13 +25,21 @@ mod columns;
 #[cfg(feature = "rerun")]
 mod connect;
 #[cfg(feature = "rerun")]
+mod crowd;
+#[cfg(feature = "rerun")]
 mod curves;
+#[cfg(feature = "rerun")]
+mod forces;
 #[cfg(feature = "rerun")]
 mod layout;
 #[cfg(feature = "rerun")]
 mod link;
 #[cfg(feature = "rerun")]
 mod picture;
+#[cfg(feature = "rerun")]
+mod survey;
+#[cfg(feature = "rerun")]
+mod text;
 #[cfg(feature = "rerun")]
 mod viewer;
 
@@ -47,6 +60,15 @@ pub enum Sink {
     Connect(String),
     /// To an `.rrd` file.
     Save(PathBuf),
+}
+
+/// What is asked of the picture of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wishes {
+    /// One instant alone (s): the sample that is nearest.
+    pub at: Option<f64>,
+    /// What the hinges pass to the bodies, as arrows.
+    pub reactions: bool,
 }
 
 /// What was shown of a recording.

@@ -1,26 +1,62 @@
-//! What does not change while the picture moves: solids, hinge axes, the looks of springs and curves.
+//! What does not change while the picture moves: solids, hinge axes, text, the looks of what moves.
 
 use super::bounds::Outline;
-use super::columns::quaternion;
+use super::columns::{TIMELINE, quaternion};
+use super::crowd::Crowd;
 use super::curves::Plot;
+use super::forces::{self, Scales, coil_radii};
 use crate::record::Scene;
-use crate::record::solids::{Form, Solid, palette};
+use crate::record::solids::{Form, Solid, palette, solids};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use rerun::{
     Arrows3D, Asset3D, Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, EntityPathPart, FillMode,
-    InstancePoses3D, LineStrips3D, MediaType, Radius, RecordingStream, RecordingStreamResult, SeriesLines,
-    ViewCoordinates,
+    InstancePoses3D, LineStrips3D, MediaType, Points3D, Radius, RecordingStream, RecordingStreamResult, SeriesLines,
+    TextDocument, ViewCoordinates,
 };
 
 /// Everything still, ready to be sent.
 pub(super) struct Picture {
     pub(super) scene: Scene,
     pub(super) plots: Vec<Vec<Plot>>,
+    /// Of the bodies that are things of their own; empty for those of the crowd.
     pub(super) solids: Vec<Vec<Solid>>,
     pub(super) outlines: Vec<Outline>,
+    pub(super) crowd: Option<Crowd>,
+    pub(super) scales: Scales,
+    /// Radius of each line's coils.
+    pub(super) coils: Vec<Option<f64>>,
+    /// The statics result.
+    pub(super) statics: Option<String>,
+    /// What is shown from when on.
+    pub(super) captions: Vec<(f64, String)>,
 }
 
 impl Picture {
+    /// Of a scene; the scales are those of what is known of its motion.
+    pub(super) fn new(scene: &Scene, plots: Vec<Vec<Plot>>, scales: Scales) -> Self {
+        let mut solids = solids(scene);
+        let outlines = solids.iter().map(|solids| Outline::new(solids)).collect();
+        let crowd = Crowd::take(scene, &mut solids);
+        let coils = coil_radii(scene, scales.size);
+        let scene = scene.clone();
+        Self { scene, plots, solids, outlines, crowd, scales, coils, statics: None, captions: Vec::new() }
+    }
+
+    /// Whether the body is a thing of its own.
+    pub(super) fn alone(&self, index: usize) -> bool {
+        self.crowd.is_none()
+            || !self.solids[index].is_empty()
+            || self.scene.loads.iter().any(|load| load.body == index && load.turns)
+    }
+
+    /// How many poses a sample takes.
+    pub(super) fn poses(&self) -> usize {
+        match &self.crowd {
+            Some(crowd) => crowd.members(),
+            None => self.scene.bodies.len(),
+        }
+    }
+
     /// Sends it as static data.
     pub(super) fn send(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
         stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
@@ -31,11 +67,16 @@ impl Picture {
                 send_solid(stream, path(&["world", &body.name, &name]), solid)?;
             }
         }
-        self.send_hinges(stream)?;
-        for line in &self.scene.lines {
-            let looks = LineStrips3D::update_fields().with_colors([SPRING]).with_radii([Radius::new_ui_points(2.0)]);
-            stream.log_static(spring_path(&line.name), &looks)?;
+        match &self.crowd {
+            Some(crowd) => crowd.send(stream)?,
+            None => self.send_hinges(stream)?,
         }
+        forces::send(stream, &self.scene, &self.scales)?;
+        let arrows = Arrows3D::update_fields().with_radii([Radius::new_ui_points(1.5)]);
+        stream.log_static(forces::reactions_path(), &arrows.with_colors([forces::REACTION]))?;
+        let center = Points3D::update_fields().with_radii([Radius::new_ui_points(4.0)]).with_colors([CENTER]);
+        stream.log_static(center_path(), &center)?;
+        self.send_text(stream)?;
         for plot in self.plots.iter().flatten() {
             for (index, curve) in plot.curves.iter().enumerate() {
                 let looks = SeriesLines::new()
@@ -46,6 +87,25 @@ impl Picture {
             }
         }
         Ok(())
+    }
+
+    /// The statics result, and captions at their times.
+    fn send_text(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+        if let Some(text) = &self.statics {
+            stream.log_static(STATICS, &TextDocument::from_markdown(text.as_str()))?;
+        }
+        for (time, text) in &self.captions {
+            stream.set_duration_secs(TIMELINE, *time);
+            stream.log(CAPTION, &TextDocument::from_markdown(text.as_str()))?;
+        }
+        stream.reset_time();
+        Ok(())
+    }
+
+    /// The way of the centre of mass so far.
+    pub(super) fn send_trace(stream: &RecordingStream, points: Vec<[f32; 3]>) -> RecordingStreamResult<()> {
+        let line = LineStrips3D::new([points]).with_radii([Radius::new_ui_points(0.8)]).with_colors([CENTER]);
+        stream.log_static(path(&["center of mass", "way"]), &line)
     }
 
     /// Hinge axes as short arrows, together for each parent, in whose axes they stay.
@@ -85,7 +145,7 @@ impl Picture {
 
 /// Length over radius from which a rod is thin.
 const THIN: f64 = 40.0;
-const SPRING: Color = Color(rerun::Rgba32::from_rgb(96, 104, 72));
+const CENTER: Color = Color(rerun::Rgba32::from_rgb(176, 48, 128));
 const HINGE: Color = Color(rerun::Rgba32::from_rgb(214, 160, 48));
 
 /// A rod many times longer than thick is also drawn as a line of fixed width: from afar nothing else is left of a wire.
@@ -128,7 +188,7 @@ fn send_solid(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> Reco
             let capsules = capsules.with_translations(start).with_quaternions(turn);
             stream.log_static(path, &capsules.with_fill_mode(fill).with_colors(colors))
         }
-        Form::Mesh { contents, media_type, scale } => {
+        Form::Mesh { contents, media_type, scale, .. } => {
             let mut asset = Asset3D::new(contents.clone()).with_media_type(MediaType::from(*media_type));
             if solid.own_color || *media_type == "model/stl" {
                 asset = asset.with_albedo_factor(rerun::AlbedoFactor(color(solid.color).0));
@@ -149,15 +209,19 @@ pub(super) fn body_path(name: &str) -> EntityPath {
     path(&["world", name])
 }
 
-pub(super) fn spring_path(name: &str) -> EntityPath {
-    path(&["springs", name])
+pub(super) fn center_path() -> EntityPath {
+    path(&["center of mass"])
 }
 
-fn point(vector: &Vector3<f64>) -> [f32; 3] {
+/// The text that stays, and the one that changes.
+pub(super) const STATICS: &str = "statics";
+pub(super) const CAPTION: &str = "caption";
+
+pub(super) fn point(vector: &Vector3<f64>) -> [f32; 3] {
     vector.cast::<f32>().into()
 }
 
-fn color(rgba: [f64; 4]) -> Color {
+pub(super) fn color(rgba: [f64; 4]) -> Color {
     let [r, g, b, a] = rgba.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8);
     Color::from_unmultiplied_rgba(r, g, b, a)
 }

@@ -4,10 +4,12 @@ use super::bounds::{Bounds, Outline, expected};
 use super::columns::Columns;
 use super::connect::{self, failed};
 use super::curves::plots;
+use super::forces::Scales;
 use super::layout;
 use super::link::{Job, Link};
-use super::picture::Picture;
-use super::{Shown, Sink};
+use super::picture::{Picture, point};
+use super::survey::{Survey, Trace, center_of_mass};
+use super::{Shown, Sink, Wishes, text};
 use crate::record::solids::solids;
 use crate::record::{Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};
 use rerun::{RecordingStream, RecordingStreamBuilder};
@@ -17,28 +19,71 @@ use std::time::{Duration, Instant};
 
 const APPLICATION: &str = "stillpoint";
 
-/// A running picture is renewed this often, and less often by so much for every body: each renewal of each body costs
-/// the viewer about a kilobyte, whatever is in it.
+/// A running picture is renewed this often, and less often by so much for every thing that moves: each renewal of each
+/// of them costs the viewer about a kilobyte, whatever is in it.
 const PERIOD: Duration = Duration::from_millis(50);
 const PERIOD_PER_BODY: Duration = Duration::from_micros(200);
 /// A picture that nobody waits for is sent in stretches of so many numbers.
 const STRETCH: usize = 1 << 22;
+/// Poses that are drawn at most; from there on every second sample is, then every fourth.
+const MOST_POSES: usize = 4_000_000;
 
 /// Draws samples as they come.
 pub struct Viewer {
     link: Link,
-    picture: Arc<Picture>,
+    scene: Scene,
+    statics: Option<String>,
+    captions: Vec<(f64, String)>,
+    /// Made of the first sample, or of the whole recording.
+    picture: Option<Arc<Picture>>,
+    known: Option<Survey>,
+    reactions: bool,
     columns: Columns,
     longest: usize,
+    thinning: Thinning,
     /// `None` where nobody waits for the picture.
     period: Option<Duration>,
     sent: Instant,
+    outlines: Vec<Outline>,
     bounds: Bounds,
-    /// Whether anything has been drawn.
-    begun: bool,
+    trace: Trace,
+    traced: usize,
     /// Whether the eye may be placed again at the end: in a file, where nobody has moved it yet.
     replace: bool,
+    /// Whether the time runs when the picture is opened, or follows what comes.
+    plays: bool,
     notes: Vec<String>,
+}
+
+/// Which samples are drawn: all, or every so manieth.
+#[derive(Debug, Clone, Copy)]
+struct Thinning {
+    stride: usize,
+    seen: usize,
+    drawn: usize,
+    most: usize,
+}
+
+impl Thinning {
+    fn new(samples: Option<usize>, poses: usize) -> Self {
+        let most = (MOST_POSES / poses.max(1)).max(1);
+        let stride = samples.map_or(1, |samples| samples.div_ceil(most).max(1));
+        // Of a number of samples that is known the stride is final.
+        Self { stride, seen: 0, drawn: 0, most: if samples.is_some() { usize::MAX } else { most } }
+    }
+
+    fn draws(&mut self) -> bool {
+        let draws = self.seen.is_multiple_of(self.stride);
+        self.seen += 1;
+        if draws {
+            self.drawn += 1;
+            if self.drawn >= self.most {
+                self.drawn = self.most / 2;
+                self.stride *= 2;
+            }
+        }
+        draws
+    }
 }
 
 impl Viewer {
@@ -47,7 +92,7 @@ impl Viewer {
     /// # Errors
     /// Within seconds, when there is no viewer, it cannot be started, or the file cannot be created.
     pub fn open(sink: &Sink, opening: &Opening) -> Result<Self, RecordError> {
-        Self::with_scene(sink, opening.scene)
+        Self::with_scene(sink, opening.scene, opening.statics)
     }
 
     /// What the picture leaves out, in words.
@@ -55,57 +100,91 @@ impl Viewer {
         &self.notes
     }
 
-    fn with_scene(sink: &Sink, scene: &Scene) -> Result<Self, RecordError> {
+    fn with_scene(sink: &Sink, scene: &Scene, statics: Option<&str>) -> Result<Self, RecordError> {
         let mut builder = RecordingStreamBuilder::new(APPLICATION);
         if !scene.title.is_empty() {
             builder = builder.recording_name(scene.title.as_str());
         }
         let stream = connect::open(sink, builder)?;
         let link = Link::start(stream).map_err(|error| failed(format!("no thread for the viewer: {error}"), ""))?;
-        let (plots, notes) = plots(scene);
-        let solids = solids(scene);
-        let outlines = solids.iter().map(|solids| Outline::new(solids)).collect();
-        let columns = Columns::new(scene, &plots);
-        let picture = Arc::new(Picture { scene: scene.clone(), plots, solids, outlines });
-        let numbers_per_sample = 7 * scene.bodies.len() + 6 * scene.lines.len() + 16;
         let saved = matches!(sink, Sink::Save(_));
         Ok(Self {
             link,
-            picture,
-            columns,
-            longest: (STRETCH / numbers_per_sample).clamp(1, 4096),
-            period: (!saved).then(|| PERIOD + PERIOD_PER_BODY * u32::try_from(scene.bodies.len()).unwrap_or(u32::MAX)),
+            scene: scene.clone(),
+            statics: text::equilibrium(statics),
+            captions: Vec::new(),
+            picture: None,
+            known: None,
+            reactions: false,
+            columns: Columns::default(),
+            longest: 1,
+            thinning: Thinning::new(None, 1),
+            period: (!saved).then_some(PERIOD),
             sent: Instant::now(),
+            outlines: solids(scene).iter().map(|solids| Outline::new(solids)).collect(),
             bounds: Bounds::default(),
-            begun: false,
+            trace: Trace::default(),
+            traced: 0,
             replace: saved,
-            notes,
+            plays: saved,
+            notes: plots(scene, None).1,
         })
     }
 
     /// Divides the window, places the eye so that the whole of `bounds` is seen, then draws what stands still: in this
     /// order the viewer never shows a layout of its own first.
-    fn begin(&mut self, bounds: Bounds) -> Result<(), RecordError> {
-        self.begun = true;
-        self.place_eye(bounds)?;
-        let picture = self.picture.clone();
-        self.tell(move |stream| picture.send(stream).map_err(|error| error.to_string()))
+    fn begin(&mut self, bounds: Bounds, forces: &Survey) -> Result<Arc<Picture>, RecordError> {
+        let (plots, notes) = plots(&self.scene, self.known.as_ref());
+        self.notes = notes;
+        let scales = Scales {
+            size: bounds.size().norm(),
+            tension: forces.tension,
+            reaction: if self.reactions { forces.reaction } else { 0.0 },
+        };
+        let mut picture = Picture::new(&self.scene, plots, scales);
+        picture.statics = self.statics.clone();
+        picture.captions = self.captions.clone();
+        let poses = picture.poses();
+        self.columns = Columns::new(&picture);
+        self.longest = (STRETCH / (7 * poses + 200 * self.scene.lines.len() + 16)).clamp(1, 4096);
+        self.thinning = Thinning::new(self.known.as_ref().map(|known| known.samples), poses);
+        if self.thinning.stride > 1 {
+            self.notes.push(format!("one of {} samples is drawn; the curves have them all", self.thinning.stride));
+        }
+        let things = if picture.crowd.is_some() { 8 } else { self.scene.bodies.len() };
+        self.period = self.period.map(|period| period + PERIOD_PER_BODY * u32::try_from(things).unwrap_or(u32::MAX));
+        let picture = Arc::new(picture);
+        self.picture = Some(picture.clone());
+        self.place_eye(&picture, bounds)?;
+        let sent = picture.clone();
+        self.tell(move |stream| sent.send(stream).map_err(|error| error.to_string()))?;
+        Ok(picture)
     }
 
     /// Places the eye so that the whole of `bounds` is seen.
-    fn place_eye(&mut self, bounds: Bounds) -> Result<(), RecordError> {
-        let picture = self.picture.clone();
+    fn place_eye(&mut self, picture: &Arc<Picture>, bounds: Bounds) -> Result<(), RecordError> {
+        let (picture, plays) = (picture.clone(), self.plays);
         self.tell(move |stream| {
-            layout::send(stream, APPLICATION, &picture.scene.title, &picture.plots, &bounds)
-                .map_err(|error| error.to_string())
+            layout::send(stream, APPLICATION, &picture, &bounds, plays).map_err(|error| error.to_string())
         })
     }
 
-    fn send_columns(&mut self) -> Result<(), RecordError> {
-        let columns = self.columns.take();
-        let picture = self.picture.clone();
+    fn send_columns(&mut self, picture: &Arc<Picture>) -> Result<(), RecordError> {
+        let columns = std::mem::replace(&mut self.columns, Columns::new(picture));
         self.sent = Instant::now();
-        self.tell(move |stream| columns.send(stream, &picture.scene, &picture.plots).map_err(|error| error.to_string()))
+        let sent = picture.clone();
+        self.tell(move |stream| columns.send(stream, &sent).map_err(|error| error.to_string()))?;
+        // Anew where it has grown by a quarter, and at the end.
+        if 4 * self.trace.points().len() > 5 * self.traced {
+            self.send_trace()?;
+        }
+        Ok(())
+    }
+
+    fn send_trace(&mut self) -> Result<(), RecordError> {
+        let points = self.trace.points().to_vec();
+        self.traced = points.len();
+        self.tell(move |stream| Picture::send_trace(stream, points).map_err(|error| error.to_string()))
     }
 
     fn tell(
@@ -123,53 +202,82 @@ fn lost(what: String) -> RecordError {
 
 impl Recorder for Viewer {
     fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
-        sample.check(&self.picture.scene)?;
-        if !self.begun {
-            self.begin(expected(&self.picture.scene, &self.picture.outlines, sample.bodies))?;
+        sample.check(&self.scene)?;
+        let picture = match self.picture.clone() {
+            Some(picture) => picture,
+            None => {
+                let mut forces = Survey::new(&self.scene);
+                forces.include_forces(sample, &self.scene);
+                self.begin(expected(&self.scene, &self.outlines, sample.bodies), &forces)?
+            }
+        };
+        self.bounds.include_bodies(&self.outlines, sample.bodies);
+        self.bounds.include_lines(&self.scene.lines, sample.bodies);
+        self.columns.push(sample, &picture);
+        if self.thinning.draws() {
+            self.columns.push_poses(sample, &picture);
         }
-        self.bounds.include_bodies(&self.picture.outlines, sample.bodies);
-        self.bounds.include_lines(&self.picture.scene.lines, sample.bodies);
-        self.columns.push(sample, &self.picture.scene, &self.picture.plots);
+        if let Some(center) = center_of_mass(&self.scene, sample.bodies) {
+            self.trace.push(point(&center));
+        }
         let due = self.period.is_some_and(|period| self.sent.elapsed() >= period);
         if due || self.columns.len() >= self.longest {
-            self.send_columns()?;
+            self.send_columns(&picture)?;
         }
         Ok(())
     }
 
     fn finish(&mut self, _outcome: &Outcome) -> Result<(), RecordError> {
+        let picture = match self.picture.clone() {
+            Some(picture) => picture,
+            None => self.begin(self.bounds, &Survey::new(&self.scene.clone()))?,
+        };
         if self.columns.len() > 0 {
-            self.send_columns()?;
+            self.send_columns(&picture)?;
         }
-        if !self.begun {
-            self.begin(self.bounds)?;
-        } else if std::mem::take(&mut self.replace) {
-            self.place_eye(self.bounds)?;
+        if self.trace.points().len() > 1 {
+            self.send_trace()?;
+        }
+        if std::mem::take(&mut self.replace) {
+            self.place_eye(&picture, self.bounds)?;
         }
         self.link.finish().map_err(lost)
     }
 }
 
-/// Plays a recording into the viewer. It is read twice, the first time to see how much room the motion takes.
+/// Plays a recording into the viewer. It is read twice, the first time to see what moves, and how far.
 ///
 /// # Errors
 /// When the recording cannot be read, or there is no viewer.
-pub fn view(recording: &Path, sink: &Sink) -> Result<Shown, RecordError> {
+pub fn view(recording: &Path, sink: &Sink, wishes: &Wishes) -> Result<Shown, RecordError> {
     let recording = Recording::open(recording)?;
-    let mut viewer = Viewer::with_scene(sink, &recording.scene)?;
-    let mut bounds = Bounds::default();
-    for sample in recording.samples()? {
-        let bodies = sample?.bodies;
-        bounds.include_bodies(&viewer.picture.outlines, &bodies);
-        bounds.include_lines(&viewer.picture.scene.lines, &bodies);
+    let mut viewer = Viewer::with_scene(sink, &recording.scene, recording.statics.as_deref())?;
+    viewer.captions = text::captions(recording.outcome.as_deref(), recording.statics.as_deref());
+    viewer.reactions = wishes.reactions;
+    let mut known = Survey::new(&recording.scene);
+    let mut nearest: Option<(usize, f64)> = None;
+    for (index, sample) in recording.samples()?.enumerate() {
+        let sample = sample?;
+        known.include(&sample.borrow(), &recording.scene, &viewer.outlines);
+        let away = wishes.at.map_or(0.0, |at| (sample.time - at).abs());
+        if nearest.is_none_or(|(_, least)| away < least) {
+            nearest = Some((index, away));
+        }
     }
-    viewer.begin(bounds)?;
+    let only = wishes.at.and(nearest).map(|(index, _)| index);
+    let bounds = known.bounds;
+    viewer.plays = only.is_none();
+    viewer.known = Some(known.clone());
+    viewer.begin(bounds, &known)?;
     viewer.replace = false;
     viewer.period = None;
     let mut samples = 0;
-    for sample in recording.samples()? {
-        viewer.sample(&sample?.borrow())?;
-        samples += 1;
+    for (index, sample) in recording.samples()?.enumerate() {
+        let sample = sample?;
+        if only.is_none_or(|only| only == index) {
+            viewer.sample(&sample.borrow())?;
+            samples += 1;
+        }
     }
     viewer.finish(&Outcome { summary: String::new() })?;
     Ok(Shown { samples, complete: recording.complete, notes: viewer.notes })

@@ -129,8 +129,17 @@ pub const RECORD: Table = Table {
     name: "record",
     doc: "What is asked of the recording.",
     types: &[],
-    keys: &[Key::new("rate", POSITIVE, "Samples per second of simulated time.")
-        .unit("1/s")
-        .default("100.0")
-        .example("100.0")],
+    keys: &[
+        Key::new("rate", POSITIVE, "Samples per second of simulated time.")
+            .unit("1/s")
+            .default("100.0")
+            .example("100.0"),
+        Key::new(
+            "ros",
+            Kind::Flag,
+            "Writes the scene as ROS 2 messages too: `/robot_description` (up to 1000 bodies) and `/joint_states` (up to 64 hinges with one coordinate), from which Rerun draws a recording that is opened directly.",
+        )
+        .default("false")
+        .example("true"),
+    ],
 };

@@ -2,7 +2,7 @@
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
-use stillpoint::record::scene::{BodyPicture, Channel, LinePicture, ShapePicture};
+use stillpoint::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, ShapePicture};
 use stillpoint::record::{Energy, Opening, Outcome, OwnedSample, Recorder, RecordingFile, Scene};
 use stillpoint::spatial::{Pose, Wrench};
 
@@ -43,6 +43,15 @@ impl Motion {
         let line = |name: &str, x: f64, from: [f64; 3]| LinePicture {
             name: name.into(),
             ends: [(None, [x, 0.0, 2.2]), (Some(2), from)],
+            spring: Some([100.0, 0.3]),
+        };
+        let load = |name: &str, turns| LoadPicture {
+            name: name.into(),
+            body: 1,
+            at: [0.0, 0.0, -1.0],
+            force: [5.0, 0.0, 0.0],
+            torque: [0.0, 1.0, 0.0],
+            turns,
         };
         let scene = Scene {
             title: "Two links and a box".into(),
@@ -53,6 +62,7 @@ impl Motion {
                 rod,
             ],
             lines: vec![line("left spring", 1.0, [-0.2, 0.0, 0.15]), line("right spring", 2.0, [0.2, 0.0, 0.15])],
+            loads: vec![load("wind", false), load("thrust", true)],
             positions: channels(&[("upper", "angle", "rad"), ("lower", "angle", "rad")])
                 .chain(channels(&[("box", "x", "m"), ("box", "y", "m"), ("box", "z", "m")]))
                 .chain(["w", "x", "y", "z"].into_iter().flat_map(|part| {
@@ -78,6 +88,7 @@ impl Motion {
             title: "Chain".into(),
             bodies,
             lines: Vec::new(),
+            loads: Vec::new(),
             positions: (0..count).map(|k| channel("angle", "rad", k)).collect(),
             velocities: (0..count).map(|k| channel("rate", "rad/s", k)).collect(),
         };

@@ -2,7 +2,7 @@
 
 use super::fixture::{Motion, record};
 use std::time::{Duration, Instant};
-use stillpoint::record::view::{Sink, view};
+use stillpoint::record::view::{Sink, Wishes, view};
 
 #[cfg(not(feature = "rerun"))]
 #[test]
@@ -10,7 +10,9 @@ fn without_the_feature_the_error_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("swing.mcap");
     record(&path, &Motion::double_link(), 0.1);
-    let error = view(&path, &Sink::Save(folder.path().join("swing.rrd"))).expect_err("no viewer").to_string();
+    let error = view(&path, &Sink::Save(folder.path().join("swing.rrd")), &Wishes::default())
+        .expect_err("no viewer")
+        .to_string();
     assert!(error.contains("built without the `rerun` feature"), "{error}");
     assert!(Instant::now().elapsed() < Duration::from_secs(1));
 }
@@ -35,9 +37,34 @@ mod with_rerun {
         let folder = tempfile::tempdir().expect("a folder");
         let (mcap, rrd) = (folder.path().join("swing.mcap"), folder.path().join("swing.rrd"));
         record(&mcap, &Motion::double_link(), 4.0);
-        let shown = view(&mcap, &Sink::Save(rrd.clone())).expect("saved");
+        let shown = view(&mcap, &Sink::Save(rrd.clone()), &Wishes::default()).expect("saved");
         assert_eq!((shown.samples, shown.complete, shown.notes.len()), (401, true, 0));
         verify(&rrd);
+    }
+
+    #[test]
+    fn one_instant_is_saved_alone() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mcap, rrd) = (folder.path().join("swing.mcap"), folder.path().join("swing.rrd"));
+        record(&mcap, &Motion::double_link(), 1.0);
+        let wishes = Wishes { at: Some(0.501), reactions: true };
+        let shown = view(&mcap, &Sink::Save(rrd.clone()), &wishes).expect("saved");
+        assert_eq!(shown.samples, 1);
+        verify(&rrd);
+    }
+
+    /// Thousands of things would keep the viewer from moving.
+    #[test]
+    fn many_bodies_are_drawn_as_few_things() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mcap, rrd) = (folder.path().join("chain.mcap"), folder.path().join("chain.rrd"));
+        record(&mcap, &Motion::chain(400), 0.05);
+        view(&mcap, &Sink::Save(rrd.clone()), &Wishes::default()).expect("saved");
+        verify(&rrd);
+        let Ok(print) = Command::new("rerun").args(["rrd", "print"]).arg(&rrd).output() else { return };
+        let print = String::from_utf8_lossy(&print.stdout);
+        assert!(print.contains("/world/bodies/joined"), "{print}");
+        assert!(!print.contains("/world/link"), "{print}");
     }
 
     #[test]

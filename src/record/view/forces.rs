@@ -1,0 +1,204 @@
+//! Springs, loads and reactions: what pushes, drawn.
+
+use super::picture::{color, path, point};
+use crate::record::Scene;
+use crate::record::scene::LinePicture;
+use crate::spatial::{Pose, Wrench};
+use nalgebra::{Point3, Vector3};
+use rerun::{Arrows3D, Color, EntityPath, LineStrips3D, Radius, RecordingStream, RecordingStreamResult};
+
+/// A push, a torque, a reaction.
+const FORCE: Color = Color(rerun::Rgba32::from_rgb(200, 60, 40));
+const TORQUE: Color = Color(rerun::Rgba32::from_rgb(130, 70, 170));
+pub(super) const REACTION: Color = Color(rerun::Rgba32::from_rgb(40, 110, 60));
+/// The longest arrow against the scene.
+const ARROW: f64 = 0.25;
+/// The shortest against the longest.
+const SHORTEST: f64 = 0.2;
+
+/// Turns of a coil and points in a turn.
+const TURNS: usize = 7;
+const POINTS_PER_TURN: usize = 8;
+/// Part of a spring on both ends that is straight.
+const STRAIGHT: f64 = 0.12;
+/// More springs than this are drawn as plain lines.
+const MOST_COILS: usize = 32;
+
+/// The looks that depend on the whole scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Scales {
+    /// Extent of the scene (m).
+    pub(super) size: f64,
+    /// The pull at which a spring has its full colour (N).
+    pub(super) tension: f64,
+    /// The reaction that is drawn longest (N); zero where none are drawn.
+    pub(super) reaction: f64,
+}
+
+/// Where the ends of a spring are.
+pub(super) fn ends(line: &LinePicture, poses: &[Pose]) -> [Vector3<f64>; 2] {
+    line.ends.map(|(body, at)| {
+        let pose = body.and_then(|body| poses.get(body)).copied().unwrap_or_default();
+        (pose * Point3::from(at)).coords
+    })
+}
+
+/// What a spring pulls with, without its damper (N); `None` for other lines.
+pub(super) fn tension(line: &LinePicture, poses: &[Pose]) -> Option<f64> {
+    let [stiffness, length] = line.spring?;
+    let [a, b] = ends(line, poses);
+    Some(stiffness * ((b - a).norm() - length))
+}
+
+/// From blue (pushes) over grey to red (pulls).
+pub(super) fn spring_color(tension: Option<f64>, full: f64) -> Color {
+    const RELAXED: [f64; 3] = [0.38, 0.41, 0.36];
+    const PULLED: [f64; 3] = [0.83, 0.18, 0.12];
+    const PUSHED: [f64; 3] = [0.12, 0.35, 0.80];
+    let part = tension.map_or(0.0, |tension| (tension / full).clamp(-1.0, 1.0));
+    let part = if part.is_finite() { part } else { 0.0 };
+    let goal = if part > 0.0 { PULLED } else { PUSHED };
+    let mix = |k: usize| RELAXED[k] + part.abs() * (goal[k] - RELAXED[k]);
+    color([mix(0), mix(1), mix(2), 1.0])
+}
+
+/// Radius of the coils of each spring (m); `None` for what is drawn as a line.
+pub(super) fn coil_radii(scene: &Scene, size: f64) -> Vec<Option<f64>> {
+    let springs = scene.lines.iter().filter(|line| line.spring.is_some()).count();
+    let radius = |line: &LinePicture| {
+        let [_, length] = line.spring?;
+        let length = if length > 0.0 { length } else { 0.2 * size };
+        (springs <= MOST_COILS).then(|| (0.05 * length).min(0.02 * size))
+    };
+    scene.lines.iter().map(radius).collect()
+}
+
+/// The line of a spring: straight, or as a coil.
+pub(super) fn strip([a, b]: [Vector3<f64>; 2], radius: Option<f64>) -> Vec<[f32; 3]> {
+    let along = b - a;
+    let (Some(radius), Some(axis)) = (radius, along.try_normalize(1e-12)) else { return vec![point(&a), point(&b)] };
+    let side = if axis.x.abs() < 0.8 { Vector3::x() } else { Vector3::y() };
+    let first = axis.cross(&side).normalize();
+    let second = axis.cross(&first);
+    let count = TURNS * POINTS_PER_TURN;
+    let coil = (0..=count).map(|k| {
+        let part = k as f64 / count as f64;
+        let (sin, cos) = (std::f64::consts::TAU * TURNS as f64 * part).sin_cos();
+        a + (STRAIGHT + part * (1.0 - 2.0 * STRAIGHT)) * along + radius * (cos * first + sin * second)
+    });
+    let on_axis = [STRAIGHT, 1.0 - STRAIGHT].map(|part| a + part * along);
+    let begin = [a, on_axis[0]].into_iter();
+    begin.chain(coil).chain([on_axis[1], b]).map(|at| point(&at)).collect()
+}
+
+pub(super) fn spring_path(name: &str) -> EntityPath {
+    path(&["springs", name])
+}
+
+fn load_path(name: &str) -> EntityPath {
+    path(&["loads", name])
+}
+
+pub(super) fn reactions_path() -> EntityPath {
+    path(&["reactions"])
+}
+
+/// Where the arrows of loads start that keep their direction in space, in the order of the scene's loads.
+pub(super) fn load_points(scene: &Scene, poses: &[Pose]) -> Vec<[f32; 3]> {
+    let at = |load: &crate::record::scene::LoadPicture| {
+        let pose = poses.get(load.body).copied().unwrap_or_default();
+        point(&(pose * Point3::from(load.at)).coords)
+    };
+    scene.loads.iter().filter(|load| !load.turns).map(at).collect()
+}
+
+/// The paths that these points belong to.
+pub(super) fn load_paths(scene: &Scene) -> impl Iterator<Item = EntityPath> {
+    scene.loads.iter().filter(|load| !load.turns).map(|load| load_path(&load.name))
+}
+
+/// Sends what does not change: looks of springs, arrows of loads.
+pub(super) fn send(stream: &RecordingStream, scene: &Scene, scales: &Scales) -> RecordingStreamResult<()> {
+    for line in &scene.lines {
+        let looks = LineStrips3D::update_fields().with_radii([Radius::new_ui_points(1.6)]);
+        // What is sent once for all hides what is sent with a time: the colour of springs is.
+        let looks = if line.spring.is_some() { looks } else { looks.with_colors([spring_color(None, 1.0)]) };
+        stream.log_static(spring_path(&line.name), &looks)?;
+    }
+    let largest = |of: fn(&crate::record::scene::LoadPicture) -> [f64; 3]| {
+        scene.loads.iter().map(|load| Vector3::from(of(load)).norm()).fold(0.0, f64::max)
+    };
+    let (force, torque) = (largest(|load| load.force), largest(|load| load.torque));
+    for load in &scene.loads {
+        let mut vectors = Vec::new();
+        let mut colors = Vec::new();
+        for (of, full, color) in [(load.force, force, FORCE), (load.torque, torque, TORQUE)] {
+            if let Some(arrow) = arrow(&Vector3::from(of), full, scales.size) {
+                vectors.push(point(&arrow));
+                colors.push(color);
+            }
+        }
+        if vectors.is_empty() {
+            continue;
+        }
+        let arrows = Arrows3D::from_vectors(vectors).with_colors(colors).with_radii([Radius::new_ui_points(2.5)]);
+        if load.turns {
+            let at = path(&["world", &scene.bodies[load.body].name, &load.name]);
+            stream.log_static(at, &arrows.with_origins([point(&Vector3::from(load.at))]))?;
+        } else {
+            stream.log_static(load_path(&load.name), &arrows)?;
+        }
+    }
+    Ok(())
+}
+
+/// A vector as long as it is drawn; `None` for zero.
+fn arrow(vector: &Vector3<f64>, full: f64, size: f64) -> Option<Vector3<f64>> {
+    let length = vector.norm();
+    let direction = vector.try_normalize(0.0).filter(|_| full > 0.0)?;
+    Some(direction * (ARROW * size * (length / full).clamp(SHORTEST, 1.0)))
+}
+
+/// Reactions as arrows at the root markers: origins and vectors.
+pub(super) fn reaction_arrows(poses: &[Pose], reactions: &[Wrench], scales: &Scales) -> Vec<([f32; 3], [f32; 3])> {
+    let scale = ARROW * scales.size / scales.reaction;
+    let one = |(pose, reaction): (&Pose, &Wrench)| (point(&pose.translation.vector), point(&(scale * reaction.force)));
+    poses.iter().zip(reactions).map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spring(stiffness: f64, length: f64) -> LinePicture {
+        LinePicture {
+            name: String::new(),
+            ends: [(None, [0.0; 3]), (Some(0), [0.0, 0.0, 1.0])],
+            spring: Some([stiffness, length]),
+        }
+    }
+
+    #[test]
+    fn a_spring_pulls_by_its_law_and_turns_red_with_it() {
+        let poses = [Pose::translation(0.0, 3.0, 3.0)];
+        // Its ends are five metres apart.
+        assert_eq!(tension(&spring(10.0, 2.0), &poses), Some(30.0));
+        assert_eq!(tension(&LinePicture { spring: None, ..spring(1.0, 1.0) }, &poses), None);
+        let red = |part: f64| spring_color(Some(part), 1.0).0.to_array()[0];
+        let blue = |part: f64| spring_color(Some(part), 1.0).0.to_array()[2];
+        assert!(red(1.0) > red(0.5) && red(0.5) > red(0.0));
+        assert!(blue(-1.0) > blue(-0.5) && blue(-0.5) > blue(0.0));
+        assert_eq!(spring_color(Some(f64::NAN), 1.0), spring_color(None, 1.0));
+    }
+
+    #[test]
+    fn a_coil_meets_both_ends_and_stays_within_its_radius() {
+        let (a, b) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(1.0, 2.0, 0.0));
+        let coil = strip([a, b], Some(0.1));
+        assert_eq!((coil.first(), coil.last()), (Some(&[1.0, 0.0, 0.0]), Some(&[1.0, 2.0, 0.0])));
+        let off = |at: &[f32; 3]| ((at[0] - 1.0).powi(2) + at[2].powi(2)).sqrt();
+        let widest = coil.iter().map(off).fold(0.0, f32::max);
+        assert!((widest - 0.1).abs() < 1e-6, "{widest}");
+        assert_eq!(strip([a, a], Some(0.1)).len(), 2, "a spring without length is no coil");
+    }
+}

@@ -1,0 +1,66 @@
+//! The documents: what they show is what the program prints, what they link to is there, what the code cites is written
+//! down.
+
+mod citations;
+mod console;
+mod links;
+
+use assert_cmd::Command;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
+}
+
+/// Every page for people: name within the repository, and text.
+fn pages() -> Vec<(String, String)> {
+    let mut paths = vec![root().join("README.md"), root().join("ARCHITECTURE.md"), root().join("CHANGELOG.md")];
+    for folder in ["docs", "docs/guide"] {
+        let entries = fs::read_dir(root().join(folder)).expect("a folder");
+        let mut found: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
+        found.retain(|path| path.extension().is_some_and(|extension| extension == "md"));
+        found.sort();
+        paths.append(&mut found);
+    }
+    let name = |path: &Path| path.strip_prefix(root()).expect("below the root").display().to_string();
+    paths.iter().map(|path| (name(path), fs::read_to_string(path).expect("a page"))).collect()
+}
+
+/// Renew it with `stillpoint schema --markdown > docs/guide/scenario_reference.md`.
+#[test]
+fn the_scenario_reference_is_what_the_program_prints() {
+    let printed = Command::new(env!("CARGO_BIN_EXE_stillpoint")).args(["schema", "--markdown"]).output();
+    let printed = String::from_utf8(printed.expect("the program starts").stdout).expect("text");
+    let page = fs::read_to_string(root().join("docs/guide/scenario_reference.md")).expect("the page");
+    let differs = printed.lines().zip(page.lines()).find(|(new, old)| new != old);
+    assert!(
+        printed == page,
+        "stale; renew it with `stillpoint schema --markdown > docs/guide/scenario_reference.md`\n{differs:#?}"
+    );
+}
+
+#[test]
+fn the_scenario_reference_has_every_key() {
+    let reference = stillpoint::scenario::reference();
+    let schema = stillpoint::scenario::schema();
+    let mut keys = Vec::new();
+    properties(&schema, &mut keys);
+    assert!(keys.len() > 100, "the schema has lost its keys: {keys:?}");
+    for key in keys {
+        assert!(reference.contains(&format!("`{key}`")), "`{key}` is in the schema and not in the reference");
+    }
+}
+
+fn properties(schema: &serde_json::Value, keys: &mut Vec<String>) {
+    match schema {
+        serde_json::Value::Object(map) => {
+            if let Some(serde_json::Value::Object(named)) = map.get("properties") {
+                keys.extend(named.keys().cloned());
+            }
+            map.values().for_each(|value| properties(value, keys));
+        }
+        serde_json::Value::Array(list) => list.iter().for_each(|value| properties(value, keys)),
+        _ => {}
+    }
+}
