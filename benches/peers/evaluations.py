@@ -22,7 +22,6 @@ NAMES = [
 ]
 # Two programs compute the same accelerations when they differ by no more than this.
 AGREE = 1e-9
-QUICK_FREEDOM = 130  # largest models of --quick
 
 OURS = ("acceleration", "jacobian", "tangent_solve", "static_step")
 Times = collections.namedtuple("Times", "min median")  # nanoseconds
@@ -194,8 +193,6 @@ def main():
     ready, checks = [], {}
     for name in chosen(given, NAMES):
         model = models.make(name)
-        if given.quick and model.freedom > QUICK_FREEDOM:
-            continue
         scenario, neutral = models.write(model, BASE / "models")
         ready.append((model, scenario, neutral))
         checks[name] = check(model, scenario, neutral)

@@ -11,7 +11,7 @@ def arguments():
         "--only", metavar="NAMES", help="these models (with --ode: problems) or families, as in chain,tree6"
     )
     parser.add_argument("--passes", type=int, metavar="N", help="how often each is measured; default 3, with --quick 1")
-    parser.add_argument("--quick", action="store_true", help="one short pass and the smaller models")
+    parser.add_argument("--quick", action="store_true", help="one pass of short loops")
     parser.add_argument("--ode", action="store_true", help="error against time of the integrators, instead")
     parser.add_argument("--squeezer", action="store_true", help="Andrews' squeezing mechanism beside Exudyn, instead")
     parser.add_argument(
