@@ -1,17 +1,23 @@
 //! Where every link is and how fast it moves: the outward sweep that everything else starts from.
 
+mod angles;
 pub mod point;
 pub mod variation;
 
 use crate::model::{Joint, Link, Model};
+use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::{Pose, Sym3};
+use angles::Angles;
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use variation::LinkAcceleration;
 
 /// Positions and velocities of all links, inertial axes. `links[0]` is the ground.
 #[derive(Debug, Clone)]
 pub struct Motion {
     /// One per link of the model; written by [`Motion::update`].
     pub links: Vec<LinkMotion>,
+    /// Of the last positions.
+    angles: Angles,
 }
 
 /// Position and velocity of one link at its root marker, and its mass properties turned to inertial axes.
@@ -56,6 +62,12 @@ impl LinkMotion {
         inertia: Sym3::ZERO,
     };
 
+    /// `γ`: what the velocities add to the acceleration across the hinge.
+    #[inline(always)]
+    pub fn velocity_terms(&self) -> LinkAcceleration {
+        LinkAcceleration { linear: self.bias, angular: self.angular_bias }
+    }
+
     /// `world_from_link` as a pose.
     pub fn pose(&self) -> Pose {
         let turn = nalgebra::Rotation3::from_matrix_unchecked(self.turn);
@@ -66,15 +78,20 @@ impl LinkMotion {
 impl Motion {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
-        Self { links: vec![LinkMotion::GROUND; model.links.len()] }
+        Self { links: vec![LinkMotion::GROUND; model.links.len()], angles: Angles::new(model) }
     }
 
     /// Root → tips: positions and velocities from hinge coordinates `q` and velocities `v`.
     #[inline(always)]
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
+        self.angles.update(q);
         for (index, link) in model.links.iter().enumerate().skip(1) {
             let (before, from_here) = self.links.split_at_mut(index);
-            outboard(link, &before[link.parent], q, v, &mut from_here[0]);
+            let angle = match link.joint {
+                Joint::Turn => self.angles.next(),
+                _ => [0.0, 1.0],
+            };
+            outboard(link, &before[link.parent], q, v, angle, &mut from_here[0]);
         }
     }
 
@@ -95,52 +112,60 @@ impl Motion {
     }
 }
 
-/// The relations of section 2 of the method: one hinge and the body outboard of it.
+/// The relations of section 2 of the method: one hinge and the body outboard of it. `angle` is the sine and the cosine
+/// of a turn.
 #[inline(always)]
-fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], own: &mut LinkMotion) {
-    let mut turn = if link.straight { parent.turn } else { parent.turn * link.turn };
-    let mut arm = parent.turn * link.offset;
-    let w = parent.angular_velocity;
-    let mut axis = Vector3::zeros();
-    let (mut slip, mut spin) = (Vector3::zeros(), Vector3::zeros());
-    match &link.joint {
-        Joint::None => {}
+fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64; 2], own: &mut LinkMotion) {
+    let from = Columns::of(&parent.turn);
+    let hinge = if link.straight { from } else { from.product(&link.turn) };
+    let anchor = from.times(&link.offset);
+    let w = Quad::of(&parent.angular_velocity);
+    let swing = |arm| w.cross(arm);
+    own.angular_bias = Vector3::zeros();
+    let (turn, arm) = match &link.joint {
+        Joint::None => (hinge, anchor),
         Joint::Turn => {
-            turned_about_z(&mut turn, q[link.position]);
-            axis = turn.column(2).into_owned();
-            spin = axis * v[link.velocity];
+            // Rot(z, angle): the z axis stays, the others turn in their plane.
+            let ([x, y, z], [s, c]) = (hinge.0, angle.map(Quad::all));
+            let turn = Columns([s.times_add(y, c * x), s.times_from(x, c * y), z]);
+            let spin = Quad::all(v[link.velocity]) * z;
+            own.axis = z.vector();
+            own.relative = spin.vector();
+            own.angular_velocity = (w + spin).vector();
+            own.angular_bias = w.cross(spin).vector();
+            let swing = swing(anchor);
+            own.velocity = (Quad::of(&parent.velocity) + swing).vector();
+            own.bias = w.cross(swing).vector();
+            (turn, anchor)
         }
-        Joint::Slide { axis: local } => {
-            axis = turn * local;
-            arm += axis * q[link.position];
-            slip = axis * v[link.velocity];
+        Joint::Slide { axis } => {
+            let axis = hinge.times(axis);
+            let (arm, slip) = (Quad::all(q[link.position]).times_add(axis, anchor), Quad::all(v[link.velocity]) * axis);
+            let swing = swing(arm);
+            own.axis = axis.vector();
+            own.relative = slip.vector();
+            own.angular_velocity = parent.angular_velocity;
+            own.velocity = (Quad::of(&parent.velocity) + swing + slip).vector();
+            own.bias = w.cross(swing + slip + slip).vector();
+            (hinge, arm)
         }
         Joint::Ball { .. } => {
-            turn *= hinge_from_link(&q[link.position..link.position + 4]);
-            spin = turn * Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]);
+            let turn = hinge.product(&hinge_from_link(&q[link.position..link.position + 4]));
+            let spin = turn.times(&Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]));
+            own.relative = spin.vector();
+            own.angular_velocity = (w + spin).vector();
+            own.angular_bias = w.cross(spin).vector();
+            let swing = swing(anchor);
+            own.velocity = (Quad::of(&parent.velocity) + swing).vector();
+            own.bias = w.cross(swing).vector();
+            (turn, anchor)
         }
-    }
-    let swing = w.cross(&arm);
-    own.turn = turn;
-    own.position = parent.position + arm;
-    own.velocity = parent.velocity + swing + slip;
-    own.angular_velocity = w + spin;
-    own.arm = arm;
-    own.axis = axis;
-    own.relative = slip + spin;
-    own.bias = w.cross(&(swing + 2.0 * slip));
-    own.angular_bias = w.cross(&spin);
-    own.center = turn * link.center;
+    };
+    own.turn = turn.matrix();
+    own.position = (Quad::of(&parent.position) + arm).vector();
+    own.arm = arm.vector();
+    own.center = turn.times(&link.center).vector();
     own.inertia = link.principal.turned(&turn);
-}
-
-/// `turn ← turn · Rot(z, angle)`: the z axis stays, the others turn in their plane.
-#[inline]
-fn turned_about_z(turn: &mut Matrix3<f64>, angle: f64) {
-    let (s, c) = angle.sin_cos();
-    let (x, y) = (turn.column(0).into_owned(), turn.column(1).into_owned());
-    turn.set_column(0, &(c * x + s * y));
-    turn.set_column(1, &(c * y - s * x));
 }
 
 /// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.

@@ -3,7 +3,9 @@
 //! Vectors are resolved in inertial axes unless a name says otherwise; a rotation `world_from_body` turns body axes
 //! into inertial ones.
 
+pub mod fused;
 pub mod principal;
+pub mod quad;
 pub mod rotation;
 pub mod sym3;
 
@@ -32,19 +34,26 @@ impl Wrench {
     /// A force at a point, taken at another point from which it is `arm` away.
     #[inline]
     pub fn at_arm(force: Vector3<f64>, arm: Vector3<f64>) -> Self {
-        Self { force, moment: arm.cross(&force) }
+        Self { force, moment: fused::cross(&arm, &force) }
     }
 
     /// The same wrench taken at a point that lies at `−arm` from its own: the moment gains `arm × force`.
     #[inline]
     pub fn shifted(&self, arm: Vector3<f64>) -> Self {
-        Self { force: self.force, moment: self.moment + arm.cross(&self.force) }
+        Self { force: self.force, moment: fused::cross_add(&arm, &self.force, &self.moment) }
     }
 
     /// The same wrench, `factor` times as large.
     #[inline]
     pub fn times(&self, factor: f64) -> Self {
         Self { force: factor * self.force, moment: factor * self.moment }
+    }
+
+    /// Adds `factor` times another.
+    #[inline(always)]
+    pub fn add_times(&mut self, factor: f64, other: &Self) {
+        self.force = fused::scale_add(factor, &other.force, &self.force);
+        self.moment = fused::scale_add(factor, &other.moment, &self.moment);
     }
 
     /// Whether every number is finite.

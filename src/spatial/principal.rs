@@ -1,7 +1,8 @@
 //! A moment of inertia in principal axes: what turning it costs least in.
 
 use super::Sym3;
-use nalgebra::{Matrix3, Vector3};
+use super::quad::{Columns, Quad};
+use nalgebra::Vector3;
 
 /// `J = middle 1 + Σ excess u uᵀ` over the axes of the least and the largest moment: turning it turns two axes instead
 /// of a matrix, and only one for a body with two equal moments.
@@ -35,14 +36,19 @@ impl Principal {
     }
 
     /// `R J Rᵀ`.
-    #[inline]
-    pub fn turned(&self, turn: &Matrix3<f64>) -> Sym3 {
-        let mut sum = Sym3::scalar(self.middle);
-        sum += Sym3::outer(self.excess[0], turn * self.axes[0]);
+    #[inline(always)]
+    pub fn turned(&self, turn: &Columns) -> Sym3 {
+        let u = turn.times(&self.axes[0]);
+        let (squares, products) = u.squares();
+        let excess = Quad::all(self.excess[0]);
+        let (mut diagonal, mut others) = (excess.times_add(squares, Quad::all(self.middle)), excess * products);
         if self.excess[1] != 0.0 {
-            sum += Sym3::outer(self.excess[1], turn * self.axes[1]);
+            let (squares, products) = turn.times(&self.axes[1]).squares();
+            let excess = Quad::all(self.excess[1]);
+            (diagonal, others) = (excess.times_add(squares, diagonal), excess.times_add(products, others));
         }
-        sum
+        let (on, off) = (diagonal.vector(), others.vector());
+        Sym3 { xx: on.x, yy: on.y, zz: on.z, xy: off.x, xz: off.y, yz: off.z }
     }
 }
 
@@ -57,7 +63,7 @@ mod tests {
         let turn = *Rotation3::from_euler_angles(0.3, -1.1, 2.0).matrix();
         for moments in [[1.0, 2.0, 2.5], [2.0, 2.0, 1e-6], [0.0, 3.0, 3.0], [1.5, 1.5, 1.5], [0.0, 0.0, 0.0]] {
             let inertia = Sym3::diagonal(Vector3::from(moments)).turned(&turn.transpose());
-            let (fast, slow) = (Principal::of(&inertia).turned(&turn), inertia.turned(&turn));
+            let (fast, slow) = (Principal::of(&inertia).turned(&Columns::of(&turn)), inertia.turned(&turn));
             let largest = moments.iter().fold(0.0_f64, |m, x| m.max(*x));
             // A dozen products of numbers up to the largest moment.
             assert!((fast.matrix() - slow.matrix()).amax() <= 12.0 * f64::EPSILON * largest, "{moments:?}");

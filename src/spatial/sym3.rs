@@ -1,5 +1,6 @@
 //! Symmetric 3×3 matrices, one triangle stored: what is symmetric stays so to the last bit.
 
+use super::fused::{fma, product};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Add, AddAssign, Mul};
 
@@ -38,6 +39,28 @@ impl Sym3 {
         Self { xx: w.x * v.x, yy: w.y * v.y, zz: w.z * v.z, xy: w.x * v.y, xz: w.x * v.z, yz: w.y * v.z }
     }
 
+    /// `self += s v vᵀ`.
+    #[inline(always)]
+    pub fn add_outer(&mut self, s: f64, v: &Vector3<f64>) {
+        let w = s * v;
+        self.xx = fma(w.x, v.x, self.xx);
+        self.yy = fma(w.y, v.y, self.yy);
+        self.zz = fma(w.z, v.z, self.zz);
+        self.xy = fma(w.x, v.y, self.xy);
+        self.xz = fma(w.x, v.z, self.xz);
+        self.yz = fma(w.y, v.z, self.yz);
+    }
+
+    /// `S v + c`.
+    #[inline(always)]
+    pub fn times_add(&self, v: &Vector3<f64>, c: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(
+            fma(self.xz, v.z, fma(self.xy, v.y, fma(self.xx, v.x, c.x))),
+            fma(self.yz, v.z, fma(self.yy, v.y, fma(self.xy, v.x, c.y))),
+            fma(self.zz, v.z, fma(self.yz, v.y, fma(self.xz, v.x, c.z))),
+        )
+    }
+
     /// The symmetric part of a full matrix.
     pub fn symmetric_part(m: &Matrix3<f64>) -> Self {
         Self {
@@ -59,8 +82,9 @@ impl Sym3 {
     /// `R S Rᵀ`: the same tensor in the axes that `turn` leads to.
     #[inline]
     pub fn turned(&self, turn: &Matrix3<f64>) -> Self {
-        let t = turn * self.matrix();
-        let entry = |i: usize, j: usize| t[(i, 0)] * turn[(j, 0)] + t[(i, 1)] * turn[(j, 1)] + t[(i, 2)] * turn[(j, 2)];
+        let t = product(turn, &self.matrix());
+        let entry =
+            |i: usize, j: usize| fma(t[(i, 2)], turn[(j, 2)], fma(t[(i, 1)], turn[(j, 1)], t[(i, 0)] * turn[(j, 0)]));
         Self { xx: entry(0, 0), yy: entry(1, 1), zz: entry(2, 2), xy: entry(0, 1), xz: entry(0, 2), yz: entry(1, 2) }
     }
 
@@ -88,24 +112,28 @@ impl Sym3 {
     #[inline]
     pub fn inverse(&self) -> Option<(Self, Vector3<f64>)> {
         let d1 = self.xx;
-        let (l21, l31) = (self.xy / d1, self.xz / d1);
-        let d2 = self.yy - l21 * self.xy;
-        let l32 = (self.yz - l31 * self.xy) / d2;
-        let d3 = self.zz - l31 * self.xz - l32 * l32 * d2;
+        let i1 = 1.0 / d1;
+        let (l21, l31) = (self.xy * i1, self.xz * i1);
+        let d2 = fma(-l21, self.xy, self.yy);
+        let i2 = 1.0 / d2;
+        let under = fma(-l31, self.xy, self.yz);
+        let l32 = under * i2;
+        let d3 = fma(-l32, under, fma(-l31, self.xz, self.zz));
+        let i3 = 1.0 / d3;
         let pivots = Vector3::new(d1, d2, d3);
         if !pivots.iter().all(|d| d.is_finite() && *d != 0.0) {
             return None;
         }
         // Rows of L⁻¹: (1,0,0), (−l21,1,0), (l21 l32 − l31, −l32, 1).
-        let m31 = l21 * l32 - l31;
-        let (i1, i2, i3) = (1.0 / d1, 1.0 / d2, 1.0 / d3);
+        let m31 = fma(l21, l32, -l31);
+        let (xz, yz) = (m31 * i3, -l32 * i3);
         let inverse = Self {
-            xx: i1 + l21 * l21 * i2 + m31 * m31 * i3,
-            yy: i2 + l32 * l32 * i3,
+            xx: fma(m31, xz, fma(l21 * l21, i2, i1)),
+            yy: fma(-l32, yz, i2),
             zz: i3,
-            xy: -l21 * i2 - m31 * l32 * i3,
-            xz: m31 * i3,
-            yz: -l32 * i3,
+            xy: fma(m31, yz, -l21 * i2),
+            xz,
+            yz,
         };
         Some((inverse, pivots))
     }
@@ -116,9 +144,9 @@ impl Mul<Vector3<f64>> for Sym3 {
     #[inline]
     fn mul(self, v: Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
-            self.xx * v.x + self.xy * v.y + self.xz * v.z,
-            self.xy * v.x + self.yy * v.y + self.yz * v.z,
-            self.xz * v.x + self.yz * v.y + self.zz * v.z,
+            fma(self.xz, v.z, fma(self.xy, v.y, self.xx * v.x)),
+            fma(self.yz, v.z, fma(self.yy, v.y, self.xy * v.x)),
+            fma(self.zz, v.z, fma(self.yz, v.y, self.xz * v.x)),
         )
     }
 }

@@ -3,6 +3,7 @@
 use crate::model::Link;
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkAcceleration;
+use crate::spatial::fused::{cross, cross_add, fma, times_add, transposed_times};
 use crate::spatial::{Sym3, Wrench};
 use nalgebra::{Matrix3, Vector3};
 
@@ -19,51 +20,60 @@ pub struct Reduced {
 
 impl Reduced {
     /// `S a`.
-    #[inline]
+    #[inline(always)]
     pub fn times(&self, a: &LinkAcceleration) -> Wrench {
         Wrench {
-            force: self.ff * a.linear + self.fm * a.angular,
-            moment: self.fm.tr_mul(&a.linear) + self.mm * a.angular,
+            force: times_add(&self.fm, &a.angular, &(self.ff * a.linear)),
+            moment: self.mm.times_add(&a.angular, &transposed_times(&self.fm, &a.linear)),
         }
     }
 
     /// `S −= w wᵀ / D`.
-    #[inline]
+    #[inline(always)]
     pub fn downdate(&mut self, w: &Wrench, inverse_pivot: f64) {
-        self.ff += Sym3::outer(-inverse_pivot, w.force);
-        self.mm += Sym3::outer(-inverse_pivot, w.moment);
-        self.fm -= (inverse_pivot * w.force) * w.moment.transpose();
+        self.ff.add_outer(-inverse_pivot, &w.force);
+        self.mm.add_outer(-inverse_pivot, &w.moment);
+        let (p, m, fm) = (-inverse_pivot * w.force, &w.moment, &mut self.fm);
+        fm.m11 = fma(p.x, m.x, fm.m11);
+        fm.m12 = fma(p.x, m.y, fm.m12);
+        fm.m13 = fma(p.x, m.z, fm.m13);
+        fm.m21 = fma(p.y, m.x, fm.m21);
+        fm.m22 = fma(p.y, m.y, fm.m22);
+        fm.m23 = fma(p.y, m.z, fm.m23);
+        fm.m31 = fma(p.z, m.x, fm.m31);
+        fm.m32 = fma(p.z, m.y, fm.m32);
+        fm.m33 = fma(p.z, m.z, fm.m33);
     }
 
     /// `X(d)ᵀ S X(d)`: the same matrix seen from a marker from which this one is `d` away. Only one triangle of each
     /// symmetric block is computed.
-    #[inline]
+    #[inline(always)]
     pub fn shifted(&self, d: &Vector3<f64>) -> Self {
-        // fm' = fm − ff [d]×, row by row: −row [d]× = −(row × d)ᵀ
+        // fm' = fm − ff [d]×, row by row: −row [d]× = −(row × d)ᵀ = (d × row)ᵀ
         let (a, b, c) = (&self.ff, &self.fm, &self.mm);
-        let row = |ax: f64, ay: f64, az: f64, bx: f64, by: f64, bz: f64| {
-            (bx - (ay * d.z - az * d.y), by - (az * d.x - ax * d.z), bz - (ax * d.y - ay * d.x))
-        };
-        let (m11, m12, m13) = row(a.xx, a.xy, a.xz, b.m11, b.m12, b.m13);
-        let (m21, m22, m23) = row(a.xy, a.yy, a.yz, b.m21, b.m22, b.m23);
-        let (m31, m32, m33) = row(a.xz, a.yz, a.zz, b.m31, b.m32, b.m33);
+        let row = |ax, ay, az, bx, by, bz| cross_add(d, &Vector3::new(ax, ay, az), &Vector3::new(bx, by, bz));
+        let first = row(a.xx, a.xy, a.xz, b.m11, b.m12, b.m13);
+        let second = row(a.xy, a.yy, a.yz, b.m21, b.m22, b.m23);
+        let third = row(a.xz, a.yz, a.zz, b.m31, b.m32, b.m33);
         // mm' = mm + [d]× fm' + ([d]× fm)ᵀ: entry (i, j) gains (d × column j of fm')ᵢ + (d × column i of fm)ⱼ
         let mm = Sym3 {
-            xx: c.xx + d.y * (m31 + b.m31) - d.z * (m21 + b.m21),
-            yy: c.yy + d.z * (m12 + b.m12) - d.x * (m32 + b.m32),
-            zz: c.zz + d.x * (m23 + b.m23) - d.y * (m13 + b.m13),
-            xy: c.xy + d.y * m32 - d.z * (m22 - b.m11) - d.x * b.m31,
-            xz: c.xz + d.y * (m33 - b.m11) - d.z * m23 + d.x * b.m21,
-            yz: c.yz + d.z * m13 - d.x * (m33 - b.m22) - d.y * b.m12,
+            xx: fma(d.y, third.x + b.m31, fma(-d.z, second.x + b.m21, c.xx)),
+            yy: fma(d.z, first.y + b.m12, fma(-d.x, third.y + b.m32, c.yy)),
+            zz: fma(d.x, second.z + b.m23, fma(-d.y, first.z + b.m13, c.zz)),
+            xy: fma(d.y, third.y, fma(-d.z, second.y - b.m11, fma(-d.x, b.m31, c.xy))),
+            xz: fma(d.y, third.z - b.m11, fma(-d.z, second.z, fma(d.x, b.m21, c.xz))),
+            yz: fma(d.z, first.z, fma(-d.x, third.z - b.m22, fma(-d.y, b.m12, c.yz))),
         };
-        Self { ff: *a, fm: Matrix3::new(m11, m12, m13, m21, m22, m23, m31, m32, m33), mm }
+        Self { ff: *a, fm: Matrix3::from_rows(&[first.transpose(), second.transpose(), third.transpose()]), mm }
     }
 
     /// `S += M` of eq. (1): mass `m`, centre `c` from the root marker, inertia about the root marker.
-    #[inline]
+    #[inline(always)]
     pub fn add_body(&mut self, mass: f64, center: &Vector3<f64>, inertia: &Sym3) {
         let c = mass * center;
-        self.ff += Sym3::scalar(mass);
+        self.ff.xx += mass;
+        self.ff.yy += mass;
+        self.ff.zz += mass;
         self.mm += *inertia;
         self.fm.m12 += c.z;
         self.fm.m13 -= c.y;
@@ -96,10 +106,10 @@ pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion)
 }
 
 /// `b` of eq. (1) with gravity: the wrench at the root marker that the body's velocities and weight ask for.
-#[inline]
+#[inline(always)]
 pub fn bias(mass: f64, gravity: &Vector3<f64>, at: &LinkMotion) -> Wrench {
     let (w, c) = (&at.angular_velocity, &at.center);
     // In the same form as the velocity terms of the arms: where the two cancel, so does their round-off.
-    let force = mass * (w.cross(&w.cross(c)) - gravity);
-    Wrench { force, moment: w.cross(&(at.inertia * *w)) - mass * c.cross(gravity) }
+    let swing = cross(w, &cross(w, c)) - gravity;
+    Wrench { force: mass * swing, moment: cross_add(w, &(at.inertia * *w), &cross(gravity, &(mass * c))) }
 }

@@ -47,21 +47,22 @@ pub use reduce::{Reduction, Singular};
 use crate::model::{Joint, Link};
 use crate::motion::LinkMotion;
 use crate::spatial::Wrench;
+use crate::spatial::fused::{cross_add, dot, scale_add, times_add};
 use nalgebra::Vector3;
 
 /// `Hᵀ w` for a hinge of one coordinate.
-#[inline]
+#[inline(always)]
 fn along(joint: &Joint, axis: &Vector3<f64>, w: &Wrench) -> f64 {
     match joint {
-        Joint::Slide { .. } => axis.dot(&w.force),
-        _ => axis.dot(&w.moment),
+        Joint::Slide { .. } => dot(axis, &w.force),
+        _ => dot(axis, &w.moment),
     }
 }
 
 /// `X(d) a_P + γ`: the acceleration of a root marker while its own hinge does not accelerate.
-#[inline]
+#[inline(always)]
 fn inboard(link: &LinkMotion, parent: &LinkAcceleration, with_bias: bool) -> LinkAcceleration {
-    let linear = parent.linear + parent.angular.cross(&link.arm);
+    let linear = cross_add(&parent.angular, &link.arm, &parent.linear);
     if with_bias {
         LinkAcceleration { linear: linear + link.bias, angular: parent.angular + link.angular_bias }
     } else {
@@ -70,15 +71,16 @@ fn inboard(link: &LinkMotion, parent: &LinkAcceleration, with_bias: bool) -> Lin
 }
 
 /// Adds `H q̈`.
-#[inline]
+#[inline(always)]
 fn accelerate(link: &Link, at: &LinkMotion, hinge: &[f64], a: &mut LinkAcceleration) {
     let first = link.velocity;
     match link.joint {
         Joint::None => {}
-        Joint::Turn => a.angular += at.axis * hinge[first],
-        Joint::Slide { .. } => a.linear += at.axis * hinge[first],
+        Joint::Turn => a.angular = scale_add(hinge[first], &at.axis, &a.angular),
+        Joint::Slide { .. } => a.linear = scale_add(hinge[first], &at.axis, &a.linear),
         Joint::Ball { .. } => {
-            a.angular += at.turn * Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);
+            let relative = Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);
+            a.angular = times_add(&at.turn, &relative, &a.angular);
         }
     }
 }

@@ -9,6 +9,8 @@ pub(super) struct Place {
     pub is_leaf: bool,
     /// It has neither mass nor inertia.
     pub is_massless: bool,
+    /// It slides, and so does everything that it hangs on: nothing there can turn.
+    pub translates: bool,
     /// Where all its children but the first are summed; `None` with one child or none.
     pub join: Option<u32>,
     /// Where it passes on what it carries.
@@ -43,7 +45,9 @@ pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
             (parent, index) if parent + 1 == index => To::Previous,
             (parent, _) => plan[parent].join.map_or(To::Previous, To::Join),
         };
-        plan.push(Place { is_leaf, is_massless: link.is_massless(), join, to, ball: balls });
+        let slides = matches!(link.joint, Joint::Slide { .. });
+        let translates = slides && (link.parent == 0 || plan[link.parent].translates);
+        plan.push(Place { is_leaf, is_massless: link.is_massless(), translates, join, to, ball: balls });
         balls += u32::from(matches!(link.joint, Joint::Ball { .. }));
     }
     (plan, joins as usize, balls as usize)

@@ -1,15 +1,18 @@
 //! The reduction: a factorization of the tree, and solutions with it.
 
 mod ball;
+mod carried;
 mod way;
 
-use super::element::{Reduced, bias, moment_in_link_axes};
+use super::element::moment_in_link_axes;
 use super::plan::{Place, To, plan};
 use super::{LinkAcceleration, accelerate, along, inboard};
-use crate::model::{Joint, Model};
-use crate::motion::Motion;
+use crate::model::{Joint, Link, Model};
+use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
+use crate::spatial::fused::dot_add;
 use ball::{Ball, Pivot};
+use carried::Carried;
 use nalgebra::Vector3;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
@@ -38,13 +41,6 @@ struct One {
     SH: Wrench,
     inverse: f64,
     u: f64,
-}
-
-/// What a link passes on to its parent: `X(d)ᵀ S' X(d)` and `X(d)ᵀ e'`. Kept in registers along a chain.
-#[derive(Debug, Clone, Copy, Default)]
-struct Carried {
-    S: Reduced,
-    e: Wrench,
 }
 
 /// A hinge whose acceleration is not determined.
@@ -118,53 +114,52 @@ impl Reduction {
             } else if let Some(join) = place.join {
                 carried.add(&std::mem::take(&mut self.joins[join as usize]));
             }
-            let Carried { S, e } = &mut carried;
-            if !place.is_massless {
-                S.add_body(link.mass, &at.center, &at.inertia);
-                *e += bias(link.mass, &model.gravity, at);
+            let applied = load.applied.get(index);
+            if place.translates {
+                carried = translate(model, (link, at), place.is_massless, applied, &carried, load.tau, left)
+                    .map_err(|pivot| Singular { link: index, pivot })?;
+                if let To::Join(join) = place.to {
+                    self.joins[join as usize].add(&carried);
+                }
+                continue;
             }
-            if let Some(applied) = load.applied.get(index) {
-                *e = *e - *applied;
+            let mut here = carried.with_body(link, at, &model.gravity);
+            if let Some(applied) = applied {
+                here = here.loaded(applied);
             }
             let failed = |pivot| Singular { link: index, pivot };
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn => {
-                    let SH = Wrench { force: S.fm * at.axis, moment: S.mm * at.axis };
-                    let armature = model.coordinates[link.velocity].armature;
-                    let D = at.axis.dot(&SH.moment) + armature;
-                    *left = One::of(SH, D, S.mm.trace()).map_err(failed)?;
-                    left.u = load.tau[link.velocity] - at.axis.dot(&e.moment);
-                }
-                Joint::Slide { .. } => {
-                    let SH = Wrench { force: S.ff * at.axis, moment: S.fm.tr_mul(&at.axis) };
-                    let armature = model.coordinates[link.velocity].armature;
-                    let D = at.axis.dot(&SH.force) + armature;
-                    *left = One::of(SH, D, S.ff.trace()).map_err(failed)?;
-                    left.u = load.tau[link.velocity] - at.axis.dot(&e.force);
+            let to_ground = matches!(place.to, To::Ground);
+            carried = match link.joint {
+                Joint::None => here,
+                Joint::Turn | Joint::Slide { .. } => {
+                    let (armature, tau) = (model.coordinates[link.velocity].armature, load.tau[link.velocity]);
+                    let one = match link.joint {
+                        Joint::Turn => here.turn(&at.axis, armature, tau),
+                        _ => here.slide(&at.axis, armature, tau),
+                    };
+                    let one = one.map_err(failed)?;
+                    *left = one.one();
+                    if to_ground {
+                        continue;
+                    }
+                    here.without(&one).shifted(at)
                 }
                 Joint::Ball { .. } => {
                     let ball = &mut self.balls[place.ball as usize];
                     let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
-                    let (eliminated, across) = ball::eliminate(model, link, at, S, pivot).map_err(failed)?;
+                    let (eliminated, across) =
+                        ball::eliminate(model, link, at, &here.matrix(), pivot).map_err(failed)?;
                     *ball = eliminated;
                     let tau = three(load.tau, link.velocity);
-                    let applied = load.applied.get(index).map_or(Vector3::zeros(), |wrench| wrench.moment);
+                    let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
                     let own = || moment_in_link_axes(link, &model.gravity, at) - at.turn.tr_mul(&applied);
-                    let passed = ball.load(at, &tau, e, own);
-                    *S = across;
-                    *e = passed;
+                    let passed = ball.load(at, &tau, &here.vector(), own);
+                    if to_ground {
+                        continue;
+                    }
+                    Carried::of(&across, &passed).shifted(at)
                 }
-            }
-            if matches!(place.to, To::Ground) {
-                continue;
-            }
-            if !matches!(link.joint, Joint::Ball { .. }) {
-                S.downdate(&left.SH, left.inverse);
-                *e += left.SH.times(left.inverse * left.u);
-            }
-            *e += S.times(&LinkAcceleration { linear: at.bias, angular: at.angular_bias });
-            carried = Carried { S: S.shifted(&at.arm), e: e.shifted(at.arm) };
+            };
             if let To::Join(join) = place.to {
                 self.joins[join as usize].add(&carried);
             }
@@ -186,7 +181,7 @@ impl Reduction {
                 Joint::Turn | Joint::Slide { .. } => {
                     let left = &mut self.hinges[index];
                     left.u = load.tau[link.velocity] - along(&link.joint, &at.axis, &e);
-                    e += left.SH.times(left.inverse * left.u);
+                    e.add_times(left.inverse * left.u, &left.SH);
                 }
                 Joint::Ball { .. } => {
                     let ball = &mut self.balls[self.plan[index].ball as usize];
@@ -200,23 +195,28 @@ impl Reduction {
     /// Root → tips: eq. (8).
     #[inline(always)]
     fn outward<const BIAS: bool>(&mut self, model: &Model, motion: &Motion, hinge: &mut [f64]) {
-        self.a[0] = LinkAcceleration::default();
+        let mut before = LinkAcceleration::default();
+        self.a[0] = before;
         let links = model.links.iter().zip(&motion.links).zip(&self.hinges);
         for (index, ((link, at), left)) in links.enumerate().skip(1) {
-            let mut a = inboard(at, &self.a[link.parent], BIAS);
+            // Along a chain the parent's acceleration is still in registers.
+            let parent = if link.parent + 1 == index { before } else { self.a[link.parent] };
+            let mut a = inboard(at, &parent, BIAS);
             match link.joint {
                 Joint::None => {}
                 Joint::Turn | Joint::Slide { .. } => {
-                    let resisted = left.SH.force.dot(&a.linear) + left.SH.moment.dot(&a.angular);
-                    hinge[link.velocity] = left.inverse * (left.u - resisted);
+                    let free = dot_add(&-left.SH.moment, &a.angular, left.u);
+                    hinge[link.velocity] = left.inverse * dot_add(&-left.SH.force, &a.linear, free);
                 }
                 Joint::Ball { .. } => {
-                    let relative = self.balls[self.plan[index].ball as usize].solve(link, at, &a);
+                    let seen = a;
+                    let relative = self.balls[self.plan[index].ball as usize].solve(link, at, &seen);
                     hinge[link.velocity..link.velocity + 3].copy_from_slice(relative.as_slice());
                 }
             }
             accelerate(link, at, hinge, &mut a);
             self.a[index] = a;
+            before = a;
         }
     }
 
@@ -239,23 +239,29 @@ impl Reduction {
     }
 }
 
-impl One {
-    /// On failure the pivot: below round-off of what the hinge could see, or not finite.
-    #[inline]
-    fn of(SH: Wrench, D: f64, seen: f64) -> Result<Self, f64> {
-        if !(D > SINGULAR * seen && D.is_finite()) {
-            return Err(D);
-        }
-        Ok(Self { SH, inverse: 1.0 / D, u: 0.0 })
+/// Eqs. (5) to (7) for a link that can only translate: what it and the links below it feel of `S` and `e` is `ff` and the
+/// force. (A floating base is three of these and a ball.)
+#[inline(always)]
+fn translate(
+    model: &Model,
+    (link, at): (&Link, &LinkMotion),
+    is_massless: bool,
+    applied: Option<&Wrench>,
+    carried: &Carried,
+    tau: &[f64],
+    left: &mut One,
+) -> Result<Carried, f64> {
+    let mut here = *carried;
+    if !is_massless {
+        here = here.with_body(link, at, &model.gravity);
     }
-}
-
-impl Carried {
-    #[inline]
-    fn add(&mut self, other: &Self) {
-        self.S.add(&other.S);
-        self.e += other.e;
+    if let Some(applied) = applied {
+        here = here.loaded(applied);
     }
+    let (armature, tau) = (model.coordinates[link.velocity].armature, tau[link.velocity]);
+    let one = here.translation(&at.axis, armature, tau)?;
+    *left = one.one();
+    Ok(here.without_force(&one))
 }
 
 #[inline]

@@ -41,7 +41,7 @@ const MAY_IMPORT: [(&str, &[&str]); 17] = [
 ];
 
 /// Foreign crate → the modules that may name it.
-const FOREIGN: [(&str, &[&str]); 19] = [
+const FOREIGN: [(&str, &[&str]); 20] = [
     ("stl_io", &["mesh"]),
     ("tobj", &["mesh"]),
     ("gltf", &["mesh"]),
@@ -61,6 +61,7 @@ const FOREIGN: [(&str, &[&str]); 19] = [
     ("csv", &["cli"]),
     ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics"]),
+    ("wide", &["spatial", "motion"]),
 ];
 
 /// A file longer than this is more than one can hold in the head.

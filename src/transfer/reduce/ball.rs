@@ -1,9 +1,10 @@
 //! A ball, eliminated.
 
-use super::{LinkAcceleration, Reduced, SINGULAR};
+use super::{LinkAcceleration, SINGULAR};
 use crate::model::{Link, Model};
 use crate::motion::LinkMotion;
 use crate::spatial::{Sym3, Wrench};
+use crate::transfer::element::Reduced;
 use nalgebra::{Matrix3, Vector3};
 
 /// What is left of a ball, `H` being the moment part: `S H = [fm; mm]`, `D⁻¹` and the `u` of the last solution.

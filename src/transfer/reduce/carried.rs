@@ -1,0 +1,163 @@
+//! What a link passes on to its parent, in registers.
+
+use super::{One, SINGULAR};
+use crate::model::Link;
+use crate::motion::LinkMotion;
+use crate::spatial::Wrench;
+use crate::spatial::quad::{Columns, Quad, wrench};
+use crate::transfer::element::Reduced;
+use nalgebra::Vector3;
+
+/// `S` and `e` of eq. (4); `ff` and `mm` are symmetric to the last bit.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Carried {
+    ff: Columns,
+    fm: Columns,
+    mm: Columns,
+    force: Quad,
+    moment: Quad,
+}
+
+impl Carried {
+    /// Of what is in memory.
+    #[inline]
+    pub(super) fn of(S: &Reduced, e: &Wrench) -> Self {
+        Self {
+            ff: Columns::symmetric(&S.ff),
+            fm: Columns::of(&S.fm),
+            mm: Columns::symmetric(&S.mm),
+            force: Quad::of(&e.force),
+            moment: Quad::of(&e.moment),
+        }
+    }
+
+    /// `S` in memory.
+    #[inline]
+    pub(super) fn matrix(&self) -> Reduced {
+        Reduced { ff: self.ff.triangle(), fm: self.fm.matrix(), mm: self.mm.triangle() }
+    }
+
+    /// `e` in memory.
+    #[inline]
+    pub(super) fn vector(&self) -> Wrench {
+        wrench(self.force, self.moment)
+    }
+
+    /// What branches carry, summed.
+    #[inline(always)]
+    pub(super) fn add(&mut self, other: &Self) {
+        self.ff += other.ff;
+        self.fm += other.fm;
+        self.mm += other.mm;
+        self.force += other.force;
+        self.moment += other.moment;
+    }
+
+    /// With what the link itself adds by eq. (1): `M`, `b` with the weight, and what is applied to it.
+    #[inline(always)]
+    pub(super) fn with_body(&self, link: &Link, at: &LinkMotion, gravity: &Vector3<f64>) -> Self {
+        let (mass, J) = (Quad::all(link.mass), Columns::symmetric(&at.inertia));
+        let (w, c, g) = (Quad::of(&at.angular_velocity), Quad::of(&at.center), Quad::of(gravity));
+        let mc = mass * c;
+        // In the same form as the velocity terms of the arms: where the two cancel, so does their round-off.
+        let swing = w.cross(w.cross(c)) - g;
+        let gyroscopic = w.cross_add(J.times(&at.angular_velocity), g.cross(mc));
+        Self {
+            ff: self.ff.plus_scalar(mass),
+            fm: self.fm.minus_cross_of(mc),
+            mm: self.mm + J,
+            force: self.force + mass * swing,
+            moment: self.moment + gyroscopic,
+        }
+    }
+
+    /// Less a wrench that acts on the link.
+    #[inline(always)]
+    pub(super) fn loaded(&self, applied: &Wrench) -> Self {
+        Self { force: self.force - Quad::of(&applied.force), moment: self.moment - Quad::of(&applied.moment), ..*self }
+    }
+
+    /// Eqs. (5) and (6) for a turn: what is left of it; on failure the pivot.
+    #[inline(always)]
+    pub(super) fn turn(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
+        let n = Quad::of(axis);
+        let (force, moment) = (self.fm.times(axis), self.mm.times(axis));
+        Left::of(force, moment, n.dot(moment) + armature, self.mm.trace(), tau - n.dot(self.moment))
+    }
+
+    /// The same for a slide.
+    #[inline(always)]
+    pub(super) fn slide(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
+        let n = Quad::of(axis);
+        let (force, moment) = (self.ff.times(axis), self.fm.transposed().times(axis));
+        Left::of(force, moment, n.dot(force) + armature, self.ff.trace(), tau - n.dot(self.force))
+    }
+
+    /// The same for a slide below which nothing turns: the moments do not count.
+    #[inline(always)]
+    pub(super) fn translation(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
+        let (n, force) = (Quad::of(axis), self.ff.times(axis));
+        Left::of(force, Quad::default(), n.dot(force) + armature, self.ff.trace(), tau - n.dot(self.force))
+    }
+
+    /// `S'` and `e'` of such a slide: the force part alone.
+    #[inline(always)]
+    pub(super) fn without_force(&self, left: &Left) -> Self {
+        let (f, step) = (left.force, Quad::all(left.inverse * left.u));
+        let ff = self.ff.minus_outer(Quad::all(left.inverse), f, f);
+        Self { ff, force: step.times_add(f, self.force), ..Self::default() }
+    }
+
+    /// `S'` and `e'` without the velocity terms, eqs. (5) and (6).
+    #[inline(always)]
+    pub(super) fn without(&self, left: &Left) -> Self {
+        let (f, m, inverse) = (left.force, left.moment, Quad::all(left.inverse));
+        let step = Quad::all(left.inverse * left.u);
+        Self {
+            ff: self.ff.minus_outer(inverse, f, f),
+            fm: self.fm.minus_outer(inverse, f, m),
+            mm: self.mm.minus_outer(inverse, m, m),
+            force: step.times_add(f, self.force),
+            moment: step.times_add(m, self.moment),
+        }
+    }
+
+    /// Eq. (7), after `S' γ` of eq. (6): what the parent gets. `S' γ` is summed on its own, for `e` is what waits.
+    #[inline(always)]
+    pub(super) fn shifted(&self, at: &LinkMotion) -> Self {
+        let (d, linear, angular) = (&at.arm, &at.bias, &at.angular_bias);
+        let mf = self.fm.transposed();
+        let force = self.force + self.fm.times_add(angular, self.ff.times(linear));
+        let moment = self.moment + self.mm.times_add(angular, mf.times(linear));
+        // fm' = fm − ff [d]×,  mm' = mm + ([d]× fm)ᵀ + [d]× fm'
+        let fm = self.fm.minus_cross(&self.ff, d);
+        let mm = self.mm.minus_cross(&mf, d).plus_cross(d, &fm).mirrored();
+        Self { ff: self.ff, fm, mm, force, moment: Quad::of(d).cross_add(force, moment) }
+    }
+}
+
+/// A hinge of one coordinate, eliminated, in registers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Left {
+    force: Quad,
+    moment: Quad,
+    inverse: f64,
+    u: f64,
+}
+
+impl Left {
+    /// On failure the pivot: below round-off of what the hinge could see, or not finite.
+    #[inline(always)]
+    fn of(force: Quad, moment: Quad, D: f64, seen: f64, u: f64) -> Result<Self, f64> {
+        if !(D > SINGULAR * seen && D.is_finite()) {
+            return Err(D);
+        }
+        Ok(Self { force, moment, inverse: 1.0 / D, u })
+    }
+
+    /// In memory.
+    #[inline(always)]
+    pub(super) fn one(&self) -> One {
+        One { SH: wrench(self.force, self.moment), inverse: self.inverse, u: self.u }
+    }
+}
