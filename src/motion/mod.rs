@@ -164,9 +164,8 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
     own.turn = turn.matrix();
     own.position = (Quad::of(&parent.position) + arm).vector();
     own.arm = arm.vector();
-    let center = turn.times(&link.center);
-    own.center = center.vector();
-    own.inertia = link.principal.turned(&turn, link.mass, center);
+    own.center = turn.times(&link.center).vector();
+    own.inertia = link.principal.turned(&turn);
 }
 
 /// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.

@@ -35,10 +35,9 @@ impl Principal {
         Self { middle, excess: [first.0, second.0], axes: [first.1, second.1] }
     }
 
-    /// `R J Rᵀ + m (|c|² 1 − c cᵀ)`: the inertia about a point from which the centre of mass is `c` away. The centre is
-    /// turned by then: what a mass far out adds fits to its centre to the last digit, however round `R` is.
+    /// `R J Rᵀ`.
     #[inline(always)]
-    pub fn turned(&self, turn: &Columns, mass: f64, center: Quad) -> Sym3 {
+    pub fn turned(&self, turn: &Columns) -> Sym3 {
         let u = turn.times(&self.axes[0]);
         let (squares, products) = u.squares();
         let excess = Quad::all(self.excess[0]);
@@ -48,7 +47,6 @@ impl Principal {
             let excess = Quad::all(self.excess[1]);
             (diagonal, others) = (excess.times_add(squares, diagonal), excess.times_add(products, others));
         }
-        let (diagonal, others) = center.steiner(Quad::all(mass), diagonal, others);
         let (on, off) = (diagonal.vector(), others.vector());
         Sym3 { xx: on.x, yy: on.y, zz: on.z, xy: off.x, xz: off.y, yz: off.z }
     }
@@ -65,8 +63,7 @@ mod tests {
         let turn = *Rotation3::from_euler_angles(0.3, -1.1, 2.0).matrix();
         for moments in [[1.0, 2.0, 2.5], [2.0, 2.0, 1e-6], [0.0, 3.0, 3.0], [1.5, 1.5, 1.5], [0.0, 0.0, 0.0]] {
             let inertia = Sym3::diagonal(Vector3::from(moments)).turned(&turn.transpose());
-            let (fast, slow) =
-                (Principal::of(&inertia).turned(&Columns::of(&turn), 0.0, Quad::default()), inertia.turned(&turn));
+            let (fast, slow) = (Principal::of(&inertia).turned(&Columns::of(&turn)), inertia.turned(&turn));
             let largest = moments.iter().fold(0.0_f64, |m, x| m.max(*x));
             // A dozen products of numbers up to the largest moment.
             assert!((fast.matrix() - slow.matrix()).amax() <= 12.0 * f64::EPSILON * largest, "{moments:?}");

@@ -93,13 +93,6 @@ impl Quad {
         (self * self, Self(f64x4::new([x, x, y, rest])) * Self(f64x4::new([y, z, z, rest])))
     }
 
-    /// `s (|v|² 1 − v vᵀ)`, its diagonal and what is beside it added to others (Steiner).
-    #[inline(always)]
-    pub fn steiner(self, s: Self, diagonal: Self, others: Self) -> (Self, Self) {
-        let (squares, products) = self.squares();
-        (s.times_add(squares.yzx() + squares.zxy(), diagonal), s.times_from(products, others))
-    }
-
     /// `self · b` as a number.
     #[inline(always)]
     pub fn dot(self, b: Self) -> f64 {

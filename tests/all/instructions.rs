@@ -5,7 +5,11 @@ use tempfile::TempDir;
 
 /// Accelerations and tangent per link, as they are without and with full optimisation; fewer are an improvement, more by
 /// over a fifth a slow-down that has to say what it is for. (A fifth: what another version of the compiler may change.)
-const COUNTS: [f64; 2] = if cfg!(debug_assertions) { [2451.0, 14966.0] } else { [1400.0, 4800.0] };
+const COUNTS: [f64; 2] = match (cfg!(debug_assertions), cfg!(target_feature = "fma")) {
+    (true, _) => [1977.0, 14426.0],
+    (false, true) => [760.0, 4800.0],
+    (false, false) => [1400.0, 4800.0],
+};
 const SLACK: f64 = 1.2;
 
 /// A chain whose axes alternate, moving.
@@ -54,7 +58,7 @@ fn sweeps_are_linear_and_no_slower_than_they_were() {
     eprintln!("{long:.0} instructions per link for the accelerations, {tangent:.0} for the tangent");
     assert!(long < SLACK * COUNTS[0], "{long} per link for the accelerations");
     assert!(tangent < SLACK * COUNTS[1], "{tangent} per link for the tangent");
-    // Residual pass, factorization and solution; unoptimised the blocks of the tangent cost more than they should.
-    let most = if cfg!(debug_assertions) { 7.0 } else { 4.0 };
+    // Residual pass, factorization and solution; the tangent does not compute in fours yet, as the accelerations do.
+    let most = 8.0;
     assert!(tangent < most * long, "the tangent takes {tangent} per link, the accelerations {long}");
 }

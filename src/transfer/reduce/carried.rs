@@ -3,8 +3,8 @@
 use super::{One, SINGULAR};
 use crate::model::Link;
 use crate::motion::LinkMotion;
-use crate::spatial::quad::{Columns, Quad, wrench};
 use crate::spatial::Wrench;
+use crate::spatial::quad::{Columns, Quad, wrench};
 use crate::transfer::element::Reduced;
 use nalgebra::Vector3;
 
