@@ -30,7 +30,7 @@ pub struct Link {
     pub center: Vector3<f64>,
     /// Inertia about the **root marker**, link axes (kg m²).
     pub inertia: Sym3,
-    /// The same about the centre of mass, in principal axes.
+    /// The same in principal axes.
     pub principal: Principal,
 }
 

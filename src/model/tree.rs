@@ -151,7 +151,7 @@ impl<'a> Tree<'a> {
             self.links[parent].subtree_end = self.links[parent].subtree_end.max(end);
         }
         for link in &mut self.links {
-            link.principal = Principal::of(&about_center(link));
+            link.principal = Principal::of(&link.inertia);
         }
     }
 
@@ -305,16 +305,6 @@ fn quaternion(list: &[f64]) -> UnitQuaternion<f64> {
         [w, x, y, z] => UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)),
         _ => UnitQuaternion::identity(),
     }
-}
-
-/// The inertia about the centre of mass. What is left of a point mass, or of the moment about a thin rod's axis, may be the
-/// round-off of the difference: then it is nothing.
-fn about_center(link: &Link) -> Sym3 {
-    let steiner = Sym3::steiner(-link.mass, link.center);
-    let noise = 4.0 * f64::EPSILON * link.inertia.trace();
-    let own = link.inertia + steiner;
-    let kept = |x: f64| if x.abs() <= noise { 0.0 } else { x };
-    Sym3 { xx: kept(own.xx), yy: kept(own.yy), zz: kept(own.zz), xy: kept(own.xy), xz: kept(own.xz), yz: kept(own.yz) }
 }
 
 /// Adds a body's mass to the link it is welded to.
