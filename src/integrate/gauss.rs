@@ -12,8 +12,9 @@
 //! symmetry: of a mechanism without dissipation, whose motion run backwards is a motion too, the energy swings within
 //! `O(h⁶)` and does not drift as long as the motion is not chaotic. Hairer, Lubich, Wanner, *Geometric Numerical
 //! Integration*, IV.2, XI.3. So it is measured: the largest energy error of a double pendulum and of a heavy top is the
-//! same after 10⁴ and after 10⁶ steps (`tests/all/integrators/mechanisms.rs`). Where the motion is chaotic (three links on
-//! balls that turn over) the error wanders: shorter steps make it small, nothing bounds it.
+//! same after 10⁴ and after 10⁶ steps (`tests/all/integrators/mechanisms.rs`). Where many incommensurable motions meet (three
+//! links on balls, even where they swing little) the error grows slowly, ten times from 10⁴ to 10⁵ steps: shorter steps make
+//! it small, nothing bounds it.
 //!
 //! **Error**: `O(h⁷)` per step, `O(h⁶)` at a given time. Nothing estimates it: halve the step and compare.
 //!

@@ -256,6 +256,7 @@ fn a_nearly_taut_loop_is_as_exact_as_it_can_be_and_says_so() {
         assert!((found.position[0] - angle).abs() < known, "{slack:e}: {:e}", found.position[0] - angle);
         let said = found.notes.iter().any(|note| note.contains("is round-off"));
         assert!(said || found.relative_residual <= 1e-10, "{slack:e}: {:e}", found.relative_residual);
-        assert!(found.relative_residual < 1e-15 / (angle * angle), "{slack:e}: {:e}", found.relative_residual);
+        // Rows known to a few roundings over their angle, times multipliers that grow by the same: some forty roundings.
+        assert!(found.relative_residual < 1e-14 / (angle * angle), "{slack:e}: {:e}", found.relative_residual);
     }
 }
