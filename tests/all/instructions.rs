@@ -59,6 +59,7 @@ fn sweeps_are_linear_and_no_slower_than_they_were() {
     assert!(long < SLACK * COUNTS[0], "{long} per link for the accelerations");
     assert!(tangent < SLACK * COUNTS[1], "{tangent} per link for the tangent");
     // Residual pass, factorization and solution; the tangent does not compute in fours yet, as the accelerations do.
-    let most = 8.0;
+    // An unoptimised build with fused products takes 10.4 times as many.
+    let most = 12.0;
     assert!(tangent < most * long, "the tangent takes {tangent} per link, the accelerations {long}");
 }

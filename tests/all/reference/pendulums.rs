@@ -103,7 +103,8 @@ fn c01_mass_ratio_1e6() {
         let case = case(id);
         let [lengths, masses] = [["l1", "l2"], ["m1", "m2"]].map(|keys| keys.map(|key| case.parameter(key)));
         let angles = ["theta1", "theta2"].map(|key| case.initial(key));
-        let head = head([0.0, -case.parameter("g"), 0.0], "dopri5", 1e-13);
+        // What a step is wrong by grows seven thousand times until t = 1 s.
+        let head = head([0.0, -case.parameter("g"), 0.0], "dopri5", 2e-14);
         let scene = double(&head, lengths, masses, angles);
         let mut run = scene.run();
         for (time, state) in case.states() {
