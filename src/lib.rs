@@ -58,7 +58,7 @@
 //! |---|---|
 //! | describe a scene | [`model::description`] |
 //! | read a scenario file | [`scenario::load`] |
-//! | find and judge an equilibrium | [`statics::equilibrium`] |
+//! | find and judge an equilibrium | [`statics::equilibrium()`] |
 //! | evaluate accelerations and reactions | [`dynamics::System`] |
 //! | step an integrator by hand | [`simulate::problem::Motion`] |
 //! | run and record | [`simulate::run`], [`record::RecordingFile`] |

@@ -6,7 +6,7 @@
 //!                          └ log: notes (what was taken how), problems (why it cannot be taken)
 //! ```
 //!
-//! An importer reads every element and attribute that it understands; [`xml`] keeps count, and what nobody has read
+//! An importer reads every element and attribute that it understands; `xml` keeps count, and what nobody has read
 //! becomes a note by itself. Nothing is dropped in silence, nothing is guessed: what cannot be meant is a problem, and
 //! all problems of a file are said at once.
 

@@ -6,7 +6,7 @@
 //!                                            fields, format┘         └ spans ◄─ problems of the model
 //! ```
 //!
-//! The format is declared once in [`mod@format`]; the check, the [JSON Schema](schema) and the [reference] follow from it.
+//! The format is declared once in [`mod@format`]; the check, the [JSON Schema](schema) and the [reference](reference()) follow from it.
 //! All problems of a file are found in one go, each with its line and column.
 //!
 //! ```

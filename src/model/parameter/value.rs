@@ -42,7 +42,7 @@ impl Parameter {
         }
     }
 
-    /// Gives it a value; whether that is allowed is told by [`Model::build`](super::Model::build).
+    /// Gives it a value; whether that is allowed is told by [`Model::build`](crate::model::Model::build).
     pub fn set(&self, description: &mut Description, value: f64) {
         match self.element {
             Element::Scene => description.gravity[self.index] = value,
