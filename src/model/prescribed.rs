@@ -119,6 +119,29 @@ impl Prescribed {
     pub fn is_steady(&self) -> bool {
         matches!(self, Self::Line { .. })
     }
+
+    /// How long it goes on as at t = 0, with that velocity; at most until `end` (s). What is shorter than a
+    /// four-thousandth of that time is not seen.
+    pub fn steady_until(&self, end: f64) -> f64 {
+        const SAMPLES: usize = 4096;
+        let first = self.at(0.0);
+        let leaves = |time: f64| {
+            let expected = first.position + first.velocity * time;
+            // Round-off of what is compared.
+            let allowed = 1e-12 * first.position.abs().max(expected.abs()).max(1e-3);
+            !((self.at(time).position - expected).abs() <= allowed)
+        };
+        let sample = |i: usize| end * i as f64 / SAMPLES as f64;
+        let Some(left) = (1..=SAMPLES).find(|i| leaves(sample(*i))).filter(|_| !self.is_steady()) else {
+            return end;
+        };
+        let (mut with, mut without) = (sample(left - 1), sample(left));
+        while without - with > 1e-9 * end {
+            let middle = 0.5 * (with + without);
+            *(if leaves(middle) { &mut without } else { &mut with }) = middle;
+        }
+        with
+    }
 }
 
 /// A formula in `t` with its derivatives.
