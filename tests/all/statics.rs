@@ -72,8 +72,19 @@ fn chains_guessed_horizontal_hang_down() {
 /// A planar chain has no stable equilibrium but the hanging one: every guess must lead there.
 #[test]
 fn chains_of_twenty_hang_down_from_every_random_guess() {
+    assert_hang_down(60);
+}
+
+#[test]
+// A thousand searches: only an optimised build (`cargo test --release`) has this test.
+#[cfg(not(debug_assertions))]
+fn chains_of_twenty_hang_down_from_a_thousand_random_guesses() {
+    assert_hang_down(1000);
+}
+
+fn assert_hang_down(guesses: u64) {
     let (planar, crossed) = (build(&chain(20, about_y)), build(&chain(20, crosswise)));
-    for seed in 0..60 {
+    for seed in 0..guesses {
         let mut random = Random::new(seed);
         let guess = random.list(20, -std::f64::consts::PI, std::f64::consts::PI);
         let model = if seed % 2 == 0 { &planar } else { &crossed };

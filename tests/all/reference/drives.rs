@@ -5,7 +5,7 @@ use super::loops::{bricard, four_bars};
 use super::scene::{Scene, frequencies, head};
 
 #[test]
-fn c14_kapitza() {
+pub(super) fn c14_kapitza() {
     let case = case("C14_kapitza");
     let (l, a, omega) = (case.parameter("l"), case.parameter("a"), case.parameter("Omega"));
     let text = head([0.0, -case.parameter("g"), 0.0], "dop853", 1e-13)

@@ -2,6 +2,7 @@
 
 use super::case::{Node, case};
 use super::scene::{Run, Scene, head};
+use super::survey;
 use std::f64::consts::FRAC_PI_2;
 
 /// A rod along −y with a point mass at its end; `angle` from the parent's rod.
@@ -15,7 +16,7 @@ fn rod(name: &str, parent: &str, at: f64, length: f64, mass: f64, angle: f64) ->
 }
 
 #[test]
-fn a01_simple_pendulum() {
+pub(super) fn a01_simple_pendulum() {
     let case = case("A01_simple_pendulum");
     let (length, g) = (case.parameter("length"), case.parameter("g"));
     assert_eq!((case.initial("x"), case.initial("y")), (-length, 0.0));
@@ -31,7 +32,7 @@ fn a01_simple_pendulum() {
         state.at("theta_from_down").check(run.coordinate("rod"), tolerance);
         state.at("thetadot").check(run.speed("rod"), tolerance);
     }
-    assert!(run.drift < tolerance, "energy drift {:e}", run.drift);
+    assert!(survey::is_on() || run.drift < tolerance, "energy drift {:e}", run.drift);
 }
 
 /// Two rods, the lower one's absolute angle given as the upper one's.
@@ -54,17 +55,17 @@ fn check_double(run: &Run<'_>, state: &Node, tolerance: f64, rate_tolerance: f64
 /// As long as an error of the integrator's tolerance, amplified as the case says, leaves two digits. After that only
 /// energy can be asked for.
 #[test]
-fn c08_chaotic_double_pendulum() {
-    const TOLERANCE: f64 = 1e-13;
+pub(super) fn c08_chaotic_double_pendulum() {
+    let tolerance = survey::asked("dopri5", 1e-13).1;
     let case = case("C08_chaotic_double_pendulum");
     let [lengths, masses] = [["l1", "l2"], ["m1", "m2"]].map(|keys| keys.map(|key| case.parameter(key)));
     let angles = ["theta1", "theta2"].map(|key| case.initial(key));
-    let head = head([0.0, -case.parameter("g"), 0.0], "dopri5", TOLERANCE);
+    let head = head([0.0, -case.parameter("g"), 0.0], "dopri5", tolerance);
     let scene = double(&head, lengths, masses, angles);
     let mut run = scene.run();
     for (time, state) in case.states() {
         run.until(time);
-        let allowed = state.at("error_amplification").number() * TOLERANCE;
+        let allowed = state.at("error_amplification").number() * tolerance;
         if allowed < 0.05 {
             check_double(&run, &state, allowed, allowed);
         }
@@ -75,7 +76,7 @@ fn c08_chaotic_double_pendulum() {
 }
 
 #[test]
-fn c12_unit_scaling() {
+pub(super) fn c12_unit_scaling() {
     let case = case("C12_unit_scaling");
     let angles = ["theta1", "theta2"].map(|key| case.initial(key));
     let head = head([0.0, -case.parameter("g"), 0.0], "dopri5", 1e-12);
@@ -98,7 +99,7 @@ fn c12_unit_scaling() {
 }
 
 #[test]
-fn c01_mass_ratio_1e6() {
+pub(super) fn c01_mass_ratio_1e6() {
     for id in ["C01_mass_ratio_1e6_light_lower", "C01_mass_ratio_1e6_light_upper"] {
         let case = case(id);
         let [lengths, masses] = [["l1", "l2"], ["m1", "m2"]].map(|keys| keys.map(|key| case.parameter(key)));
@@ -115,7 +116,7 @@ fn c01_mass_ratio_1e6() {
 }
 
 #[test]
-fn c13_massless_link() {
+pub(super) fn c13_massless_link() {
     let case = case("C13_massless_link");
     assert_eq!((case.parameter("m1"), case.parameter("I1")), (0.0, 0.0));
     let (length, inertia) = (case.parameter("l2"), case.parameter("I2_com"));

@@ -1,5 +1,6 @@
 //! Scenes from scenario text, put to rest or run through a list of times.
 
+use super::survey;
 use nalgebra::{Isometry3, Vector3};
 use stillpoint::constraint::assemble;
 use stillpoint::dynamics::System;
@@ -11,6 +12,7 @@ use stillpoint::statics::{self, Equilibrium, Stability};
 
 /// The head of a scenario that starts as given: gravity and how it is run.
 pub(super) fn head(gravity: [f64; 3], integrator: &str, tolerance: f64) -> String {
+    let (integrator, tolerance) = survey::asked(integrator, tolerance);
     format!(
         "gravity = {gravity:?}\n[simulate]\nstart = \"given\"\nintegrator = \"{integrator}\"\ntolerance = {tolerance:e}\n"
     )
@@ -133,6 +135,7 @@ impl Run<'_> {
         self.energy = summary.energy_end;
         self.gap = self.gap.max(summary.constraint_error);
         self.steps += summary.statistics.steps as usize;
+        survey::ran(&summary.statistics, summary.wall);
     }
 
     pub(super) fn time(&self) -> f64 {

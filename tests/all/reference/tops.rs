@@ -2,6 +2,7 @@
 
 use super::case::{Node, case};
 use super::scene::{Run, Scene, head};
+use super::survey;
 use nalgebra::{Matrix3, Vector3};
 
 /// One body on a spherical or free hinge at the origin.
@@ -49,7 +50,7 @@ fn rates<'a>(run: &'a Run<'_>) -> &'a [f64] {
 }
 
 #[test]
-fn a08_heavy_top() {
+pub(super) fn a08_heavy_top() {
     let case = case("A08_heavy_top");
     let (parameters, tolerance) = (case.at("parameters"), case.tolerance("abs"));
     let top = Top {
@@ -74,7 +75,7 @@ fn a08_heavy_top() {
 
 /// A thin rod: the moment of inertia about its own axis is 1e-11 of the others.
 #[test]
-fn c16_needle_inertia() {
+pub(super) fn c16_needle_inertia() {
     let case = case("C16_needle_inertia");
     let (parameters, tolerance) = (case.at("parameters"), case.tolerance("abs"));
     let top = Top {
@@ -93,7 +94,7 @@ fn c16_needle_inertia() {
         state.at("com").check_list(run.point("top", top.center).as_slice(), tolerance);
         check_quaternion(&state, &run, tolerance);
         // The spin is constant exactly, whatever its tiny inertia.
-        assert_eq!(rates(&run)[2], top.rates[2]);
+        assert!(survey::is_on() || rates(&run)[2] == top.rates[2]);
     }
 }
 
@@ -131,14 +132,14 @@ fn check_free_top(id: &str, until: f64) {
 }
 
 #[test]
-fn a10_free_top() {
+pub(super) fn a10_free_top() {
     check_free_top("A10_free_top", f64::INFINITY);
 }
 
 /// Up to the second passage of the unstable axis: the time spent there hangs on a difference of energies of one part in
 /// 5e13, which rounding decides in double precision.
 #[test]
-fn a10_free_top_separatrix() {
+pub(super) fn a10_free_top_separatrix() {
     check_free_top("A10_free_top_separatrix", 10.0);
 }
 
@@ -177,7 +178,7 @@ fn check_gyro(until: f64) {
 }
 
 #[test]
-fn c06_fast_gyro_1e5() {
+pub(super) fn c06_fast_gyro_1e5() {
     check_gyro(0.01);
 }
 
@@ -216,22 +217,22 @@ fn check_drift(until: f64) -> f64 {
 }
 
 #[test]
-fn c07_quaternion_drift() {
+pub(super) fn c07_quaternion_drift() {
     let change = check_drift(10.0);
     // The case's suggestion.
-    assert!(change < 1e-12, "{change:e}");
+    assert!(survey::is_on() || change < 1e-12, "{change:e}");
 }
 
 #[test]
 // ten million evaluations: only an optimised build (`cargo test --release`) has this test.
 #[cfg(not(debug_assertions))]
-fn c07_quaternion_drift_for_ten_thousand_seconds() {
+pub(super) fn c07_quaternion_drift_for_ten_thousand_seconds() {
     check_drift(1e4);
 }
 
 /// The free top carried by three turns with massless rings between them.
 #[test]
-fn c11_gimbal_lock() {
+pub(super) fn c11_gimbal_lock() {
     let case = case("C11_gimbal_lock");
     let (tolerance, inertia) = (case.tolerance("abs"), case.at("parameters").at("I").array::<3>());
     let start: [f64; 3] = case.at("initial_state").at("omega_body").array();
@@ -250,7 +251,10 @@ fn c11_gimbal_lock() {
     let mut run = scene.run();
     let closest = case.at("reference").at("closest_approach");
     run.until(closest.at("time").number());
-    closest.at("cos_beta").check(run.coordinate("inner").cos().abs(), tolerance);
+    // The case gives this time to four digits.
+    if !survey::is_on() {
+        closest.at("cos_beta").check(run.coordinate("inner").cos().abs(), tolerance);
+    }
     for (time, state) in case.states() {
         run.until(time);
         let found = run.pose("top").rotation.to_rotation_matrix();
