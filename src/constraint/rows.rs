@@ -4,7 +4,7 @@ use super::row::Rule;
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
 use crate::model::prescribed::Instant;
-use crate::model::{End, Joint, Loop, Model, Scalar};
+use crate::model::{End, Joint, Link, Loop, Model, Scalar};
 use crate::motion::Motion;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
@@ -18,15 +18,17 @@ pub enum Owner {
     Drive(usize),
     /// Index into `Model::gears`.
     Gear(usize),
-    /// A velocity coordinate that is held while positions or velocities are closed.
+    /// What is held while positions are closed: its first velocity coordinate.
     Held(usize),
 }
 
-/// A coordinate that is held, and where or at which rate.
+/// What is held while positions are closed.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Held {
-    pub(super) coordinate: Scalar,
-    pub(super) at: Instant,
+pub(super) enum Held {
+    /// A coordinate where it is given.
+    Coordinate(Scalar),
+    /// The ball of this link as it is given.
+    Ball(usize),
 }
 
 /// A loop, drive, gear or held coordinate and its rows.
@@ -90,26 +92,20 @@ pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
     way
 }
 
-/// The coordinates that are locked, held where they are given. A locked ball is not among them: it has no plain
-/// coordinate.
+/// What is locked, held where it is given.
 pub(super) fn locks(model: &Model) -> Vec<Held> {
-    let locked = scalars(model).filter(|scalar| model.coordinates[scalar.velocity].lock);
-    locked
-        .map(|coordinate| {
-            let at = Instant { position: model.start_position[coordinate.position], ..Instant::default() };
-            Held { coordinate, at }
-        })
-        .collect()
-}
-
-fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
-    let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.counts().0 == 1);
-    plain.map(|(index, link)| Scalar {
-        link: index,
-        position: link.position,
-        velocity: link.velocity,
-        slides: matches!(link.joint, Joint::Slide { .. }),
-    })
+    let (links, lock) = (model.links.iter().enumerate(), |velocity: usize| model.coordinates[velocity].lock);
+    let of_link = |(index, link): (usize, &Link)| match link.joint {
+        Joint::None => None,
+        Joint::Ball { .. } => Some(Held::Ball(index)),
+        Joint::Turn | Joint::Slide { .. } => Some(Held::Coordinate(Scalar {
+            link: index,
+            position: link.position,
+            velocity: link.velocity,
+            slides: matches!(link.joint, Joint::Slide { .. }),
+        })),
+    };
+    links.filter(|(_, link)| link.joint.counts().1 > 0 && lock(link.velocity)).filter_map(of_link).collect()
 }
 
 /// Elements and rows of a model, and of coordinates that are held beside them.
@@ -117,7 +113,7 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
     let mut rules = Vec::new();
     let mut elements = Vec::new();
     let mut given = Motion::new(model);
-    if !model.loops.is_empty() {
+    if !model.loops.is_empty() || !held.is_empty() {
         given.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
     }
     let nothing = Instant::default();
@@ -146,9 +142,31 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         let parts = [(gear.coordinates[0], 1.0), (gear.coordinates[1], -gear.ratio)];
         motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
     }
-    for Held { coordinate, at } in held {
-        let name = format!("held {}", model.label(coordinate.velocity));
-        motion(Owner::Held(coordinate.velocity), name, [(*coordinate, 1.0), (*coordinate, 0.0)], *at);
+    for held in held {
+        match held {
+            Held::Coordinate(coordinate) => {
+                let name = format!("held {}", model.label(coordinate.velocity));
+                let at = Instant { position: model.start_position[coordinate.position], ..nothing };
+                motion(Owner::Held(coordinate.velocity), name, [(*coordinate, 1.0), (*coordinate, 0.0)], at);
+            }
+            Held::Ball(_) => {}
+        }
+    }
+    for held in held {
+        let Held::Ball(link) = *held else { continue };
+        let (parent, velocity) = (model.links[link].parent, model.links[link].velocity);
+        let first = rules.len();
+        let turned = given.links[link].turn.transpose() * given.links[parent].turn;
+        rules.extend(turns_together(&Matrix3::identity(), &turned));
+        elements.push(Element {
+            owner: Owner::Held(velocity),
+            name: format!("held {}", model.label(velocity)),
+            rows: first..rules.len(),
+            ends: Some([parent, link].map(|link| End { link, body: None, point: Vector3::zeros() })),
+            branches: branches(model, parent, link),
+            named: [0, 0],
+            held: nothing,
+        });
     }
     (elements, rules)
 }
@@ -157,6 +175,13 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
 pub(super) fn second_frame(closed: &Loop, given: &Motion) -> Matrix3<f64> {
     let [first, second] = [&given.links[closed.ends[0].link], &given.links[closed.ends[1].link]];
     closed.second_frame.unwrap_or_else(|| second.turn.transpose() * first.turn * closed.frame)
+}
+
+/// The rows by which two frames, on two links, stand as one.
+fn turns_together(one: &Matrix3<f64>, other: &Matrix3<f64>) -> [Rule; 3] {
+    let aligned =
+        |a: usize, b: usize| Rule::Aligned { first: one.column(a).into(), second: other.column(b).into(), cosine: 0.0 };
+    [aligned(0, 1), aligned(1, 2), aligned(2, 0)]
 }
 
 /// The rows of one loop; both frames are taken where they stand at `given`.
@@ -196,7 +221,7 @@ fn of_loop(closed: &Loop, given: &Motion, rules: &mut Vec<Rule>) {
         }
         HingeKind::Fixed => {
             rules.extend([along(&x), along(&y), along(&z)]);
-            rules.extend([aligned(&x, &y, 0.0), aligned(&y, &z, 0.0), aligned(&z, &x, 0.0)]);
+            rules.extend(turns_together(&one, &other));
         }
     }
 }
