@@ -1,7 +1,11 @@
 //! Loops, drives and gears: identities that hold for all of them, and what is said where they cannot be.
 
 mod bad_input;
+mod cost;
+mod couplings;
 mod identities;
+mod linkages;
+mod locks;
 mod motors;
 mod order;
 
