@@ -125,6 +125,9 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
     let q = model.start_position.clone();
     let given = model.start_velocity.clone();
     let mut closing = Closing::new(model, &[], 0.0);
+    if let Some(independent) = &model.independent_rows {
+        closing.rows.keep(|row| independent[row]);
+    }
     let mut v = given.clone();
     let before = closing.speeds(&q, &v);
     let scale = model.length_scale() / model.time_scale();
@@ -134,7 +137,7 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
         let yielding = yielding(model, &closing.rows, &given);
         let weighted =
             DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * if yielding[j] { 1.0 } else { GIVEN });
-        // Rows may be redundant: the shortest step that meets them.
+        // Rows may hang on each other in a singular position: the shortest step that meets them.
         let step = weighted.svd(true, true).solve(&-before, 1e-11).unwrap_or_else(|_| DVector::zeros(v.len()));
         for (j, v) in v.iter_mut().enumerate() {
             *v += step[j] * if yielding[j] { 1.0 } else { GIVEN };

@@ -21,7 +21,7 @@ pub(super) fn bounded(
     output: &mut Output,
 ) -> bool {
     let carried = &mut scene.joints[joint];
-    let [stiffness, damping] = [acts.slope, acts.rate].map(|factor| -factor * gear * gear);
+    let [stiffness, damping] = [acts.slope, acts.rate].map(|factor| 0.0 - factor * gear * gear);
     let (middle, limit) = (0.5 * (low + high) * gear, 0.5 * (high - low) * gear.abs());
     let is_motor = stiffness >= 0.0 && damping >= 0.0 && limit > 0.0;
     if !is_motor || !matches!(carried.kind, Kind::Hinge | Kind::Slide) {

@@ -36,13 +36,16 @@ fn count(folder: &TempDir, arguments: &[&str]) -> [f64; 2] {
     let mut files: HashMap<&str, bool> = HashMap::new();
     let (mut all, mut of_loops, mut inside, mut is_call) = (0.0, 0.0, false, false);
     for line in text.lines() {
-        if let Some(name) = ["fl=", "fi=", "fe="].iter().find_map(|key| line.strip_prefix(key)) {
-            // "(7) path" the first time, "(7)" from then on.
+        let names_file = ["fl=", "fi=", "fe=", "cfl=", "cfi="].iter().find_map(|key| line.strip_prefix(key));
+        if let Some(name) = names_file {
+            // "(7) path" the first time, "(7)" from then on; those of calls are not where costs stand.
             let (number, path) = name.split_once(' ').unwrap_or((name, ""));
             if !path.is_empty() {
                 files.insert(number, OF_LOOPS.iter().any(|part| path.contains(part)));
             }
-            inside = files.get(number).copied().unwrap_or(false);
+            if !line.starts_with('c') {
+                inside = files.get(number).copied().unwrap_or(false);
+            }
         } else if line.starts_with("calls=") {
             is_call = true;
         } else if line.starts_with(|c: char| c.is_ascii_digit() || "+-*".contains(c)) {

@@ -77,8 +77,8 @@ fn a_double_scott_russell_draws_straight_lines() {
     for sample in &samples {
         let [lower, upper] = [point(sample, "coupler", -a), point(sample, "upper coupler", -b)];
         // Round-off: loops are closed to some 1e-15 m, along the lines and across.
-        assert!(lower.x.abs() < 1e-13 && lower.y == 0.0, "{lower} at {} s", sample.time);
-        assert!((upper.z - height).abs() < 1e-13 && upper.y == 0.0, "{upper} at {} s", sample.time);
+        assert!(lower.x.abs() < 1e-13 && lower.y.abs() < 1e-13, "{lower} at {} s", sample.time);
+        assert!((upper.z - height).abs() < 1e-13 && upper.y.abs() < 1e-13, "{upper} at {} s", sample.time);
         reach = [reach[0].min(lower.z), reach[1].max(lower.z), reach[2].min(upper.x), reach[3].max(upper.x)];
     }
     assert!(reach[1] - reach[0] > 0.3 && reach[3] - reach[2] > 0.1, "{reach:?}");
@@ -123,7 +123,8 @@ fn a_bennett_linkage_turns() {
     }
     let turned = coordinate(&model, &summary.state.position, "one") - first;
     assert!(turned.abs() > 2.0 * PI, "{turned}");
-    assert!(summary.constraint_error < 1e-13 && summary.energy_drift < 1e-9, "{summary:?}");
+    // Some 200 steps of a tolerance of 1e-11.
+    assert!(summary.constraint_error < 1e-13 && summary.energy_drift < 1e-8, "{summary:?}");
 }
 
 /// Axes that are parallel to five digits count as parallel, and the rows that follow from that are left out. Where the

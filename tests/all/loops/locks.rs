@@ -20,7 +20,7 @@ fn scene(kind: &str, extra: &str, lock: bool) -> String {
          markers = {{ tip = [0, 0, -0.4] }}\n\
          hinge = {{ type = \"revolute\", parent = \"upper\", at = \"tip\", axis = [0, 1, 0], position = 0.7 }}\n\
          [[loop]]\nname = \"tie\"\ntype = \"rod\"\nlength = 0.3\n\
-         between = [\"lower.tip\", {{ body = \"ground\", at = [0.9, 0.2, -0.1] }}]\n"
+         between = [\"lower.tip\", {{ body = \"ground\", at = [0.2, 0.1, 0.0] }}]\n"
     )
 }
 
