@@ -134,6 +134,11 @@ impl Constraints {
         if self.rank() == self.rules.len() {
             return;
         }
+        if self.rules.len() > self.independent.len() || self.rules.len() != all.rules.len() {
+            // Coordinates that stops hold come and go.
+            *all = self.clone();
+            all.keep(|_| true);
+        }
         self.place(model, motion, q, false);
         self.factorize(model, motion, reduction, 0.0);
         all.set_time(self.time);

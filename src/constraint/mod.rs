@@ -20,6 +20,7 @@
 pub mod assembly;
 mod close;
 mod envelope;
+mod hold;
 mod listed;
 mod loads;
 mod plan;
@@ -53,6 +54,9 @@ pub use rows::{Element, Owner};
 pub struct Constraints {
     /// Loops, drives, gears, in this order; then coordinates that are held.
     elements: Vec<Element>,
+    /// How many of them are the model's own, and which of their rows are solved for: coordinates held on stops come and go.
+    own: usize,
+    independent: Vec<bool>,
     rules: Vec<Rule>,
     placed: Vec<Placed>,
     /// From each element's ends to the root, tips first.
@@ -101,6 +105,8 @@ impl Constraints {
             is_shared: false,
             not_unique: vec![false; rules.len()],
             passed: vec![Wrench::ZERO; model.links.len()],
+            own: elements.len(),
+            independent: vec![true; rules.len()],
             elements,
             rules,
             ways,
@@ -133,6 +139,7 @@ impl Constraints {
             None => rank::decide(model, &model.start_position, 0.0).independent,
         };
         rows.keep(|row| independent[row]);
+        rows.independent = independent;
         Some(rows)
     }
 

@@ -4,7 +4,7 @@ use super::row::Rule;
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
 use crate::model::prescribed::Instant;
-use crate::model::{End, Joint, Link, Loop, Model, Scalar};
+use crate::model::{End, Joint, Loop, Model, Scalar};
 use crate::motion::Motion;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
@@ -18,15 +18,20 @@ pub enum Owner {
     Drive(usize),
     /// Index into `Model::gears`.
     Gear(usize),
-    /// What is held while positions are closed: its first velocity coordinate.
+    /// What is held, by its first velocity coordinate: while positions are closed, or on a stop.
     Held(usize),
 }
 
-/// What is held while positions are closed.
+/// What is held.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Held {
-    /// A coordinate where it is given.
-    Coordinate(Scalar),
+    /// A coordinate, and where or at which rate.
+    Coordinate {
+        /// Which.
+        coordinate: Scalar,
+        /// Where.
+        at: Instant,
+    },
     /// The ball of this link as it is given.
     Ball(usize),
 }
@@ -94,18 +99,21 @@ pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
 
 /// What is locked, held where it is given.
 pub(super) fn locks(model: &Model) -> Vec<Held> {
-    let (links, lock) = (model.links.iter().enumerate(), |velocity: usize| model.coordinates[velocity].lock);
-    let of_link = |(index, link): (usize, &Link)| match link.joint {
-        Joint::None => None,
-        Joint::Ball { .. } => Some(Held::Ball(index)),
-        Joint::Turn | Joint::Slide { .. } => Some(Held::Coordinate(Scalar {
-            link: index,
-            position: link.position,
-            velocity: link.velocity,
-            slides: matches!(link.joint, Joint::Slide { .. }),
-        })),
-    };
-    links.filter(|(_, link)| link.joint.counts().1 > 0 && lock(link.velocity)).filter_map(of_link).collect()
+    let at = |scalar: &Scalar| Instant { position: model.start_position[scalar.position], ..Instant::default() };
+    let locked = scalars(model).filter(|scalar| model.coordinates[scalar.velocity].lock);
+    let balls = model.links.iter().enumerate().filter(|(_, link)| matches!(link.joint, Joint::Ball { .. }));
+    let balls = balls.filter(|(_, link)| model.coordinates[link.velocity].lock).map(|(index, _)| Held::Ball(index));
+    locked.map(|coordinate| Held::Coordinate { coordinate, at: at(&coordinate) }).chain(balls).collect()
+}
+
+pub(super) fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
+    let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.counts().0 == 1);
+    plain.map(|(index, link)| Scalar {
+        link: index,
+        position: link.position,
+        velocity: link.velocity,
+        slides: matches!(link.joint, Joint::Slide { .. }),
+    })
 }
 
 /// Elements and rows of a model, and of coordinates that are held beside them.
@@ -128,11 +136,7 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         elements.push(Element { owner, name, rows, ends, branches, named: [0, 0], held: nothing });
     }
     let mut motion = |owner: Owner, name: String, parts: [(Scalar, f64); 2], held: Instant| {
-        let rows = rules.len()..rules.len() + 1;
-        rules.push(Rule::Motion { parts });
-        let named = parts.map(|(scalar, factor)| if factor == 0.0 { 0 } else { scalar.link });
-        let branches = [Vec::new(), Vec::new()];
-        elements.push(Element { owner, name, rows, ends: None, branches, named, held });
+        of_motion((owner, name), parts, held, &mut elements, &mut rules);
     };
     for (index, drive) in model.drives.iter().enumerate() {
         let parts = [(drive.coordinate, 1.0), (drive.coordinate, 0.0)];
@@ -142,16 +146,7 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         let parts = [(gear.coordinates[0], 1.0), (gear.coordinates[1], -gear.ratio)];
         motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
     }
-    for held in held {
-        match held {
-            Held::Coordinate(coordinate) => {
-                let name = format!("held {}", model.label(coordinate.velocity));
-                let at = Instant { position: model.start_position[coordinate.position], ..nothing };
-                motion(Owner::Held(coordinate.velocity), name, [(*coordinate, 1.0), (*coordinate, 0.0)], at);
-            }
-            Held::Ball(_) => {}
-        }
-    }
+    hold(model, held, &mut elements, &mut rules);
     for held in held {
         let Held::Ball(link) = *held else { continue };
         let (parent, velocity) = (model.links[link].parent, model.links[link].velocity);
@@ -169,6 +164,29 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         });
     }
     (elements, rules)
+}
+
+/// The row of a sum of coordinates.
+fn of_motion(
+    (owner, name): (Owner, String),
+    parts: [(Scalar, f64); 2],
+    held: Instant,
+    elements: &mut Vec<Element>,
+    rules: &mut Vec<Rule>,
+) {
+    let rows = rules.len()..rules.len() + 1;
+    rules.push(Rule::Motion { parts });
+    let named = parts.map(|(scalar, factor)| if factor == 0.0 { 0 } else { scalar.link });
+    elements.push(Element { owner, name, rows, ends: None, branches: [Vec::new(), Vec::new()], named, held });
+}
+
+/// Adds a row for each coordinate that is held.
+pub(super) fn hold(model: &Model, held: &[Held], elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
+    for held in held {
+        let Held::Coordinate { coordinate, at } = held else { continue };
+        let what = (Owner::Held(coordinate.velocity), format!("held {}", model.label(coordinate.velocity)));
+        of_motion(what, [(*coordinate, 1.0), (*coordinate, 0.0)], *at, elements, rules);
+    }
 }
 
 /// Turns of the loops' frames on their second links, taken where they stand at the given positions.

@@ -9,6 +9,7 @@ mod linkages;
 mod locks;
 mod motors;
 mod order;
+mod stops;
 
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
