@@ -58,8 +58,7 @@ fn sweeps_are_linear_and_no_slower_than_they_were() {
     eprintln!("{long:.0} instructions per link for the accelerations, {tangent:.0} for the tangent");
     assert!(long < SLACK * COUNTS[0], "{long} per link for the accelerations");
     assert!(tangent < SLACK * COUNTS[1], "{tangent} per link for the tangent");
-    // Residual pass, factorization and solution; the tangent does not compute in fours yet, as the accelerations do.
-    // An unoptimised build with fused products takes 10.4 times as many.
-    let most = 12.0;
+    // Residual pass, factorization and solution. The goal is four; unoptimised, register by register, it is more.
+    let most = if cfg!(debug_assertions) { 6.0 } else { 2.5 };
     assert!(tangent < most * long, "the tangent takes {tangent} per link, the accelerations {long}");
 }
