@@ -8,7 +8,8 @@ use tempfile::TempDir;
 const COUNTS: [f64; 2] = match (cfg!(debug_assertions), cfg!(target_feature = "fma")) {
     (true, _) => [1270.0, 1800.0],
     (false, true) => [790.0, 1390.0],
-    (false, false) => [1400.0, 2500.0],
+    // Without fused products; the tangent's as it was before it computed in fours, a bound.
+    (false, false) => [1400.0, 4800.0],
 };
 const SLACK: f64 = 1.2;
 
