@@ -73,7 +73,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if common.json {
         output::print(&result.to_string())?;
     } else if !common.quiet {
-        output::print(&to_text(&proof))?;
+        let moves = found.velocity.iter().any(|v| *v != 0.0);
+        output::print(&to_text(&proof, moves))?;
     }
     Ok(match (proof.interrupted, proof.rested) {
         (true, _) => Exit::Interrupted,
@@ -91,16 +92,24 @@ fn to_json(proof: &Rest, statics: Value) -> Value {
         "max_speed": largest(&proof.speed),
         "tolerance": TOLERANCE,
         "growth": proof.growth.as_ref().map(|g| json!({ "hinge": g.hinge, "predicted": g.predicted, "observed": g.observed })),
+        "disturbed_by": proof.disturbed.as_ref().map(|(drive, time)| json!({ "drive": drive, "time": time })),
         "statics": statics,
     })
 }
 
-fn to_text(proof: &Rest) -> String {
+/// `moves`: the equilibrium is a steady motion.
+fn to_text(proof: &Rest, moves: bool) -> String {
+    let steady = if moves { ", beside the steady motion" } else { "" };
     let seconds = text::number(proof.duration);
     let Some(growth) = &proof.growth else {
         let answer = if proof.rested { "at rest" } else { "not at rest" };
+        let until = match &proof.disturbed {
+            Some((drive, time)) if *time > 0.0 => format!(", until the drive `{drive}` moves otherwise,"),
+            Some((drive, _)) => format!(", in which the drive `{drive}` moves,"),
+            None => String::new(),
+        };
         return format!(
-            "{}: in {seconds} s no hinge moved further than {} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {} per second",
+            "{}: in {seconds} s{until} no hinge moved further than {} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {} per second{steady}",
             output::bold(answer),
             text::small(proof.displacement.value),
             proof.displacement.hinge,

@@ -1,6 +1,6 @@
 //! Assembly: given positions and velocities are a guess; here they are brought onto the loops, drives and gears.
 
-use super::close::{Closing, OpenGap, ROUND_OFF};
+use super::close::{Closing, Metric, OpenGap, ROUND_OFF};
 use super::rank::decide;
 use super::rows::{Owner, locks, second_frame};
 use super::{Constraints, Element};
@@ -76,20 +76,25 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     let given = model.start_position.clone();
     let length = model.length_scale();
     let mut q = given.clone();
+    let mut near = "the nearest assembly";
     let (given_gap, mut gap, widest) = {
         let mut closing = Closing::new(model, &locks(model), 0.0);
         let given_gap = closing.gap(&q);
-        let mut gap = closing.close(&mut q).map_err(|singular| vec![undetermined(model, singular.link)])?;
-        let mut try_again = 0;
+        let mut gap =
+            closing.close(&mut q, Metric::Inertia).map_err(|singular| vec![undetermined(model, singular.link)])?;
         // From a stretched or symmetric guess no direction closes: look from a little beside it.
-        while gap > CLOSED * length && try_again < 4 {
-            try_again += 1;
+        let ways = (0..=4).flat_map(|attempt| [Metric::Coordinates, Metric::Inertia].map(|metric| (attempt, metric)));
+        for (attempt, metric) in ways.filter(|way| *way != (0, Metric::Inertia)) {
+            if gap <= CLOSED * length {
+                break;
+            }
             let mut beside = given.clone();
-            nudge(model, &mut beside, try_again);
-            if let Ok(other) = closing.close(&mut beside)
+            nudge(model, &mut beside, attempt);
+            if let Ok(other) = closing.close(&mut beside, metric)
                 && other < gap
             {
                 (gap, q) = (other, beside);
+                near = "one near them";
             }
         }
         closing.gap(&q);
@@ -107,7 +112,7 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     let moved = largest_move(model, &given, &q);
     if moved > MOVED {
         notes.push(format!(
-            "the given positions did not close the loops (gap {} m); taken is the nearest assembly, up to {} away",
+            "the given positions did not close the loops (gap {} m); taken is {near}, up to {} away",
             number(given_gap),
             number(moved)
         ));

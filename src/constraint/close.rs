@@ -6,6 +6,9 @@
 //!
 //! is the step of Levenberg and Marquardt for `½ |g|²`: the damping μ makes it short where the gaps are wide and the rows
 //! hang on each other, and goes away as they close. All rows take part; none has to be independent.
+//!
+//! In that metric the lightest bodies move first. The tip of a long chain that is drawn straight would whip about by
+//! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole.
 
 use super::{Constraints, Held, Rate};
 use crate::model::{Joint, Model};
@@ -49,8 +52,17 @@ impl<'m> Closer<'m> {
         if before <= ROUND_OFF * self.0.length {
             return true;
         }
-        matches!(self.0.close(q), Ok(gap) if gap <= LEFT_OPEN * self.0.length)
+        matches!(self.0.close(q, Metric::Inertia), Ok(gap) if gap <= LEFT_OPEN * self.0.length)
     }
+}
+
+/// What makes a step short.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Metric {
+    /// Little kinetic energy.
+    Inertia,
+    /// Little change of the hinge coordinates (rad; m as part of the scene's length). Dense in the rows.
+    Coordinates,
 }
 
 /// A model's rows, and the tree they push on.
@@ -64,6 +76,8 @@ pub(super) struct Closing<'m> {
     tau: Vec<f64>,
     step: Vec<f64>,
     rest: Vec<f64>,
+    /// Of every velocity coordinate, what is as far as a turn by 1 rad: the scene's length for a slide.
+    units: Vec<f64>,
 }
 
 impl<'m> Closing<'m> {
@@ -71,11 +85,17 @@ impl<'m> Closing<'m> {
         let n = model.velocity_count();
         let mut rows = Constraints::all(model, held);
         rows.set_time(time);
+        let length = model.length_scale();
+        let mut units = vec![1.0; n];
+        for link in model.links.iter().filter(|link| matches!(link.joint, Joint::Slide { .. })) {
+            units[link.velocity] = length;
+        }
         Self {
             rows,
             motion: Motion::new(model),
             reduction: Reduction::new(model),
-            length: model.length_scale(),
+            length,
+            units,
             loads: vec![Wrench::ZERO; model.links.len()],
             tau: vec![0.0; n],
             step: vec![0.0; n],
@@ -97,7 +117,7 @@ impl<'m> Closing<'m> {
     }
 
     /// Closes the gaps from `q`, to round-off where that is possible; gives the widest gap left.
-    pub(super) fn close(&mut self, q: &mut [f64]) -> Result<f64, Singular> {
+    pub(super) fn close(&mut self, q: &mut [f64], metric: Metric) -> Result<f64, Singular> {
         let mut damping = FIRST_DAMPING;
         let mut gap = self.gap(q);
         let mut size = self.squares();
@@ -107,9 +127,14 @@ impl<'m> Closing<'m> {
                 break;
             }
             self.gap(q);
-            self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
-            self.rows.factorize(self.model, &self.motion, &self.reduction, damping);
-            self.push(Rate::Gap);
+            match metric {
+                Metric::Inertia => {
+                    self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
+                    self.rows.factorize(self.model, &self.motion, &self.reduction, damping);
+                    self.push(Rate::Gap);
+                }
+                Metric::Coordinates => self.bend(damping),
+            }
             self.shorten();
             trial.copy_from_slice(q);
             displace(self.model, &mut trial, &self.step);
@@ -188,15 +213,27 @@ impl<'m> Closing<'m> {
         self.reduction.solve(self.model, &self.motion, &load, &mut self.step);
     }
 
-    fn shorten(&mut self) {
-        let mut longest = 0.0_f64;
-        for link in &self.model.links {
-            let (_, count) = link.joint.counts();
-            let per = if matches!(link.joint, Joint::Slide { .. }) { self.length } else { 1.0 };
-            for step in &self.step[link.velocity..link.velocity + count] {
-                longest = longest.max(step.abs() / per);
-            }
+    /// `step ← −Bᵀ (B Bᵀ + μ)⁻¹ g`, the rows `B` taken in equal units of coordinates and gaps.
+    fn bend(&mut self, damping: f64) {
+        let weights: DVector<f64> =
+            DVector::from_iterator(self.rows.rank(), self.rows.plan.rows().map(|row| self.rows.weights[row]));
+        let mut gaps = DVector::zeros(self.rows.rank());
+        self.rows.rates(&self.motion, Rate::Gap, gaps.as_mut_slice());
+        let rows = self.matrix();
+        let rows = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| weights[i] * rows[(i, j)] * self.units[j]);
+        let mut square = &rows * rows.transpose();
+        let shift = damping * square.diagonal().max();
+        (0..square.nrows()).for_each(|i| square[(i, i)] += shift);
+        gaps.component_mul_assign(&weights);
+        let multipliers = square.cholesky().map_or_else(|| DVector::zeros(gaps.len()), |factor| factor.solve(&gaps));
+        let step = rows.tr_mul(&multipliers);
+        for (i, unit) in self.units.iter().enumerate() {
+            self.step[i] = -unit * step[i];
         }
+    }
+
+    fn shorten(&mut self) {
+        let longest = self.step.iter().zip(&self.units).map(|(step, unit)| step.abs() / unit).fold(0.0, f64::max);
         if longest > LONGEST_STEP {
             self.step.iter_mut().for_each(|step| *step *= LONGEST_STEP / longest);
         }

@@ -46,7 +46,8 @@ fn check_body(found: &mut Findings, index: usize, body: &BodyDescription, unphys
     if name.is_empty() {
         found.add(element, "name", "a body's name is empty".to_owned(), "");
     } else if name == GROUND {
-        found.add(element, "name", format!("a body cannot be called `{GROUND}`"), "that is the inertial frame");
+        let help = "that is the inertial frame; a model that is read can be given a `prefix`";
+        found.add(element, "name", format!("a body cannot be called `{GROUND}`"), help);
     }
     check_mass(found, element, name, &body.mass, unphysical);
     for (marker, at) in &body.markers {

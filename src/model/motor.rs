@@ -164,6 +164,24 @@ impl Motor {
         }
     }
 
+    /// The times at which its law begins to follow another rule (s).
+    pub fn breaks(&self) -> &[f64] {
+        match &self.law {
+            MotorLaw::Table { over: Over::Time, at, .. } => at,
+            MotorLaw::Pd { target, .. } => target.breaks(),
+            MotorLaw::Constant(_) | MotorLaw::Table { .. } | MotorLaw::Formula(_) => &[],
+        }
+    }
+
+    /// As [`Prescribed::longest_step`].
+    pub fn longest_step(&self, run: f64) -> f64 {
+        match &self.law {
+            MotorLaw::Pd { target, .. } => target.longest_step(run),
+            MotorLaw::Formula(formula) if formula.force.var_names().iter().any(|name| name == "t") => 0.01 * run,
+            MotorLaw::Formula(_) | MotorLaw::Constant(_) | MotorLaw::Table { .. } => f64::INFINITY,
+        }
+    }
+
     /// Whether its force at rest at t = 0 is the derivative of a potential that is known.
     pub fn has_potential(&self) -> bool {
         match &self.law {

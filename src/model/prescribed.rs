@@ -20,10 +20,8 @@ pub enum Prescribed {
         from: f64,
         /// After.
         to: f64,
-        /// (s)
-        begin: f64,
-        /// (s)
-        duration: f64,
+        /// When it begins and ends (s).
+        ends: [f64; 2],
     },
     /// `offset + amplitude sin(pace t + phase)`.
     Sine {
@@ -63,7 +61,7 @@ impl Prescribed {
             MotionDescription::Hold => Self::Line { start: given, rate: 0.0 },
             MotionDescription::Rate { rate } => Self::Line { start: given, rate: *rate },
             MotionDescription::Ramp { to, begin, duration } => {
-                Self::Ramp { from: given, to: *to, begin: *begin, duration: *duration }
+                Self::Ramp { from: given, to: *to, ends: [*begin, begin + duration] }
             }
             MotionDescription::Sine { offset, amplitude, frequency, phase } => Self::Sine {
                 offset: offset.unwrap_or(given),
@@ -86,8 +84,9 @@ impl Prescribed {
     pub fn at(&self, time: f64) -> Instant {
         match self {
             Self::Line { start, rate } => Instant { position: start + rate * time, velocity: *rate, acceleration: 0.0 },
-            Self::Ramp { from, to, begin, duration } => {
-                let x = ((time - begin) / duration).clamp(0.0, 1.0);
+            Self::Ramp { from, to, ends } => {
+                let duration = ends[1] - ends[0];
+                let x = ((time - ends[0]) / duration).clamp(0.0, 1.0);
                 let way = to - from;
                 Instant {
                     position: from + way * x * x * x * (10.0 + x * (6.0 * x - 15.0)),
@@ -118,6 +117,48 @@ impl Prescribed {
     /// Whether the velocity never changes.
     pub fn is_steady(&self) -> bool {
         matches!(self, Self::Line { .. })
+    }
+
+    /// The times at which it begins to follow another rule (s): ends of a ramp, points of a table.
+    pub fn breaks(&self) -> &[f64] {
+        match self {
+            Self::Ramp { ends, .. } => ends,
+            Self::Spline(spline) => &spline.times,
+            Self::Line { .. } | Self::Sine { .. } | Self::Formula(_) => &[],
+        }
+    }
+
+    /// What no step should be longer than (s), where steps could miss what it does: a quarter of a sine, a hundredth of a
+    /// run for a formula, which may do anything.
+    pub fn longest_step(&self, run: f64) -> f64 {
+        match self {
+            Self::Sine { pace, .. } => 0.25 * TAU / pace.abs(),
+            Self::Formula(_) => 0.01 * run,
+            Self::Line { .. } | Self::Ramp { .. } | Self::Spline(_) => f64::INFINITY,
+        }
+    }
+
+    /// How long it goes on as at t = 0, with that velocity; at most until `end` (s). What is shorter than a
+    /// four-thousandth of that time is not seen.
+    pub fn steady_until(&self, end: f64) -> f64 {
+        const SAMPLES: usize = 4096;
+        let first = self.at(0.0);
+        let leaves = |time: f64| {
+            let expected = first.position + first.velocity * time;
+            // Round-off of what is compared.
+            let allowed = 1e-12 * first.position.abs().max(expected.abs()).max(1e-3);
+            !((self.at(time).position - expected).abs() <= allowed)
+        };
+        let sample = |i: usize| end * i as f64 / SAMPLES as f64;
+        let Some(left) = (1..=SAMPLES).find(|i| leaves(sample(*i))).filter(|_| !self.is_steady()) else {
+            return end;
+        };
+        let (mut with, mut without) = (sample(left - 1), sample(left));
+        while without - with > 1e-9 * end {
+            let middle = 0.5 * (with + without);
+            *(if leaves(middle) { &mut without } else { &mut with }) = middle;
+        }
+        with
     }
 }
 
@@ -205,7 +246,8 @@ impl Spline {
         if time < self.times[0] {
             return rest(self.values[0]);
         }
-        if time > self.times[last] {
+        // At a point the piece after it counts: what begins anew there does not see the one before.
+        if time >= self.times[last] {
             return rest(self.values[last]);
         }
         let i = self.times.partition_point(|t| *t <= time).clamp(1, last) - 1;

@@ -5,7 +5,8 @@
 //! | explicit | `dopri5` | `dop853` from 10⁻⁵ on; `adams` where steps go on undisturbed, to 10⁻¹² |
 //! | implicit | `sdirk4` | `radau9` from 10⁻⁷ on |
 //!
-//! A method that lives on its past is no choice for a scene with stops, which begins anew at each event, nor with loops,
+//! A method that lives on its past is no choice for a scene with stops, which begins anew at each event, as it does where a
+//! table or a ramp begins another piece, nor with loops,
 //! onto which every one of its many short steps would be projected.
 //!
 //! A run from an equilibrium starts with the implicit method: what rests has only its fastest vibrations left, and a
@@ -46,8 +47,9 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    pub(super) fn new(settings: &Settings, model: &Model) -> Self {
-        let undisturbed = model.stops.is_empty() && !model.is_constrained();
+    /// `steady`: no motion or motor changes its rule on the way.
+    pub(super) fn new(settings: &Settings, model: &Model, steady: bool) -> Self {
+        let undisturbed = steady && model.stops.is_empty() && !model.is_constrained();
         let explicit = match settings.tolerance <= HIGH_ORDER {
             _ if undisturbed && settings.tolerance > LIVES_ON_ITS_PAST => Method::Adams,
             true => Method::Dop853,
@@ -63,6 +65,11 @@ impl Choice {
         };
         let auto = settings.integrator == Integrator::Auto;
         Self { auto, explicit, implicit, method, switches: 0, reviewed: 0, said }
+    }
+
+    /// A new stepper begins, and counts from 0.
+    pub(super) fn restart(&mut self) {
+        self.reviewed = 0;
     }
 
     /// What was chosen and why; `None` where the user did.

@@ -16,6 +16,7 @@ mod scene;
 pub mod settings;
 mod stiffness;
 mod stops;
+mod timetable;
 pub mod verify;
 
 pub use error::RunError;

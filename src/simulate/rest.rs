@@ -1,7 +1,8 @@
 //! The rest proof: a run from the equilibrium that must stay where it is.
 //!
 //! At a stable or neutral equilibrium nothing may move: the largest displacement of any hinge is compared with
-//! [`TOLERANCE`]. An explicit method lets round-off grow to the size of its own tolerance before it takes a smaller
+//! [`TOLERANCE`]. Beside drives at a constant rate an equilibrium is a steady motion, and displacements are those from it;
+//! where a drive begins to move otherwise, the proof ends. An explicit method lets round-off grow to the size of its own tolerance before it takes a smaller
 //! step, so adaptive methods run with a tolerance well below that, whatever the scene asks for in other runs. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
 //! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
 
@@ -50,12 +51,14 @@ pub struct Rest {
     pub rested: bool,
     /// Simulated time (s).
     pub duration: f64,
-    /// Largest displacement of any hinge.
+    /// Largest displacement of any hinge, from its steady motion where there is one.
     pub displacement: Largest,
-    /// Largest hinge speed.
+    /// Largest hinge speed beside that motion.
     pub speed: Largest,
     /// Present at an unstable equilibrium.
     pub growth: Option<Growth>,
+    /// The drive that moved otherwise before the time was over, and from when on (s).
+    pub disturbed: Option<(String, f64)>,
     /// Whether it was stopped from outside.
     pub interrupted: bool,
 }
@@ -77,14 +80,18 @@ pub fn rest(
         Some(push) => push.start(model, equilibrium),
         None => State { position: equilibrium.position.clone(), velocity: equilibrium.velocity.clone() },
     };
-    let duration = pushed.as_ref().map_or(settings.duration, |push| push.duration().min(settings.duration));
+    let disturbed = disturbance(model, settings.duration);
+    // A drive that moves from the start on is part of what is shown.
+    let undisturbed = disturbed.as_ref().map_or(settings.duration, |(_, time)| *time);
+    let undisturbed = if undisturbed > 0.0 { undisturbed } else { settings.duration };
+    let duration = pushed.as_ref().map_or(undisturbed, |push| push.duration().min(undisturbed));
     let settings = Settings {
         duration,
         tolerance: settings.tolerance.min(STEP_TOLERANCE),
         absolute_tolerance: settings.absolute_tolerance.min(STEP_TOLERANCE),
         ..*settings
     };
-    let mut watch = Watch::new(model, &equilibrium.position);
+    let mut watch = Watch::new(model, equilibrium);
     let summary = run(model, &settings, rate, &start, recorder, &mut |time, state| {
         watch.see(time, state);
         go_on(time)
@@ -104,8 +111,15 @@ pub fn rest(
         displacement: watch.displacement,
         speed: watch.speed,
         growth,
+        disturbed,
         interrupted: summary.interrupted,
     })
+}
+
+/// The first drive that does not go on as it starts.
+fn disturbance(model: &Model, duration: f64) -> Option<(String, f64)> {
+    let each = model.drives.iter().map(|drive| (drive.name.clone(), drive.motion.steady_until(duration)));
+    each.filter(|(_, time)| *time < duration).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// A push along the direction that runs away fastest.
@@ -133,7 +147,8 @@ impl Push {
     fn start(&self, model: &Model, equilibrium: &Equilibrium) -> State {
         let mut position = equilibrium.position.clone();
         crate::dynamics::System::displace(model, &mut position, &self.shape);
-        State { position, velocity: self.shape.iter().map(|x| self.rate * x).collect() }
+        let velocity = equilibrium.velocity.iter().zip(&self.shape).map(|(v, x)| v + self.rate * x).collect();
+        State { position, velocity }
     }
 
     /// Time to grow through the window, with as much again to spare.
@@ -144,7 +159,11 @@ impl Push {
 
 struct Watch<'a> {
     model: &'a Model,
-    origin: &'a [f64],
+    equilibrium: &'a Equilibrium,
+    /// Where the steady motion is now.
+    expected: Vec<f64>,
+    /// How far it went.
+    way: Vec<f64>,
     displacement: Largest,
     speed: Largest,
     /// First and last (time, displacement) within the growth window.
@@ -152,23 +171,32 @@ struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    fn new(model: &'a Model, origin: &'a [f64]) -> Self {
-        Self { model, origin, displacement: Largest::default(), speed: Largest::default(), window: None }
+    fn new(model: &'a Model, equilibrium: &'a Equilibrium) -> Self {
+        let expected = equilibrium.position.clone();
+        let way = vec![0.0; model.velocity_count()];
+        let (displacement, speed) = (Largest::default(), Largest::default());
+        Self { model, equilibrium, expected, way, displacement, speed, window: None }
     }
 
     fn see(&mut self, time: f64, state: &State) {
+        let steady = &self.equilibrium.velocity;
+        if steady.iter().any(|v| *v != 0.0) {
+            self.way.iter_mut().zip(steady).for_each(|(way, v)| *way = v * time);
+            self.expected.copy_from_slice(&self.equilibrium.position);
+            crate::motion::displace(self.model, &mut self.expected, &self.way);
+        }
         let mut now = 0.0_f64;
         for link in self.model.links.iter().skip(1) {
             let (at, from) = (link.position, link.velocity);
             let (moved, fast) = match link.joint {
                 Joint::None => continue,
                 Joint::Turn | Joint::Slide { .. } => {
-                    ((state.position[at] - self.origin[at]).abs(), state.velocity[from].abs())
+                    ((state.position[at] - self.expected[at]).abs(), (state.velocity[from] - steady[from]).abs())
                 }
                 Joint::Ball { .. } => {
-                    let origin = unit_quaternion(&self.origin[at..at + 4]);
-                    let turn = rotation_vector(&(origin.inverse() * unit_quaternion(&state.position[at..at + 4])));
-                    let speed = state.velocity[from..from + 3].iter().map(|w| w * w).sum::<f64>().sqrt();
+                    let expected = unit_quaternion(&self.expected[at..at + 4]);
+                    let turn = rotation_vector(&(expected.inverse() * unit_quaternion(&state.position[at..at + 4])));
+                    let speed = (from..from + 3).map(|i| (state.velocity[i] - steady[i]).powi(2)).sum::<f64>().sqrt();
                     (turn.norm(), speed)
                 }
             };

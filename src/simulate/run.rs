@@ -10,6 +10,7 @@ use super::sampler::Sampler;
 use super::settings::Settings;
 use super::stiffness::fastest;
 use super::stops::Side;
+use super::timetable::Timetable;
 use crate::integrate::{Method, Options, Problem, Start, Statistics, Stepper};
 use crate::model::{Model, StopLaw};
 use crate::record::{Event, Recorder};
@@ -128,6 +129,7 @@ pub fn run(
         events: Events::new(model, start),
         happened: Vec::new(),
         stopped_by: None,
+        timetable: Timetable::new(model, settings.duration),
     };
     if let Some(events) = &mut run.events {
         for side in resting {
@@ -178,6 +180,7 @@ struct Run<'m> {
     /// What is told of so far.
     happened: Vec<Occurrence>,
     stopped_by: Option<String>,
+    timetable: Timetable,
 }
 
 impl<'m> Run<'m> {
@@ -189,9 +192,11 @@ impl<'m> Run<'m> {
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
     ) -> Result<f64, RunError> {
-        let mut choice = Choice::new(settings, self.model);
+        let mut choice = Choice::new(settings, self.model, self.timetable.is_empty());
         let mut time = 0.0;
         loop {
+            let next = self.timetable.next(time);
+            choice.restart();
             if self.integrators.last() != Some(&choice.method) {
                 self.refuse_hopeless(motion, choice.method, time)?;
                 self.integrators.push(choice.method);
@@ -217,6 +222,7 @@ impl<'m> Run<'m> {
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0 }, recorder)?;
             }
             self.choice = choice.said();
+            let turned = turn.is_some();
             if let Some(turn) = turn {
                 self.turn(motion, settings, time, turn)?;
                 self.tell(motion, None, recorder)?;
@@ -227,6 +233,9 @@ impl<'m> Run<'m> {
             }
             if time >= settings.duration || stopped || self.stopped_by.is_some() {
                 return Ok(time);
+            }
+            if !turned && time >= self.timetable.end(next) {
+                time = next;
             }
         }
     }
@@ -271,11 +280,13 @@ impl<'m> Run<'m> {
             absolute: settings.absolute_tolerance,
             step: settings.step.or(default),
             rho_infinity: settings.rho_infinity,
+            // A step that was asked for is kept.
+            max_step: self.timetable.longest_step.filter(|_| !method.needs_step() && settings.step.is_none()),
             ..Options::default()
         };
         self.refuse_hopeless(motion, method, time)?;
-        let start =
-            Start { time, position: &self.state.position, velocity: &self.state.velocity, end: settings.duration };
+        let end = self.timetable.end(self.timetable.next(time));
+        let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
     }
 

@@ -1,9 +1,15 @@
 //! Random scenes with fixed seeds.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::time::UNIX_EPOCH;
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
+
+/// How many damaged inputs the environment asks for: `ROBUST_CASES=100000` looks longer than a test usually does.
+pub(crate) fn robust_cases() -> Option<u32> {
+    std::env::var("ROBUST_CASES").ok().map(|cases| cases.parse().expect("ROBUST_CASES is a number"))
+}
 
 /// A small deterministic generator (splitmix64): failures are reproducible from the seed.
 pub(crate) struct Random(u64);
@@ -11,6 +17,14 @@ pub(crate) struct Random(u64);
 impl Random {
     pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x1234_5678)
+    }
+
+    /// For mutations: how many, and from where; from another seed each time where many are asked for.
+    pub(crate) fn for_mutations(usual: usize, seed: u64) -> (usize, Self) {
+        match robust_cases() {
+            Some(cases) => (cases as usize, Self::new(UNIX_EPOCH.elapsed().map_or(seed, |now| now.as_nanos() as u64))),
+            None => (usual, Self::new(seed)),
+        }
     }
 
     fn bits(&mut self) -> u64 {

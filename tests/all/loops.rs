@@ -1,5 +1,6 @@
 //! Loops, drives and gears: identities that hold for all of them, and what is said where they cannot be.
 
+mod assembly;
 mod bad_input;
 mod identities;
 mod motors;

@@ -45,6 +45,19 @@ fn every_stable_scenario_rests_for_ten_seconds_with_sdirk4() {
     all_rest("sdirk4");
 }
 
+/// A governor turns at its rate and its arms stay out; a suspension stays until its road moves.
+#[test]
+fn steady_motions_rest_beside_their_drives() {
+    for (name, disturbed) in [("flyball_governor", None), ("governor_rise", None), ("double_wishbone", Some(0.5))] {
+        let (scenario, model) = shipped(name, &[]);
+        let proof = proof(&scenario, &model);
+        assert!(proof.rested && proof.displacement.value < TOLERANCE, "{name}: {proof:?}");
+        let end = disturbed.unwrap_or(scenario.simulate.duration);
+        assert!((proof.duration - end).abs() < 1e-3 * end, "{name}: {proof:?}");
+        assert_eq!(proof.disturbed.is_some(), disturbed.is_some(), "{name}: {proof:?}");
+    }
+}
+
 #[test]
 fn a_proof_does_not_depend_on_the_tolerance_of_the_scene() {
     // A loose tolerance lets an explicit method wander by as much before it takes a smaller step.

@@ -6,12 +6,13 @@
 mod recordings;
 mod scenarios;
 
+use crate::common::robust_cases;
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseResult, TestRng, TestRunner};
 
 /// Tries a property on generated values and shrinks what breaks it.
 fn each<S: Strategy>(cases: u32, strategy: S, property: impl Fn(S::Value) -> TestCaseResult) {
-    let longer = std::env::var("ROBUST_CASES").ok().map(|cases| cases.parse().expect("ROBUST_CASES is a number"));
+    let longer = robust_cases();
     let config = Config { cases: longer.unwrap_or(cases), failure_persistence: None, ..Config::default() };
     let mut runner = match longer {
         Some(_) => TestRunner::new(config),

@@ -46,8 +46,8 @@ fn answered(text: String) {
 
 #[test]
 fn damaged_robots_are_answered() {
-    let mut random = Random::new(11);
-    for case in 0..300 {
+    let (cases, mut random) = Random::for_mutations(300, 11);
+    for case in 0..cases {
         let mut text = ROBOTS[case % 2].to_owned();
         for _ in 0..1 + random.below(3) {
             let boundary = |text: &str, mut at: usize| {
@@ -76,8 +76,8 @@ fn damaged_robots_are_answered() {
 /// A word of the file for another one: names, numbers and types that do not belong there.
 #[test]
 fn swapped_words_are_answered() {
-    let mut random = Random::new(12);
-    for case in 0..200 {
+    let (cases, mut random) = Random::for_mutations(200, 12);
+    for case in 0..cases {
         let text = ROBOTS[case % 2];
         let mut words: Vec<&str> = text.split('"').collect();
         let count = words.len();

@@ -1,8 +1,10 @@
 //! Motors with laws: their part in the tangent, and what is said where they cannot be.
 
 use super::bad_input::refused;
-use super::read;
+use super::{coordinate, read, run};
 use stillpoint::dynamics::{Coefficients, System, TangentSolver};
+use stillpoint::integrate::Method;
+use stillpoint::simulate::{Integrator, Settings};
 
 const ARM: &str = r#"
 [[body]]
@@ -98,4 +100,82 @@ fn motors_that_cannot_be() {
     let driven = motor("type = \"pd\"") + "[[drive]]\nname = \"turn\"\nhinge = \"upper\"\ntype = \"hold\"\n";
     refused(&driven, &["`servo` pushes on `upper`, whose motion `turn` prescribes"]);
     refused(&motor("type = \"constant\"\nforce = 1.0\ncoordinate = 1"), &["has no coordinate 1"]);
+}
+
+/// A push of 1 N s within twenty milliseconds, in the middle of ten seconds at rest: no method steps over it, and those that
+/// know cubic polynomials meet both ends of every straight piece of the force.
+#[test]
+fn a_short_push_in_a_long_rest_is_not_missed() {
+    let slide = r#"
+[[body]]
+name = "block"
+mass = 1.0
+inertia = [1.0, 1.0, 1.0]
+hinge = { type = "prismatic", axis = [1.0, 0.0, 0.0] }
+[[motor]]
+hinge = "block"
+type = "table"
+over = "time"
+at = [5.0, 5.01, 5.02]
+forces = [0.0, 100.0, 0.0]
+"#;
+    let (_, model) = read(slide);
+    for method in Method::ALL {
+        let settings = Settings {
+            duration: 10.0,
+            integrator: Integrator::Method(method),
+            tolerance: 1e-6,
+            absolute_tolerance: 1e-6,
+            step: method.needs_step().then_some(0.1),
+            ..Settings::default()
+        };
+        let end = run(&model, &settings);
+        // 1 m/s from 5.01 s on, the middle of the push.
+        let error = (coordinate(&model, &end.state.position, "block") - 4.99).abs();
+        let allowed = if method == Method::GeneralizedAlpha { 1e-4 } else { 1e-9 };
+        assert!(error < allowed, "{}: {error:e} m", method.name());
+        assert!(end.energy_drift < 10.0 * allowed, "{}: {:e} J", method.name(), end.energy_drift);
+        let most = if method == Method::GeneralizedAlpha { 2000 } else { 400 };
+        assert!(end.statistics.steps < most, "{}: {} steps", method.name(), end.statistics.steps);
+    }
+}
+
+/// A road that begins to rise and ends with jumps of acceleration, under a mass on a stiff spring: every method gets over.
+#[test]
+fn a_table_may_end_with_a_jump() {
+    let bump = r#"
+[[body]]
+name = "road"
+mass = 1.0
+inertia = [1.0, 1.0, 1.0]
+hinge = { type = "prismatic", axis = [0.0, 0.0, 1.0] }
+[[body]]
+name = "wheel"
+mass = 20.0
+inertia = [1.0, 1.0, 1.0]
+hinge = { type = "prismatic", parent = "road", axis = [0.0, 0.0, 1.0], stiffness = 5e4, damping = 400.0, rest = 3.92266e-3 }
+[[drive]]
+hinge = "road"
+type = "table"
+times = [0.5, 0.6, 0.7, 0.8, 0.9]
+values = [0.0, 0.025, 0.05, 0.025, 0.0]
+"#;
+    let (_, model) = read(bump);
+    let ends = Method::ALL.map(|method| {
+        let settings = Settings {
+            duration: 1.0,
+            integrator: Integrator::Method(method),
+            tolerance: 1e-6,
+            absolute_tolerance: 1e-6,
+            step: method.needs_step().then_some(1e-3),
+            ..Settings::default()
+        };
+        (method, coordinate(&model, &run(&model, &settings).state.position, "wheel"))
+    });
+    let (_, exact) = ends[2];
+    for (method, end) in ends {
+        // Tens of steps of a part in 10⁶ each, of a motion of centimetres; the second-order method makes thousands.
+        assert!((end - exact).abs() < 2e-6, "{}: {:e}", method.name(), end - exact);
+        assert!(end.abs() > 1e-5, "the wheel still swings");
+    }
 }

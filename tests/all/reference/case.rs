@@ -67,9 +67,13 @@ impl Node {
 
     /// The states of the reference, `t=…`, in order of time.
     pub(crate) fn states(&self) -> Vec<(f64, Self)> {
-        let reference = self.at("reference");
-        let time = |key: &String| Some((key.strip_prefix("t=")?.parse().ok()?, reference.at(key)));
-        let mut states: Vec<(f64, Self)> = reference.keys().iter().filter_map(time).collect();
+        self.at("reference").at_times()
+    }
+
+    /// What is told of times, `t=…`, in their order.
+    pub(crate) fn at_times(&self) -> Vec<(f64, Self)> {
+        let time = |key: &String| Some((key.strip_prefix("t=")?.parse().ok()?, self.at(key)));
+        let mut states: Vec<(f64, Self)> = self.keys().iter().filter_map(time).collect();
         states.sort_by(|a, b| a.0.total_cmp(&b.0));
         states
     }

@@ -71,6 +71,35 @@ fn c15_overdamped_creep() {
     }
 }
 
+/// A block on a belt, with a friction that falls with the speed of sliding and turns over within a millimetre per second:
+/// a motor that pushes by a formula in the speed.
+#[test]
+fn c09_stick_slip_smooth() {
+    let case = case("C09_stick_slip");
+    let [m, k, n, most, least, belt, turn, fall] =
+        ["m", "k", "N", "mu_s", "mu_d", "vb", "vs", "vst"].map(|key| case.parameter(key));
+    let slide = format!("({belt:?} - v)");
+    let friction =
+        format!("{n:?}*tanh({slide}/{turn:?})*({least:?} + {:?}*exp(-(({slide}/{fall:?})^2)))", most - least);
+    for (integrator, tolerance) in [("radau9", 1e-10), ("dop853", 1e-11)] {
+        let text = head([0.0; 3], integrator, tolerance)
+            + &format!(
+                "[[body]]\nname = \"block\"\nmass = {m:?}\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], \
+                 stiffness = {k:?}, position = {:?}, velocity = {:?} }}\n\
+                 [[motor]]\nhinge = \"block\"\ntype = \"expression\"\nexpression = \"{friction}\"\n",
+                case.initial("x"),
+                case.initial("v"),
+            );
+        let scene = Scene::read(&text);
+        let mut run = scene.run();
+        for (time, state) in case.at("reference").at("b_smooth").at_times() {
+            run.until(time);
+            state.at("x").check(run.coordinate("block"), case.tolerance("abs"));
+            state.at("v").check(run.speed("block"), case.tolerance("abs"));
+        }
+    }
+}
+
 /// Shaft, slider, two rods with balls, and the springs between slider and rods.
 fn governor(case: &Node, integrator: &str, tolerance: f64) -> Scene {
     let p = |key: &str| case.parameter(key);
