@@ -92,8 +92,9 @@ impl Reduced {
     }
 }
 
-/// The moment of [`bias`] in link axes. There the inertia is known to the last digit, and a slender body's small moment
-/// of inertia is not drowned in the round-off of its large ones: `ω × J ω` as differences of moments of inertia.
+/// The moment that the body's velocities and weight ask for, `b` of eq. (1), in link axes. There the inertia is known to
+/// the last digit, and a slender body's small moment of inertia is not drowned in the round-off of its large ones:
+/// `ω × J ω` as differences of moments of inertia.
 #[inline]
 pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion) -> Vector3<f64> {
     let (w, g, j) = (at.turn.tr_mul(&at.angular_velocity), at.turn.tr_mul(gravity), &link.inertia);

@@ -20,7 +20,7 @@
 //! `w` is where it is not symmetric: what a hinge passes on turns with the link, and the parent does not. `Xᵀ` is the
 //! shift of a wrench by the arm. At rest in equilibrium of loads with a potential the matrix is symmetric, and by Sylvester's
 //! law the negative pivots `D` count its negative eigenvalues. Only the parts of `z` that a state needs are computed with
-//! ([`parts`]), and under weight alone nearly none ([`weight`]).
+//! (`parts.rs`), and under weight alone nearly none (`weight.rs`).
 
 mod applied;
 mod eliminate;
