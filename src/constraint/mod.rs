@@ -20,6 +20,7 @@
 pub mod assembly;
 mod close;
 mod envelope;
+mod hold;
 mod listed;
 mod plan;
 mod rank;
@@ -51,6 +52,9 @@ pub use rows::{Element, Owner};
 pub struct Constraints {
     /// Loops, drives, gears, in this order; then coordinates that are held.
     elements: Vec<Element>,
+    /// How many of them are the model's own, and which of their rows are solved for: coordinates held on stops come and go.
+    own: usize,
+    independent: Vec<bool>,
     rules: Vec<Rule>,
     placed: Vec<Placed>,
     /// From each element's ends to the root, tips first.
@@ -94,6 +98,8 @@ impl Constraints {
             placed: vec![Placed::default(); rules.len()],
             multipliers: vec![0.0; rules.len()],
             passed: vec![Wrench::ZERO; model.links.len()],
+            own: elements.len(),
+            independent: vec![true; rules.len()],
             elements,
             rules,
             ways,
@@ -121,6 +127,7 @@ impl Constraints {
             None => rank::decide(model, &model.start_position, 0.0).independent,
         };
         rows.keep(|row| independent[row]);
+        rows.independent = independent;
         Some(rows)
     }
 

@@ -58,12 +58,12 @@ fn independent_at(model: &Model, closing: &mut Closing<'_>, q: &[f64]) -> Vec<bo
         return vec![false; closing.rows.rules.len()];
     }
     closing.rows.assemble(model, &closing.motion, &closing.reduction);
-    closing.rows.independent()
+    closing.rows.independent_now()
 }
 
 impl Constraints {
     /// Independent rows among all, from the matrix as assembled: loops first, then gears, drives last.
-    fn independent(&self) -> Vec<bool> {
+    pub(super) fn independent_now(&self) -> Vec<bool> {
         let rows: Vec<usize> = self.plan.rows().collect();
         let mut kept = vec![false; self.rules.len()];
         for component in self.components() {

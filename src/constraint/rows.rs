@@ -18,7 +18,7 @@ pub enum Owner {
     Drive(usize),
     /// Index into `Model::gears`.
     Gear(usize),
-    /// A velocity coordinate that is held while positions or velocities are closed.
+    /// A velocity coordinate that is held: while positions or velocities are closed, or on a stop.
     Held(usize),
 }
 
@@ -102,7 +102,7 @@ pub(super) fn locks(model: &Model) -> Vec<Held> {
         .collect()
 }
 
-fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
+pub(super) fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
     let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.counts().0 == 1);
     plain.map(|(index, link)| Scalar {
         link: index,
@@ -132,11 +132,7 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         elements.push(Element { owner, name, rows, ends, branches, named: [0, 0], held: nothing });
     }
     let mut motion = |owner: Owner, name: String, parts: [(Scalar, f64); 2], held: Instant| {
-        let rows = rules.len()..rules.len() + 1;
-        rules.push(Rule::Motion { parts });
-        let named = parts.map(|(scalar, factor)| if factor == 0.0 { 0 } else { scalar.link });
-        let branches = [Vec::new(), Vec::new()];
-        elements.push(Element { owner, name, rows, ends: None, branches, named, held });
+        of_motion((owner, name), parts, held, &mut elements, &mut rules);
     };
     for (index, drive) in model.drives.iter().enumerate() {
         let parts = [(drive.coordinate, 1.0), (drive.coordinate, 0.0)];
@@ -146,11 +142,30 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         let parts = [(gear.coordinates[0], 1.0), (gear.coordinates[1], -gear.ratio)];
         motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
     }
-    for Held { coordinate, at } in held {
-        let name = format!("held {}", model.label(coordinate.velocity));
-        motion(Owner::Held(coordinate.velocity), name, [(*coordinate, 1.0), (*coordinate, 0.0)], *at);
-    }
+    hold(model, held, &mut elements, &mut rules);
     (elements, rules)
+}
+
+/// The row of a sum of coordinates.
+fn of_motion(
+    (owner, name): (Owner, String),
+    parts: [(Scalar, f64); 2],
+    held: Instant,
+    elements: &mut Vec<Element>,
+    rules: &mut Vec<Rule>,
+) {
+    let rows = rules.len()..rules.len() + 1;
+    rules.push(Rule::Motion { parts });
+    let named = parts.map(|(scalar, factor)| if factor == 0.0 { 0 } else { scalar.link });
+    elements.push(Element { owner, name, rows, ends: None, branches: [Vec::new(), Vec::new()], named, held });
+}
+
+/// Adds a row for each coordinate that is held.
+pub(super) fn hold(model: &Model, held: &[Held], elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
+    for Held { coordinate, at } in held {
+        let what = (Owner::Held(coordinate.velocity), format!("held {}", model.label(coordinate.velocity)));
+        of_motion(what, [(*coordinate, 1.0), (*coordinate, 0.0)], *at, elements, rules);
+    }
 }
 
 /// Turns of the loops' frames on their second links, taken where they stand at the given positions.

@@ -3,6 +3,7 @@
 use super::{Fault, System};
 use crate::constraint::{Constraints, ROUND_OFF, Rate};
 use crate::model::Model;
+use crate::model::prescribed::Instant;
 use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
@@ -191,6 +192,27 @@ impl System<'_> {
         if let Some(constrained) = &mut self.constraints {
             constrained.rows.set_multipliers(multipliers);
         }
+    }
+
+    /// Holds velocity coordinates from now on, each where and at the rate that it is told, as rows like those of loops,
+    /// drives and gears; those held before are let go. Says which of them the others leave free to be held. Nothing is
+    /// done without loops, drives or gears.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    pub fn hold(&mut self, q: &[f64], v: &[f64], held: &[(usize, Instant)]) -> Result<Vec<bool>, Fault> {
+        let mut a = std::mem::take(&mut self.scratch);
+        let evaluated = self.accelerations(q, v, &mut a);
+        self.scratch = a;
+        evaluated?;
+        let Self { constraints, model, motion, reduction, .. } = self;
+        Ok(constraints.as_mut().map_or(Vec::new(), |tied| tied.rows.hold(model, motion, reduction, q, held)))
+    }
+
+    /// What holds a velocity coordinate given to [`System::hold`], at the last accelerations (N or N m); 0 where it has
+    /// no row.
+    pub fn held_force(&self, velocity: usize) -> f64 {
+        self.constraints.as_ref().map_or(0.0, |tied| tied.rows.held_force(velocity))
     }
 
     /// Power that drives put in (W).

@@ -43,6 +43,8 @@ pub struct System<'m> {
     /// Hinge forces, and scratch of the same length.
     tau: Vec<f64>,
     scratch: Vec<f64>,
+    /// Hinge forces from outside of the model; empty where none can come.
+    outside: Vec<f64>,
     /// What motors push with, of the last evaluation.
     pushes: Vec<Push>,
     /// The time at which drives and motors are looked at (s).
@@ -121,6 +123,7 @@ impl<'m> System<'m> {
             applied: vec![Wrench::ZERO; n],
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
+            outside: vec![0.0; if model.stops.is_empty() { 0 } else { model.velocity_count() }],
             pushes: vec![Push::default(); model.motors.len()],
             time: 0.0,
             constraints: Constrained::new(model),
@@ -148,6 +151,13 @@ impl<'m> System<'m> {
             forces::motor::pushes(self.model, self.time, q, v, &mut self.pushes);
             forces::motor::apply(self.model, &self.pushes, &mut self.tau);
         }
+        self.tau.iter_mut().zip(&self.outside).for_each(|(tau, outside)| *tau += outside);
+    }
+
+    /// Hinge forces (N, N m) that evaluations take in from now on: what compliant stops push with. Empty for a model
+    /// without stops.
+    pub fn outside(&mut self) -> &mut [f64] {
+        &mut self.outside
     }
 
     /// `a ← q̈(q, v)`, in O(n).

@@ -250,19 +250,6 @@ pub(super) fn couple(
     drives(description, model, &mut problems);
     gears(description, model, &mut problems);
     motor::motors(description, model, &mut problems);
-    if let (true, Some(stop)) = (model.is_constrained(), model.stops.first()) {
-        let body = stop.body;
-        problems.push(Problem {
-            element: Element::Body(body),
-            field: "hinge.limits".to_owned(),
-            message: format!("`{}` has a stop in a scene with loops, drives or gears", model.bodies[body].name),
-            help: Some(
-                "stops and loops cannot be simulated together yet: take off the `limits`; those of a model with \
-                 `limits = false` in [model], or `convert --no-limits`"
-                    .to_owned(),
-            ),
-        });
-    }
     problems
 }
 

@@ -59,7 +59,7 @@ pub struct Model {
     /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by
     /// `constraint::assemble`).
     pub independent_rows: Option<Vec<bool>>,
-    /// Stops of hinge coordinates; a run heeds them, statics does not.
+    /// Stops of hinge coordinates.
     pub stops: Vec<Stop>,
     /// What a run takes note of.
     pub events: Vec<Event>,

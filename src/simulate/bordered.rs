@@ -98,12 +98,14 @@ impl Bordered {
         }
     }
 
-    /// Factorizes at a point; rows with a clearance below `weak` are left out. `Ok(false)` where it is singular.
+    /// Factorizes at a point, `shift` added to the diagonal of the tree's tangent; rows with a clearance below `weak` are
+    /// left out. `Ok(false)` where it is singular.
     pub(super) fn factorize(
         &mut self,
         system: &mut System<'_>,
         at: Point<'_>,
         [c1, c2]: [f64; 2],
+        shift: &[f64],
         weak: f64,
     ) -> Result<bool, Fault> {
         let (n, m) = (at.a.len(), self.weak.len());
@@ -119,10 +121,10 @@ impl Bordered {
         }
         let regular = match &mut self.tree {
             Tree::Sweep(solver) => {
-                let with = Coefficients { c1, c2, ..Coefficients::default() };
+                let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
                 system.factorize_tangent(solver, at.q, at.v, at.a, &with)?
             }
-            Tree::Dense(dense) => system.factorize_dense(dense, at.q, at.v, at.a, [c1, c2], &[])?,
+            Tree::Dense(dense) => system.factorize_dense(dense, at.q, at.v, at.a, [c1, c2], shift)?,
         };
         if !regular {
             return Ok(false);

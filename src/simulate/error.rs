@@ -55,6 +55,21 @@ pub enum RunError {
         /// (m or rad)
         high: f64,
     },
+    /// A stop in the way of a motion that is prescribed.
+    #[error(
+        "at t = {time} s the hinge of `{hinge}` is driven through its limit {limit}: {by} leave it no other way; widen \
+         `limits`, or let the motion end before"
+    )]
+    Jam {
+        /// (s)
+        time: f64,
+        /// Body whose hinge it is.
+        hinge: String,
+        /// (m or rad)
+        limit: f64,
+        /// What drives it.
+        by: String,
+    },
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
     Sample {

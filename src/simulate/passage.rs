@@ -56,15 +56,19 @@ impl Passage {
             step: vec![0.0; model.velocity_count()],
             acceleration: vec![0.0; model.velocity_count()],
         };
-        let (q, v) = (&model.start_position, &model.start_velocity);
-        passage.clearance = passage.look(system, q, v, 0.0).unwrap_or(0.0);
-        passage.widest = passage.widest.max(passage.clearance);
-        let fastest = passage.fastest(v);
-        for along in [-0.2, -0.05, 0.05, 0.2] {
-            let there = if fastest > 0.0 { passage.look(system, q, v, along / fastest) } else { None };
-            passage.widest = passage.widest.max(there.unwrap_or(0.0));
-        }
+        passage.start(system, &model.start_position, &model.start_velocity);
         passage
+    }
+
+    /// Looks anew from a state: the rows are others than before.
+    pub(super) fn start(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64]) {
+        self.clearance = self.look(system, q, v, 0.0).unwrap_or(0.0);
+        self.widest = self.clearance.max(f64::MIN_POSITIVE);
+        let fastest = self.fastest(v);
+        for along in [-0.2, -0.05, 0.05, 0.2] {
+            let there = if fastest > 0.0 { self.look(system, q, v, along / fastest) } else { None };
+            self.widest = self.widest.max(there.unwrap_or(0.0));
+        }
     }
 
     /// Whether the last step ended near a singular position.

@@ -105,12 +105,15 @@ impl<'m> Motion<'m> {
     /// As [`System::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
         let system = at_time(&mut self.system, time);
+        if let Some(stops) = &self.stops {
+            stops.press(q, v, system.outside());
+        }
         match &mut self.passage {
             Some(passage) if passage.is_near() => passage.accelerations(system, q, v, a)?,
             _ => system.accelerations(q, v, a)?,
         }
         if let Some(stops) = &mut self.stops {
-            stops.correct(q, v, a, &mut |rhs, x| system.solve_mass(rhs, x));
+            stops.correct(a, &mut |rhs, x| system.solve_mass(rhs, x));
         }
         Ok(())
     }
@@ -161,41 +164,88 @@ impl<'m> Motion<'m> {
     }
 
     /// Holds a coordinate on a stop from now on.
-    pub(super) fn hold(&mut self, side: Side) {
-        if let Some(stops) = &mut self.stops {
-            stops.held.push(side);
-        }
-    }
-
-    /// Lets the coordinate in this place of the list go.
-    pub(super) fn release(&mut self, held: usize) {
-        if let Some(stops) = &mut self.stops {
-            stops.held.remove(held);
-        }
-    }
-
-    /// What presses on the stop in this place of the list; not a number where that cannot be evaluated.
-    pub(super) fn pressure(&mut self, time: f64, state: &State, held: usize) -> f64 {
-        let mut a = vec![0.0; state.velocity.len()];
-        match self.accelerations(time, &state.position, &state.velocity, &mut a) {
-            Ok(()) => self.stops.as_ref().map_or(f64::NAN, |stops| stops.pressure(held)),
-            Err(_) => f64::NAN,
-        }
-    }
-
-    /// The velocities after a coordinate hit a stop.
     ///
     /// # Errors
     /// As [`System::accelerations`].
-    pub(super) fn strike(&mut self, time: f64, state: &mut State, side: Side, restitution: f64) -> Result<(), Fault> {
-        let State { position, velocity } = state;
-        let mut a = vec![0.0; velocity.len()];
-        let system = at_time(&mut self.system, time);
-        system.accelerations(position, velocity, &mut a)?;
+    pub(super) fn hold(&mut self, time: f64, state: &State, side: Side) -> Result<(), Fault> {
         if let Some(stops) = &mut self.stops {
-            stops.strike(side, restitution, velocity, &mut |rhs, x| system.solve_mass(rhs, x));
+            stops.held.push(side);
+        }
+        self.tie(time, state)
+    }
+
+    /// Lets the coordinate in this place of the list go.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    pub(super) fn release(&mut self, time: f64, state: &State, held: usize) -> Result<(), Fault> {
+        if let Some(stops) = &mut self.stops {
+            stops.held.remove(held);
+        }
+        self.tie(time, state)
+    }
+
+    /// Makes rows of what stops hold, beside loops, drives and gears.
+    fn tie(&mut self, time: f64, state: &State) -> Result<(), Fault> {
+        let (Some(stops), Some(passage)) = (&mut self.stops, &mut self.passage) else { return Ok(()) };
+        let State { position, velocity } = state;
+        let system = at_time(&mut self.system, time);
+        stops.counts = Some(system.hold(position, velocity, &stops.rows())?);
+        passage.start(system, position, velocity);
+        if let Tangent::Bordered(factors) = &mut self.tangent {
+            factors.clear();
         }
         Ok(())
+    }
+
+    /// What presses on the stop in this place of the list; not a number where that cannot be evaluated. One that only
+    /// rests with others is pressed as long as it is not passed.
+    pub(super) fn pressure(&mut self, time: f64, state: &State, held: usize) -> f64 {
+        let mut a = vec![0.0; state.velocity.len()];
+        if self.accelerations(time, &state.position, &state.velocity, &mut a).is_err() {
+            return f64::NAN;
+        }
+        let Some(stops) = &self.stops else { return f64::NAN };
+        let side = stops.held[held];
+        let stop = &stops.stops[side.stop];
+        match &stops.counts {
+            None => stops.pressure(held),
+            Some(_) if self.rests_with_others(held) => {
+                PASSED * self.position_scales[stop.position] - stop.depth(side.sign, &state.position)
+            }
+            Some(_) => -side.sign * self.system.held_force(stop.velocity),
+        }
+    }
+
+    /// Whether the coordinate in this place of the list is held by loops, drives, gears and other stops.
+    pub(super) fn rests_with_others(&self, held: usize) -> bool {
+        let counts = self.stops.as_ref().and_then(|stops| stops.counts.as_ref());
+        counts.is_some_and(|counts| counts.get(held) == Some(&false))
+    }
+
+    /// The velocities after a coordinate hit a stop; false where loops, drives, gears and what rests on stops leave it no
+    /// other speed.
+    ///
+    /// # Errors
+    /// As [`System::accelerations`].
+    pub(super) fn strike(&mut self, time: f64, state: &mut State, side: Side, restitution: f64) -> Result<bool, Fault> {
+        let Some(stops) = &mut self.stops else { return Ok(true) };
+        let system = at_time(&mut self.system, time);
+        if self.passage.is_some() {
+            let after = -restitution * state.velocity[stops.stops[side.stop].velocity];
+            let mut rows = stops.rows();
+            rows.push(stops.row(side, after));
+            let free = system.hold(&state.position, &state.velocity, &rows)?.last() == Some(&true);
+            if free {
+                system.settle(&mut state.position, &mut state.velocity)?;
+            }
+            return self.tie(time, state).map(|()| free);
+        }
+        let State { position, velocity } = state;
+        let mut a = vec![0.0; velocity.len()];
+        system.accelerations(position, velocity, &mut a)?;
+        stops.strike(side, restitution, velocity, &mut |rhs, x| system.solve_mass(rhs, x));
+        Ok(true)
     }
 
     /// The rate of a coordinate that has one (not of a quaternion's numbers).
@@ -221,6 +271,9 @@ impl<'m> Motion<'m> {
         link.velocity + link.angular_velocity.cross(&(link.turn * end.point))
     }
 }
+
+/// A coordinate that is further beyond a stop than this (rad, part of the scene's length) is driven through it.
+const PASSED: f64 = 1e-6;
 
 /// The one way from a time to the system.
 pub(super) fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
@@ -313,6 +366,9 @@ impl ImplicitProblem for Motion<'_> {
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
         let system = at_time(&mut self.system, time);
+        if let Some(stops) = &self.stops {
+            stops.press(q, v, system.outside());
+        }
         match &mut self.passage {
             // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
             Some(passage) if passage.is_near() => {
@@ -330,7 +386,7 @@ impl ImplicitProblem for Motion<'_> {
             None => system.residual(q, v, a, r)?,
         }
         if let Some(stops) = &self.stops {
-            stops.balance(q, v, r);
+            stops.balance(r);
         }
         Ok(())
     }
@@ -362,7 +418,7 @@ impl ImplicitProblem for Motion<'_> {
             Tangent::Dense(factors) => system.factorize_dense(&mut factors[slot], q, v, a, [c1, c2], shift)?,
             Tangent::Bordered(factors) => {
                 let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
-                factors[slot].factorize(system, at, [c1, c2], weak)?
+                factors[slot].factorize(system, at, [c1, c2], shift, weak)?
             }
         };
         match regular {

@@ -25,6 +25,8 @@ const SHORTEST_USEFUL_STEP: f64 = 1e-9;
 
 /// What comes back from an impact with fewer than this many tolerances of a speed comes to rest.
 const REST_SPEEDS: f64 = 10.0;
+/// So does what would rise by fewer than about this many roundings of a coordinate: it would fall as fast by rounding alone.
+const ROUNDED_HEIGHT: f64 = 8.0;
 /// Rounding of a coordinate on its limit, of one and more.
 const ON_THE_LIMIT: f64 = 1e-12;
 
@@ -106,11 +108,12 @@ pub fn run(
             let rigid = matches!(stop.law, StopLaw::Rigid { .. });
             if rigid && depth.abs() <= slack && start.velocity[stop.velocity] == 0.0 {
                 // What lies on a stop from the start stays there while it presses.
-                motion.hold(side);
+                let fault = |fault| RunError::Sample { time: 0.0, fault };
+                motion.hold(0.0, start, side).map_err(fault)?;
                 let held = motion.held().len() - 1;
                 match motion.pressure(0.0, start, held) > 0.0 {
                     true => resting.push(side),
-                    false => motion.release(held),
+                    false => motion.release(0.0, start, held).map_err(fault)?,
                 }
             }
         }
@@ -358,7 +361,12 @@ impl<'m> Run<'m> {
                 self.ledger.lose(before - self.energy(motion, time));
             }
             Turn::Stop(event) => self.stopped_by = Some(self.model.events[event].name.clone()),
-            Turn::Release(held) => motion.release(held),
+            Turn::Release(held) => {
+                if motion.rests_with_others(held) {
+                    return Err(self.jam(time, motion.held()[held]));
+                }
+                motion.release(time, &self.state, held).map_err(|fault| RunError::Sample { time, fault })?;
+            }
             Turn::Strike(side) => self.strike(motion, settings, time, side)?,
         }
         if let Some(events) = &mut self.events {
@@ -381,19 +389,23 @@ impl<'m> Run<'m> {
         self.state.position[stop.position] = stop.limit(side.sign);
         let speed = self.state.velocity[stop.velocity];
         let (_, scales) = motion.scales();
-        let slow = restitution * speed.abs() <= REST_SPEEDS * settings.absolute_tolerance * scales[stop.velocity];
+        let least = (REST_SPEEDS * settings.absolute_tolerance).max((ROUNDED_HEIGHT * f64::EPSILON).sqrt());
+        let slow = restitution * speed.abs() <= least * scales[stop.velocity];
         let restitution = if slow { 0.0 } else { restitution };
         let before = self.energy(motion, time);
-        motion.strike(time, &mut self.state, side, restitution).map_err(fault)?;
+        let free = motion.strike(time, &mut self.state, side, restitution).map_err(fault)?;
+        if !free && !slow {
+            return Err(self.jam(time, side));
+        }
         self.ledger.lose(before - self.energy(motion, time));
         let mut kind = Kind::Impact;
         if slow {
-            motion.hold(side);
+            motion.hold(time, &self.state, side).map_err(fault)?;
             let held = motion.held().len() - 1;
             if motion.pressure(time, &self.state, held) > 0.0 {
                 kind = Kind::Rest;
             } else {
-                motion.release(held);
+                motion.release(time, &self.state, held).map_err(fault)?;
             }
         }
         if let Some(events) = &mut self.events {
@@ -401,6 +413,14 @@ impl<'m> Run<'m> {
             events.happened.push(Occurrence { time, kind, name, value: stop.limit(side.sign), speed });
         }
         Ok(())
+    }
+
+    /// A stop that something without another way runs through.
+    fn jam(&self, time: f64, side: Side) -> RunError {
+        let stop = &self.model.stops[side.stop];
+        let drives: Vec<String> = self.model.drives.iter().map(|drive| format!("`{}`", drive.name)).collect();
+        let by = if drives.is_empty() { "loops and gears".to_owned() } else { drives.join(", ") };
+        RunError::Jam { time, hinge: self.model.bodies[stop.body].name.clone(), limit: stop.limit(side.sign), by }
     }
 }
 

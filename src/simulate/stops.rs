@@ -9,7 +9,12 @@
 //! Which stops push and which hold changes at events alone (`events.rs`): within a step every law is smooth, so that no
 //! method has to step over a jump. `M⁻¹` of a unit force is one more right side of the factorization that gave the accelerations. A scene without stops
 //! has none of this, and one whose stops are not touched pays a comparison for each.
+//!
+//! **Beside loops, drives and gears** what a stop holds is a row like theirs, while it is held; (3) is then the projection
+//! of velocities, with the speed that comes back as what this row asks for. A stop whose row hangs on theirs and on the
+//! stops before it (the second of two fingers that a gear ties) rests with them and bears nothing of its own.
 
+use crate::model::prescribed::Instant;
 use crate::model::{Model, Stop, StopLaw};
 
 /// Which end of a stop's range: −1 the low one, 1 the high one.
@@ -29,6 +34,8 @@ pub(super) struct Stops<'m> {
     pub(super) pushing: Vec<Side>,
     /// Rigid stops that hold their coordinate.
     pub(super) held: Vec<Side>,
+    /// Beside loops, drives and gears: which of them have a row of their own. `None` in a tree.
+    pub(super) counts: Option<Vec<bool>>,
     /// `M⁻¹ Hᵀ` of the held coordinates, one after the other.
     columns: Vec<Vec<f64>>,
     /// `H M⁻¹ Hᵀ` and λ.
@@ -73,6 +80,7 @@ impl<'m> Stops<'m> {
             stops: &model.stops,
             pushing: Vec::with_capacity(model.stops.len()),
             held: Vec::with_capacity(model.stops.len()),
+            counts: model.is_constrained().then(Vec::new),
             columns: vec![vec![0.0; n]; model.stops.len()],
             matrix: vec![0.0; model.stops.len() * model.stops.len()],
             multipliers: vec![0.0; model.stops.len()],
@@ -80,27 +88,31 @@ impl<'m> Stops<'m> {
         })
     }
 
-    /// Adds (1) to hinge forces.
-    pub(super) fn add_forces(&self, q: &[f64], v: &[f64], tau: &mut [f64], factor: f64) {
+    /// (1) of all stops that push.
+    pub(super) fn press(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
+        tau.fill(0.0);
         for side in &self.pushing {
             let stop = &self.stops[side.stop];
-            tau[stop.velocity] -= factor * side.sign * stop.push(side.sign, q, v);
+            tau[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
         }
     }
 
-    /// Corrects free accelerations by (1) and (2); `solve` is `x ← M⁻¹ rhs`.
-    pub(super) fn correct(&mut self, q: &[f64], v: &[f64], a: &mut [f64], solve: &mut dyn FnMut(&[f64], &mut [f64])) {
-        if !self.pushing.is_empty() {
-            let mut force = std::mem::take(&mut self.force);
-            force.fill(0.0);
-            self.add_forces(q, v, &mut force, 1.0);
-            solve(&force, &mut self.columns[0]);
-            a.iter_mut().zip(&self.columns[0]).for_each(|(a, by)| *a += by);
-            self.force = force;
-        }
-        if !self.held.is_empty() {
+    /// Corrects the free accelerations of a tree by (2); `solve` is `x ← M⁻¹ rhs`.
+    pub(super) fn correct(&mut self, a: &mut [f64], solve: &mut dyn FnMut(&[f64], &mut [f64])) {
+        if !self.held.is_empty() && self.counts.is_none() {
             self.hold(a, -1.0, solve);
         }
+    }
+
+    /// The coordinates that are held, and where.
+    pub(super) fn rows(&self) -> Vec<(usize, Instant)> {
+        self.held.iter().map(|side| self.row(*side, 0.0)).collect()
+    }
+
+    /// A coordinate on the stop of a side, with this speed.
+    pub(super) fn row(&self, side: Side, velocity: f64) -> (usize, Instant) {
+        let stop = &self.stops[side.stop];
+        (stop.velocity, Instant { position: stop.limit(side.sign), velocity, acceleration: 0.0 })
     }
 
     /// `x += M⁻¹ Hᵀ λ` such that the held components of `x` are `1 + factor` of what they were; λ is kept.
@@ -166,15 +178,14 @@ impl<'m> Stops<'m> {
         -self.held[held].sign * self.multipliers[held]
     }
 
-    /// Takes the stops' part off a force balance, and the rows that are held.
-    pub(super) fn balance(&self, q: &[f64], v: &[f64], residual: &mut [f64]) {
-        self.add_forces(q, v, residual, -1.0);
-        for side in &self.held {
-            residual[self.stops[side.stop].velocity] = 0.0;
+    /// Takes the rows that are held off the force balance of a tree.
+    pub(super) fn balance(&self, residual: &mut [f64]) {
+        if self.counts.is_none() {
+            self.held.iter().for_each(|side| residual[self.stops[side.stop].velocity] = 0.0);
         }
     }
 
-    /// What the stops add to the diagonal of a tangent: infinite where they hold.
+    /// What the stops add to the diagonal of a tangent: infinite where they hold a tree.
     pub(super) fn diagonal(&mut self, c1: f64) -> &[f64] {
         self.force.fill(0.0);
         for side in &self.pushing {
@@ -183,8 +194,8 @@ impl<'m> Stops<'m> {
                 self.force[stop.velocity] += stiffness + c1 * damping;
             }
         }
-        for side in &self.held {
-            self.force[self.stops[side.stop].velocity] = f64::INFINITY;
+        if self.counts.is_none() {
+            self.held.iter().for_each(|side| self.force[self.stops[side.stop].velocity] = f64::INFINITY);
         }
         &self.force
     }

@@ -313,8 +313,8 @@ fn certify(
     let relative = place.residual().0;
     if balanced && relative > BALANCED {
         notes.push(format!(
-            "what is left of the forces, {relative:.1e} of them, is round-off: lengths or loops that are nearly taut do not \
-             let them be known any better here"
+            "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: lengths or \
+             loops that are nearly taut do not let them be known any better here"
         ));
     }
     let verdict = stability.as_ref().map(|s| s.verdict);

@@ -19,7 +19,8 @@ use super::assembled::Assembled;
 use super::equilibrium::{Equilibrium, equilibrium};
 use super::stability::Verdict;
 use crate::model::description::Description;
-use crate::model::{Model, Parameter};
+use crate::model::problem::number;
+use crate::model::{Model, Parameter, Stop};
 use crate::spatial::{Pose, Wrench};
 use scene::Moving;
 use std::collections::VecDeque;
@@ -166,12 +167,20 @@ pub fn follow(
     let assembled = Assembled::of(&mut model)?;
     let start = equilibrium(&model, statics, &model.start_position).map_err(|fault| fault.to_string())?;
     let mut path = Path { branches: Vec::new(), complete: start.converged, start, notes: Vec::new() };
-    if !model.stops.is_empty() {
-        path.notes.push("stops of hinges are heeded at the start of the path alone".to_owned());
-    }
     if !path.start.converged {
-        let from = crate::model::problem::number(settings.from);
+        let from = number(settings.from);
         path.notes.push(format!("no path: there is no equilibrium at `{}` = {from} to start from", settings.parameter));
+        return Ok(path);
+    }
+    if let Some(stop) = path.start.stops.first() {
+        path.notes.push(format!(
+            "no path: the equilibrium at `{}` = {} rests on the stop of {}, and a path cannot follow what a stop bears; lock \
+             the hinge there, or take off its `limits`",
+            settings.parameter,
+            number(settings.from),
+            stop.hinge
+        ));
+        path.complete = false;
         return Ok(path);
     }
     let range = (settings.to - settings.from).abs();
@@ -198,17 +207,34 @@ pub fn follow(
         let branch = tracer.trace(seed, go_on)?;
         if let End::Lost(reason) = &branch.end {
             let at = branch.points.last().map_or(settings.from, |point| point.parameter);
-            let at = crate::model::problem::number(at);
+            let at = number(at);
             path.notes.push(format!("branch {index} is lost at `{}` = {at}: {reason}", settings.parameter));
             path.complete = false;
         }
         path.complete &= branch.end != End::Points;
+        path.notes.extend(model.stops.iter().filter_map(|stop| beyond(&model, stop, &branch, index, settings)));
         if settings.branches {
             queue.extend(seeds(&mut tracer, &branch, index, &mut path.notes));
         }
         path.branches.push(branch);
     }
     Ok(path)
+}
+
+/// Where a branch goes beyond a stop, which it does not heed.
+fn beyond(model: &Model, stop: &Stop, branch: &Branch, index: usize, settings: &Settings) -> Option<String> {
+    let [low, high] = stop.range;
+    let slack = |limit: f64| 1e-9 * limit.abs().max(1.0);
+    let passes = |value: f64| value < low - slack(low) || value > high + slack(high);
+    let first = branch.points.iter().find(|point| passes(point.position[stop.position]))?;
+    let limit = if first.position[stop.position] < low { low } else { high };
+    Some(format!(
+        "branch {index} goes beyond the limit {} of {} from `{}` = {} on: stops are not heeded there",
+        number(limit),
+        model.label(stop.velocity),
+        settings.parameter,
+        number(first.parameter)
+    ))
 }
 
 impl Path {

@@ -87,7 +87,8 @@ impl Place {
     }
 }
 
-/// Newton steps while they still halve the residual: from balanced to the last digits. The best place is kept.
+/// Newton steps while they still halve the residual: from balanced to the last digits. The best place is kept. What is
+/// above [`BALANCED`] is not taken for round-off before no step halves it.
 pub(super) fn polish(
     landscape: &mut Landscape<'_, '_>,
     mut place: Place,
@@ -97,7 +98,7 @@ pub(super) fn polish(
     // step finite, and delays what is left by as little as it is smaller.
     let mut part = 0.0;
     for _ in 0..10 {
-        if place.is_exact() {
+        if place.is_exact() && place.residual().0 <= BALANCED {
             break;
         }
         landscape.look(&place.q)?;

@@ -11,10 +11,16 @@
 //! coordinate beyond its limit gets its stop, a stop that would have to pull is taken away, and the search starts from the
 //! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. Where a
 //! search ends in no balance, stops in the way of the forces left there are tried.
+//!
+//! **Beside loops, drives and gears** coordinates depend on each other, and two stops can seldom bear at once: of those
+//! that are passed only the first on the way from the guess is added, the loops are brought onto it from there in short
+//! steps, and where they cannot be, it takes the place of the others.
 
 use super::equilibrium::{Equilibrium, search_free};
+use super::landscape::Landscape;
 use super::settings::Settings;
 use super::stability::Mode;
+use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, StopLaw};
 use std::collections::HashSet;
@@ -23,6 +29,8 @@ use std::collections::HashSet;
 const PASSED: f64 = 1e-12;
 /// A rigid stop pulls where its load is below this part of the largest force in the balance.
 const PULLS: f64 = 1e-10;
+/// How far loops are brought at a time (rad, m; below 1 m part of the scene's length).
+const SHORT: f64 = 0.1;
 
 /// A stop that an equilibrium rests on.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,10 +60,20 @@ pub(super) fn search(
 ) -> Result<Equilibrium, Fault> {
     let mut set: Set = model.stops.iter().map(|stop| touched(model, stop, start)).collect();
     let mut seen = HashSet::new();
+    let mut added = None;
     let (mut stages, mut steps, mut evaluations) = (Vec::new(), 0, 0);
     loop {
         seen.insert(set.clone());
-        let (bearing, guess) = with(model, &set, start);
+        let Some((bearing, guess)) = with(model, &set, start) else {
+            // The loops have no position on all of them: the others make way for the one that came last.
+            let last = |(index, side): (usize, &i8)| if Some(index) == added { *side } else { 0 };
+            let alone: Set = set.iter().enumerate().map(last).collect();
+            set = if seen.contains(&alone) { vec![0; set.len()] } else { alone };
+            if seen.contains(&set) {
+                return nowhere(model, settings, start, searched);
+            }
+            continue;
+        };
         let (mut found, way) = search_free(&bearing, settings, &guess, searched, trail.is_some().then(Vec::new))?;
         if let Some(trail) = &mut trail {
             trail.extend(way);
@@ -64,22 +82,42 @@ pub(super) fn search(
         steps += found.iterations;
         evaluations += found.force_evaluations;
         let next = match found.balanced {
-            true => revised(model, &set, &bearing, &found)?,
+            true => revised(model, &set, &bearing, &found, start)?,
+            false if model.is_constrained() => first_in_the_way(model, &set, &bearing, &guess)?,
             false => in_the_way(model, &set, start)?,
         };
         let again = next.filter(|next| !seen.contains(next));
-        if found.balanced && again.is_none() && revised(model, &set, &bearing, &found)?.is_some() {
-            found.converged = false;
-            found.balanced = false;
-            found.stability = None;
-            found.notes.push("no set of stops bears this scene: each that was tried lets go or is passed".to_owned());
+        if found.balanced && again.is_none() && revised(model, &set, &bearing, &found, start)?.is_some() {
+            give_up(&mut found);
         }
         let Some(next) = again else {
             (found.stages, found.iterations, found.force_evaluations) = (stages, steps, evaluations);
             return finish(model, &set, &bearing, found);
         };
+        added = (0..set.len()).find(|index| set[*index] == 0 && next[*index] != 0);
         set = next;
     }
+}
+
+fn give_up(found: &mut Equilibrium) {
+    found.converged = false;
+    found.balanced = false;
+    found.stability = None;
+    found.notes.push("no set of stops bears this scene: each that was tried lets go or is passed".to_owned());
+}
+
+/// Where the loops have no position on the stops that were tried: what is found without any, as no equilibrium.
+fn nowhere(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    searched: &mut dyn FnMut(),
+) -> Result<Equilibrium, Fault> {
+    let mut free = model.clone();
+    free.stops.clear();
+    let (mut found, _) = search_free(&free, settings, start, searched, None)?;
+    give_up(&mut found);
+    Ok(found)
 }
 
 fn limit(model: &Model, index: usize, side: i8) -> f64 {
@@ -100,18 +138,18 @@ fn touched(model: &Model, stop: &crate::model::Stop, q: &[f64]) -> i8 {
     }
 }
 
-/// The scene in which these stops bear, and the guess on them.
-fn with(model: &Model, set: &Set, start: &[f64]) -> (Model, Vec<f64>) {
+/// The scene in which these stops bear, and the guess on them; `None` where loops have no position there.
+fn with(model: &Model, set: &Set, start: &[f64]) -> Option<(Model, Vec<f64>)> {
     let (mut bearing, mut guess) = (model.clone(), start.to_vec());
     bearing.stops.clear();
+    let mut held = Vec::new();
     for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
         let (stop, limit) = (&model.stops[index], limit(model, index, *side));
         let coordinate = &mut bearing.coordinates[stop.velocity];
         match stop.law {
             StopLaw::Rigid { .. } => {
                 coordinate.lock = true;
-                guess[stop.position] = limit;
-                bearing.start_position[stop.position] = limit;
+                held.push((stop.position, limit));
             }
             StopLaw::Compliant { stiffness, damping } => {
                 coordinate.damping += damping;
@@ -122,13 +160,34 @@ fn with(model: &Model, set: &Set, start: &[f64]) -> (Model, Vec<f64>) {
             }
         }
     }
-    (bearing, guess)
+    bring(&mut bearing, &mut guess, &held).then_some((bearing, guess))
+}
+
+/// Moves coordinates to where they are held, loops closed all the way; false where these cannot follow.
+fn bring(bearing: &mut Model, q: &mut [f64], held: &[(usize, f64)]) -> bool {
+    let given: Vec<f64> = held.iter().map(|(at, _)| q[*at]).collect();
+    let length = bearing.length_scale();
+    let farthest = held.iter().zip(&given).map(|((_, limit), given)| (limit - given).abs()).fold(0.0, f64::max);
+    let steps =
+        if bearing.is_constrained() { (farthest / (SHORT * length.min(1.0))).ceil().clamp(1.0, 1e3) } else { 1.0 };
+    for step in 1..=steps as usize {
+        let part = step as f64 / steps;
+        for ((at, limit), given) in held.iter().zip(&given) {
+            let now = if part < 1.0 { given + part * (limit - given) } else { *limit };
+            q[*at] = now;
+            bearing.start_position[*at] = now;
+        }
+        if bearing.is_constrained() && !held.is_empty() && !Closer::new(bearing).close(q) {
+            return false;
+        }
+    }
+    true
 }
 
 /// The scene in which the stops that a position touches bear, and the position on them.
 pub(super) fn bearing(model: &Model, q: &[f64]) -> (Model, Vec<f64>) {
     let set = model.stops.iter().map(|stop| touched(model, stop, q)).collect();
-    with(model, &set, q)
+    with(model, &set, q).unwrap_or_else(|| (model.clone(), q.to_vec()))
 }
 
 /// What a stop of the set bears; negative where it would have to pull. `held` are the forces of locked coordinates.
@@ -156,9 +215,16 @@ fn held(bearing: &Model, found: &Equilibrium) -> Result<(Vec<f64>, Vec<f64>), Fa
 }
 
 /// The set after a balance: stops that are passed added, those that pull taken away. `None` where nothing changes.
-fn revised(model: &Model, set: &Set, bearing: &Model, found: &Equilibrium) -> Result<Option<Set>, Fault> {
+fn revised(
+    model: &Model,
+    set: &Set,
+    bearing: &Model,
+    found: &Equilibrium,
+    start: &[f64],
+) -> Result<Option<Set>, Fault> {
     let (held, sizes) = held(bearing, found)?;
     let mut next = set.clone();
+    let mut passed: Vec<(f64, usize, i8)> = Vec::new();
     for (index, side) in next.iter_mut().enumerate() {
         let stop = &model.stops[index];
         let value = found.position[stop.position];
@@ -173,13 +239,40 @@ fn revised(model: &Model, set: &Set, bearing: &Model, found: &Equilibrium) -> Re
             if pulls {
                 *side = 0;
             }
-        } else if value < stop.range[0] - slack {
-            *side = -1;
-        } else if value > stop.range[1] + slack {
-            *side = 1;
+        } else if value < stop.range[0] - slack || value > stop.range[1] + slack {
+            let towards: i8 = if value < stop.range[0] { -1 } else { 1 };
+            let from = start[stop.position];
+            passed.push(((limit(model, index, towards) - from) / (value - from), index, towards));
         }
     }
+    passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Coordinates of loops follow each other: the first stop on the way may keep the others from being passed.
+    let count = if model.is_constrained() { 1 } else { passed.len() };
+    passed.iter().take(count).for_each(|(_, index, towards)| next[*index] = *towards);
     Ok((next != *set).then_some(next))
+}
+
+/// Of the stops towards which the forces at the guess drive loops, gears and drives, the one that is reached first, added.
+/// `None` where there is no other.
+fn first_in_the_way(model: &Model, set: &Set, bearing: &Model, guess: &[f64]) -> Result<Option<Set>, Fault> {
+    let mut system = System::new(bearing);
+    let mut landscape = Landscape::new(&mut system, guess)?;
+    let force = landscape.force(guess)?;
+    let mut first: Option<(f64, usize, i8)> = None;
+    for (index, stop) in model.stops.iter().enumerate().filter(|(index, _)| set[*index] == 0) {
+        let Some(row) = landscape.free.iter().position(|i| *i == stop.velocity) else { continue };
+        let speed = force[row] / landscape.metric[row];
+        let towards: i8 = if speed < 0.0 { -1 } else { 1 };
+        let time = (limit(model, index, towards) - guess[stop.position]) / speed;
+        if time.is_finite() && first.is_none_or(|first| time < first.0) {
+            first = Some((time, index, towards));
+        }
+    }
+    Ok(first.map(|(_, index, towards)| {
+        let mut next = set.clone();
+        next[index] = towards;
+        next
+    }))
 }
 
 /// The stops towards which the forces at the guess push, added. `None` where there is no other.

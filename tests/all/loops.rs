@@ -5,6 +5,7 @@ mod bad_input;
 mod identities;
 mod motors;
 mod order;
+mod stops;
 
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;

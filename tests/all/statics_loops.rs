@@ -260,3 +260,19 @@ fn a_nearly_taut_loop_is_as_exact_as_it_can_be_and_says_so() {
         assert!(found.relative_residual < 1e-14 / (angle * angle), "{slack:e}: {:e}", found.relative_residual);
     }
 }
+
+/// Upright the cranks balance on their change from falling left to falling right; downhill, through the positions in which
+/// all bars lie in one line, they hang.
+#[test]
+fn upright_cranks_fall_through_their_change_points_and_hang() {
+    let (scenario, model) = shipped("coupled_cranks", &[]);
+    assert!(model.start_position.iter().all(|angle| *angle == 0.0));
+    let found = found(&scenario, &model);
+    for (index, name) in ["crank0", "crank1", "crank2"].iter().enumerate() {
+        let body = model.body(name).expect("a crank");
+        let angle = found.position[model.bodies[body].hinge.position];
+        assert!((angle.abs() - std::f64::consts::PI).abs() < 1e-9, "crank{index} at {angle}");
+    }
+    assert_eq!(found.stability.as_ref().map(|s| s.verdict), Some(Verdict::Stable));
+    assert!(found.notes.iter().any(|note| note.contains("left an unstable equilibrium")), "{:?}", found.notes);
+}

@@ -401,8 +401,8 @@ fn unique(wanted: String, used: &mut HashSet<String>) -> String {
     name
 }
 
-/// One note for all limits: they are rigid here, and there are none beside loops.
-pub(super) fn note_limits(scene: &mut Scene<'_>, output: &Output, options: &Options) {
+/// One note for all limits: they are rigid here.
+pub(super) fn note_limits(scene: &mut Scene<'_>, options: &Options) {
     let limited: Vec<usize> =
         scene.in_order().into_iter().filter(|joint| scene.joints[*joint].range.is_some()).collect();
     let Some(&first) = limited.first() else { return };
@@ -414,11 +414,6 @@ pub(super) fn note_limits(scene: &mut Scene<'_>, output: &Output, options: &Opti
     let element = scene.joints[first].element;
     if options.without_limits {
         element.note(Taken::Ignored, format!("{others} left out, as asked for"));
-        limited.iter().for_each(|joint| scene.joints[*joint].range = None);
-        return;
-    }
-    if !output.loops.is_empty() || !output.gears.is_empty() || !output.drives.is_empty() {
-        element.note(Taken::Ignored, format!("{others} left out: stops and constraints cannot be simulated together"));
         limited.iter().for_each(|joint| scene.joints[*joint].range = None);
         return;
     }

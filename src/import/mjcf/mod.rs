@@ -58,7 +58,7 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
     let tendons = tendon::read(&tree, &defaults, &mut scene, &mut output);
     couple::read(&tree, &defaults, &mut scene, &tendons, &mut output);
     actuator::read(&tree, &defaults, &mut scene, &tendons, &key, &mut output);
-    lower::note_limits(&mut scene, &output, options);
+    lower::note_limits(&mut scene, options);
     let mut draft = Draft::new();
     output.write(&scene, &key, options, &mut draft);
     ignored::sweep(&tree);
