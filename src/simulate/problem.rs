@@ -213,8 +213,20 @@ impl<'m> Motion<'m> {
             Some(_) if self.rests_with_others(held) => {
                 PASSED * self.position_scales[stop.position] - stop.depth(side.sign, &state.position)
             }
-            Some(_) => -side.sign * self.system.held_force(stop.velocity),
+            Some(_) => self.round_off(stop.velocity) - side.sign * self.system.held_force(stop.velocity),
         }
+    }
+
+    /// A force (N, N m) that is round-off of the forces in the scene: what pulls a coordinate that loops or gears balance
+    /// exactly off its stop changes its sign as rounding has it.
+    fn round_off(&self, velocity: usize) -> f64 {
+        let model = self.system.model();
+        let (length, time) = (model.length_scale(), model.time_scale());
+        let mass: f64 = model.bodies.iter().map(|body| body.mass.mass).sum();
+        let force = ROUND_OFF * mass * length / (time * time);
+        let slides =
+            model.links.iter().any(|link| link.velocity == velocity && matches!(link.joint, Joint::Slide { .. }));
+        if slides { force } else { force * length }
     }
 
     /// Whether the coordinate in this place of the list is held by loops, drives, gears and other stops.
@@ -272,6 +284,8 @@ impl<'m> Motion<'m> {
     }
 }
 
+/// Of the forces in a scene, those below this part are round-off.
+const ROUND_OFF: f64 = 1e-12;
 /// A coordinate that is further beyond a stop than this (rad, part of the scene's length) is driven through it.
 const PASSED: f64 = 1e-6;
 
