@@ -27,7 +27,8 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     file.finish(&Outcome { summary: format!(r#"{{"end_time":{}}}"#, end.end_time) })?;
 
     let recording = Recording::open(&path)?;
-    let [hinges, ..] = Table::all(&recording.scene);
+    let tables = Table::all(&recording.scene);
+    let hinges = &tables[0];
     let mut row = Vec::new();
     for sample in recording.samples()? {
         let sample = sample?;

@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     /// Differences up to this part of a column's largest number are none either
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     relative: f64,
-    /// Only this channel (hinges, energy, reactions, tf) or this column (upper.angle); may be repeated
+    /// Only this channel (hinges, energy, reactions, couplings, tf) or this column (upper.angle); may be repeated
     #[arg(long, value_name = "NAME")]
     channel: Vec<String>,
     /// Print one JSON object on standard output and nothing else there
@@ -131,7 +131,9 @@ fn compare(
     recordings: &[Recording; 2],
 ) -> anyhow::Result<(Vec<Difference>, [Vec<String>; 2], Times)> {
     let tables = recordings.each_ref().map(|recording| Table::all(&recording.scene));
-    let all: Vec<String> = tables[0].iter().map(|table| table.name.to_owned()).collect();
+    let mut all: Vec<String> = tables.iter().flatten().map(|table| table.name.to_owned()).collect();
+    all.sort_unstable();
+    all.dedup();
     let names = if arguments.channel.is_empty() { &all } else { &arguments.channel };
     let mut places = [Vec::new(), Vec::new()];
     for name in names {

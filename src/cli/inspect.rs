@@ -32,6 +32,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         .accelerations(q, v, &mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
     let forces: Vec<(String, f64)> = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
+    system.share_multipliers(q, v)?;
+    let loops = system.loop_reactions();
     let energies = system.energies(q, v);
     let assembly = constraint::assemble(&mut model.clone())
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
@@ -46,6 +48,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "loops": model.loops.len(),
             "redundant": json::redundant(&assembly.redundant),
             "gap": assembly.gap,
+            "loop_reactions": json::loops(&model, &loops),
             "drives": json::pushes(&forces),
             "motors": json::pushes(&json::motors(&model, q, v)),
             "joints": joints,

@@ -1,5 +1,6 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
+use crate::constraint::LoopReaction;
 use crate::model::Model;
 use crate::simulate::events::Occurrence;
 use crate::simulate::verify::{Verified, quaternion_error};
@@ -33,6 +34,25 @@ pub(super) fn redundant(redundant: &[(String, usize, usize)]) -> Value {
 /// Names and lists of numbers.
 fn lists(lists: &[(String, Vec<f64>)]) -> Value {
     Value::Object(lists.iter().map(|(name, list)| (name.clone(), json!(list))).collect())
+}
+
+/// What the loops pass, by their names.
+pub(super) fn loops(model: &Model, loops: &[LoopReaction]) -> Value {
+    let of_loop = |one: &LoopReaction| {
+        let (f, m) = (one.force, one.moment);
+        let mut value = json!({
+            "force": [f.x, f.y, f.z],
+            "moment": [m.x, m.y, m.z],
+            "gap": one.gap,
+            "unique": one.unique,
+            "around": one.around.iter().map(|body| &model.bodies[*body].name).collect::<Vec<_>>(),
+        });
+        if let Some(pull) = one.pull {
+            value["pull"] = json!(pull);
+        }
+        (one.name.clone(), value)
+    };
+    Value::Object(loops.iter().map(of_loop).collect())
 }
 
 /// What every drive or motor pushes, by its name (N or N m).
@@ -101,6 +121,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "motors": pushes(&motors(model, &found.position, &found.velocity)),
         "multipliers": lists(&found.carried),
         "redundant": redundant(&found.redundant),
+        "loop_reactions": loops(model, &found.loops),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
     })

@@ -5,7 +5,7 @@ mod plot;
 use super::output::{Interrupt, Progress, bold};
 use super::{Common, json, text};
 use crate::model::Model;
-use crate::record::{Energy, Opening, Outcome, Recorder, RecordingFile, Sample};
+use crate::record::{Energy, Opening, Outcome, Recorder, RecordingFile, Sample, Scene};
 use crate::scenario::Scenario;
 use crate::simulate;
 use crate::statics::path::{Branch, End, Path, PathPoint, Settings, follow};
@@ -141,7 +141,7 @@ impl Followed {
 
     /// One sample per point; arclength stands for time, branch after branch.
     fn record(&self, scenario: &Scenario, model: &Model, path: &std::path::Path) -> anyhow::Result<()> {
-        let still = simulate::scene(model);
+        let still = Scene { couplings: Vec::new(), ..simulate::scene(model) };
         let statics = json::statics(model, &self.path.start, 0.0).to_string();
         let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
         let mut file = RecordingFile::create(path)?.begin(&opening)?;
@@ -157,6 +157,7 @@ impl Followed {
                     accelerations: &rest,
                     bodies: &point.poses,
                     reactions: &point.reactions,
+                    couplings: &[],
                     energy,
                 })?;
             }

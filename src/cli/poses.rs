@@ -4,7 +4,7 @@ use super::{Common, json, run};
 use crate::dynamics::System;
 use crate::model::Model;
 use crate::record::view::Sink;
-use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, RecordingFile, Sample};
+use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, RecordingFile, Sample, Scene};
 use crate::scenario::Scenario;
 use crate::simulate;
 use crate::statics::Equilibrium;
@@ -34,7 +34,8 @@ fn film(
     outlets: (Option<&Path>, &[Sink]),
     summary: &Value,
 ) -> anyhow::Result<()> {
-    let still = simulate::scene(model);
+    // Poses alone: what would hold them is not known where nothing balances.
+    let still = Scene { couplings: Vec::new(), ..simulate::scene(model) };
     let statics = json::statics(model, found, 0.0).to_string();
     let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
     let (file, sinks) = outlets;
@@ -60,6 +61,7 @@ fn film(
             accelerations: &rest,
             bodies: &bodies,
             reactions: &reactions,
+            couplings: &[],
             energy: Energy { potential, ..Energy::default() },
         })?;
     }

@@ -130,6 +130,9 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
     let q = model.start_position.clone();
     let given = model.start_velocity.clone();
     let mut closing = Closing::new(model, &[], 0.0);
+    if let Some(independent) = &model.independent_rows {
+        closing.rows.keep(|row| independent[row]);
+    }
     let mut v = given.clone();
     let before = closing.speeds(&q, &v);
     let scale = model.length_scale() / model.time_scale();
@@ -139,7 +142,7 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
         let yielding = yielding(model, &closing.rows, &given);
         let weighted =
             DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * if yielding[j] { 1.0 } else { GIVEN });
-        // Rows may be redundant: the shortest step that meets them.
+        // Rows may hang on each other in a singular position: the shortest step that meets them.
         let step = weighted.svd(true, true).solve(&-before, 1e-11).unwrap_or_else(|_| DVector::zeros(v.len()));
         for (j, v) in v.iter_mut().enumerate() {
             *v += step[j] * if yielding[j] { 1.0 } else { GIVEN };
@@ -203,20 +206,24 @@ fn place_of(owner: Owner) -> Place {
 fn cannot_close(model: &Model, widest: &OpenGap) -> Problem {
     let rows = Constraints::all(model, &[]);
     let owner = rows.elements.iter().find(|e| e.name == widest.element).map_or(Owner::Held(0), |e| e.owner);
-    let locked = model.coordinates.iter().any(|c| c.lock);
-    let held = match (locked, model.drives.is_empty()) {
-        (true, true) => ", or a lock",
-        (true, false) => ", a lock or a drive",
-        (false, true) => "",
-        (false, false) => ", or a drive",
-    };
-    let help = format!("a length or a place{held} does not fit, or the given positions are too far away");
+    let locked: Vec<&str> = model.bodies.iter().filter(|body| body.hinge.lock).map(|body| body.name.as_str()).collect();
+    let driven: Vec<&str> = model.drives.iter().map(|drive| drive.name.as_str()).collect();
+    let mut suspects = vec!["a length, a place or an axis".to_owned()];
+    suspects.extend((!locked.is_empty()).then(|| format!("the lock of {}", listed(&locked, "`"))));
+    suspects.extend((!driven.is_empty()).then(|| format!("the drive {}", listed(&driven, "`"))));
+    let help = format!("{} does not fit, or the given positions are too far away", suspects.join(", or "));
     Problem {
         element: place_of(owner),
         field: "between".to_owned(),
         message: format!("{} cannot be closed: a gap of {} m remains", widest.element, number(widest.gap)),
         help: Some(help),
     }
+}
+
+/// The first names of a list.
+fn listed(list: &[&str], quote: &str) -> String {
+    let all: Vec<String> = list.iter().take(6).map(|n| format!("{quote}{n}{quote}")).collect();
+    format!("{}{}", all.join(", "), if list.len() > 6 { ", …" } else { "" })
 }
 
 /// Rows on axes are also met when the axes point against each other: that is no closed hinge.
@@ -278,17 +285,13 @@ fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Proble
             let mut bodies: Vec<&str> =
                 links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
             bodies.dedup();
-            let shown = |list: &[&str], quote: &str| {
-                let all: Vec<String> = list.iter().take(6).map(|n| format!("{quote}{n}{quote}")).collect();
-                format!("{}{}", all.join(", "), if list.len() > 6 { ", …" } else { "" })
-            };
             problems.push(Problem {
                 element: place_of(rows.elements[first].owner),
                 field: "type".to_owned(),
                 message: format!(
                     "{} lock the mechanism: {taken} conditions on {freedoms} coordinates leave {} nothing to move",
-                    shown(&names, ""),
-                    shown(&bodies, "`")
+                    listed(&names, ""),
+                    listed(&bodies, "`")
                 ),
                 help: Some("take one off, free a hinge, or weld the bodies with fixed hinges".to_owned()),
             });
@@ -312,6 +315,13 @@ fn overdriven(rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
         .filter(|element| matches!(element.owner, Owner::Drive(_)) && independent[element.rows.start])
         .map(|element| element.name.as_str())
         .collect();
+    let has = |of: fn(&Owner) -> bool| rows.elements.iter().any(|element| of(&element.owner));
+    let (loops, gears) = (has(|owner| matches!(owner, Owner::Loop(_))), has(|owner| matches!(owner, Owner::Gear(_))));
+    let rest = match (loops, gears) {
+        (true, true) => "the loops and gears",
+        (false, true) => "the gears",
+        _ => "the loops",
+    };
     rows.elements
         .iter()
         .filter(dependent)
@@ -319,12 +329,10 @@ fn overdriven(rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
             element: place_of(element.owner),
             field: "hinge".to_owned(),
             message: match others.is_empty() {
-                true => format!("{} cannot move its hinge: the loops hold it", element.name),
-                false => format!(
-                    "{} has nothing left to move: {} and the loops prescribe it",
-                    element.name,
-                    others.join(", ")
-                ),
+                true => format!("{} cannot move its hinge: {rest} hold it", element.name),
+                false => {
+                    format!("{} has nothing left to move: {} and {rest} prescribe it", element.name, others.join(", "))
+                }
             },
             help: Some("as many drives as the mechanism has degrees of freedom, on hinges that can move".to_owned()),
         })

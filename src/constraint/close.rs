@@ -158,20 +158,20 @@ impl<'m> Closing<'m> {
         Ok(self.gap(q))
     }
 
-    /// Closes velocities at a closed position; gives the largest rate left (m/s; rad/s times the scene's length).
+    /// Closes velocities at a closed position; gives the largest rate left of the rows solved for (m/s; rad/s times the scene's length).
     pub(super) fn close_rates(&mut self, q: &[f64], v: &mut [f64]) -> Result<f64, Singular> {
         self.motion.update(self.model, q, v);
         self.rows.place(self.model, &self.motion, q, true);
         self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
         self.rows.factorize(self.model, &self.motion, &self.reduction, LEAST_DAMPING);
-        let mut left = self.rows.largest(&self.motion, Rate::Speed(v), true).0;
+        let mut left = self.rows.largest(&self.motion, Rate::Speed(v), false).0;
         // Damping by 1e-11 leaves that part of a rate: two rounds bring it to round-off.
         for _ in 0..4 {
             self.push(Rate::Speed(v));
             let before = v.to_vec();
             v.iter_mut().zip(&self.step).for_each(|(v, step)| *v += step);
             self.motion.update(self.model, q, v);
-            let now = self.rows.largest(&self.motion, Rate::Speed(v), true).0;
+            let now = self.rows.largest(&self.motion, Rate::Speed(v), false).0;
             if now >= left {
                 v.copy_from_slice(&before);
                 self.motion.update(self.model, q, v);

@@ -29,9 +29,11 @@ impl Constraints {
         self.weights.truncate(rows);
         self.placed.truncate(rows);
         self.multipliers.truncate(rows);
+        self.not_unique.truncate(rows);
+        self.is_shared = false;
         let of = |(velocity, at): &(usize, Instant)| {
             let coordinate = rows::scalars(model).find(|scalar| scalar.velocity == *velocity)?;
-            Some(Held { coordinate, at: *at })
+            Some(Held::Coordinate { coordinate, at: *at })
         };
         let held: Vec<Held> = targets.iter().filter_map(of).collect();
         rows::hold(model, &held, &mut self.elements, &mut self.rules);
@@ -40,6 +42,7 @@ impl Constraints {
         self.weights.extend(self.rules[rows..].iter().map(|rule| if rule.turns() { length } else { 1.0 }));
         self.placed.resize(self.rules.len(), Placed::default());
         self.multipliers.resize(self.rules.len(), 0.0);
+        self.not_unique.resize(self.rules.len(), false);
         let own = self.independent.clone();
         self.keep(|row| row >= rows || own[row]);
         if held.is_empty() {

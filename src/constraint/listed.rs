@@ -30,6 +30,11 @@ impl Constraints {
         self.plan.rows().map(|row| self.multipliers[row]).collect()
     }
 
+    /// Adds the multipliers of the rows that are solved for, in their order, times a weight.
+    pub(crate) fn add_multipliers(&self, weight: f64, sum: &mut [f64]) {
+        self.plan.rows().zip(sum).for_each(|(row, sum)| *sum += weight * self.multipliers[row]);
+    }
+
     /// What every loop, drive and gear pushes with at the last solution, row by row: ``loop `coupler-ground` `` and its
     /// multipliers. Rows that others stand for push nothing.
     pub fn by_element(&self) -> Vec<(String, Vec<f64>)> {

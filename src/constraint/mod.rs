@@ -22,6 +22,7 @@ mod close;
 mod envelope;
 mod hold;
 mod listed;
+mod loads;
 mod plan;
 mod rank;
 mod row;
@@ -30,7 +31,7 @@ mod rows;
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
 use crate::model::{Joint, Model};
-use crate::motion::variation::{LinkAcceleration, LinkVariation};
+use crate::motion::variation::LinkAcceleration;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
@@ -40,6 +41,7 @@ pub use close::OpenGap;
 pub(crate) use close::ROUND_OFF;
 use envelope::Envelope;
 pub(crate) use listed::IndependentRow;
+pub use loads::LoopReaction;
 use nalgebra::Vector3;
 use plan::Plan;
 pub(crate) use row::Rule;
@@ -72,6 +74,9 @@ pub struct Constraints {
     sizes: Vec<f64>,
     /// Multipliers of all rows (N or N m).
     multipliers: Vec<f64>,
+    /// Whether rows that are left out push too, and which rows' multipliers are not unique: known once they are shared.
+    is_shared: bool,
+    not_unique: Vec<bool>,
     /// (s)
     time: f64,
 }
@@ -97,6 +102,8 @@ impl Constraints {
         let mut all = Self {
             placed: vec![Placed::default(); rules.len()],
             multipliers: vec![0.0; rules.len()],
+            is_shared: false,
+            not_unique: vec![false; rules.len()],
             passed: vec![Wrench::ZERO; model.links.len()],
             own: elements.len(),
             independent: vec![true; rules.len()],
@@ -113,6 +120,11 @@ impl Constraints {
         };
         all.keep(|_| true);
         all
+    }
+
+    /// All rows of a model, none left out.
+    pub(crate) fn every_row(model: &Model) -> Self {
+        Self::all(model, &[])
     }
 
     /// The rows of a model; `None` where it has none. Which of them are independent is what [`assemble`] found, or is
@@ -156,7 +168,8 @@ impl Constraints {
         &self.elements
     }
 
-    /// The multipliers of the last solution, one per row: what each row pushes with (N or N m). Zero for rows left out.
+    /// The multipliers of the last solution, one per row: what each row pushes with (N or N m). Zero for rows left out,
+    /// unless they have been shared.
     pub fn multipliers(&self) -> &[f64] {
         &self.multipliers
     }
@@ -310,6 +323,9 @@ impl Constraints {
             }
         }
         self.matrix.solve(&mut unknowns);
+        if self.is_shared {
+            self.clear_shares();
+        }
         for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
             self.multipliers[row] = *unknown;
         }
@@ -345,57 +361,11 @@ impl Constraints {
         largest
     }
 
-    /// Adds what the multipliers push to the links' wrenches and to the hinge forces.
-    pub(crate) fn add_loads(&self, wrenches: &mut [Wrench], tau: &mut [f64]) {
-        for group in &self.plan.groups {
-            let ends = &self.elements[group.element].ends;
-            for row in &group.rows {
-                let multiplier = self.multipliers[*row];
-                if let Some(ends) = ends {
-                    for (end, w) in ends.iter().zip(&self.placed[*row].wrenches) {
-                        let link = &mut wrenches[end.link];
-                        link.force += multiplier * w.force;
-                        link.moment += multiplier * w.moment;
-                    }
-                }
-                if let Rule::Motion { parts } = &self.rules[*row] {
-                    parts.iter().for_each(|(scalar, factor)| tau[scalar.velocity] += factor * multiplier);
-                }
-            }
-        }
-    }
-
-    /// Adds what the multipliers push to the named bodies of the loops' ends, at the root markers of their links.
-    pub(crate) fn add_to_bodies(&self, wrenches: &mut [Wrench]) {
-        for group in &self.plan.groups {
-            let Some(ends) = &self.elements[group.element].ends else { continue };
-            for row in &group.rows {
-                for (end, w) in ends.iter().zip(&self.placed[*row].wrenches) {
-                    if let Some(body) = end.body {
-                        wrenches[body].force += self.multipliers[*row] * w.force;
-                        wrenches[body].moment += self.multipliers[*row] * w.moment;
-                    }
-                }
-            }
-        }
-    }
-
     /// Where the widest gap of the last placement of all rows is.
     pub(crate) fn widest(&self, motion: &Motion) -> OpenGap {
         let (gap, row) = self.largest(motion, Rate::Gap, true);
         let element = row.and_then(|row| self.element_of(row)).map_or(String::new(), |e| e.name.clone());
         OpenGap { element, gap }
-    }
-
-    /// Adds how the wrenches of [`Constraints::add_loads`], taken as applied ones, vary with the links at fixed
-    /// multipliers.
-    pub(crate) fn add_variation(&self, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
-        for (index, element) in self.elements.iter().enumerate() {
-            let Some(ends) = &element.ends else { continue };
-            for (end, w) in ends.iter().zip(self.vary_loop(index, motion, by)) {
-                wrenches[end.link] += w;
-            }
-        }
     }
 
     /// The entries of `G` for the rows solved for, as placed last: `put(unknown, velocity, entry)`.
@@ -442,33 +412,14 @@ impl Constraints {
         }
     }
 
-    /// How the wrenches of one loop vary with its links at fixed multipliers.
-    pub(crate) fn vary_loop(&self, index: usize, motion: &Motion, by: &[LinkVariation]) -> [Wrench; 2] {
-        let mut sum = [Wrench::ZERO; 2];
-        let element = &self.elements[index];
-        let Some(ends) = &element.ends else { return sum };
-        let geometry = Ends::of(ends, &element.branches, motion);
-        let links = [&by[ends[0].link], &by[ends[1].link]];
-        for row in element.rows.clone().filter(|row| self.multipliers[*row] != 0.0) {
-            for (sum, w) in sum.iter_mut().zip(geometry.vary(&self.rules[row], links)) {
-                sum.force += self.multipliers[row] * w.force;
-                sum.moment += self.multipliers[row] * w.moment;
-            }
-        }
-        sum
-    }
-
     /// Takes these as the multipliers, one per row solved for.
     pub(crate) fn set_multipliers(&mut self, unknowns: &[f64]) {
+        if self.is_shared {
+            self.clear_shares();
+        }
         for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
             self.multipliers[row] = *unknown;
         }
-    }
-
-    /// Power that drives put in at the last solution (W).
-    pub fn power(&self) -> f64 {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| -self.multipliers[element.rows.start] * self.placed[element.rows.start].drift).sum()
     }
 
     /// Whether the axes of a loop stand against each other instead of together.

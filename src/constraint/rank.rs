@@ -118,7 +118,10 @@ impl Constraints {
         };
         let floor: Vec<f64> = (0..n).map(|i| DEPENDENT * largest(i)).collect();
         let mut pivots = own.clone();
-        let mut factor: Vec<Vec<f64>> = Vec::new();
+        // By rows, what is not zero: chains of loops leave little.
+        let mut factor: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
+        let mut of_next = vec![0.0; n];
+        let mut steps = 0;
         let mut open: Vec<usize> = (0..n).filter(|i| own[*i] > floor[*i] && own[*i] > 0.0).collect();
         while !open.is_empty() {
             open.retain(|i| pivots[*i] > DEPENDENT * own[*i]);
@@ -128,14 +131,17 @@ impl Constraints {
             kept[rows[unknowns[next]]] = true;
             open.retain(|i| *i != next);
             let root = pivots[next].sqrt();
-            let mut column = vec![0.0; n];
+            of_next.fill(0.0);
+            factor[next].iter().for_each(|(step, l)| of_next[*step] = *l);
             for i in &open {
-                let known: f64 = factor.iter().map(|l| l[*i] * l[next]).sum();
-                column[*i] = (entry(*i, next) - known) / root;
-                pivots[*i] -= column[*i] * column[*i];
+                let known: f64 = factor[*i].iter().map(|(step, l)| l * of_next[*step]).sum();
+                let l = (entry(*i, next) - known) / root;
+                if l != 0.0 {
+                    factor[*i].push((steps, l));
+                    pivots[*i] -= l * l;
+                }
             }
-            column[next] = root;
-            factor.push(column);
+            steps += 1;
         }
     }
 

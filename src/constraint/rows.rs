@@ -18,15 +18,22 @@ pub enum Owner {
     Drive(usize),
     /// Index into `Model::gears`.
     Gear(usize),
-    /// A velocity coordinate that is held: while positions or velocities are closed, or on a stop.
+    /// What is held, by its first velocity coordinate: while positions are closed, or on a stop.
     Held(usize),
 }
 
-/// A coordinate that is held, and where or at which rate.
+/// What is held.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Held {
-    pub(super) coordinate: Scalar,
-    pub(super) at: Instant,
+pub(super) enum Held {
+    /// A coordinate, and where or at which rate.
+    Coordinate {
+        /// Which.
+        coordinate: Scalar,
+        /// Where.
+        at: Instant,
+    },
+    /// The ball of this link as it is given.
+    Ball(usize),
 }
 
 /// A loop, drive, gear or held coordinate and its rows.
@@ -90,16 +97,13 @@ pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
     way
 }
 
-/// The coordinates that are locked, held where they are given. A locked ball is not among them: it has no plain
-/// coordinate.
+/// What is locked, held where it is given.
 pub(super) fn locks(model: &Model) -> Vec<Held> {
+    let at = |scalar: &Scalar| Instant { position: model.start_position[scalar.position], ..Instant::default() };
     let locked = scalars(model).filter(|scalar| model.coordinates[scalar.velocity].lock);
-    locked
-        .map(|coordinate| {
-            let at = Instant { position: model.start_position[coordinate.position], ..Instant::default() };
-            Held { coordinate, at }
-        })
-        .collect()
+    let balls = model.links.iter().enumerate().filter(|(_, link)| matches!(link.joint, Joint::Ball { .. }));
+    let balls = balls.filter(|(_, link)| model.coordinates[link.velocity].lock).map(|(index, _)| Held::Ball(index));
+    locked.map(|coordinate| Held::Coordinate { coordinate, at: at(&coordinate) }).chain(balls).collect()
 }
 
 pub(super) fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
@@ -117,7 +121,7 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
     let mut rules = Vec::new();
     let mut elements = Vec::new();
     let mut given = Motion::new(model);
-    if !model.loops.is_empty() {
+    if !model.loops.is_empty() || !held.is_empty() {
         given.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
     }
     let nothing = Instant::default();
@@ -143,6 +147,22 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
     }
     hold(model, held, &mut elements, &mut rules);
+    for held in held {
+        let Held::Ball(link) = *held else { continue };
+        let (parent, velocity) = (model.links[link].parent, model.links[link].velocity);
+        let first = rules.len();
+        let turned = given.links[link].turn.transpose() * given.links[parent].turn;
+        rules.extend(turns_together(&Matrix3::identity(), &turned));
+        elements.push(Element {
+            owner: Owner::Held(velocity),
+            name: format!("held {}", model.label(velocity)),
+            rows: first..rules.len(),
+            ends: Some([parent, link].map(|link| End { link, body: None, point: Vector3::zeros() })),
+            branches: branches(model, parent, link),
+            named: [0, 0],
+            held: nothing,
+        });
+    }
     (elements, rules)
 }
 
@@ -162,7 +182,8 @@ fn of_motion(
 
 /// Adds a row for each coordinate that is held.
 pub(super) fn hold(model: &Model, held: &[Held], elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
-    for Held { coordinate, at } in held {
+    for held in held {
+        let Held::Coordinate { coordinate, at } = held else { continue };
         let what = (Owner::Held(coordinate.velocity), format!("held {}", model.label(coordinate.velocity)));
         of_motion(what, [(*coordinate, 1.0), (*coordinate, 0.0)], *at, elements, rules);
     }
@@ -172,6 +193,13 @@ pub(super) fn hold(model: &Model, held: &[Held], elements: &mut Vec<Element>, ru
 pub(super) fn second_frame(closed: &Loop, given: &Motion) -> Matrix3<f64> {
     let [first, second] = [&given.links[closed.ends[0].link], &given.links[closed.ends[1].link]];
     closed.second_frame.unwrap_or_else(|| second.turn.transpose() * first.turn * closed.frame)
+}
+
+/// The rows by which two frames, on two links, stand as one.
+fn turns_together(one: &Matrix3<f64>, other: &Matrix3<f64>) -> [Rule; 3] {
+    let aligned =
+        |a: usize, b: usize| Rule::Aligned { first: one.column(a).into(), second: other.column(b).into(), cosine: 0.0 };
+    [aligned(0, 1), aligned(1, 2), aligned(2, 0)]
 }
 
 /// The rows of one loop; both frames are taken where they stand at `given`.
@@ -211,7 +239,7 @@ fn of_loop(closed: &Loop, given: &Motion, rules: &mut Vec<Rule>) {
         }
         HingeKind::Fixed => {
             rules.extend([along(&x), along(&y), along(&z)]);
-            rules.extend([aligned(&x, &y, 0.0), aligned(&y, &z, 0.0), aligned(&z, &x, 0.0)]);
+            rules.extend(turns_together(&one, &other));
         }
     }
 }

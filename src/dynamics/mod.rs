@@ -76,6 +76,16 @@ pub enum Fault {
         /// (m; rad times the scene's length)
         gap: f64,
     },
+    /// A row that followed from others at the start and no longer does.
+    #[error(
+        "{element} opens by {gap:.3e} m in a condition that followed from others at the start: the mechanism has fewer ways to move here (axes or points given with few digits, or of a special start?)"
+    )]
+    Independent {
+        /// Which.
+        element: String,
+        /// (m; rad times the scene's length)
+        gap: f64,
+    },
     /// Something that knows trees only.
     #[error("`{method}` knows no loops, drives or gears yet")]
     Tied {
@@ -317,6 +327,11 @@ impl<'m> System<'m> {
     /// The motors and what each pushes with at the last evaluation (N or N m).
     pub fn motor_forces(&self) -> impl Iterator<Item = (String, f64)> {
         self.model.motors.iter().zip(&self.pushes).map(|(motor, push)| (motor.name.clone(), push.force))
+    }
+
+    /// The same without the names, in the order of the model.
+    pub(crate) fn motor_pushes(&self) -> impl Iterator<Item = f64> {
+        self.pushes.iter().map(|push| push.force)
     }
 
     /// Powers of a state that no potential stands for.

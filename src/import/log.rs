@@ -14,13 +14,19 @@ pub struct Source {
     pub path: PathBuf,
     /// Its text.
     pub text: Arc<str>,
+    /// Where its lines end: models are long, and much is said of them.
+    ends: Arc<[usize]>,
 }
 
 impl Source {
+    fn new(path: &Path, text: String) -> Self {
+        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
+        Self { path: path.to_owned(), text: text.into(), ends }
+    }
+
     /// The line of a byte, from 1.
     pub fn line(&self, byte: usize) -> usize {
-        let before = self.text.as_bytes().get(..byte).unwrap_or(self.text.as_bytes());
-        1 + before.iter().filter(|byte| **byte == b'\n').count()
+        1 + self.ends.partition_point(|end| *end < byte)
     }
 }
 
@@ -155,9 +161,8 @@ pub(super) struct Log {
 
 impl Log {
     pub(super) fn new(path: &Path, text: String) -> Self {
-        let source = Source { path: path.to_owned(), text: text.into() };
         Self {
-            sources: RefCell::new(vec![source]),
+            sources: RefCell::new(vec![Source::new(path, text)]),
             notes: RefCell::default(),
             problems: RefCell::default(),
             seen: RefCell::default(),
@@ -166,7 +171,7 @@ impl Log {
 
     /// Adds a source, as one that is included.
     pub(super) fn add(&self, path: &Path, text: String) -> usize {
-        self.sources.borrow_mut().push(Source { path: path.to_owned(), text: text.into() });
+        self.sources.borrow_mut().push(Source::new(path, text));
         self.sources.borrow().len() - 1
     }
 

@@ -323,17 +323,15 @@ fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Proble
         let ratio = gear.kind.factor();
         let at = |scalar: &Scalar| model.start_position[scalar.position];
         let offset = gear.offset.unwrap_or_else(|| at(&first) - ratio * at(&second));
-        if model
-            .gears
-            .iter()
-            .any(|other| same_pair(&other.coordinates, &[first, second]) && !agrees(other, first, ratio))
-        {
+        let differs = |other: &&Gear| same_pair(&other.coordinates, &[first, second]) && !agrees(other, first, ratio);
+        if let Some(other) = model.gears.iter().find(differs) {
             let message = format!(
-                "`{}` gives {} and {} the ratio {}, another gear gives them a different one",
+                "`{}` gives {} and {} the ratio {}, the gear `{}` gives them a different one",
                 gear.name,
                 model.label(first.velocity),
                 model.label(second.velocity),
-                number(ratio)
+                number(ratio),
+                other.name
             );
             add(message, "two coordinates have one ratio");
         }

@@ -18,6 +18,8 @@ pub struct Sample<'a> {
     pub bodies: &'a [Pose],
     /// What the hinge passes to each named body at its root marker, inertial axes.
     pub reactions: &'a [Wrench],
+    /// What drives, motors, gears and loops push with, in the order of `Scene::couplings`.
+    pub couplings: &'a [f64],
     /// Where the energy is.
     pub energy: Energy,
 }
@@ -47,6 +49,7 @@ impl Sample<'_> {
             accelerations: self.accelerations.to_vec(),
             bodies: self.bodies.to_vec(),
             reactions: self.reactions.to_vec(),
+            couplings: self.couplings.to_vec(),
             energy: self.energy,
         }
     }
@@ -59,6 +62,7 @@ impl Sample<'_> {
             ("accelerations", self.accelerations.len(), scene.velocities.len()),
             ("body poses", self.bodies.len(), scene.bodies.len()),
             ("reactions", self.reactions.len(), scene.bodies.len()),
+            ("couplings", self.couplings.len(), scene.couplings.len()),
         ];
         match lengths.into_iter().find(|(_, found, expected)| found != expected) {
             Some((what, found, expected)) => Err(RecordError::Mismatch { time: self.time, what, found, expected }),
@@ -82,6 +86,8 @@ pub struct OwnedSample {
     pub bodies: Vec<Pose>,
     /// What the hinge passes to each named body at its root marker, inertial axes.
     pub reactions: Vec<Wrench>,
+    /// What drives, motors, gears and loops push with, in the order of `Scene::couplings`.
+    pub couplings: Vec<f64>,
     /// Where the energy is.
     pub energy: Energy,
 }
@@ -96,6 +102,7 @@ impl OwnedSample {
             accelerations: &self.accelerations,
             bodies: &self.bodies,
             reactions: &self.reactions,
+            couplings: &self.couplings,
             energy: self.energy,
         }
     }

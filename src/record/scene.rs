@@ -19,6 +19,13 @@ pub struct Scene {
     pub positions: Vec<Channel>,
     /// Names of the hinge velocities, in the order of `Sample::velocities` and `Sample::accelerations`.
     pub velocities: Vec<Channel>,
+    /// Names of what drives, motors, gears and loops push with, in the order of `Sample::couplings`; empty where there are
+    /// none, and where that is not recorded.
+    #[serde(default)]
+    pub couplings: Vec<Channel>,
+    /// Loops whose reactions are not unique: recorded are the smallest of those that balance.
+    #[serde(default)]
+    pub not_unique: Vec<String>,
 }
 
 /// A body as it is drawn.
@@ -95,9 +102,9 @@ pub struct LoadPicture {
 /// A plotted number.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Channel {
-    /// Body whose hinge it belongs to.
+    /// Body whose hinge it belongs to; drive, motor, gear or loop.
     pub body: String,
-    /// Name of the coordinate within the hinge: `angle`, `x`, `quaternion w`.
+    /// Name of the coordinate within the hinge: `angle`, `x`, `quaternion w`; of what is pushed: `torque`, `force.x`, `gap`.
     pub name: String,
     /// SI unit.
     pub unit: String,

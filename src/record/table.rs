@@ -1,5 +1,6 @@
 //! A recording as tables: one per channel, one column per number, each with its name and unit.
 
+use super::scene::Channel;
 use super::{OwnedSample, Scene};
 use std::collections::HashSet;
 
@@ -18,7 +19,8 @@ pub struct Column {
 /// use stillpoint::record::{Recording, Table};
 ///
 /// let recording = Recording::open("arm.mcap".as_ref())?;
-/// let [hinges, ..] = Table::all(&recording.scene);
+/// let tables = Table::all(&recording.scene);
+/// let hinges = &tables[0];
 /// let mut row = Vec::new();
 /// for sample in recording.samples()? {
 ///     let sample = sample?;
@@ -31,7 +33,7 @@ pub struct Column {
 /// Its columns stand beside the time, which is no column of its own.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
-    /// Name of the channel without its slash: `hinges`, `energy`, `reactions`, `tf`.
+    /// Name of the channel without its slash: `hinges`, `energy`, `reactions`, `couplings`, `tf`.
     pub name: &'static str,
     /// In the order of [`fill`](Table::fill).
     pub columns: Vec<Column>,
@@ -66,10 +68,11 @@ impl Table {
     /// | `hinges` | coordinates `upper.angle`, velocities `upper.rate`, accelerations `upper.rate_dot` |
     /// | `energy` | `kinetic`, `potential`, `work`, `dissipated`, `error` |
     /// | `reactions` | `upper.force.x` … `upper.moment.z`: what the hinge passes to the body, inertial axes |
+    /// | `couplings` | `crank motor.torque`, `belt.torque`, `belt.gap`, `coupler pin.force.x` … `coupler pin.gap`: what drives, motors, gears and loops push; not in scenes without |
     /// | `tf` | `upper.position.x` … `upper.quaternion.z`: the pose of the root marker in inertial axes |
     ///
     /// No two columns of a recording have the same name.
-    pub fn all(scene: &Scene) -> [Self; 4] {
+    pub fn all(scene: &Scene) -> Vec<Self> {
         let mut taken = HashSet::new();
         let mut column = |name: String, unit: &str| {
             let mut name = name;
@@ -93,12 +96,18 @@ impl Table {
             scene.bodies.iter().flat_map(of_body).map(|(name, unit)| column(name, unit)).collect()
         };
         let (reactions, poses) = (each_body(&WRENCH), each_body(&POSE));
-        [
+        let of_coupling = |channel: &Channel| column(format!("{}.{}", channel.body, channel.name), &channel.unit);
+        let couplings: Vec<Column> = scene.couplings.iter().map(of_coupling).collect();
+        let mut tables = vec![
             Self { name: "hinges", columns: hinges },
             Self { name: "energy", columns: energy.into() },
             Self { name: "reactions", columns: reactions },
             Self { name: "tf", columns: poses },
-        ]
+        ];
+        if !couplings.is_empty() {
+            tables.push(Self { name: "couplings", columns: couplings });
+        }
+        tables
     }
 
     /// Writes the row of one sample over `row`.
@@ -112,6 +121,7 @@ impl Table {
                 let energy = &sample.energy;
                 row.extend([energy.kinetic, energy.potential, energy.work, energy.dissipated, energy.error]);
             }
+            "couplings" => row.extend(&sample.couplings),
             "reactions" => {
                 for wrench in &sample.reactions {
                     row.extend(wrench.force.iter().chain(wrench.moment.iter()));

@@ -2,6 +2,7 @@
 
 mod bordered;
 mod choice;
+mod couplings;
 mod error;
 pub mod events;
 mod ledger;

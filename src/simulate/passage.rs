@@ -42,6 +42,7 @@ pub(super) struct Passage {
     velocity: Vec<f64>,
     step: Vec<f64>,
     acceleration: Vec<f64>,
+    multipliers: Vec<f64>,
 }
 
 impl Passage {
@@ -55,6 +56,7 @@ impl Passage {
             velocity: model.start_velocity.clone(),
             step: vec![0.0; model.velocity_count()],
             acceleration: vec![0.0; model.velocity_count()],
+            multipliers: vec![0.0; system.constraint_rank()],
         };
         passage.start(system, &model.start_position, &model.start_velocity);
         passage
@@ -62,6 +64,7 @@ impl Passage {
 
     /// Looks anew from a state: the rows are others than before.
     pub(super) fn start(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64]) {
+        self.multipliers.resize(system.constraint_rank(), 0.0);
         self.clearance = self.look(system, q, v, 0.0).unwrap_or(0.0);
         self.widest = self.clearance.max(f64::MIN_POSITIVE);
         let fastest = self.fastest(v);
@@ -120,18 +123,22 @@ impl Passage {
         false
     }
 
+    /// The sum; that of the multipliers is left in the system, to go with it.
     fn sum(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64], tau: f64, a: &mut [f64]) -> bool {
         a.fill(0.0);
+        self.multipliers.fill(0.0);
         for (k, weight) in WEIGHTS.iter().enumerate() {
             for sign in [-1.0, 1.0] {
                 let clear = self.look(system, q, v, sign * (k + 1) as f64 * tau).is_some();
-                let Self { position, velocity, acceleration, .. } = self;
+                let Self { position, velocity, acceleration, multipliers, .. } = self;
                 if !clear || system.accelerations(position, velocity, acceleration).is_err() {
                     return false;
                 }
                 a.iter_mut().zip(&*acceleration).for_each(|(a, there)| *a += weight * there);
+                system.add_multipliers(*weight, multipliers);
             }
         }
+        system.set_multipliers(&self.multipliers);
         true
     }
 

@@ -1,5 +1,6 @@
 //! What is recorded of a run, and when.
 
+use super::couplings;
 use super::error::{RunError, named};
 use super::ledger::Ledger;
 use super::problem::Motion;
@@ -22,6 +23,7 @@ pub(super) struct Sampler {
     residual: Vec<f64>,
     poses: Vec<Pose>,
     reactions: Vec<Wrench>,
+    couplings: Vec<f64>,
 }
 
 impl Sampler {
@@ -37,6 +39,7 @@ impl Sampler {
             residual: vec![0.0; n],
             poses: Vec::new(),
             reactions: Vec::new(),
+            couplings: Vec::new(),
         }
     }
 
@@ -91,7 +94,9 @@ impl Sampler {
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
         let system = motion.at(time);
+        system.share_multipliers(q, v).map_err(fault)?;
         system.residual(q, v, &self.accelerations, &mut self.residual).map_err(fault)?;
+        couplings::fill(system, &mut self.couplings);
         system.reactions(&mut self.reactions);
         system.poses(&mut self.poses);
         let energy = ledger.energy(&motion.energies(time, q, v));
@@ -102,6 +107,7 @@ impl Sampler {
             accelerations: &self.accelerations,
             bodies: &self.poses,
             reactions: &self.reactions,
+            couplings: &self.couplings,
             energy,
         })?;
         self.count += 1;

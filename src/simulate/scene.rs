@@ -31,6 +31,8 @@ pub fn scene(model: &Model) -> Scene {
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, &force.law)).collect(),
         positions: channels(Model::position_names),
         velocities: channels(Model::velocity_names),
+        couplings: super::couplings::channels(model),
+        not_unique: super::couplings::not_unique(model),
     }
 }
 

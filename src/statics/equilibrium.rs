@@ -6,6 +6,7 @@ use super::search::{BALANCED, Iteration, Place};
 use super::stability::{Stability, Verdict, classify};
 use super::stops::{self, Bearing};
 use super::{Method, Settings, Want, tied};
+use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::model::problem::number;
@@ -65,6 +66,8 @@ pub struct Equilibrium {
     pub carried: Vec<(String, Vec<f64>)>,
     /// Loops and gears with such rows, how many, of how many: reactions in and around them are not unique.
     pub redundant: Vec<(String, usize, usize)>,
+    /// What the loops pass; of reactions that are not unique, here and in [`Equilibrium::reactions`], the smallest.
+    pub loops: Vec<LoopReaction>,
     /// Of inverse statics: address and value of every unknown.
     pub unknowns: Vec<(String, f64)>,
     /// What a person should know: saddles that were left, what is unbalanced.
@@ -299,14 +302,16 @@ fn certify(
         }
     };
     let system = landscape.system();
+    let rows = system.constraints();
+    let (carried, redundant) = rows.map_or((Vec::new(), Vec::new()), |rows| (rows.by_element(), rows.redundant()));
+    let multipliers = system.constraints().map_or(Vec::new(), |rows| rows.independent_multipliers());
+    system.share_multipliers(&place.q, &steady)?;
+    let loops = system.loop_reactions();
     let mut residual = rest.clone();
     system.residual(&place.q, &steady, &rest, &mut residual)?;
     let (mut poses, mut reactions) = (Vec::new(), Vec::new());
     system.poses(&mut poses);
     system.reactions(&mut reactions);
-    let rows = system.constraints();
-    let (carried, redundant) = rows.map_or((Vec::new(), Vec::new()), |rows| (rows.by_element(), rows.redundant()));
-    let multipliers = system.constraints().map_or(Vec::new(), |rows| rows.independent_multipliers());
     let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
@@ -347,6 +352,7 @@ fn certify(
         multipliers,
         carried,
         redundant,
+        loops,
         unknowns: Vec::new(),
         notes,
         multiplier_reactions: by_body(model, &effort.reactions),

@@ -2,7 +2,11 @@
 
 mod assembly;
 mod bad_input;
+mod cost;
+mod couplings;
 mod identities;
+mod linkages;
+mod locks;
 mod motors;
 mod order;
 mod stops;

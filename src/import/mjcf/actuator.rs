@@ -9,6 +9,7 @@ use super::inertia;
 use super::key::Key;
 use super::lower::Output;
 use super::scene::{Kind, Scene};
+use super::servo::bounded;
 use super::settings::choice;
 use super::tendon::{Path, Tendons};
 use super::tree::Tree;
@@ -124,10 +125,10 @@ impl Law {
 
 /// What an actuator does at a given input: `constant + slope · length + rate · d(length)/dt`.
 #[derive(Debug, Clone, Copy)]
-struct Acts {
-    constant: f64,
-    slope: f64,
-    rate: f64,
+pub(super) struct Acts {
+    pub(super) constant: f64,
+    pub(super) slope: f64,
+    pub(super) rate: f64,
 }
 
 /// Reads all actuators: what they do is in the hinges and forces then.
@@ -255,21 +256,19 @@ fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tend
     }
     let nothing = [acts.constant, acts.slope, acts.rate] == [0.0; 3];
     let limited = settled.limited("forcelimited", "forcerange", scene.settings.autolimits);
-    let bounded = settled.vector::<2>("forcerange").filter(|_| limited);
-    if let Some([low, high]) = bounded.filter(|[low, high]| low <= high) {
-        if acts.slope == 0.0 && acts.rate == 0.0 {
-            acts.constant = acts.constant.clamp(low, high);
-        } else {
-            element.note(Taken::Ignored, format!("`forcerange = {low} {high}`: its force has no bounds here"));
-        }
+    let bounds = settled.vector::<2>("forcerange").filter(|[low, high]| limited && low <= high);
+    let is_servo = acts.slope != 0.0 || acts.rate != 0.0;
+    if let Some([low, high]) = bounds.filter(|_| !is_servo) {
+        acts.constant = acts.constant.clamp(low, high);
     }
+    let bounds = bounds.filter(|_| is_servo);
     let gear = gear(settled);
     let at = |key: &str| settled.attribute(key);
     if let Some(joint) = at("joint").or_else(|| at("jointinparent")) {
         let in_parent = at("jointinparent").is_some();
         let Some(joint) = find(&joint, "joint", &scene.names.joints, scene) else { return };
         if scene.joints[joint].kind.is_scalar() {
-            on_joint(&element, joint, gear[0], &acts, scene);
+            servo_on(&element, joint, gear[0], (&acts, bounds), scene, output);
         } else if acts.slope != 0.0 || acts.rate != 0.0 || in_parent {
             element.note(Taken::Ignored, "a servo on a ball or a free joint has no equal here: nothing acts");
         } else {
@@ -279,7 +278,7 @@ fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tend
     } else if let Some(tendon) = at("tendon") {
         match tendons.path(&tendon).cloned() {
             Some(Path::Fixed(terms)) => match terms[..] {
-                [(joint, factor)] => on_joint(&element, joint, gear[0] * factor, &acts, scene),
+                [(joint, factor)] => servo_on(&element, joint, gear[0] * factor, (&acts, bounds), scene, output),
                 _ if acts.slope == 0.0 && acts.rate == 0.0 => {
                     for (joint, factor) in terms {
                         scene.joints[joint].acting.force[0] += gear[0] * factor * acts.constant;
@@ -287,7 +286,10 @@ fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tend
                 }
                 _ => element.note(Taken::Ignored, "a servo that pulls several joints has no equal here: nothing acts"),
             },
-            Some(Path::Line(sites)) => along(settled, sites, gear[0], &acts, scene, output),
+            Some(Path::Line(sites)) => {
+                bounds.iter().for_each(|range| unbounded(&element, *range));
+                along(settled, sites, gear[0], &acts, scene, output);
+            }
             Some(Path::Other) if !nothing => {
                 element.note(Taken::Ignored, "its tendon runs over more than two sites: nothing acts");
             }
@@ -330,6 +332,28 @@ fn damped(settled: &Settled<'_>, ratio: f64, slope: f64, scene: &Scene<'_>, tend
     let rate = -2.0 * ratio * (-slope * mass).sqrt();
     settled.element.note(Taken::Used, format!("`dampratio`: kv = {}, from the inertia {mass} that it moves", -rate));
     rate
+}
+
+/// What acts in a joint, in bounds where it has them.
+fn servo_on(
+    element: &Element<'_>,
+    joint: usize,
+    gear: f64,
+    (acts, bounds): (&Acts, Option<[f64; 2]>),
+    scene: &mut Scene<'_>,
+    output: &mut Output,
+) {
+    if let Some(range) = bounds {
+        if bounded(element, joint, gear, acts, range, scene, output) {
+            return;
+        }
+        unbounded(element, range);
+    }
+    on_joint(element, joint, gear, acts, scene);
+}
+
+fn unbounded(element: &Element<'_>, [low, high]: [f64; 2]) {
+    element.note(Taken::Ignored, format!("`forcerange = {low} {high}`: its force has no bounds here"));
 }
 
 /// `force = gear · (…)`, `length = gear · qpos`.

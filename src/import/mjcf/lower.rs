@@ -24,6 +24,7 @@ pub(super) struct Output {
     pub(super) loops: Vec<Entry>,
     pub(super) gears: Vec<Entry>,
     pub(super) drives: Vec<Entry>,
+    pub(super) motors: Vec<Entry>,
     pub(super) forces: Vec<Entry>,
 }
 
@@ -40,6 +41,7 @@ impl Output {
             loops: Vec::new(),
             gears: Vec::new(),
             drives: Vec::new(),
+            motors: Vec::new(),
             forces: Vec::new(),
         };
         for (index, body) in scene.bodies.iter().enumerate() {
@@ -118,9 +120,13 @@ impl Output {
         for (joint, body) in scene.joints.iter().zip(&self.carried) {
             draft.joint(&joint.name, body);
         }
-        for (list, entries) in
-            [("loop", self.loops), ("gear", self.gears), ("drive", self.drives), ("force", self.forces)]
-        {
+        for (list, entries) in [
+            ("loop", self.loops),
+            ("gear", self.gears),
+            ("drive", self.drives),
+            ("motor", self.motors),
+            ("force", self.forces),
+        ] {
             entries.into_iter().for_each(|entry| draft.add(list, entry));
         }
     }

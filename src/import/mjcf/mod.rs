@@ -23,6 +23,7 @@ mod lower;
 mod mass;
 mod pose;
 mod scene;
+mod servo;
 mod settings;
 mod tendon;
 mod tree;

@@ -19,8 +19,13 @@ fn index_of(number: u32) -> usize {
 
 /// Appends the row as fields of the message being written.
 pub(super) fn put_row(row: &[f64], buffer: &mut Vec<u8>) {
+    put_more(0, row, buffer);
+}
+
+/// Appends the row to the `before` fields that the message being written has.
+pub(super) fn put_more(before: usize, row: &[f64], buffer: &mut Vec<u8>) {
     for (index, value) in row.iter().enumerate() {
-        encoding::double::encode(field_number(index), value, buffer);
+        encoding::double::encode(field_number(before + index), value, buffer);
     }
 }
 

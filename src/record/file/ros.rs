@@ -236,6 +236,7 @@ mod tests {
             accelerations: vec![0.0],
             bodies: vec![Pose::identity()],
             reactions: vec![Wrench { force: Vector3::zeros(), moment }],
+            couplings: Vec::new(),
             energy: Energy::default(),
         };
         let mut message = Vec::new();

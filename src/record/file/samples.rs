@@ -32,6 +32,7 @@ enum Topic {
     Hinges,
     Energy,
     Reactions,
+    Couplings,
     Frames,
 }
 
@@ -43,6 +44,7 @@ impl Samples {
             accelerations: vec![0.0; scene.velocities.len()],
             bodies: Vec::with_capacity(scene.bodies.len()),
             reactions: vec![Wrench::default(); scene.bodies.len()],
+            couplings: vec![0.0; scene.couplings.len()],
             ..OwnedSample::default()
         };
         Self { path, records: Records::contents(source), topics: HashMap::new(), blank, over: false }
@@ -73,6 +75,7 @@ impl Samples {
                 Topic::Hinges => get_hinges(&data, &mut sample),
                 Topic::Energy => get_energy(&data, &mut sample.energy),
                 Topic::Reactions => get_reactions(&data, &mut sample.reactions),
+                Topic::Couplings => get_couplings(&data, &mut sample.couplings),
                 Topic::Frames => get_frames(&data, bodies, &mut sample),
             };
             decoded.ok_or_else(|| wrong("a message that does not fit the scene", &header))?;
@@ -106,6 +109,7 @@ fn topic(name: &str) -> Option<Topic> {
         HINGES_TOPIC => Some(Topic::Hinges),
         ENERGY_TOPIC => Some(Topic::Energy),
         REACTIONS_TOPIC => Some(Topic::Reactions),
+        COUPLINGS_TOPIC => Some(Topic::Couplings),
         FRAMES_TOPIC => Some(Topic::Frames),
         _ => None,
     }
@@ -142,6 +146,13 @@ fn get_reactions(message: &[u8], reactions: &mut [Wrench]) -> Option<()> {
             }
             Some(())
         })
+    })
+}
+
+fn get_couplings(message: &[u8], couplings: &mut [f64]) -> Option<()> {
+    each_field(message, |index, field| match index.checked_sub(1) {
+        None => Some(()),
+        Some(index) => field.number().zip(couplings.get_mut(index)).map(|(number, coupling)| *coupling = number),
     })
 }
 

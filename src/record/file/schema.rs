@@ -59,6 +59,22 @@ pub(super) fn energy() -> Schema {
     }
 }
 
+/// `/couplings`.
+pub(super) fn couplings(scene: &Scene) -> Schema {
+    let mut names = vec!["time".to_owned()];
+    names.extend(names::channel_fields(&scene.couplings));
+    // The field of a coupling that is called as the time is gets a number.
+    names = names::fields(names);
+    let mut fields = BTreeMap::from([("time".to_owned(), "time [s]".to_owned())]);
+    for (field, channel) in names[1..].iter().zip(&scene.couplings) {
+        let free = scene.not_unique.contains(&channel.body) && channel.name != "gap";
+        let remark = if free { ", not unique: the smallest that balances" } else { "" };
+        fields.insert(field.clone(), format!("{}.{} [{}]{remark}", channel.body, channel.name, channel.unit));
+    }
+    let data = encode("stillpoint/couplings.proto", vec![numbers("Couplings", &names)]);
+    Schema { name: "stillpoint.Couplings", data, fields }
+}
+
 /// `/reactions`.
 pub(super) fn reactions(scene: &Scene) -> Schema {
     let names = names::fields(scene.bodies.iter().map(|body| body.name.clone()));

@@ -1,6 +1,6 @@
 //! Writing while a run goes on.
 
-use super::numbers::{put_nested, put_nested_row, put_row, row_length};
+use super::numbers::{put_more, put_nested, put_nested_row, put_row, row_length};
 use super::pictures::scene_update;
 use super::ros::{self, Joints};
 use super::schema::{self, Schema};
@@ -117,6 +117,8 @@ struct Channels {
     hinges: u16,
     energy: u16,
     reactions: u16,
+    /// `None` where nothing couples hinges.
+    couplings: Option<u16>,
     frames: u16,
     /// Of a run that has had any.
     events: Option<u16>,
@@ -132,6 +134,10 @@ impl Output {
             hinges: number_channel(&mut mcap, HINGES_TOPIC, schema::hinges(scene))?,
             energy: number_channel(&mut mcap, ENERGY_TOPIC, schema::energy())?,
             reactions: number_channel(&mut mcap, REACTIONS_TOPIC, schema::reactions(scene))?,
+            couplings: match scene.couplings.is_empty() {
+                true => None,
+                false => Some(number_channel(&mut mcap, COUPLINGS_TOPIC, schema::couplings(scene))?),
+            },
             frames: foxglove_channel::<FrameTransforms>(&mut mcap, FRAMES_TOPIC)?,
             events: None,
         };
@@ -162,6 +168,11 @@ impl Output {
         self.message(channels.energy, time)?;
         put_reactions(sample.reactions, &mut self.buffer);
         self.message(channels.reactions, time)?;
+        if let Some(channel) = channels.couplings {
+            put_row(&[sample.time], &mut self.buffer);
+            put_more(1, sample.couplings, &mut self.buffer);
+            self.message(channel, time)?;
+        }
         if let Some((channel, joints)) = &self.joints {
             joints.put(sample, time, &mut self.buffer);
             let channel = *channel;

@@ -54,7 +54,10 @@ fn loops_that_cannot_close() {
     refused(&far, &["loop `coupler-rocker` cannot be closed: a gap of", "--> scene.toml", "between"]);
     let locked =
         FOUR_BAR.replace("position = 1.1", "position = 1.1, lock = true").replace("velocity = 14.0", "lock = true");
-    refused(&locked, &["cannot be closed", "lock"]);
+    refused(&locked, &["cannot be closed", "or the lock of `crank`, `coupler` does not fit"]);
+    let askew = FOUR_BAR
+        .replace("at = [0.4, 0.0, 0.0], axis = [0.0, 1.0, 0.0]", "at = [0.4, 0.0, 0.0], axis = [0.001, 1.0, 0.0]");
+    refused(&askew, &["loop `coupler-rocker` cannot be closed", "a place or an axis does not fit"]);
     let same = with("[[loop]]\ntype = \"spherical\"\nbetween = [\"crank.pin\", \"crank\"]\n");
     refused(&same, &["both ends of `loop[1]` are on `crank`"]);
 }
@@ -89,7 +92,7 @@ fn drives_that_contradict() {
     let both = PARALLEL.to_owned() + &drive("motor", "crank") + &drive("second", "rocker");
     refused(&both, &["drive `second` has nothing left to move: drive `motor` and the loops prescribe it"]);
     let apart = with(&(drive("motor", "crank") + &drive("second", "rocker")));
-    refused(&apart, &["loop `coupler-rocker` cannot be closed", "or a drive does not fit"]);
+    refused(&apart, &["loop `coupler-rocker` cannot be closed", "or the drive `motor`, `second` does not fit"]);
     refused(&with(&drive("motor", "crnk")), &["there is no body `crnk`", "did you mean `crank`?"]);
     let ball =
         "[[body]]\nname = \"bob\"\nmass = 1\nhinge = { type = \"spherical\", at = [0, 0, 1] }\ncenter = [0, 0, -1]\n"
@@ -106,7 +109,15 @@ fn gears_that_contradict() {
     let gear = |name: &str, ratio: f64| {
         format!("[[gear]]\nname = \"{name}\"\ntype = \"ratio\"\nratio = {ratio:?}\nbetween = [\"crank\", \"rocker\"]\n")
     };
-    refused(&with(&(gear("one", 2.0) + &gear("two", 3.0))), &["`two` gives `crank` and `rocker` the ratio 3"]);
+    refused(
+        &with(&(gear("one", 2.0) + &gear("two", 3.0))),
+        &["`two` gives `crank` and `rocker` the ratio 3, the gear `one` gives them a different one"],
+    );
+    // Around a loop: one that goes with it is redundant, others lock it.
+    for contradicts in [gear("belt", -1.0), gear("belt", 1.0) + "offset = 0.3\n"] {
+        refused(&(PARALLEL.to_owned() + &contradicts), &["lock the mechanism", "loop `coupler-rocker`", "gear `belt`"]);
+    }
+    assert_eq!(super::read(&(PARALLEL.to_owned() + &gear("belt", 1.0))).1.degrees_of_freedom(), 1);
     refused(&with(&gear("none", 0.0)), &["`ratio` of `none` is 0"]);
     let mixed = with("[[gear]]\nname = \"rack\"\ntype = \"rack\"\nradius = 0.1\nbetween = [\"crank\", \"rocker\"]\n");
     refused(&mixed, &["couples an angle with an angle"]);

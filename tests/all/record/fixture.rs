@@ -73,6 +73,8 @@ impl Motion {
                 .chain(channels(&[("box", "x", "m/s"), ("box", "y", "m/s"), ("box", "z", "m/s")]))
                 .chain(channels(&[("rod[0]", "x", "rad/s"), ("rod[0]", "y", "rad/s"), ("rod[0]", "z", "rad/s")]))
                 .collect(),
+            couplings: channels(&[("time", "", "N m"), ("ring", "force.x", "N"), ("ring", "gap", "m")]).collect(),
+            not_unique: vec!["ring".into()],
         };
         Self { scene, pose: double_link_pose }
     }
@@ -91,6 +93,7 @@ impl Motion {
             loads: Vec::new(),
             positions: (0..count).map(|k| channel("angle", "rad", k)).collect(),
             velocities: (0..count).map(|k| channel("rate", "rad/s", k)).collect(),
+            ..Scene::default()
         };
         Self { scene, pose: |index, time| Pose::translation(0.1 * index as f64, 0.0, (time + index as f64).sin()) }
     }
@@ -122,6 +125,7 @@ impl Motion {
             accelerations,
             bodies: poses,
             reactions: (0..self.scene.bodies.len()).map(reaction).collect(),
+            couplings: wave(self.scene.couplings.len(), 3.0),
             energy: Energy {
                 kinetic: 4.0 - potential * (-0.1 * time).exp(),
                 potential,

@@ -1,0 +1,230 @@
+//! What rows push on links and hinges; of redundant rows, the least that balances.
+
+use super::row::{Ends, Rule};
+use super::{Constraints, Element, Owner};
+use crate::model::Model;
+use crate::motion::Motion;
+use crate::motion::variation::LinkVariation;
+use crate::spatial::Wrench;
+use crate::transfer::Reduction;
+use nalgebra::{DMatrix, DVector, Vector3};
+
+/// A row that follows from others by smaller parts of them than this follows from none: its own part in the motion is zero.
+/// Axes that are parallel to five digits count as parallel (see `rank`), and leave as much.
+const PART: f64 = 1e-4;
+
+/// What a loop passes to the body of its second end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopReaction {
+    /// Name of the loop.
+    pub name: String,
+    /// On the body of the second end, inertial axes (N). Its opposite acts on the first.
+    pub force: Vector3<f64>,
+    /// The same about the second end (N m).
+    pub moment: Vector3<f64>,
+    /// What pulls the ends together along the line between them (N); of a rod, whose only load it is.
+    pub pull: Option<f64>,
+    /// Widest gap (m; rad times the scene's length).
+    pub gap: f64,
+    /// Whether nothing else balances: false where rows are redundant. Of all reactions that do, this one is the smallest.
+    pub unique: bool,
+    /// Bodies whose hinges lie between the ends of the loop: what these pass is not unique either where the loop's is not.
+    pub around: Vec<usize>,
+}
+
+impl Constraints {
+    /// Calls `push` with every row that may push, and its element.
+    fn each_pushing(&self, mut push: impl FnMut(&Element, usize)) {
+        if self.is_shared {
+            self.elements.iter().for_each(|element| element.rows.clone().for_each(|row| push(element, row)));
+        } else {
+            for group in &self.plan.groups {
+                let element = &self.elements[group.element];
+                group.rows.iter().for_each(|row| push(element, *row));
+            }
+        }
+    }
+
+    /// Adds what the multipliers push to the links' wrenches and to the hinge forces.
+    pub(crate) fn add_loads(&self, wrenches: &mut [Wrench], tau: &mut [f64]) {
+        self.each_pushing(|element, row| {
+            let multiplier = self.multipliers[row];
+            if let Some(ends) = &element.ends {
+                for (end, w) in ends.iter().zip(&self.placed[row].wrenches) {
+                    let link = &mut wrenches[end.link];
+                    link.force += multiplier * w.force;
+                    link.moment += multiplier * w.moment;
+                }
+            }
+            if let Rule::Motion { parts } = &self.rules[row] {
+                parts.iter().for_each(|(scalar, factor)| tau[scalar.velocity] += factor * multiplier);
+            }
+        });
+    }
+
+    /// Adds what the multipliers push to the named bodies of the loops' ends, at the root markers of their links.
+    pub(crate) fn add_to_bodies(&self, wrenches: &mut [Wrench]) {
+        self.each_pushing(|element, row| {
+            let Some(ends) = &element.ends else { return };
+            for (end, w) in ends.iter().zip(&self.placed[row].wrenches) {
+                if let Some(body) = end.body {
+                    wrenches[body].force += self.multipliers[row] * w.force;
+                    wrenches[body].moment += self.multipliers[row] * w.moment;
+                }
+            }
+        });
+    }
+
+    /// Adds how the wrenches of [`Constraints::add_loads`], taken as applied ones, vary with the links at fixed
+    /// multipliers.
+    pub(crate) fn add_variation(&self, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
+        for (index, element) in self.elements.iter().enumerate() {
+            let Some(ends) = &element.ends else { continue };
+            for (end, w) in ends.iter().zip(self.vary_loop(index, motion, by)) {
+                wrenches[end.link] += w;
+            }
+        }
+    }
+
+    /// How the wrenches of one loop vary with its links at fixed multipliers.
+    pub(crate) fn vary_loop(&self, index: usize, motion: &Motion, by: &[LinkVariation]) -> [Wrench; 2] {
+        let mut sum = [Wrench::ZERO; 2];
+        let element = &self.elements[index];
+        let Some(ends) = &element.ends else { return sum };
+        let geometry = Ends::of(ends, &element.branches, motion);
+        let links = [&by[ends[0].link], &by[ends[1].link]];
+        for row in element.rows.clone().filter(|row| self.multipliers[*row] != 0.0) {
+            for (sum, w) in sum.iter_mut().zip(geometry.vary(&self.rules[row], links)) {
+                sum.force += self.multipliers[row] * w.force;
+                sum.moment += self.multipliers[row] * w.moment;
+            }
+        }
+        sum
+    }
+
+    /// Power that drives put in at the last solution (W).
+    pub fn power(&self) -> f64 {
+        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
+        driven.map(|element| -self.multipliers[element.rows.start] * self.placed[element.rows.start].drift).sum()
+    }
+
+    /// What drives push with at the last solution, in the order of the model (N or N m).
+    pub(crate) fn drive_pushes(&self) -> impl Iterator<Item = f64> {
+        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
+        driven.map(|element| self.multipliers[element.rows.start])
+    }
+
+    /// What gears push with on the first of their coordinates (N or N m), and their gaps (m or rad), in the order of the
+    /// model.
+    pub(crate) fn gear_pushes(&self) -> impl Iterator<Item = [f64; 2]> {
+        let geared = self.elements.iter().filter(|element| matches!(element.owner, Owner::Gear(_)));
+        geared.map(|element| [self.multipliers[element.rows.start], self.placed[element.rows.start].gap])
+    }
+
+    /// Of all multipliers that balance what the last ones do, takes the smallest: the least sum of squares, moments
+    /// divided by the scene's length. `all` are the same rows, none left out. At the position of the tree's last
+    /// factorization.
+    ///
+    /// ```text
+    /// G_d = C G_i      the rows left out, by those solved for:   C = A_di A_ii⁻¹
+    /// λ_i ← λ_i − Cᵀ z,   λ_d = z,   (1 + C Cᵀ) z = C λ_i
+    /// ```
+    pub(crate) fn share(&mut self, all: &mut Self, model: &Model, motion: &Motion, reduction: &Reduction, q: &[f64]) {
+        self.clear_shares();
+        if self.rank() == self.rules.len() {
+            return;
+        }
+        if self.rules.len() > self.independent.len() || self.rules.len() != all.rules.len() {
+            // Coordinates that stops hold come and go.
+            *all = self.clone();
+            all.keep(|_| true);
+        }
+        self.place(model, motion, q, false);
+        self.factorize(model, motion, reduction, 0.0);
+        all.set_time(self.time);
+        all.place(model, motion, q, true);
+        all.assemble(model, motion, reduction);
+        let mut unknown = vec![0; self.rules.len()];
+        all.plan.rows().enumerate().for_each(|(index, row)| unknown[row] = index);
+        let solved: Vec<usize> = self.plan.rows().collect();
+        let mut redundant: Vec<usize> = (0..self.rules.len()).filter(|row| !solved.contains(row)).collect();
+        redundant.iter().for_each(|row| self.not_unique[*row] = true);
+        // By rows, in the units of the sum of squares.
+        let mut parts: Vec<Vec<f64>> = Vec::new();
+        redundant.retain(|row| {
+            let mut part: Vec<f64> =
+                solved.iter().map(|other| all.matrix.get(unknown[*row], unknown[*other])).collect();
+            self.matrix.solve(&mut part);
+            for (part, other) in part.iter_mut().zip(&solved) {
+                *part *= self.weights[*row] / self.weights[*other];
+            }
+            let follows = part.iter().any(|part| part.abs() > PART);
+            if follows {
+                parts.push(part);
+            }
+            follows
+        });
+        let matrix = DMatrix::from_fn(redundant.len(), solved.len(), |d, i| parts[d][i]);
+        let carried =
+            DVector::from_iterator(solved.len(), solved.iter().map(|row| self.multipliers[*row] / self.weights[*row]));
+        let normal = DMatrix::identity(redundant.len(), redundant.len()) + &matrix * matrix.transpose();
+        let Some(factors) = normal.cholesky().filter(|_| !redundant.is_empty()) else { return };
+        let share = factors.solve(&(&matrix * &carried));
+        let carried = carried - matrix.tr_mul(&share);
+        if !carried.iter().chain(share.iter()).all(|x| x.is_finite()) {
+            return;
+        }
+        self.is_shared = true;
+        for (rows, numbers) in [(&solved, &carried), (&redundant, &share)] {
+            rows.iter().zip(numbers.iter()).for_each(|(row, x)| self.multipliers[*row] = x * self.weights[*row]);
+        }
+        for (i, row) in solved.iter().enumerate() {
+            self.not_unique[*row] = parts.iter().any(|part| part[i].abs() > PART);
+        }
+    }
+
+    /// Rows that are left out push nothing again.
+    pub(super) fn clear_shares(&mut self) {
+        if self.is_shared {
+            let mut left_out = vec![true; self.rules.len()];
+            self.plan.rows().for_each(|row| left_out[row] = false);
+            self.multipliers.iter_mut().zip(left_out).filter(|(_, left_out)| *left_out).for_each(|(x, _)| *x = 0.0);
+            self.is_shared = false;
+        }
+        self.not_unique.fill(false);
+    }
+
+    /// Whether rows that are left out of the solution push, after [`Constraints::share`].
+    pub(crate) fn is_shared(&self) -> bool {
+        self.is_shared
+    }
+
+    /// What the loops pass, after [`Constraints::share`] and with all rows placed where the motion is.
+    pub(crate) fn loop_reactions(&self, model: &Model, motion: &Motion) -> Vec<LoopReaction> {
+        let of_loop = |element: &Element| {
+            let (Owner::Loop(index), Some(ends)) = (element.owner, &element.ends) else { return None };
+            let mut sum = Wrench::ZERO;
+            for row in element.rows.clone() {
+                let w = &self.placed[row].wrenches[1];
+                sum.force += self.multipliers[row] * w.force;
+                sum.moment += self.multipliers[row] * w.moment;
+            }
+            let at_end = sum.shifted(-(motion.links[ends[1].link].turn * ends[1].point));
+            let is_rod = matches!(self.rules[element.rows.start..], [Rule::Distance { .. }, ..]);
+            let links = element.branches.iter().flatten();
+            let mut around: Vec<usize> = links.map(|link| model.links[*link].body).collect();
+            around.sort_unstable();
+            around.dedup();
+            Some(LoopReaction {
+                name: model.loops[index].name.clone(),
+                force: at_end.force,
+                moment: at_end.moment,
+                pull: is_rod.then(|| -self.multipliers[element.rows.start]),
+                gap: element.rows.clone().map(|row| self.weights[row] * self.placed[row].gap.abs()).fold(0.0, f64::max),
+                unique: !element.rows.clone().any(|row| self.not_unique[row]),
+                around,
+            })
+        };
+        self.elements.iter().filter_map(of_loop).collect()
+    }
+}

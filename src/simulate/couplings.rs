@@ -1,0 +1,74 @@
+//! What drives, motors, gears and loops push with, as numbers with names: for recordings.
+
+use crate::dynamics::System;
+use crate::model::Model;
+use crate::model::couplings::Closure;
+use crate::record::scene::Channel;
+
+/// Ends of the names of what a loop passes to the body of its second end, inertial axes.
+const WRENCH: [(&str, &str); 6] = [
+    ("force.x", "N"),
+    ("force.y", "N"),
+    ("force.z", "N"),
+    ("moment.x", "N m"),
+    ("moment.y", "N m"),
+    ("moment.z", "N m"),
+];
+
+/// The names, in the order of [`fill`]: drives, motors, gears, loops, each in the order of the model.
+pub(super) fn channels(model: &Model) -> Vec<Channel> {
+    let channel = |owner: &str, name: &str, unit: &str| Channel {
+        body: owner.to_owned(),
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+    };
+    let push = |owner: &str, slides: bool| match slides {
+        true => channel(owner, "force", "N"),
+        false => channel(owner, "torque", "N m"),
+    };
+    let mut all: Vec<Channel> = model.drives.iter().map(|drive| push(&drive.name, drive.coordinate.slides)).collect();
+    all.extend(model.motors.iter().map(|motor| push(&motor.name, motor.coordinate.slides)));
+    for gear in &model.gears {
+        let slides = gear.coordinates[0].slides;
+        all.extend([push(&gear.name, slides), channel(&gear.name, "gap", if slides { "m" } else { "rad" })]);
+    }
+    for closed in &model.loops {
+        match closed.closure {
+            Closure::Rod { .. } => all.push(channel(&closed.name, "pull", "N")),
+            Closure::Hinge(_) => all.extend(WRENCH.map(|(name, unit)| channel(&closed.name, name, unit))),
+        }
+        all.push(channel(&closed.name, "gap", "m"));
+    }
+    all
+}
+
+/// The numbers at the last evaluation, multipliers shared and all rows placed.
+pub(super) fn fill(system: &System<'_>, out: &mut Vec<f64>) {
+    out.clear();
+    let rows = system.constraints();
+    out.extend(rows.into_iter().flat_map(|rows| rows.drive_pushes()));
+    out.extend(system.motor_pushes());
+    out.extend(rows.into_iter().flat_map(|rows| rows.gear_pushes().flatten()));
+    for reaction in system.loop_reactions() {
+        match reaction.pull {
+            Some(pull) => out.push(pull),
+            None => out.extend(reaction.force.iter().chain(reaction.moment.iter())),
+        }
+        out.push(reaction.gap);
+    }
+}
+
+/// Loops whose reactions are not unique at the given start; none where that cannot be evaluated.
+pub(super) fn not_unique(model: &Model) -> Vec<String> {
+    if model.loops.is_empty() {
+        return Vec::new();
+    }
+    let mut system = System::new(model);
+    match system.share_multipliers(&model.start_position, &model.start_velocity) {
+        Ok(()) => {
+            let reactions = system.loop_reactions().into_iter();
+            reactions.filter(|reaction| !reaction.unique).map(|reaction| reaction.name).collect()
+        }
+        Err(_) => Vec::new(),
+    }
+}
