@@ -89,7 +89,7 @@ fn tangent(c: &mut Criterion) {
             b.iter(|| {
                 assert!(system.factorize_tangent(&mut solver, black_box(q), v, &a, &with).unwrap());
                 x.fill(1.0);
-                solver.solve(model, &mut x);
+                solver.solve(&mut x);
             });
         });
     };

@@ -100,7 +100,7 @@ impl<'m> Routines<'m> {
         let Some(solver) = &mut self.solver else { return Ok(false) };
         let regular = self.system.factorize_tangent(solver, q, v, a, &with)?;
         self.x.fill(1.0);
-        solver.solve(model, &mut self.x);
+        solver.solve(&mut self.x);
         Ok(regular)
     }
 

@@ -8,7 +8,6 @@
 
 use super::dense::Dense;
 use crate::model::Model;
-use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
 use crate::transfer::tangent::{Applied, Tangent};
 use nalgebra::Vector3;
@@ -55,7 +54,7 @@ impl Border {
             let (element, end, axis) = (column / UNKNOWNS, column % UNKNOWNS / 6, column % 6);
             let response = &mut self.responses[column * n..(column + 1) * n];
             response.fill(0.0);
-            tangent.solve_loaded(model, Some((self.links[element][end], unit(axis))), response);
+            tangent.solve_loaded(Some((self.links[element][end], unit(axis))), response);
             self.feel(tangent);
             for row in 0..m {
                 *self.small.entry(row, column) = f64::from(u8::from(row == column)) - self.y[row];
@@ -94,8 +93,7 @@ fn unit(axis: usize) -> Wrench {
 }
 
 /// What an element feels when a link moves.
-fn times(felt: &Applied, z: &LinkVariation) -> Wrench {
-    let parts = [z.turn, z.position, z.angular_velocity, z.velocity];
+fn times(felt: &Applied, parts: [Vector3<f64>; 4]) -> Wrench {
     let mut sum = Wrench::ZERO;
     for (block, part) in felt.iter().zip(parts) {
         sum += Wrench { force: block.force * part, moment: block.moment * part };

@@ -4,6 +4,7 @@ use super::border::{Border, UNKNOWNS};
 use super::{Fault, System};
 use crate::forces;
 use crate::model::{End, Joint, Model};
+use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
 use crate::transfer::tangent::{Applied, At, Breakdown, Coupling, Tangent};
@@ -19,6 +20,9 @@ pub struct TangentSolver {
     applied: Vec<(usize, Applied)>,
     coupled: Vec<(usize, Coupling)>,
     ball_springs: Vec<(usize, Matrix3<f64>)>,
+    /// The balls among the links, and the stiffness of all other coordinates.
+    balls: Vec<usize>,
+    springs: Vec<f64>,
     unit: Vec<LinkVariation>,
     /// Elements that reach further, by their index among the forces and then the loops.
     far: Vec<Option<usize>>,
@@ -54,13 +58,19 @@ impl TangentSolver {
                 _ => None,
             });
         }
+        let is_ball = |index: &usize| matches!(model.links[*index].joint, Joint::Ball { .. });
+        let balls: Vec<usize> = (0..model.links.len()).filter(is_ball).collect();
+        let mut springs: Vec<f64> = model.coordinates.iter().map(|coordinate| coordinate.stiffness).collect();
+        balls.iter().map(|index| model.links[*index].velocity).for_each(|first| springs[first..first + 3].fill(0.0));
         Self {
             tangent: Tangent::new(model),
             diagonal: vec![0.0; model.velocity_count()],
             shifted: vec![0.0; model.velocity_count()],
             applied: Vec::with_capacity(2 * far.len()),
             coupled: Vec::with_capacity(2 * far.len()),
-            ball_springs: Vec::with_capacity(model.links.len()),
+            ball_springs: Vec::with_capacity(balls.len()),
+            balls,
+            springs,
             unit: vec![LinkVariation::default(); model.links.len()],
             far,
             border: Border::new(model, links),
@@ -81,8 +91,8 @@ impl TangentSolver {
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
-    pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
-        self.tangent.solve(model, x);
+    pub fn solve(&mut self, x: &mut [f64]) {
+        self.tangent.solve(x);
         if !self.border.links.is_empty() {
             self.border.complete(&self.tangent, x);
         }
@@ -118,7 +128,7 @@ impl System<'_> {
         evaluated?;
         let model = self.model;
         for (i, coordinate) in model.coordinates.iter().enumerate() {
-            solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature;
+            solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature + solver.springs[i];
         }
         for (motor, push) in model.motors.iter().zip(&self.pushes) {
             solver.diagonal[motor.coordinate.velocity] -= push.by_position + with.c1 * push.by_velocity;
@@ -152,32 +162,26 @@ impl System<'_> {
             c2: with.c2,
             diagonal: &solver.shifted,
             applied: &solver.applied,
+            wrenches: &self.applied,
             coupled: &solver.coupled,
             ball_springs: &solver.ball_springs,
         };
         solver.tangent.factorize(self.model, &at, with.definite)
     }
 
-    /// Springs of hinges. With `symmetric`, off equilibrium, the stiffness of a ball is rid of its connection term: the
-    /// residual of the last evaluation (in `scratch`) turns it by `½ [r]×`.
+    /// Springs of balls. With `symmetric`, off equilibrium, their stiffness is rid of its connection term: the residual of
+    /// the last evaluation (in `scratch`) turns it by `½ [r]×`.
     fn gather_springs(&self, solver: &mut TangentSolver, q: &[f64], symmetric: bool) {
         solver.ball_springs.clear();
-        for (index, link) in self.model.links.iter().enumerate() {
+        for index in &solver.balls {
+            let link = &self.model.links[*index];
             let first = link.velocity;
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => {
-                    solver.diagonal[first] += self.model.coordinates[first].stiffness;
-                }
-                Joint::Ball { .. } => {
-                    let spring = forces::hinge::ball_tangent(self.model, link, q).map(|tangent| -tangent);
-                    let r = Vector3::from_column_slice(&self.scratch[first..first + 3]);
-                    let connection = symmetric.then(|| -0.5 * r.cross_matrix());
-                    if spring.is_some() || connection.is_some() {
-                        let none = Matrix3::zeros();
-                        solver.ball_springs.push((index, spring.unwrap_or(none) + connection.unwrap_or(none)));
-                    }
-                }
+            let spring = forces::hinge::ball_tangent(self.model, link, q).map(|tangent| -tangent);
+            let r = Vector3::from_column_slice(&self.scratch[first..first + 3]);
+            let connection = symmetric.then(|| -0.5 * r.cross_matrix());
+            if spring.is_some() || connection.is_some() {
+                let none = Matrix3::zeros();
+                solver.ball_springs.push((*index, spring.unwrap_or(none) + connection.unwrap_or(none)));
             }
         }
     }
@@ -233,7 +237,7 @@ impl System<'_> {
         let mut blocks = [Applied::default(); 2];
         for block in 0..blocks[0].len() {
             for axis in 0..3 {
-                unit[link] = unit_variation(block, axis);
+                unit[link] = unit_variation(block, axis, &self.motion.links[link]);
                 let wrenches = vary(unit);
                 for (end, wrench) in wrenches.iter().enumerate() {
                     blocks[end][block].force.set_column(axis, &wrench.force);
@@ -272,12 +276,12 @@ fn is_near(model: &Model, ends: &[End]) -> bool {
     }
 }
 
-/// One small turn, shift, or change of velocity, in the order of [`Applied`].
-fn unit_variation(block: usize, axis: usize) -> LinkVariation {
+/// One small turn, shift, or change of velocity, in the order of [`Applied`]. What a link turns with turns with it.
+fn unit_variation(block: usize, axis: usize, link: &LinkMotion) -> LinkVariation {
     let e = Vector3::ith(axis, 1.0);
     let zero = LinkVariation::default();
     match block {
-        0 => LinkVariation { turn: e, ..zero },
+        0 => LinkVariation { turn: e, angular_velocity: e.cross(&link.angular_velocity), ..zero },
         1 => LinkVariation { position: e, ..zero },
         2 => LinkVariation { angular_velocity: e, ..zero },
         _ => LinkVariation { velocity: e, ..zero },

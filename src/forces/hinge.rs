@@ -12,8 +12,13 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
 /// `tau` ← hinge forces at coordinates `q` and velocities `v`, one per velocity.
 pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
+    let mut springs = false;
     for (at, coordinate) in model.coordinates.iter().enumerate() {
         tau[at] = coordinate.force - coordinate.damping * v[at];
+        springs |= coordinate.stiffness != 0.0;
+    }
+    if !springs {
+        return;
     }
     for_springs(model, |link, coordinates| match link.joint {
         Joint::Ball { rest } => {

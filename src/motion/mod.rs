@@ -16,6 +16,8 @@ use variation::LinkAcceleration;
 pub struct Motion {
     /// One per link of the model; written by [`Motion::update`].
     pub links: Vec<LinkMotion>,
+    /// Whether nothing moves.
+    pub still: bool,
     /// Of the last positions.
     angles: Angles,
 }
@@ -78,13 +80,14 @@ impl LinkMotion {
 impl Motion {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
-        Self { links: vec![LinkMotion::GROUND; model.links.len()], angles: Angles::new(model) }
+        Self { links: vec![LinkMotion::GROUND; model.links.len()], still: true, angles: Angles::new(model) }
     }
 
     /// Root → tips: positions and velocities from hinge coordinates `q` and velocities `v`.
     #[inline(always)]
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
         self.angles.update(q);
+        self.still = v.iter().all(|rate| *rate == 0.0);
         for (index, link) in model.links.iter().enumerate().skip(1) {
             let (before, from_here) = self.links.split_at_mut(index);
             let angle = match link.joint {

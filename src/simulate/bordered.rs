@@ -25,7 +25,6 @@
 
 use crate::dynamics::{Coefficients, Dense, DenseTangent, Fault, System, TangentSolver};
 use crate::integrate::Point;
-use crate::model::Model;
 use crate::motion::displace;
 
 /// A factorized matrix. Valid until the next factorization, whatever the system evaluates in between.
@@ -133,7 +132,7 @@ impl Bordered {
         system.constraint_rates(at.q, at.v, at.a, &mut self.base)?;
         self.responses.copy_from_slice(&self.gradient);
         for row in 0..m {
-            self.tree.solve(system.model(), &mut self.responses[row * n..(row + 1) * n]);
+            self.tree.solve(&mut self.responses[row * n..(row + 1) * n]);
             self.x.copy_from_slice(&self.responses[row * n..(row + 1) * n]);
             self.rates_along(system)?;
             for i in 0..m {
@@ -176,7 +175,7 @@ impl Bordered {
         for (nu, row) in self.nu.iter_mut().zip(self.weighted.chunks_exact(n)) {
             *nu = row.iter().zip(&*rhs).map(|(g, r)| g * r).sum();
         }
-        self.tree.solve(system.model(), rhs);
+        self.tree.solve(rhs);
         self.x.copy_from_slice(rhs);
         system.set_time(self.at.time);
         if self.rates_along(system).is_err() {
@@ -193,9 +192,9 @@ impl Bordered {
 }
 
 impl Tree {
-    fn solve(&mut self, model: &Model, x: &mut [f64]) {
+    fn solve(&mut self, x: &mut [f64]) {
         match self {
-            Self::Sweep(solver) => solver.solve(model, x),
+            Self::Sweep(solver) => solver.solve(x),
             Self::Dense(dense) => dense.solve(x),
         }
     }

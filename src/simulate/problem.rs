@@ -443,7 +443,7 @@ impl ImplicitProblem for Motion<'_> {
 
     fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
         match &mut self.tangent {
-            Tangent::Sweep(solvers) => solvers[slot].solve(self.system.model(), rhs),
+            Tangent::Sweep(solvers) => solvers[slot].solve(rhs),
             Tangent::Dense(factors) => factors[slot].solve(rhs),
             Tangent::Bordered(factors) => factors[slot].solve(&mut self.system, rhs),
         }

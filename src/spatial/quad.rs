@@ -6,7 +6,7 @@
 
 use super::{Sym3, Wrench};
 use nalgebra::{Matrix3, Vector3};
-use std::ops::{Add, AddAssign, Mul, Sub};
+use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 use wide::f64x4;
 
 /// A three-vector.
@@ -96,7 +96,13 @@ impl Quad {
     /// `self · b` as a number.
     #[inline(always)]
     pub fn dot(self, b: Self) -> f64 {
-        let [x, y, z, _] = (self * b).0.to_array();
+        (self * b).sum()
+    }
+
+    /// Sum of the three components.
+    #[inline(always)]
+    pub fn sum(self) -> f64 {
+        let [x, y, z, _] = self.0.to_array();
         x + y + z
     }
 }
@@ -174,6 +180,12 @@ impl Columns {
         ])
     }
 
+    /// `A B`.
+    #[inline(always)]
+    pub fn by(&self, b: &Self) -> Self {
+        Self(b.0.map(|column| self.times(&column.vector())))
+    }
+
     /// `self + s 1`.
     #[inline(always)]
     pub fn plus_scalar(&self, s: Quad) -> Self {
@@ -213,12 +225,39 @@ impl Columns {
         Self([d.cross_add(x, a), d.cross_add(y, b), d.cross_add(z, c)])
     }
 
+    /// `self + [a]× [b]×`, which is `b aᵀ − (a·b) 1`.
+    #[inline(always)]
+    pub fn plus_twice(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> Self {
+        let b_negative = -Quad::of(b);
+        self.minus_dyad(b_negative, Quad::of(a)).plus_scalar(Quad::all(b_negative.dot(Quad::of(a))))
+    }
+
+    /// `self − v wᵀ`.
+    #[inline(always)]
+    pub fn minus_dyad(&self, v: Quad, w: Quad) -> Self {
+        let [a, b, c] = self.0;
+        Self([
+            v.times_from(Quad::all(w.at(0)), a),
+            v.times_from(Quad::all(w.at(1)), b),
+            v.times_from(Quad::all(w.at(2)), c),
+        ])
+    }
+
     /// `self − s v wᵀ`. For `v = w` what is symmetric stays so: the products of `v` and `w` come first.
     #[inline(always)]
     pub fn minus_outer(&self, s: Quad, v: Quad, w: Quad) -> Self {
         let [a, b, c] = self.0;
         let column = |i, sum| s.times_from(v * Quad::all(w.at(i)), sum);
         Self([column(0, a), column(1, b), column(2, c)])
+    }
+}
+
+impl Sub for Columns {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, o: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, o.0);
+        Self([a - x, b - y, c - z])
     }
 }
 
@@ -258,6 +297,14 @@ impl Sub for Quad {
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
         Self(self.0 - o.0)
+    }
+}
+
+impl Neg for Quad {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
     }
 }
 

@@ -149,7 +149,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
 
     /// Solves with the last factorization.
     pub fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
-        self.stiffness.solve(self.system.model(), rhs)
+        self.stiffness.solve(rhs)
     }
 
     /// `K x = rhs` at the place last looked at, definite or not; `None` where K is singular.
@@ -164,7 +164,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
         if !self.stiffness.factorize(self.system, shift, false) {
             return None;
         }
-        let x = self.stiffness.solve(self.system.model(), rhs);
+        let x = self.stiffness.solve(rhs);
         x.iter().all(|x| x.is_finite()).then_some(x)
     }
 

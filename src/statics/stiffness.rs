@@ -103,14 +103,14 @@ impl Stiffness {
         system.factorize_shifted(solver, rest, &with)
     }
 
-    pub(super) fn solve(&mut self, model: &Model, rhs: &[f64]) -> Vec<f64> {
+    pub(super) fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
         match self {
             Self::Sweep { solver, free, full, .. } => {
                 full.fill(0.0);
                 for (i, value) in free.iter().zip(rhs) {
                     full[*i] = *value;
                 }
-                solver.solve(model, full);
+                solver.solve(full);
                 free.iter().map(|i| full[*i]).collect()
             }
             Self::Closed { tangent, .. } if tangent.ncols() == 0 => vec![0.0; rhs.len()],

@@ -1,21 +1,35 @@
-//! The lowest modes of a large system: subspace iteration with the O(n) tangent (Bathe 1971).
+//! The lowest modes of a large system: Lanczos' method with the O(n) tangent, from two vectors at once (Parlett, *The
+//! Symmetric Eigenvalue Problem*, 13).
 //!
 //! ```text
-//! Y = (K + sM)⁻¹ M X,   Ritz values of Y,   until the wanted ones stand still
+//! Y = (K + sM)⁻¹ M X_j,   orthogonal in M to all before and normalized: the next X;   T = Xᵀ M (K + sM)⁻¹ M X
+//! T u = θ u:   λ = 1/θ − s,   x = X u,   and what of (K + sM)⁻¹ M x is outside the space is known from T
 //! ```
 //!
-//! `s ≥ 0` is the smallest shift of a coarse ladder with K + sM positive definite: zero at a stable equilibrium.
+//! `s ≥ 0` is the smallest shift of a coarse ladder with K + sM positive definite: zero at a stable equilibrium. Every
+//! vector is made orthogonal to all others, so nothing comes twice. A space that grows from two vectors may miss the third
+//! of equal modes: the negative pivots of `K − μM` count the modes below μ (Sylvester), and where some are missing, another
+//! vector is let in.
 
 use super::stability::NEUTRAL;
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
-use faer::Mat;
+use faer::{Mat, Side};
 
-/// Modes that are wanted, and vectors that carry them: the more, the faster.
+/// Modes that are wanted.
 const WANTED: usize = 8;
-const VECTORS: usize = 14;
-/// Eigenvalues that change by less than this part of themselves stand still.
-const STILL: f64 = 1e-10;
-const MOST_ITERATIONS: usize = 100;
+/// The space grows from so many vectors, to this size at most.
+const STARTS: usize = 2;
+const MOST_VECTORS: usize = 240;
+/// A mode is found where the part of its image outside the space is below this: eigenvalues are then right to its square.
+const OUTSIDE: f64 = 1e-8;
+/// Round-off of T, as a part of its largest eigenvalue.
+const ROUND_OFF: f64 = 1e-14;
+/// An image of which less is new is within the space.
+const NEW: f64 = 1e-12;
+/// How closely above the last wanted mode modes are counted.
+const ABOVE: f64 = 1e-6;
+/// The eigenvalues of T are looked at again after so many vectors.
+const BETWEEN: usize = 4;
 
 /// What sweeps alone can tell.
 pub(super) struct Lowest {
@@ -81,7 +95,7 @@ impl Sweeps<'_, '_> {
         for (i, value) in self.free.iter().zip(rhs) {
             self.full[*i] = *value;
         }
-        self.solver.solve(self.system.model(), &mut self.full);
+        self.solver.solve(&mut self.full);
         self.free.iter().map(|i| self.full[*i]).collect()
     }
 
@@ -105,62 +119,132 @@ impl Sweeps<'_, '_> {
             }
             s = if s == 0.0 { 1e-3 * unit } else { 4.0 * s };
         }
-        let count = VECTORS.min(self.free.len());
-        let mut basis = start(self.free.len(), count);
-        let mut momenta: Vec<Vec<f64>> = basis.iter().map(|x| self.mass_times(x)).collect();
-        let mut values = vec![f64::INFINITY; count];
-        for _ in 0..MOST_ITERATIONS {
-            let mut images: Vec<Vec<f64>> = momenta.iter().map(|p| self.solve(p)).collect();
-            let mut moved: Vec<Vec<f64>> = images.iter().map(|y| self.mass_times(y)).collect();
-            // Images lean towards the softest direction, all of them: upright again, or their products are round-off.
-            orthonormalize(&mut images, &mut moved, &mut momenta);
-            // (K + sM) Y = M X, so the projected stiffness is Yᵀ M X.
-            let stiffness = gram(&images, &momenta);
-            let mass = gram(&images, &moved);
-            let Some((ritz, vectors)) = super::stability::generalized(&stiffness, &mass) else { break };
-            basis = combine(&images, &vectors);
-            momenta = combine(&moved, &vectors);
-            let wanted = WANTED.min(count);
-            let still = (0..wanted).all(|i| (ritz[i] - values[i]).abs() <= STILL * ritz[i].abs());
-            values = ritz;
-            if still {
-                break;
+        let mut space = Space::new(self.free.len());
+        (0..STARTS).for_each(|_| self.let_in(&mut space));
+        let mut next_look = 2 * WANTED;
+        loop {
+            let grown = self.grow(&mut space) || {
+                self.let_in(&mut space);
+                self.grow(&mut space)
+            };
+            if grown && space.columns.len() < next_look {
+                continue;
+            }
+            let full = !grown || space.columns.len() >= MOST_VECTORS;
+            next_look = space.columns.len() + BETWEEN;
+            let Some((found, known)) = space.modes() else { return Ok((Vec::new(), Vec::new())) };
+            let wanted = WANTED.min(known);
+            if !full && wanted < WANTED {
+                continue;
+            }
+            let value = |theta: f64| 1.0 / theta - s;
+            if !full {
+                let last = value(found[wanted - 1].0);
+                let limit = last + ABOVE * (last.abs() + s);
+                let there = self.below(limit)?;
+                if !self.factorize(s)? {
+                    return Ok((Vec::new(), Vec::new()));
+                }
+                if there > found.iter().filter(|(theta, _)| value(*theta) <= limit).count() {
+                    self.let_in(&mut space);
+                    continue;
+                }
+            }
+            let wanted = &found[..wanted];
+            let modes = wanted.iter().map(|(theta, u)| (value(*theta), combined(&space.vectors, u))).collect();
+            return Ok((modes, wanted.iter().map(|(_, u)| combined(&space.momenta, u)).collect()));
+        }
+    }
+
+    /// Modes below `limit`: the negative pivots of `K − limit M`.
+    fn below(&mut self, limit: f64) -> Result<usize, Fault> {
+        let with = Coefficients { c2: -limit, shift: &self.shift, symmetric: true, ..Coefficients::default() };
+        self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
+        Ok(self.solver.negative_pivots())
+    }
+
+    /// Another vector with a bit of everything.
+    fn let_in(&mut self, space: &mut Space) {
+        let vector = start(self.free.len(), space.starts);
+        space.starts += 1;
+        self.add(space, vector);
+    }
+
+    /// The image of the next vector; false where there is none.
+    fn grow(&mut self, space: &mut Space) -> bool {
+        let Some(momentum) = space.momenta.get(space.columns.len()) else { return false };
+        let image = self.solve(momentum);
+        let column = self.add(space, image);
+        space.columns.push(column);
+        true
+    }
+
+    /// Makes a vector orthogonal to the space, and part of it where something is new. Returns its parts along all vectors.
+    fn add(&mut self, space: &mut Space, mut vector: Vec<f64>) -> Vec<f64> {
+        let mut parts = vec![0.0; space.vectors.len()];
+        // Twice is enough (Kahan).
+        for _ in 0..2 {
+            for ((part, before), momentum) in parts.iter_mut().zip(&space.vectors).zip(&space.momenta) {
+                let along = dot(momentum, &vector);
+                vector.iter_mut().zip(before).for_each(|(x, y)| *x -= along * y);
+                *part += along;
             }
         }
-        if values.iter().any(|value| !value.is_finite()) {
-            return Ok((Vec::new(), Vec::new()));
+        let mut momentum = self.mass_times(&vector);
+        let size = dot(&vector, &momentum).max(0.0).sqrt();
+        let whole = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+        if size > NEW * whole {
+            vector.iter_mut().chain(&mut momentum).for_each(|x| *x /= size);
+            space.vectors.push(vector);
+            space.momenta.push(momentum);
+            parts.push(size);
         }
-        let wanted = WANTED.min(count);
-        momenta.truncate(wanted);
-        Ok((values.iter().map(|value| value - s).zip(basis).take(wanted).collect(), momenta))
+        parts
     }
 }
 
-/// Vectors with a bit of everything: low-discrepancy numbers, the same every time.
-fn start(n: usize, count: usize) -> Vec<Vec<f64>> {
+/// Eigenvalues θ of T, descending, with their vectors, and how many of the first are found.
+type Found = (Vec<(f64, Vec<f64>)>, usize);
+
+/// The space of Lanczos' method.
+struct Space {
+    /// Orthonormal in M, and M times them.
+    vectors: Vec<Vec<f64>>,
+    momenta: Vec<Vec<f64>>,
+    /// Columns of T: parts of the images of the first vectors along all.
+    columns: Vec<Vec<f64>>,
+    /// Vectors that were let in.
+    starts: usize,
+}
+
+impl Space {
+    fn new(size: usize) -> Self {
+        let room = || Vec::with_capacity(MOST_VECTORS.min(size));
+        Self { vectors: room(), momenta: room(), columns: room(), starts: 0 }
+    }
+
+    /// Eigenvalues and vectors of T; none where it is not finite.
+    fn modes(&self) -> Option<Found> {
+        let m = self.columns.len();
+        let entry = |i: usize, j: usize| self.columns[j].get(i).copied().unwrap_or(0.0);
+        let eigen =
+            Mat::from_fn(m, m, |i, j| 0.5 * (entry(i, j) + entry(j, i))).self_adjoint_eigen(Side::Lower).ok()?;
+        let found: Vec<(f64, Vec<f64>)> =
+            (0..m).rev().map(|k| (eigen.S()[k], (0..m).map(|i| eigen.U()[(i, k)]).collect())).collect();
+        let is_known = |(theta, u): &(f64, Vec<f64>)| {
+            let row = |i: usize| (0..m).map(|j| entry(i, j) * u[j]).sum::<f64>();
+            let outside = (m..self.vectors.len()).map(|i| row(i).powi(2)).sum::<f64>().sqrt();
+            outside <= OUTSIDE * theta + ROUND_OFF * found[0].0
+        };
+        let known = found.iter().take(WANTED).take_while(|mode| is_known(mode)).count();
+        found.iter().all(|(theta, _)| theta.is_finite()).then_some((found, known))
+    }
+}
+
+/// Low-discrepancy numbers, the same every time.
+fn start(n: usize, j: usize) -> Vec<f64> {
     let golden = 0.618_033_988_749_894_9;
-    (0..count)
-        .map(|j| (0..n).map(|i| ((i * (j + 1) + j * j) as f64 * golden + 0.5 / (j + 1) as f64).fract() - 0.5).collect())
-        .collect()
-}
-
-/// Makes the images `Y` orthonormal in the mass, `M Y` and `(K + sM) Y` along with them (Gram and Schmidt, twice).
-fn orthonormalize(images: &mut [Vec<f64>], moved: &mut [Vec<f64>], pulled: &mut [Vec<f64>]) {
-    for j in 0..images.len() {
-        for i in (0..j).chain(0..j) {
-            let part = dot(&moved[i], &images[j]);
-            for lists in [&mut *images, &mut *moved, &mut *pulled] {
-                let (before, after) = lists.split_at_mut(j);
-                after[0].iter_mut().zip(&before[i]).for_each(|(x, y)| *x -= part * y);
-            }
-        }
-        let size = dot(&images[j], &moved[j]).max(0.0).sqrt();
-        if size > 0.0 {
-            for list in [&mut images[j], &mut moved[j], &mut pulled[j]] {
-                list.iter_mut().for_each(|x| *x /= size);
-            }
-        }
-    }
+    (0..n).map(|i| ((i * (j + 1) + j * j) as f64 * golden + 0.5 / (j + 1) as f64).fract() - 0.5).collect()
 }
 
 /// `a · b` in eight sums side by side: a single one would wait for itself at every number.
@@ -176,20 +260,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-fn gram(left: &[Vec<f64>], right: &[Vec<f64>]) -> Mat<f64> {
-    let product = Mat::from_fn(left.len(), left.len(), |i, j| dot(&left[i], &right[j]));
-    Mat::from_fn(left.len(), left.len(), |i, j| 0.5 * (product[(i, j)] + product[(j, i)]))
-}
-
-fn combine(images: &[Vec<f64>], vectors: &Mat<f64>) -> Vec<Vec<f64>> {
-    (0..images.len())
-        .map(|j| {
-            let mut sum = vec![0.0; images[0].len()];
-            for (i, image) in images.iter().enumerate() {
-                let part = vectors[(i, j)];
-                sum.iter_mut().zip(image).for_each(|(sum, x)| *sum += part * x);
-            }
-            sum
-        })
-        .collect()
+/// `Σ u_j x_j`
+fn combined(vectors: &[Vec<f64>], u: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; vectors[0].len()];
+    for (vector, part) in vectors.iter().zip(u) {
+        sum.iter_mut().zip(vector).for_each(|(sum, x)| *sum += part * x);
+    }
+    sum
 }

@@ -1,10 +1,10 @@
 //! Inverse dynamics: the hinge forces that given accelerations would need, and the reactions that go with them.
 
-use super::element::bias;
-use super::{LinkAcceleration, accelerate, along, inboard};
+use super::{LinkAcceleration, accelerate, inboard};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
 use crate::spatial::Wrench;
+use crate::spatial::quad::{Columns, Quad, wrench};
 
 /// What every link does and passes on for given hinge accelerations.
 #[derive(Debug, Clone)]
@@ -33,31 +33,61 @@ impl Balance {
         hinge: &[f64],
         residual: &mut [f64],
     ) {
-        self.reactions[0] = Wrench::ZERO - applied[0];
-        for index in 1..model.links.len() {
-            let (link, at) = (&model.links[index], &motion.links[index]);
-            let mut a = inboard(at, &self.accelerations[link.parent], true);
-            accelerate(link, at, hinge, &mut a);
-            self.accelerations[index] = a;
-            let force = link.mass * (a.linear + a.angular.cross(&at.center));
-            let moment = link.mass * at.center.cross(&a.linear) + at.inertia * a.angular;
-            self.reactions[index] = Wrench { force, moment } + bias(link.mass, &model.gravity, at) - applied[index];
-        }
-        for index in (1..model.links.len()).rev() {
-            let (link, at) = (&model.links[index], &motion.links[index]);
-            let f = self.reactions[index];
-            let first = link.velocity;
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => residual[first] = along(&link.joint, &at.axis, &f),
-                Joint::Ball { .. } => {
-                    residual[first..first + 3].copy_from_slice(at.turn.tr_mul(&f.moment).as_slice());
-                }
-            }
-            self.reactions[link.parent] += f.shifted(at.arm);
-        }
+        self.outward(model, motion, applied, hinge);
+        self.inward(model, motion, residual);
         for (at, coordinate) in model.coordinates.iter().enumerate() {
             residual[at] += coordinate.armature * hinge[at] - tau[at];
         }
+    }
+    /// Root → tips: eq. (2), and what each link needs on its own by eq. (1).
+    #[inline(always)]
+    fn outward(&mut self, model: &Model, motion: &Motion, applied: &[Wrench], hinge: &[f64]) {
+        self.reactions[0] = Wrench::ZERO - applied[0];
+        let g = Quad::of(&model.gravity);
+        let mut before = LinkAcceleration::default();
+        for (index, (link, at)) in model.links.iter().zip(&motion.links).enumerate().skip(1) {
+            // Along a chain the parent's acceleration is still in registers.
+            let parent = if link.parent + 1 == index { before } else { self.accelerations[link.parent] };
+            let mut a = inboard(at, &parent, true);
+            accelerate(link, at, hinge, &mut a);
+            self.accelerations[index] = a;
+            before = a;
+            let (mass, J) = (Quad::all(link.mass), Columns::symmetric(&at.inertia));
+            let (w, c) = (Quad::of(&at.angular_velocity), Quad::of(&at.center));
+            let (linear, angular) = (Quad::of(&a.linear), Quad::of(&a.angular));
+            // In the same form as the velocity terms of the arms: where the two cancel, so does their round-off.
+            let swing = w.cross(w.cross(c)) - g;
+            let force = mass * (angular.cross_add(c, linear) + swing);
+            let turning = J.times_add(&a.angular, c.cross(mass * linear));
+            let moment = turning + w.cross_add(J.times(&at.angular_velocity), g.cross(mass * c));
+            self.reactions[index] = wrench(force, moment) - applied[index];
+        }
+    }
+
+    /// Tips → root: eqs. (1) and (3).
+    #[inline(always)]
+    fn inward(&mut self, model: &Model, motion: &Motion, residual: &mut [f64]) {
+        let mut carried = (Quad::default(), Quad::default());
+        for index in (1..model.links.len()).rev() {
+            let (link, at) = (&model.links[index], &motion.links[index]);
+            let f = &mut self.reactions[index];
+            let (force, moment) = (Quad::of(&f.force) + carried.0, Quad::of(&f.moment) + carried.1);
+            *f = wrench(force, moment);
+            match link.joint {
+                Joint::None => {}
+                Joint::Turn => residual[link.velocity] = Quad::of(&at.axis).dot(moment),
+                Joint::Slide { .. } => residual[link.velocity] = Quad::of(&at.axis).dot(force),
+                Joint::Ball { .. } => {
+                    let row = at.turn.tr_mul(&f.moment);
+                    residual[link.velocity..link.velocity + 3].copy_from_slice(row.as_slice());
+                }
+            }
+            carried = (force, Quad::of(&at.arm).cross_add(force, moment));
+            if link.parent + 1 != index {
+                self.reactions[link.parent] += wrench(carried.0, carried.1);
+                carried = (Quad::default(), Quad::default());
+            }
+        }
+        self.reactions[0] += wrench(carried.0, carried.1);
     }
 }

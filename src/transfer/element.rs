@@ -3,7 +3,7 @@
 use crate::model::Link;
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkAcceleration;
-use crate::spatial::fused::{cross, cross_add, fma, times_add, transposed_times};
+use crate::spatial::fused::{cross_add, fma, times_add, transposed_times};
 use crate::spatial::{Sym3, Wrench};
 use nalgebra::{Matrix3, Vector3};
 
@@ -92,8 +92,9 @@ impl Reduced {
     }
 }
 
-/// The moment of [`bias`] in link axes. There the inertia is known to the last digit, and a slender body's small moment
-/// of inertia is not drowned in the round-off of its large ones: `ω × J ω` as differences of moments of inertia.
+/// The moment that the body's velocities and weight ask for, `b` of eq. (1), in link axes. There the inertia is known to
+/// the last digit, and a slender body's small moment of inertia is not drowned in the round-off of its large ones:
+/// `ω × J ω` as differences of moments of inertia.
 #[inline]
 pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion) -> Vector3<f64> {
     let (w, g, j) = (at.turn.tr_mul(&at.angular_velocity), at.turn.tr_mul(gravity), &link.inertia);
@@ -103,13 +104,4 @@ pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion)
         (j.yy - j.xx) * w.x * w.y + j.xy * (w.x * w.x - w.y * w.y) + w.z * (j.yz * w.x - j.xz * w.y),
     );
     gyroscopic - link.mass * link.center.cross(&g)
-}
-
-/// `b` of eq. (1) with gravity: the wrench at the root marker that the body's velocities and weight ask for.
-#[inline(always)]
-pub fn bias(mass: f64, gravity: &Vector3<f64>, at: &LinkMotion) -> Wrench {
-    let (w, c) = (&at.angular_velocity, &at.center);
-    // In the same form as the velocity terms of the arms: where the two cancel, so does their round-off.
-    let swing = cross(w, &cross(w, c)) - gravity;
-    Wrench { force: mass * swing, moment: cross_add(w, &(at.inertia * *w), &cross(gravity, &(mass * c))) }
 }

@@ -17,6 +17,19 @@ pub(super) struct Place {
     pub to: To,
     /// Index of a ball among the balls.
     pub ball: u32,
+    /// Its parent, its first velocity and what moves there: beside the rest, for a link as a whole is long.
+    pub parent: u32,
+    pub velocity: u32,
+    pub kind: Kind,
+}
+
+/// What a hinge leaves free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    None,
+    Turn,
+    Slide,
+    Ball,
 }
 
 /// Where a link passes on what it carries.
@@ -47,8 +60,15 @@ pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
         };
         let slides = matches!(link.joint, Joint::Slide { .. });
         let translates = slides && (link.parent == 0 || plan[link.parent].translates);
-        plan.push(Place { is_leaf, is_massless: link.is_massless(), translates, join, to, ball: balls });
-        balls += u32::from(matches!(link.joint, Joint::Ball { .. }));
+        let kind = match link.joint {
+            Joint::None => Kind::None,
+            Joint::Turn => Kind::Turn,
+            Joint::Slide { .. } => Kind::Slide,
+            Joint::Ball { .. } => Kind::Ball,
+        };
+        let (parent, velocity, is_massless) = (link.parent as u32, link.velocity as u32, link.is_massless());
+        plan.push(Place { is_leaf, is_massless, translates, join, to, ball: balls, parent, velocity, kind });
+        balls += u32::from(kind == Kind::Ball);
     }
     (plan, joins as usize, balls as usize)
 }

@@ -1,41 +1,47 @@
 //! The tangent in O(n): solves `(c₂ ∂r/∂q̈ + c₁ ∂r/∂q̇ + ∂r/∂q) δq = rhs` for the inverse dynamics residual `r`, by the
 //! same reduction as the accelerations, applied to the variation of the marker state.
 //!
+//! A link sees its variations in axes that turn with it: `δ'x = δx − δθ × x`. There masses, arms and axes stand still, the
+//! row of a hinge is its axis, and what is left of turns is what velocities and accelerations do.
+//!
 //! ```text
-//! z = [δθ, δω, δω̇, δr̈, δr, δv]            variation of a root marker's state, 18; δr, δv where forces depend on them
-//! (1) body     δf_R = S z_R + e                                     S from differentiating the body's equations, 6×18
-//! (2) hinge    z_R = T z_P + h δq                                   the outward sweep, differentiated
-//! (3) row      Hᵀ δf_R + (∂Hᵀ) f_R + κ δq = rhs                     κ: hinge spring, damper, armature, shift
-//!              one coordinate: (δθ_P × n)·m = δθ_P·(n × m);   ball, inertial axes: [m]× δθ_R
-//! (4)          D = g h + κ,  g = Hᵀ S,   row = g T + (∂Hᵀ) f_R
-//! (5)          δq = D⁻¹ (u − row z_P),   u = rhs − Hᵀ e
-//! (6)          S_P += Xᵀ S T − w D⁻¹ row + shift,   e_P += Xᵀ e + w D⁻¹ u,   w = Xᵀ S h + (slide) [0; n × f]
-//! (7) shift    the moment at the parent gains (δθ_P × d) × f
+//! z = [δ'r̈, δ'ω̇ − δ'ω×ω, δ'ω, δθ, δr, δv]   varied state of a root marker; the last three where forces depend on them
+//! (1) body     δ'f_R = S z_R + e             force: m 1,     −m [c]×,  −2m [ω×c]×
+//!                                            moment: m [c]×,  J,        [ω]× (2J − tr J)
+//! (2) hinge    z_R = T z_P + h δq            δ'r̈ gains δ'ω̇_P × d + 2 δ'ω_P × s,   s = ω_P × d + slip
+//!     turn     h = [(r̈−g) × n, c₂ n + 2c₁ ω_P×n + ω̇_P×n + ω_P×(ω_P×n), c₁ n + ω_P×n, n, 0, 0]
+//!     slide    h = [c₂ n + 2c₁ ω_P×n + ω̇_P×n + ω_P×(ω_P×n), 0, 0, 0, n, c₁ n + ω_P×n]
+//! (3) row      Hᵀ δ'f_R + κ δq = rhs         κ: hinge spring, damper, armature, shift
+//! (4)          D = Hᵀ S h + κ,   row = Hᵀ S
+//! (5)          δq = D⁻¹ (u − row T z_P),   u = rhs − Hᵀ e
+//! (6)          S_P += Xᵀ (S − w D⁻¹ row) T,   e_P += Xᵀ (e + w D⁻¹ u),   w = S h + [n × f; n × m] (slide: [0; n × f])
 //! ```
 //!
-//! At rest in equilibrium of loads with a potential the matrix is symmetric, and by Sylvester's law the negative pivots
-//! `D` count its negative eigenvalues.
+//! `w` is where it is not symmetric: what a hinge passes on turns with the link, and the parent does not. `Xᵀ` is the
+//! shift of a wrench by the arm. At rest in equilibrium of loads with a potential the matrix is symmetric, and by Sylvester's
+//! law the negative pivots `D` count its negative eigenvalues. Only the parts of `z` that a state needs are computed with
+//! (`parts.rs`), and under weight alone nearly none (`weight.rs`).
 
-mod blocks;
+mod applied;
 mod eliminate;
 mod hinge;
+mod parts;
+mod weight;
 
-pub use blocks::{Applied, Column};
-pub use eliminate::Coupling;
+pub use applied::{Applied, Column, Coupling};
 
 use super::balance::Balance;
-use super::plan::{Place, To, plan};
-use crate::model::{Joint, Link, Model};
-use crate::motion::variation::{LinkAcceleration, LinkVariation};
-use crate::motion::{LinkMotion, Motion};
+use super::plan::{Kind, Place, To, plan};
+use crate::model::Model;
+use crate::motion::Motion;
 use crate::spatial::Wrench;
-use blocks::{
-    ACCELERATION, AT_REST, AT_REST_IN_PLACE, Blocks, MOVING, MOVING_IN_PLACE, RATE, TURN, TURN_ACCELERATION,
-    cross_times, dot, placed, times, times_cross, twice,
-};
-use eliminate::{NegativeAxes, One, Three, eliminate_ball, eliminate_one};
-use hinge::Hinge;
+use crate::spatial::quad::Quad;
+use eliminate::{eliminate_ball, eliminate_one};
+use hinge::{Around, Left, Three};
 use nalgebra::{Matrix3, Vector3};
+use parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
+use std::ops::Range;
+use weight::Weight;
 
 /// The point at which the tangent is taken, and its coefficients.
 #[derive(Debug, Clone, Copy)]
@@ -56,6 +62,8 @@ pub struct At<'a> {
     /// How force elements load the link they are attached to when it moves: subtracted from `S`; by link, empty for
     /// none.
     pub applied: &'a [(usize, Applied)],
+    /// What they push on the links with, one per link.
+    pub wrenches: &'a [Wrench],
     /// What force elements between a link and its parent add beside their `applied`: by link, one for each pair.
     pub coupled: &'a [(usize, Coupling)],
     /// Full 3×3 springs of balls, link axes: `−∂τ/∂(turn)` by link.
@@ -68,28 +76,20 @@ pub struct Tangent {
     /// How the links hang together.
     plan: Vec<Place>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
-    joins: Vec<Blocks>,
+    joins: Vec<Carried>,
     /// Whether the last factorization broke down and may have left something there.
     broken: bool,
-    /// The point of the tangent, for the solutions that follow.
-    at: Vec<Hinge>,
-    hinges: Vec<Eliminated>,
+    left: Vec<Left>,
     balls: Vec<Three>,
-    e: Vec<Wrench>,
-    u: Vec<Vector3<f64>>,
-    z: Vec<LinkVariation>,
+    /// Under weight alone.
+    weight: Weight,
+    /// As `joins`, for right sides.
+    loads: Vec<(Quad, Quad)>,
+    z: Vec<Varied>,
     /// Negative pivots.
     negative: usize,
-    /// How much of `z` takes part.
-    reach: usize,
-}
-
-/// What is left of a hinge after its elimination; balls are kept apart, by index, for being three times as large.
-#[derive(Debug, Clone, Copy)]
-enum Eliminated {
-    None,
-    One(One),
-    Three(usize),
+    /// Which parts of `z` take part; none under weight alone.
+    parts: u8,
 }
 
 /// A pivot that is zero or not finite: the link it belongs to.
@@ -101,23 +101,38 @@ pub struct Breakdown {
     pub axis: Option<Vector3<f64>>,
 }
 
+/// Calls a sweep for the parts that take part.
+macro_rules! with_parts {
+    ($parts:expr, $self:ident . $sweep:ident ($($argument:expr),*)) => {
+        match $parts {
+            PLACES => $self.$sweep::<PLACES>($($argument),*),
+            ACCELERATIONS => $self.$sweep::<ACCELERATIONS>($($argument),*),
+            MOVING => $self.$sweep::<MOVING>($($argument),*),
+            STILL_IN_PLACE => $self.$sweep::<STILL_IN_PLACE>($($argument),*),
+            _ => $self.$sweep::<{ MOVING | PLACES }>($($argument),*),
+        }
+    };
+}
+
+const MOVING: u8 = ACCELERATIONS | RATES;
+const STILL_IN_PLACE: u8 = ACCELERATIONS | PLACES;
+
 impl Tangent {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
-        let (plan, joins, _) = plan(model);
+        let (plan, joins, balls) = plan(model);
         Self {
             plan,
-            joins: vec![Blocks::default(); joins],
+            joins: vec![Carried::default(); joins],
             broken: false,
-            at: vec![Hinge::default(); n],
-            hinges: model.links.iter().scan(0, kind_of).collect(),
-            balls: vec![Three::default(); model.links.iter().filter(is_ball).count()],
-            e: vec![Wrench::ZERO; n],
-            u: vec![Vector3::zeros(); n],
-            z: vec![LinkVariation::default(); n],
+            left: vec![Left::default(); n],
+            balls: vec![Three::default(); balls],
+            weight: Weight::default(),
+            loads: vec![(Quad::default(), Quad::default()); joins],
+            z: vec![Varied::default(); n],
             negative: 0,
-            reach: MOVING_IN_PLACE,
+            parts: 0,
         }
     }
 
@@ -126,105 +141,95 @@ impl Tangent {
         self.negative
     }
 
-    /// Tips → root: eqs. (4), (6) and (7). With `definite` it stops at the first pivot that is not positive.
+    /// Tips → root: eqs. (4) and (6). With `definite` it stops at the first pivot that is not positive.
     ///
     /// # Errors
     /// A pivot that is zero or not finite, or negative where a definite matrix is wanted.
     pub fn factorize(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
-        let moving = at.motion.links.iter().any(|link| link.angular_velocity != Vector3::zeros());
-        let accelerating = at.hinge.iter().any(|a| *a != 0.0);
-        self.reach = match (at.c1 != 0.0 || at.c2 != 0.0 || moving || accelerating, at.applied.is_empty()) {
-            (true, false) => MOVING_IN_PLACE,
-            (true, true) => MOVING,
-            (false, false) => AT_REST_IN_PLACE,
-            (false, true) => AT_REST,
-        };
+        let placed = !at.applied.is_empty();
+        let accelerated = !at.motion.still || at.c1 != 0.0 || at.c2 != 0.0 || at.hinge.iter().any(|a| *a != 0.0);
+        let rated = !at.motion.still || (at.c1 != 0.0 && placed);
+        self.parts = [(accelerated, ACCELERATIONS), (rated, RATES), (placed, PLACES)]
+            .iter()
+            .map(|(there, part)| if *there { *part } else { 0 })
+            .sum();
         self.negative = 0;
-        match self.reach {
-            AT_REST => self.inward::<AT_REST>(model, at, definite),
-            AT_REST_IN_PLACE => self.inward::<AT_REST_IN_PLACE>(model, at, definite),
-            MOVING => self.inward::<MOVING>(model, at, definite),
-            _ => self.inward::<MOVING_IN_PLACE>(model, at, definite),
+        if self.parts == 0 {
+            self.negative = self.weight.factorize(model, &self.plan, at, definite)?;
+            return Ok(());
         }
+        with_parts!(self.parts, self.inward(model, at, definite))
     }
 
-    fn inward<const N: usize>(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
+    fn inward<const PARTS: u8>(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
         // What a breakdown left behind.
         if std::mem::replace(&mut self.broken, true) {
-            self.joins.fill(Blocks::default());
+            self.joins.fill(Carried::default());
         }
-        let mut balls = at.ball_springs.iter().rev().peekable();
+        let mut springs = at.ball_springs.iter().rev().peekable();
         let mut forces = at.applied.iter().rev().peekable();
         let mut couplings = at.coupled.iter().rev().peekable();
-        let mut S = [Column::default(); N];
-        for index in (1..model.links.len()).rev() {
-            let (link, own, place) = (&model.links[index], &at.motion.links[index], self.plan[index]);
+        let mut S = Carried::default();
+        for index in (1..self.plan.len()).rev() {
+            let (place, own) = (self.plan[index], &at.motion.links[index]);
             if place.is_leaf {
-                S = [Column::default(); N];
+                S.each::<PARTS>(|block| *block = Default::default());
             } else if let Some(join) = place.join {
-                let join = &mut self.joins[join as usize];
-                S.iter_mut().zip(join.iter_mut()).for_each(|(sum, more)| sum.add(&std::mem::take(more)));
+                S.add::<PARTS>(&std::mem::take(&mut self.joins[join as usize]));
             }
+            let parent = place.parent as usize;
+            let around = Around::new(at, (&at.balance.accelerations[index], own), parent, &model.gravity);
             if !place.is_massless {
-                add_body::<N>(link, own, &at.balance.accelerations[index], &model.gravity, &mut S);
+                S.add_body::<PARTS>(&model.links[index], own, around.b);
             }
-            while let Some((_, blocks)) = forces.next_if(|(link, _)| *link == index) {
-                S.iter_mut().zip(placed::<N>(blocks)).for_each(|(sum, block)| sum.take(&block));
+            if PARTS & PLACES != 0 && forces.peek().is_some_and(|(link, _)| *link == index) {
+                while let Some((_, blocks)) = forces.next_if(|(link, _)| *link == index) {
+                    S.take_applied::<PARTS>(blocks);
+                }
+                S.take_turned(&at.wrenches[index]);
             }
-            let spring = balls.next_if(|(link, _)| *link == index).map(|(_, spring)| *spring);
-            let coupling = couplings.next_if(|(link, _)| *link == index).map(|(_, coupling)| coupling);
-            self.eliminate::<N>(model, at, index, (spring, coupling), definite, &mut S)?;
+            let coupling = match PARTS & PLACES {
+                0 => None,
+                _ => couplings.next_if(|(link, _)| *link == index).map(|(_, coupling)| coupling),
+            };
+            let f = &at.balance.reactions[index];
+            let first = place.velocity as usize;
+            let left = &mut self.left[index];
+            (left.arm, left.swing) = (own.arm, around.swing(own, place.kind));
+            match place.kind {
+                Kind::None => {}
+                Kind::Turn | Kind::Slide => {
+                    let slides = place.kind == Kind::Slide;
+                    left.axis = Quad::of(&own.axis);
+                    left.h = around.one::<PARTS>(left.axis, slides);
+                    let D = eliminate_one::<PARTS>(left, slides, &mut S, f, at.diagonal[first], coupling)
+                        .filter(|D| !definite || *D > 0.0)
+                        .ok_or(Breakdown { link: index, axis: None })?;
+                    self.negative += usize::from(D < 0.0);
+                }
+                Kind::Ball => {
+                    let ball = &mut self.balls[place.ball as usize];
+                    (ball.turn, ball.h) = (own.turn, around.three());
+                    let spring = springs.next_if(|(link, _)| *link == index).map(|(_, spring)| spring);
+                    let kappa = ball_kappa(at, &own.turn, first, spring);
+                    let negative = eliminate_ball::<PARTS>(left, ball, &mut S, f, kappa.as_ref(), coupling)
+                        .map_err(|axis| Breakdown { link: index, axis: Some(axis) })?;
+                    if definite && let Some(axis) = negative.first() {
+                        return Err(Breakdown { link: index, axis: Some(*axis) });
+                    }
+                    self.negative += negative.len();
+                }
+            }
+            if matches!(place.to, To::Ground) {
+                continue;
+            }
+            S.shift::<PARTS>(&own.arm);
+            S.compose::<PARTS>(&own.arm, &self.left[index].swing);
             if let To::Join(join) = place.to {
-                self.joins[join as usize].iter_mut().zip(&S).for_each(|(sum, more)| sum.add(more));
+                self.joins[join as usize].add::<PARTS>(&S);
             }
         }
         self.broken = false;
-        Ok(())
-    }
-
-    /// One hinge: `S` at its root marker becomes what the link passes on; the breakdown where its pivot does not do.
-    #[inline]
-    fn eliminate<const N: usize>(
-        &mut self,
-        model: &Model,
-        at: &At<'_>,
-        index: usize,
-        (spring, coupling): (Option<Matrix3<f64>>, Option<&Coupling>),
-        definite: bool,
-        S: &mut [Column; N],
-    ) -> Result<(), Breakdown> {
-        let link = &model.links[index];
-        let hinge = Hinge::new(link, at, index);
-        self.at[index] = hinge;
-        let f = &at.balance.reactions[index];
-        let first = link.velocity;
-        let negative = match &mut self.hinges[index] {
-            Eliminated::None => NegativeAxes::default(),
-            Eliminated::One(slot) => {
-                let (one, negative) = eliminate_one(&hinge, S, f, at.diagonal[first], coupling)
-                    .ok_or(Breakdown { link: index, axis: None })?;
-                *slot = one;
-                negative
-            }
-            Eliminated::Three(slot) => {
-                let turn = &hinge.turn;
-                let mut kappa = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| at.diagonal[first + i]));
-                kappa += spring.unwrap_or_else(Matrix3::zeros);
-                let held = at.diagonal[first].is_infinite();
-                let kappa = turn * kappa * turn.transpose();
-                let (three, negative) = eliminate_ball(&hinge, S, f, &kappa, held, coupling)
-                    .map_err(|axis| Breakdown { link: index, axis: Some(axis) })?;
-                self.balls[*slot] = three;
-                negative
-            }
-        };
-        if definite && let Some(axis) = negative.first() {
-            return Err(Breakdown { link: index, axis: matches!(link.joint, Joint::Ball { .. }).then_some(*axis) });
-        }
-        self.negative += negative.len();
-        // (7): (δθ × d) × f = [f]× [d]× δθ
-        let (f, d) = (&f.force, &hinge.arm);
-        S[TURN].moment += twice(f, d);
         Ok(())
     }
 
@@ -232,146 +237,133 @@ impl Tangent {
     /// moves, everything outboard of it follows as it likes best, the rest stays. Then `xᵀ K x` is the pivot `D`.
     pub fn negative_direction(&mut self, model: &Model, breakdown: Breakdown, x: &mut [f64]) {
         x.fill(0.0);
-        let root = breakdown.link;
-        let mut z = LinkVariation::default();
+        let (root, outboard) = (breakdown.link, breakdown.link + 1..model.links[breakdown.link].subtree_end);
+        if self.parts == 0 {
+            return self.weight.negative_direction(&self.plan, breakdown, outboard, x);
+        }
+        let (place, mut z) = (self.plan[root], Varied::default());
+        let first = place.velocity as usize;
         match breakdown.axis {
             None => {
-                x[model.links[root].velocity] = 1.0;
-                self.at[root].add_one(&mut z, 1.0);
+                x[first] = 1.0;
+                z = self.left[root].h;
             }
             Some(axis) => {
-                let local = self.at[root].turn.tr_mul(&axis);
-                x[model.links[root].velocity..model.links[root].velocity + 3].copy_from_slice(local.as_slice());
-                self.at[root].add_ball(&mut z, &axis);
+                let ball = &self.balls[place.ball as usize];
+                x[first..first + 3].copy_from_slice(ball.turn.tr_mul(&axis).as_slice());
+                ball.turn_by(&mut z, Quad::of(&axis));
             }
         }
         self.z[root] = z;
-        let outboard = root + 1..model.links[root].subtree_end;
-        self.u[outboard.clone()].fill(Vector3::zeros());
-        match self.reach {
-            AT_REST => self.outward::<AT_REST>(model, outboard, x),
-            AT_REST_IN_PLACE => self.outward::<AT_REST_IN_PLACE>(model, outboard, x),
-            MOVING => self.outward::<MOVING>(model, outboard, x),
-            _ => self.outward::<MOVING_IN_PLACE>(model, outboard, x),
+        for index in outboard.clone() {
+            self.left[index].u = 0.0;
+            if self.plan[index].kind == Kind::Ball {
+                self.balls[self.plan[index].ball as usize].u = Quad::default();
+            }
         }
+        with_parts!(self.parts, self.outward(outboard, x));
     }
 
     /// Eqs. (5) and (6) for one right side, in place.
-    pub fn solve(&mut self, model: &Model, x: &mut [f64]) {
-        self.solve_loaded(model, None, x);
+    pub fn solve(&mut self, x: &mut [f64]) {
+        self.solve_loaded(None, x);
     }
 
-    /// The varied state of a link in the last solution.
-    pub fn variation(&self, link: usize) -> &LinkVariation {
-        &self.z[link]
-    }
-
-    /// As [`Tangent::solve`], with a wrench on one link beside the hinge forces.
-    pub fn solve_loaded(&mut self, model: &Model, load: Option<(usize, Wrench)>, x: &mut [f64]) {
-        self.e.fill(Wrench::ZERO);
-        if let Some((link, wrench)) = load {
-            self.e[link] = Wrench::ZERO - wrench;
+    /// As [`Tangent::solve`], with a wrench on one link beside the hinge forces: only where force elements depend on
+    /// places.
+    pub fn solve_loaded(&mut self, load: Option<(usize, Wrench)>, x: &mut [f64]) {
+        if self.parts == 0 {
+            return self.weight.solve(&self.plan, x);
         }
-        for index in (1..model.links.len()).rev() {
-            let (link, own) = (&model.links[index], &self.at[index]);
-            let e = self.e[index];
-            let mut passed = e.shifted(own.arm);
-            match &self.hinges[index] {
-                Eliminated::None => {}
-                Eliminated::One(One { w, inverse, .. }) => {
-                    let u = x[link.velocity] - super::along(&link.joint, &own.axis, &e);
-                    self.u[index].x = u;
-                    passed += Wrench { force: (inverse * u) * w.force, moment: (inverse * u) * w.moment };
+        self.load(load, x);
+        self.z[0] = Varied::default();
+        with_parts!(self.parts, self.outward(1..self.plan.len(), x));
+    }
+
+    /// How a link's `δθ`, `δr`, `δ'ω` and `δv` are in the last solution, where force elements depend on them: as in
+    /// [`Applied`].
+    pub fn variation(&self, link: usize) -> [Vector3<f64>; 4] {
+        let z = &self.z[link];
+        [z.turn, z.place, z.rate, z.speed].map(Quad::vector)
+    }
+
+    /// Tips → root: eq. (6) for `e`.
+    fn load(&mut self, load: Option<(usize, Wrench)>, x: &[f64]) {
+        let nothing = (Quad::default(), Quad::default());
+        let (mut force, mut moment) = nothing;
+        for (index, (place, left)) in self.plan.iter().zip(&mut self.left).enumerate().skip(1).rev() {
+            if place.is_leaf {
+                (force, moment) = nothing;
+            } else if let Some(join) = place.join {
+                let (more_force, more_moment) = std::mem::take(&mut self.loads[join as usize]);
+                (force, moment) = (force + more_force, moment + more_moment);
+            }
+            if let Some((_, wrench)) = load.filter(|(link, _)| *link == index) {
+                (force, moment) = (force - Quad::of(&wrench.force), moment - Quad::of(&wrench.moment));
+            }
+            let first = place.velocity as usize;
+            match place.kind {
+                Kind::None => {}
+                Kind::Turn | Kind::Slide => {
+                    left.u = x[first] - left.axis.dot(if place.kind == Kind::Slide { force } else { moment });
+                    let step = Quad::all(left.inverse * left.u);
+                    (force, moment) = (step.times_add(left.w.0, force), step.times_add(left.w.1, moment));
                 }
-                Eliminated::Three(ball) => {
-                    let Three { w, inverse, .. } = &self.balls[*ball];
-                    let rhs = Vector3::new(x[link.velocity], x[link.velocity + 1], x[link.velocity + 2]);
-                    let u = own.turn * rhs - e.moment;
-                    self.u[index] = u;
-                    let step = inverse * u;
-                    passed += Wrench { force: w.force * step, moment: w.moment * step };
+                Kind::Ball => {
+                    let ball = &mut self.balls[place.ball as usize];
+                    ball.u = Quad::of(&(ball.turn * Vector3::new(x[first], x[first + 1], x[first + 2]))) - moment;
+                    let step = ball.inverse.times(&ball.u.vector()).vector();
+                    (force, moment) = (ball.w.force.times_add(&step, force), ball.w.moment.times_add(&step, moment));
                 }
             }
-            self.e[link.parent] += passed;
-        }
-        match self.reach {
-            AT_REST => self.outward::<AT_REST>(model, 1..model.links.len(), x),
-            AT_REST_IN_PLACE => self.outward::<AT_REST_IN_PLACE>(model, 1..model.links.len(), x),
-            MOVING => self.outward::<MOVING>(model, 1..model.links.len(), x),
-            _ => self.outward::<MOVING_IN_PLACE>(model, 1..model.links.len(), x),
+            moment = Quad::of(&left.arm).cross_add(force, moment);
+            if let To::Join(join) = place.to {
+                let sum = &mut self.loads[join as usize];
+                *sum = (sum.0 + force, sum.1 + moment);
+            }
         }
     }
 
-    /// Root → tips: eqs. (5) and (2).
-    fn outward<const N: usize>(&mut self, model: &Model, range: std::ops::Range<usize>, x: &mut [f64]) {
+    /// Root → tips: eqs. (2) and (5).
+    fn outward<const PARTS: u8>(&mut self, range: Range<usize>, x: &mut [f64]) {
+        let mut before = self.z[range.start - 1];
         for index in range {
-            let link = &model.links[index];
-            let parent = &self.z[link.parent];
-            let hinge = &self.at[index];
-            let mut z = hinge.carry::<N>(parent);
-            match &self.hinges[index] {
-                Eliminated::None => {}
-                Eliminated::One(One { row, inverse, .. }) => {
-                    let step = inverse * (self.u[index].x - dot::<N>(row, parent));
-                    x[link.velocity] = step;
-                    hinge.add_one(&mut z, step);
+            let (place, left) = (&self.plan[index], &self.left[index]);
+            let parent = place.parent as usize;
+            // Along a chain the parent's state is still in registers.
+            let mut z = left.carry::<PARTS>(if parent + 1 == index { &before } else { &self.z[parent] });
+            let first = place.velocity as usize;
+            match place.kind {
+                Kind::None => {}
+                Kind::Turn | Kind::Slide => {
+                    let step = left.inverse * (left.u - left.row.dot::<PARTS>(&z));
+                    x[first] = step;
+                    z.add_times::<PARTS>(step, &left.h);
                 }
-                Eliminated::Three(ball) => {
-                    let Three { row, inverse, .. } = &self.balls[*ball];
-                    let step = inverse * (self.u[index] - times::<N>(row, parent));
-                    let local = hinge.turn.tr_mul(&step);
-                    x[link.velocity..link.velocity + 3].copy_from_slice(local.as_slice());
-                    hinge.add_ball(&mut z, &step);
+                Kind::Ball => {
+                    let ball = &self.balls[place.ball as usize];
+                    let phi = ball.inverse.times(&(ball.u - ball.seen::<PARTS>(&z)).vector());
+                    x[first..first + 3].copy_from_slice(ball.turn.tr_mul(&phi.vector()).as_slice());
+                    ball.turn_by(&mut z, phi);
                 }
             }
-            self.z[index] = z;
+            if PARTS & PLACES != 0 || place.join.is_some() {
+                self.z[index] = z;
+            }
+            before = z;
         }
     }
 }
 
-fn is_ball(link: &&Link) -> bool {
-    matches!(link.joint, Joint::Ball { .. })
-}
-
-/// Room for what is left of a link's hinge; balls are counted.
-fn kind_of(balls: &mut usize, link: &Link) -> Option<Eliminated> {
-    Some(match link.joint {
-        Joint::None => Eliminated::None,
-        Joint::Turn | Joint::Slide { .. } => Eliminated::One(One::default()),
-        Joint::Ball { .. } => {
-            *balls += 1;
-            Eliminated::Three(*balls - 1)
-        }
-    })
-}
-
-/// Adds `S` of eq. (1): the variation of the body's wrench (see [`super::variation`] for the terms).
-#[inline]
-fn add_body<const N: usize>(
-    link: &Link,
-    at: &LinkMotion,
-    a: &LinkAcceleration,
-    gravity: &Vector3<f64>,
-    S: &mut [Column; N],
-) {
-    let (m, c, w) = (link.mass, at.center, at.angular_velocity);
-    let b = m * (a.linear - gravity);
-    S[TURN].moment += twice(&b, &c);
-    if N < MOVING {
-        return;
+/// `κ` of a ball, inertial axes; `None` for one that is held.
+fn ball_kappa(at: &At<'_>, turn: &Matrix3<f64>, first: usize, spring: Option<&Matrix3<f64>>) -> Option<Matrix3<f64>> {
+    let diagonal = Vector3::new(at.diagonal[first], at.diagonal[first + 1], at.diagonal[first + 2]);
+    if diagonal.x.is_infinite() {
+        return None;
     }
-    let (C, J) = (m * c.cross_matrix(), at.inertia.matrix());
-    let (dw, mw) = (a.angular, m * w);
-    // δω × (ω × c) + ω × (δω × c) and the like
-    let swinging = mw.cross(&c).cross_matrix() + twice(&mw, &c);
-    let turned = |y: &Vector3<f64>| times_cross(&J, y) - (at.inertia * *y).cross_matrix();
-    let spun = (turned(&w), at.inertia * w);
-    S[TURN].force -= m * twice(&dw, &c) + cross_times(&w, &twice(&mw, &c));
-    S[TURN].moment += turned(&dw) + cross_times(&w, &spun.0);
-    S[RATE].force -= swinging;
-    S[RATE].moment += cross_times(&w, &J) - spun.1.cross_matrix();
-    S[TURN_ACCELERATION].force -= C;
-    S[TURN_ACCELERATION].moment += J;
-    S[ACCELERATION].force += Matrix3::from_diagonal_element(m);
-    S[ACCELERATION].moment += C;
+    if diagonal == Vector3::zeros() && spring.is_none() {
+        return Some(Matrix3::zeros());
+    }
+    let kappa = Matrix3::from_diagonal(&diagonal) + spring.unwrap_or(&Matrix3::zeros());
+    Some(turn * kappa * turn.transpose())
 }

@@ -1,148 +1,120 @@
-//! The elimination of one hinge.
+//! The elimination of one hinge: eqs. (4) and (6).
 
-use super::blocks::{Applied, Column, TURN, apply, placed};
-use super::hinge::Hinge;
-use crate::motion::variation::LinkVariation;
+use super::applied::Coupling;
+use super::hinge::{Left, Three};
+use super::parts::Carried;
+use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::{Sym3, Wrench};
 use nalgebra::{Matrix3, Vector3};
 
-/// What is left of a hinge with one coordinate.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct One {
-    pub(super) w: Wrench,
-    pub(super) row: [Vector3<f64>; 6],
-    /// `D⁻¹`.
-    pub(super) inverse: f64,
+/// What couples a link to its parent, as the hinge sees it: in terms of the state at the link's marker.
+struct Coupled {
+    by_parent: Carried,
+    on_parent: Carried,
 }
 
-/// What is left of a ball, inertial axes.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Three {
-    pub(super) w: Column,
-    pub(super) row: [Matrix3<f64>; 6],
-    /// `D⁻¹`.
-    pub(super) inverse: Matrix3<f64>,
+impl Coupled {
+    /// `T⁻¹` and `X⁻ᵀ` of eqs. (2) and (6).
+    fn new<const PARTS: u8>(coupling: &Coupling, left: &Left) -> Self {
+        let (mut by_parent, mut on_parent) = (Carried::of(&coupling.by_parent), Carried::of(&coupling.on_parent));
+        by_parent.compose::<PARTS>(&-left.arm, &-left.swing);
+        on_parent.shift::<PARTS>(&-left.arm);
+        Self { by_parent, on_parent }
+    }
 }
 
-/// How force elements between a link and its parent couple the two: what each feels when the other moves.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Coupling {
-    /// The link's wrench when its parent moves.
-    pub by_parent: Applied,
-    /// The parent's wrench, at its own marker, when the link moves.
-    pub on_parent: Applied,
-}
-
-/// Eqs. (4) and (6) for one coordinate: `S ← Xᵀ S T − w D⁻¹ row`.
-#[inline]
-pub(super) fn eliminate_one<const N: usize>(
-    hinge: &Hinge,
-    S: &mut [Column; N],
+/// One coordinate; false where the pivot does not do. `S` is left as the parent's side sees it, at the link's marker.
+#[inline(always)]
+pub(super) fn eliminate_one<const PARTS: u8>(
+    left: &mut Left,
+    slides: bool,
+    S: &mut Carried,
     f: &Wrench,
     kappa: f64,
     coupling: Option<&Coupling>,
-) -> Option<(One, NegativeAxes)> {
-    let (n, d, slides) = (hinge.axis, &hinge.arm, hinge.slides);
-    let reach = hinge.reach_one(S);
-    let D = kappa + if slides { n.dot(&reach.force) } else { n.dot(&reach.moment) };
+) -> Option<f64> {
+    let n = left.axis;
+    let (mut force, mut moment) = S.times::<PARTS>(&left.h);
+    let D = kappa + n.dot(if slides { force } else { moment });
     if D == 0.0 || D.is_nan() {
         return None;
     }
+    let coupled = coupling.map(|coupling| Coupled::new::<PARTS>(coupling, left));
+    if let Some(coupled) = &coupled {
+        S.take::<PARTS>(&coupled.by_parent);
+    }
+    let row = S.row::<PARTS>(n, slides);
+    if let Some(coupled) = &coupled {
+        let (on_force, on_moment) = coupled.on_parent.times::<PARTS>(&left.h);
+        (force, moment) = (force - on_force, moment - on_moment);
+        S.take::<PARTS>(&coupled.on_parent);
+    }
+    // What the hinge passes on turns, or slides along, with the link.
+    let passed = Quad::of(&f.force);
+    if slides {
+        moment = n.cross_add(passed, moment);
+    } else {
+        force = n.cross_add(passed, force);
+        moment = n.cross_add(Quad::of(&f.moment), moment);
+    }
     // Zero for a coordinate that is held.
     let inverse = 1.0 / D;
-    hinge.compose(S);
-    if let Some(coupling) = coupling {
-        S.iter_mut().zip(placed::<N>(&coupling.by_parent)).for_each(|(sum, block)| sum.take(&block));
-    }
-    hinge.shift(S);
-    // The row of Xᵀ S T: the shift leaves forces as they are, and takes d × force off the moments.
-    let mut row = [Vector3::zeros(); 6];
-    // nᵀ (moment − [d]× force) = nᵀ moment + (d × n)ᵀ force
-    let across_arm = d.cross(&n);
-    for (row, column) in row.iter_mut().zip(S.iter()) {
-        *row = match slides {
-            true => column.force.tr_mul(&n),
-            false => column.moment.tr_mul(&n) + column.force.tr_mul(&across_arm),
-        };
-    }
-    row[TURN] += if slides { n.cross(&f.force) } else { n.cross(&f.moment) };
-    let mut w = reach.shifted(*d);
-    if slides {
-        w.moment += n.cross(&f.force);
-    }
-    if let Some(coupling) = coupling {
-        let mut moved = placed::<N>(&coupling.on_parent);
-        w = w - hinge.reach_one(&moved);
-        hinge.compose(&mut moved);
-        S.iter_mut().zip(&moved).for_each(|(sum, block)| sum.take(block));
-    }
-    let (force, moment) = (inverse * w.force, inverse * w.moment);
-    for (column, row) in S.iter_mut().zip(&row) {
-        column.force -= force * row.transpose();
-        column.moment -= moment * row.transpose();
-    }
-    let negative = if D < 0.0 { NegativeAxes::one(n) } else { NegativeAxes::default() };
-    Some((One { w, row, inverse }, negative))
+    S.downdate::<PARTS>((force, moment), inverse, &row);
+    (left.w, left.inverse, left.row) = ((force, moment), inverse, row);
+    Some(D)
 }
 
-/// Eqs. (4) and (6) for a ball, in inertial axes; `kappa` likewise.
-pub(super) fn eliminate_ball<const N: usize>(
-    hinge: &Hinge,
-    S: &mut [Column; N],
+/// A ball, in inertial axes; `kappa` likewise, `None` for a ball that is held. `Err` where the pivot is singular.
+pub(super) fn eliminate_ball<const PARTS: u8>(
+    left: &Left,
+    ball: &mut Three,
+    S: &mut Carried,
     f: &Wrench,
-    kappa: &Matrix3<f64>,
-    held: bool,
+    kappa: Option<&Matrix3<f64>>,
     coupling: Option<&Coupling>,
-) -> Result<(Three, NegativeAxes), Vector3<f64>> {
-    let d = &hinge.arm;
-    let mut reach = reach_ball(hinge, S);
-    let turned = f.moment.cross_matrix();
-    let D = reach.moment + turned + kappa;
-    let inverse = match held {
-        true => Matrix3::zeros(),
-        false => D
+) -> Result<NegativeAxes, Vector3<f64>> {
+    let mut w = ball.reach::<PARTS>(S);
+    let D = kappa.map(|kappa| w.moment.matrix() + kappa);
+    ball.inverse = match &D {
+        None => Columns::default(),
+        Some(D) => D
             .try_inverse()
             .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
-            .ok_or(hinge.turn.column(0).into_owned())?,
+            .map(|inverse| Columns::of(&inverse))
+            .ok_or_else(|| ball.turn.column(0).into_owned())?,
     };
-    hinge.compose(S);
-    if let Some(coupling) = coupling {
-        S.iter_mut().zip(placed::<N>(&coupling.by_parent)).for_each(|(sum, block)| sum.take(&block));
+    let coupled = coupling.map(|coupling| Coupled::new::<PARTS>(coupling, left));
+    if let Some(coupled) = &coupled {
+        S.take::<PARTS>(&coupled.by_parent);
     }
-    hinge.shift(S);
-    let mut row = [Matrix3::zeros(); 6];
-    for (row, column) in row.iter_mut().zip(S.iter()) {
-        *row = column.moment - d.cross_matrix() * column.force;
+    ball.row = *S;
+    // What the hinge passes on turns with the link.
+    w.force = w.force.minus_cross_of(Quad::of(&f.force));
+    w.moment = w.moment.minus_cross_of(Quad::of(&f.moment));
+    match (&coupled, kappa) {
+        (None, None) => {}
+        (None, Some(kappa)) => {
+            let by_force = w.force.by(&ball.inverse);
+            // 1 − (D − κ − [m]×) D⁻¹ = (κ + [m]×) D⁻¹: nothing at all of a ball without springs
+            let by_moment = Columns::of(&(kappa + f.moment.cross_matrix())).by(&ball.inverse);
+            S.each::<PARTS>(|block| {
+                block.force = block.force - by_force.by(&block.moment);
+                block.moment = by_moment.by(&block.moment);
+            });
+        }
+        (Some(coupled), _) => {
+            let felt = ball.reach::<PARTS>(&coupled.on_parent);
+            (w.force, w.moment) = (w.force - felt.force, w.moment - felt.moment);
+            S.take::<PARTS>(&coupled.on_parent);
+            let (by_force, by_moment) = (w.force.by(&ball.inverse), w.moment.by(&ball.inverse));
+            S.each_with::<PARTS>(&ball.row, |block, row| {
+                block.force = block.force - by_force.by(&row.moment);
+                block.moment = block.moment - by_moment.by(&row.moment);
+            });
+        }
     }
-    row[TURN] += turned;
-    reach.shift(d);
-    if let Some(coupling) = coupling {
-        let mut moved = placed::<N>(&coupling.on_parent);
-        reach.take(&reach_ball(hinge, &moved));
-        hinge.compose(&mut moved);
-        S.iter_mut().zip(&moved).for_each(|(sum, block)| sum.take(block));
-    }
-    let weighted = Column { force: reach.force * inverse, moment: reach.moment * inverse };
-    for (column, row) in S.iter_mut().zip(&row) {
-        column.force -= weighted.force * row;
-        column.moment -= weighted.moment * row;
-    }
-    let negative = if held { NegativeAxes::default() } else { NegativeAxes::of(&D) };
-    Ok((Three { w: reach, row, inverse }, negative))
-}
-
-/// `S h` for the three turns of a ball.
-#[inline]
-fn reach_ball<const N: usize>(hinge: &Hinge, S: &[Column; N]) -> Column {
-    let mut reach = Column::default();
-    for axis in 0..3 {
-        let mut h = LinkVariation::default();
-        hinge.add_ball(&mut h, &Vector3::ith(axis, 1.0));
-        let wrench = apply(S, &h);
-        reach.force.set_column(axis, &wrench.force);
-        reach.moment.set_column(axis, &wrench.moment);
-    }
-    reach
+    ball.w = w;
+    Ok(D.map_or_else(NegativeAxes::default, |D| NegativeAxes::of(&D)))
 }
 
 /// The directions in which one hinge's pivot is negative: at most three, no memory asked for.
@@ -153,12 +125,8 @@ pub(super) struct NegativeAxes {
 }
 
 impl NegativeAxes {
-    fn one(axis: Vector3<f64>) -> Self {
-        Self { axes: [axis, Vector3::zeros(), Vector3::zeros()], count: 1 }
-    }
-
     /// Eigenvectors of negative eigenvalues of the symmetric part; none for a positive definite one.
-    fn of(D: &Matrix3<f64>) -> Self {
+    pub(super) fn of(D: &Matrix3<f64>) -> Self {
         let part = Sym3::symmetric_part(D);
         if part.inverse().is_some_and(|(_, pivots)| pivots.min() > 0.0) {
             return Self::default();

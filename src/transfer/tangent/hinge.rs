@@ -1,158 +1,176 @@
-//! One hinge at the point of the tangent.
+//! One hinge at the point of the tangent, and what is left of it.
 
 use super::At;
-use super::blocks::{
-    ACCELERATION, AT_REST_IN_PLACE, Column, MOVING, MOVING_IN_PLACE, RATE, TURN, TURN_ACCELERATION, VELOCITY, apply,
-    cross_times, position, twice,
-};
-use crate::model::{Joint, Link};
-use crate::motion::variation::LinkVariation;
-use crate::spatial::Wrench;
+use super::parts::{ACCELERATIONS, Block, Carried, PLACES, RATES, Varied};
+use crate::motion::LinkMotion;
+use crate::spatial::quad::{Columns, Quad};
+use crate::transfer::LinkAcceleration;
+use crate::transfer::plan::Kind;
 use nalgebra::{Matrix3, Vector3};
 
-/// One hinge at the point of the tangent: `T` and `h` of eq. (2).
+/// What the sweeps of the tangent keep of a hinge; of a ball the rest is in [`Three`].
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Hinge {
-    pub(super) slides: bool,
-    pub(super) turn: Matrix3<f64>,
-    pub(super) axis: Vector3<f64>,
+pub(super) struct Left {
+    pub(super) axis: Quad,
+    /// From the parent's root marker.
     pub(super) arm: Vector3<f64>,
-    /// Angular velocity and acceleration of the parent.
-    w: Vector3<f64>,
-    dw: Vector3<f64>,
-    /// Relative motion: turning and its rate, sliding and its rate.
-    spin: Vector3<f64>,
-    spin_rate: Vector3<f64>,
-    slip: Vector3<f64>,
-    slip_rate: Vector3<f64>,
+    /// How fast the arm changes: `s = ω_P × d + slip`.
+    pub(super) swing: Vector3<f64>,
+    /// `w`: force and moment.
+    pub(super) w: (Quad, Quad),
+    /// `D⁻¹`.
+    pub(super) inverse: f64,
+    pub(super) u: f64,
+    pub(super) h: Varied,
+    pub(super) row: Varied,
+}
+
+/// What is left of a ball, inertial axes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Three {
+    /// `inertial_from_link`.
+    pub(super) turn: Matrix3<f64>,
+    pub(super) w: Block,
+    /// `D⁻¹`.
+    pub(super) inverse: Columns,
+    pub(super) u: Quad,
+    /// `h` of `δ'r̈`, `δ'ω̇` and `δ'ω`.
+    pub(super) h: [Columns; 3],
+    /// Of each part of `z` the moments of `S`.
+    pub(super) row: Carried,
+}
+
+/// What the columns `h` of eq. (2) are made of: velocities and accelerations on both sides of a hinge.
+pub(super) struct Around {
+    /// `ω_P`, `ω̇_P`.
+    w: Quad,
+    dw: Quad,
+    /// `ω`.
+    own: Quad,
+    /// `r̈ − g`.
+    pub(super) b: Quad,
     c1: f64,
     c2: f64,
 }
 
-impl Hinge {
-    pub(super) fn new(link: &Link, at: &At<'_>, index: usize) -> Self {
-        let own = &at.motion.links[index];
-        let zero = Vector3::zeros();
-        let first = link.velocity;
-        let (spin, spin_rate, slip, slip_rate) = match link.joint {
-            Joint::None => (zero, zero, zero, zero),
-            Joint::Turn => (own.relative, own.axis * at.hinge[first], zero, zero),
-            Joint::Slide { .. } => (zero, zero, own.relative, own.axis * at.hinge[first]),
-            Joint::Ball { .. } => {
-                let local = Vector3::new(at.hinge[first], at.hinge[first + 1], at.hinge[first + 2]);
-                (own.relative, own.turn * local, zero, zero)
-            }
-        };
+impl Around {
+    #[inline(always)]
+    pub(super) fn new(
+        at: &At<'_>,
+        (link, own): (&LinkAcceleration, &LinkMotion),
+        parent: usize,
+        gravity: &Vector3<f64>,
+    ) -> Self {
         Self {
-            slides: matches!(link.joint, Joint::Slide { .. }),
-            turn: own.turn,
-            axis: own.axis,
-            arm: own.arm,
-            w: at.motion.links[link.parent].angular_velocity,
-            dw: at.balance.accelerations[link.parent].angular,
-            spin,
-            spin_rate,
-            slip,
-            slip_rate,
+            w: Quad::of(&at.motion.links[parent].angular_velocity),
+            dw: Quad::of(&at.balance.accelerations[parent].angular),
+            own: Quad::of(&own.angular_velocity),
+            b: Quad::of(&link.linear) - Quad::of(gravity),
             c1: at.c1,
             c2: at.c2,
         }
     }
 
-    /// `S ← S T`.
-    #[inline]
-    pub(super) fn compose<const N: usize>(&self, S: &mut [Column; N]) {
-        let d = &self.arm;
-        if N == AT_REST_IN_PLACE || N == MOVING_IN_PLACE {
-            let position = S[position::<N>()];
-            S[TURN].minus_cross(&position, d);
-        }
-        if N >= MOVING {
-            self.compose_moving(S);
+    /// `s = ω_P × d + slip`.
+    #[inline(always)]
+    pub(super) fn swing(&self, own: &LinkMotion, kind: Kind) -> Vector3<f64> {
+        let swing = self.w.cross(Quad::of(&own.arm));
+        match kind {
+            Kind::Slide => (swing + Quad::of(&own.relative)).vector(),
+            _ => swing.vector(),
         }
     }
 
-    /// `S ← Xᵀ S`.
-    #[inline]
-    pub(super) fn shift<const N: usize>(&self, S: &mut [Column; N]) {
-        S.iter_mut().for_each(|column| column.shift(&self.arm));
-    }
-
-    /// What velocities and accelerations add to `S T`.
-    fn compose_moving<const N: usize>(&self, S: &mut [Column; N]) {
-        let (d, w) = (&self.arm, &self.w);
-        let (swing, slip) = (w.cross(d), self.slip.cross_matrix());
-        let turning = twice(w, d);
-        let swinging = turning + slip;
-        let [rate, turn_acceleration, acceleration] = [S[RATE], S[TURN_ACCELERATION], S[ACCELERATION]];
-        S[TURN].minus_cross(&rate, &self.spin);
-        S[TURN].minus(&turn_acceleration, &(self.spin_rate.cross_matrix() + twice(w, &self.spin)));
-        let by_turn = twice(&self.dw, d) + cross_times(w, &(swinging + slip)) + self.slip_rate.cross_matrix();
-        S[TURN].minus(&acceleration, &by_turn);
-        S[RATE].minus_cross(&turn_acceleration, &self.spin);
-        S[RATE].minus(&acceleration, &((swing + 2.0 * self.slip).cross_matrix() + turning));
-        S[TURN_ACCELERATION].minus_cross(&acceleration, d);
-        if N == MOVING_IN_PLACE {
-            let velocity = S[VELOCITY];
-            S[TURN].minus(&velocity, &swinging);
-            S[RATE].minus_cross(&velocity, d);
-        }
-    }
-
-    /// `S h` for one coordinate.
-    #[inline]
-    pub(super) fn reach_one<const N: usize>(&self, S: &[Column; N]) -> Wrench {
-        let mut h = LinkVariation::default();
-        self.add_one(&mut h, 1.0);
-        apply(S, &h)
-    }
-
-    /// `z += h δq` for one coordinate.
-    #[inline]
-    pub(super) fn add_one(&self, z: &mut LinkVariation, step: f64) {
-        let (c1, c2) = (self.c1, self.c2);
-        let n = self.axis * step;
-        let wn = self.w.cross(&n);
-        if self.slides {
-            z.position += n;
-            z.velocity += c1 * n + wn;
-            z.acceleration += c2 * n + self.dw.cross(&n) + self.w.cross(&(wn + 2.0 * c1 * n));
+    /// `h` of a turn about, or a slide along, `n`.
+    #[inline(always)]
+    pub(super) fn one<const PARTS: u8>(&self, n: Quad, slides: bool) -> Varied {
+        let (c1, c2) = (Quad::all(self.c1), Quad::all(self.c2));
+        // c₂ n + 2 c₁ ω_P×n + ω̇_P×n + ω_P×(ω_P×n)
+        let mut h = Varied::default();
+        let accelerated = |swept: Quad| self.w.cross_add(swept, self.dw.cross_add(n, c2 * n)) + (c1 + c1) * swept;
+        let still = || self.dw.cross_add(n, c2 * n);
+        let swept = if PARTS & RATES != 0 { self.w.cross(n) } else { Quad::default() };
+        let accelerated = if PARTS & RATES != 0 { accelerated(swept) } else { still() };
+        if slides {
+            h.linear = accelerated;
+            (h.place, h.speed) = (n, c1.times_add(n, swept));
         } else {
-            z.turn += n;
-            z.angular_velocity += c1 * n;
-            z.angular_acceleration += c2 * n + c1 * wn;
+            h.linear = self.b.cross(n);
+            h.angular = accelerated;
+            h.rate = c1.times_add(n, swept);
+            h.turn = n;
         }
+        h
     }
 
-    /// `z += h φ` for a ball turned by `φ`, inertial axes.
-    pub(super) fn add_ball(&self, z: &mut LinkVariation, phi: &Vector3<f64>) {
-        let spin = self.c1 * phi + phi.cross(&self.spin);
-        z.turn += phi;
-        z.angular_velocity += spin;
-        z.angular_acceleration += self.c2 * phi + phi.cross(&self.spin_rate) + self.w.cross(&spin);
+    /// `h` of a ball, inertial axes: of `δ'r̈`, `δ'ω̇` and `δ'ω`.
+    pub(super) fn three(&self) -> [Columns; 3] {
+        let none = Columns::default();
+        let c1 = Quad::all(self.c1);
+        // c₂ 1 + [ω̇_P + c₁ (ω_P + ω)]× + ω_P ω_Pᵀ − |ω_P|² 1
+        let turning = none.minus_cross_of(-(self.dw + c1 * (self.w + self.own))).minus_dyad(-self.w, self.w);
+        [
+            none.minus_cross_of(-self.b),
+            turning.plus_scalar(Quad::all(self.c2 - self.w.dot(self.w))),
+            none.minus_cross_of(-self.w).plus_scalar(c1),
+        ]
     }
+}
 
-    /// `T z_P`.
-    #[inline]
-    pub(super) fn carry<const N: usize>(&self, p: &LinkVariation) -> LinkVariation {
-        let d = &self.arm;
-        let arm = p.turn.cross(d);
-        let mut z = LinkVariation { turn: p.turn, position: p.position + arm, ..LinkVariation::default() };
-        if N >= MOVING {
-            let (w, dw) = (self.w, p.angular_velocity);
-            let (spin, slip) = (p.turn.cross(&self.spin), p.turn.cross(&self.slip));
-            let swing = dw.cross(d) + w.cross(&arm);
-            z.angular_velocity = dw + spin;
-            z.velocity = p.velocity + swing + slip;
-            z.angular_acceleration =
-                p.angular_acceleration + p.turn.cross(&self.spin_rate) + dw.cross(&self.spin) + w.cross(&spin);
-            z.acceleration = p.acceleration
-                + p.angular_acceleration.cross(d)
-                + self.dw.cross(&arm)
-                + dw.cross(&(w.cross(d) + 2.0 * self.slip))
-                + w.cross(&(swing + 2.0 * slip))
-                + p.turn.cross(&self.slip_rate);
+impl Left {
+    /// `T z_P` of eq. (2).
+    #[inline(always)]
+    pub(super) fn carry<const PARTS: u8>(&self, p: &Varied) -> Varied {
+        let (d, mut z) = (Quad::of(&self.arm), *p);
+        z.linear = p.angular.cross_add(d, p.linear);
+        if PARTS & PLACES != 0 {
+            z.place = p.turn.cross_add(d, p.place);
+        }
+        if PARTS & RATES != 0 {
+            let s = Quad::of(&self.swing);
+            z.linear = p.rate.cross_add(s + s, z.linear);
+            if PARTS & PLACES != 0 {
+                z.speed = p.rate.cross_add(d, p.turn.cross_add(s, p.speed));
+            }
         }
         z
+    }
+}
+
+impl Three {
+    /// `z += h φ`.
+    #[inline]
+    pub(super) fn turn_by(&self, z: &mut Varied, phi: Quad) {
+        let [linear, angular, rate] = &self.h;
+        let by = phi.vector();
+        z.linear = linear.times_add(&by, z.linear);
+        z.angular = angular.times_add(&by, z.angular);
+        z.rate = rate.times_add(&by, z.rate);
+        z.turn += phi;
+    }
+
+    /// `row z`.
+    #[inline]
+    pub(super) fn seen<const PARTS: u8>(&self, z: &Varied) -> Quad {
+        self.row.times::<PARTS>(z).1
+    }
+
+    /// `S h`.
+    #[inline]
+    pub(super) fn reach<const PARTS: u8>(&self, S: &Carried) -> Block {
+        let [linear, angular, rate] = &self.h;
+        let mut reach = if PARTS & PLACES != 0 { S.turn } else { Block::default() };
+        let mut add = |part: &Block, h: &Columns| {
+            reach.force += part.force.by(h);
+            reach.moment += part.moment.by(h);
+        };
+        if PARTS & ACCELERATIONS != 0 {
+            add(&S.linear, linear);
+            add(&S.angular, angular);
+        }
+        if PARTS & RATES != 0 {
+            add(&S.rate, rate);
+        }
+        reach
     }
 }

@@ -74,7 +74,7 @@ fn motors_are_in_the_tangent() {
         };
         let (ahead, behind) = (residual(1.0), residual(-1.0));
         let mut column: Vec<f64> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * h)).collect();
-        solver.solve(&model, &mut column);
+        solver.solve(&mut column);
         for (i, x) in column.iter().enumerate() {
             let unit = if i == j { 1.0 } else { 0.0 };
             // Differences of numbers of size 1e3 over 2e-6.
