@@ -55,7 +55,7 @@ use crate::integrate::{
 /// The error estimate is `O(h³)`, per step and `T` it is `O(h²)`.
 const ESTIMATE_ORDER: u8 = 2;
 /// Newton may leave this part of the tolerance; at tolerances close to rounding it may stall earlier.
-const ACCURACY: Accuracy = Accuracy { left: 0.01, stalled: 0.1 };
+const ACCURACY: Accuracy = Accuracy { left: 0.01, stalled: 0.1, least_contraction: 0.0 };
 /// A factorization that contracts worse is renewed.
 const SLOW: f64 = 0.3;
 /// A step that would grow by less is kept, and with it the factorization.
@@ -167,7 +167,7 @@ impl GeneralizedAlpha {
         let position_count = self.progress.position_count;
         let (c1, c2) = self.weights.shifts(trial.step);
         let part = 1.0 / self.weight(trial.step);
-        let accuracy = Accuracy { left: part * ACCURACY.left, stalled: part * ACCURACY.stalled };
+        let accuracy = Accuracy { left: part * ACCURACY.left, stalled: part * ACCURACY.stalled, ..ACCURACY };
         let mut iteration = Iteration::new(accuracy, MAX_ITERATIONS);
         loop {
             let Progress { state, statistics, .. } = &mut self.progress;

@@ -43,7 +43,7 @@ const STAGES: usize = 3;
 /// Relative and absolute unit of the iteration's accuracy.
 const UNIT: f64 = 1e-13;
 /// The iteration aims at rounding, and may stall at what rounding of the residual leaves on stiff systems.
-const ACCURACY: Accuracy = Accuracy { left: 1e-2, stalled: 1e2 };
+const ACCURACY: Accuracy = Accuracy { left: 1e-2, stalled: 1e2, least_contraction: 0.0 };
 const ADVICE: &str = "shorten the step";
 
 /// Gauss collocation, order 6, symmetric, fixed step.

@@ -18,6 +18,9 @@ pub(crate) struct Accuracy {
     pub(crate) left: f64,
     /// A change that does not shrink further is harmless up to this size: it is rounding of the residual.
     pub(crate) stalled: f64,
+    /// A better contraction is not believed. Of coupled stages in a stiff system the last ones are right at once, and
+    /// their small changes say nothing of the first ones, to which that has yet to pass on.
+    pub(crate) least_contraction: f64,
 }
 
 /// An iteration under way.
@@ -64,7 +67,8 @@ impl Iteration {
         let [Some(last), second] = before else { return Ok(false) };
         self.contraction = second.map_or(size / last, |second| (size / second).sqrt());
         if self.contraction < 1.0 {
-            let remaining = self.contraction / (1.0 - self.contraction) * size;
+            let contraction = self.contraction.max(self.accuracy.least_contraction);
+            let remaining = contraction / (1.0 - contraction) * size;
             let reachable = remaining * self.contraction.powi((self.most - self.done) as i32) <= self.accuracy.left;
             // The first quotient is too poor a witness to give up on.
             return if reachable || second.is_none() {

@@ -35,11 +35,11 @@ fn state<P: ImplicitProblem>(stepper: &dyn Stepper<P>) -> Vec<f64> {
 
 /// The error of a run with `tolerance` is at most 20 times that: errors of the steps add up. It is not below a
 /// hundredth, which would be work wasted; an estimate is that of the poorer rule of a pair. Radau's estimate is that of
-/// states between the ends, which are of order 4 and 6 where the ends are of 5 and 9: a thousandth there.
+/// states between the ends, which are of order 4 and 6 where the ends are of 5 and 9: a thousandth there, or rounding.
 fn assert_follows(method: Method, tolerance: f64, error: f64) {
     let ratio = error / tolerance;
     let least = if matches!(method, Method::Radau5 | Method::Radau9) { 0.001 } else { 0.01 };
-    assert!((least..20.0).contains(&ratio), "{method:?}: error {error:e} at tolerance {tolerance:e}");
+    assert!(ratio < 20.0 && (ratio > least || error < 1e-14), "{method:?}: error {error:e} at tolerance {tolerance:e}");
 }
 
 #[test]
@@ -175,10 +175,10 @@ fn runs_cost_what_they_did() {
     Adams body: steps 186, rejected 0, accelerations 188, residuals 0, jacobians 0, solves 0, iterations 0
     Sdirk4 oscillator: steps 120, rejected 0, accelerations 2, residuals 840, jacobians 6, solves 840, iterations 720
     Sdirk4 body: steps 103, rejected 0, accelerations 2, residuals 1092, jacobians 31, solves 1092, iterations 989
-    Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 1227, jacobians 18, solves 1227, iterations 1131
-    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1285, jacobians 75, solves 1285, iterations 1182
-    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 530, jacobians 35, solves 530, iterations 510
-    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 738, jacobians 95, solves 738, iterations 710
+    Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 1236, jacobians 18, solves 1236, iterations 1140
+    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1324, jacobians 75, solves 1324, iterations 1221
+    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 540, jacobians 35, solves 540, iterations 520
+    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 788, jacobians 95, solves 788, iterations 760
     GeneralizedAlpha oscillator: steps 3188, rejected 0, accelerations 2, residuals 12752, jacobians 616, solves 12752, iterations 6376
     GeneralizedAlpha body: steps 2847, rejected 4, accelerations 2, residuals 11404, jacobians 656, solves 11404, iterations 5702
     Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 3003, jacobians 3, solves 3003, iterations 3003

@@ -101,6 +101,28 @@ fn c09_stick_slip_smooth() {
     }
 }
 
+/// Nothing is left to follow once it hangs: all methods for stiff systems take steps of any length there.
+#[test]
+fn c15_the_end_of_the_creep_costs_nothing() {
+    let case = case("C15_overdamped_creep");
+    let [m, l, g, c] = ["m", "l", "g", "c"].map(|key| case.parameter(key));
+    for integrator in ["sdirk4", "radau5", "radau9"] {
+        let text = head([0.0, -g, 0.0], integrator, 1e-8)
+            + &format!(
+                "[[body]]\nname = \"arm\"\nmass = {m:?}\ncenter = [0, {:?}, 0]\nhinge = {{ type = \"revolute\", \
+                 axis = [0, 0, 1], damping = {:?}, position = 2 }}\n",
+                -l,
+                0.1 * c,
+            );
+        let scene = Scene::read(&text);
+        let mut run = scene.run();
+        run.until(2000.0);
+        let before = run.steps;
+        run.until(10000.0);
+        assert!(run.coordinate("arm").abs() < 1e-8 && run.steps - before < 30, "{integrator}: {}", run.steps - before);
+    }
+}
+
 /// Shaft, slider, two rods with balls, and the springs between slider and rods.
 fn governor(case: &Node, integrator: &str, tolerance: f64) -> Scene {
     let p = |key: &str| case.parameter(key);
