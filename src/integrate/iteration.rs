@@ -71,10 +71,11 @@ impl Iteration {
             let remaining = contraction / (1.0 - contraction) * size;
             let reachable = remaining * self.contraction.powi((self.most - self.done) as i32) <= self.accuracy.left;
             // The first quotient is too poor a witness to give up on.
-            return if reachable || second.is_none() {
-                Ok(remaining <= self.accuracy.left)
-            } else {
-                Err(Limit::Newton)
+            return match reachable || second.is_none() {
+                true => Ok(remaining <= self.accuracy.left),
+                // Hardly shrinking is as good as not shrinking.
+                false if size <= self.accuracy.stalled => Ok(true),
+                false => Err(Limit::Newton),
             };
         }
         match second {
