@@ -61,7 +61,7 @@ fn damaged_robots_are_answered() {
             match random.below(4) {
                 0 => text.replace_range(from..to, PIECES[random.below(PIECES.len())]),
                 1 => text.insert_str(from, PIECES[random.below(PIECES.len())]),
-                2 => text.truncate(from.max(1)),
+                2 => text.truncate(from),
                 _ => {
                     let piece = text[from..to].to_owned();
                     let at = boundary(&text, random.below(text.len() + 1));
