@@ -8,7 +8,8 @@
 //! hang on each other, and goes away as they close. All rows take part; none has to be independent.
 //!
 //! In that metric the lightest bodies move first. The tip of a long chain that is drawn straight would whip about by
-//! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole.
+//! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole. Short ways back
+//! onto the rows of long chains are taken like that: the tip would need a hundred steps.
 
 use super::{Constraints, Held, Rate};
 use crate::model::{Joint, Model};
@@ -52,7 +53,8 @@ impl<'m> Closer<'m> {
         if before <= ROUND_OFF * self.0.length {
             return true;
         }
-        matches!(self.0.close(q, Metric::Inertia), Ok(gap) if gap <= LEFT_OPEN * self.0.length)
+        let metric = self.0.nearby();
+        matches!(self.0.close(q, metric), Ok(gap) if gap <= LEFT_OPEN * self.0.length)
     }
 }
 
@@ -64,6 +66,11 @@ pub(super) enum Metric {
     /// Little change of the hinge coordinates (rad; m as part of the scene's length). Dense in the rows.
     Coordinates,
 }
+
+/// A loop over so many links is long,
+const LONG: usize = 32;
+/// and rows are few where there are so many times more coordinates.
+const FEW: usize = 4;
 
 /// A model's rows, and the tree they push on.
 pub(super) struct Closing<'m> {
@@ -111,6 +118,16 @@ impl<'m> Closing<'m> {
         self.rows.largest(&self.motion, Rate::Gap, true).0
     }
 
+    /// The metric for a short way back onto the rows.
+    pub(super) fn nearby(&self) -> Metric {
+        let longest = self.rows.elements.iter().map(|element| element.branches.iter().map(Vec::len).sum::<usize>());
+        let is_long = longest.max().is_some_and(|longest| longest >= LONG);
+        match is_long && FEW * self.rows.rank() <= self.rest.len() {
+            true => Metric::Coordinates,
+            false => Metric::Inertia,
+        }
+    }
+
     /// Where the widest gap of the last placement is.
     pub(super) fn widest(&self) -> OpenGap {
         self.rows.widest(&self.motion)
@@ -118,8 +135,11 @@ impl<'m> Closing<'m> {
 
     /// Closes the gaps from `q`, to round-off where that is possible; gives the widest gap left.
     pub(super) fn close(&mut self, q: &mut [f64], metric: Metric) -> Result<f64, Singular> {
-        let mut damping = FIRST_DAMPING;
         let mut gap = self.gap(q);
+        // Damping that falls with the gap converges quadratically, also where rows are redundant (Yamashita & Fukushima).
+        let length = self.length;
+        let damped = |damping: f64, gap: f64| damping.min(gap / length).max(LEAST_DAMPING);
+        let mut damping = damped(FIRST_DAMPING, gap);
         let mut size = self.squares();
         let mut trial = q.to_vec();
         for _ in 0..MOST_STEPS {
@@ -144,7 +164,7 @@ impl<'m> Closing<'m> {
                 let stalled = damping <= LEAST_DAMPING && new_size > 0.25 * size;
                 (gap, size) = (wider, new_size);
                 q.copy_from_slice(&trial);
-                damping = (damping * 0.1).max(LEAST_DAMPING);
+                damping = damped(0.1 * damping, gap);
                 if stalled && gap < 1e-12 * self.length {
                     break;
                 }

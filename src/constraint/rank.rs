@@ -5,7 +5,7 @@
 //! not elsewhere, and those have to be kept.
 
 use super::Constraints;
-use super::close::{Closing, Metric};
+use super::close::Closing;
 use super::rows::Owner;
 use crate::model::{Joint, Model};
 
@@ -34,7 +34,8 @@ pub(super) fn decide(model: &Model, q: &[f64], time: f64) -> Ranking {
         let mut near = q.to_vec();
         let step = random.step(model);
         crate::motion::displace(model, &mut near, &step);
-        let closed = matches!(closing.close(&mut near, Metric::Inertia), Ok(gap) if gap <= 1e-9 * model.length_scale());
+        let metric = closing.nearby();
+        let closed = matches!(closing.close(&mut near, metric), Ok(gap) if gap <= 1e-9 * model.length_scale());
         if closed {
             let there = independent_at(model, &mut closing, &near);
             if count(&there) > count(&best) {

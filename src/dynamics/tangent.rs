@@ -78,16 +78,14 @@ impl TangentSolver {
     }
 
     /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent, and no
-    /// loop, drive or gear ties coordinates together. Forces that reach further cost a dozen more right sides each in
-    /// [`TangentSolver::solve`], and the count of negative pivots leaves them out.
+    /// loop, drive or gear ties coordinates together. Forces that reach further cost a dozen more right sides each.
     pub fn covers(model: &Model) -> bool {
         !model.is_constrained() && elements(model).all(|ends| is_near(model, ends))
     }
 
     /// Whether the dense tangent has to do: far elements, loops among them, bring more unknowns than the scene has.
     pub fn is_for_dense(model: &Model) -> bool {
-        let far = elements(model).filter(|ends| !is_near(model, ends)).count();
-        UNKNOWNS * far > model.velocity_count()
+        Self::further_sides(model) > model.velocity_count()
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
@@ -103,9 +101,15 @@ impl TangentSolver {
         self.tangent.negative_direction(model, breakdown, x);
     }
 
-    /// Number of negative pivots of the last factorization.
-    pub fn negative_pivots(&self) -> usize {
-        self.tangent.negative_pivots()
+    /// Number of right sides that elements which reach far cost a factorization.
+    pub fn further_sides(model: &Model) -> usize {
+        UNKNOWNS * elements(model).filter(|ends| !is_near(model, ends)).count()
+    }
+
+    /// Negative eigenvalues of the matrix that was factorized last, where that is symmetric; elements that reach far
+    /// count. Not after a factorization for a definite matrix.
+    pub fn negatives(&self) -> usize {
+        self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())
     }
 }
 
@@ -135,15 +139,14 @@ impl System<'_> {
         }
         self.gather_springs(solver, q, with.symmetric);
         self.gather_forces(solver);
-        let regular = self.factorize_shifted(solver, a, with).is_ok();
-        Ok(regular && (solver.border.links.is_empty() || solver.border.factorize(self.model, &mut solver.tangent)))
+        Ok(self.factorize_shifted(solver, a, with).is_ok())
     }
 
     /// Factorizes again with another shift; positions, velocities, forces and `c₁`, `c₂` as in the last call of
     /// [`System::factorize_tangent`] or [`System::residual`].
     ///
     /// # Errors
-    /// The link whose pivot does not do.
+    /// The link whose pivot does not do; the ground where the elements that reach far make it singular.
     pub fn factorize_shifted(
         &self,
         solver: &mut TangentSolver,
@@ -166,7 +169,9 @@ impl System<'_> {
             coupled: &solver.coupled,
             ball_springs: &solver.ball_springs,
         };
-        solver.tangent.factorize(self.model, &at, with.definite)
+        solver.tangent.factorize(self.model, &at, with.definite)?;
+        let regular = solver.border.links.is_empty() || solver.border.factorize(self.model, &mut solver.tangent);
+        if regular { Ok(()) } else { Err(Breakdown { link: 0, axis: None }) }
     }
 
     /// Springs of balls. With `symmetric`, off equilibrium, their stiffness is rid of its connection term: the residual of

@@ -3,9 +3,9 @@
 //! ```text
 //! F_A, F_B: bushing axes carried by either link;   x = x_b − x_a
 //! u = F_Aᵀ x,  u̇ = F_Aᵀ (v_b − v_a − ω_A × x),     φ = log(F_Aᵀ F_B)
-//! force on B at b:  f = −F_A (K u + C u̇);          on A the opposite, on the same line: at b
-//! torque on B:      t = −F_B G(φ)ᵀ K_φ φ − F_A C_φ F_Aᵀ (ω_B − ω_A);   on A the opposite
-//! potential ½ uᵀ K u + ½ φᵀ K_φ φ   (G: crate::spatial::rotation)
+//! force on B at b:  f = F_A (p − K u − C u̇);          on A the opposite, on the same line: at b
+//! torque on B:      t = F_B G(φ)ᵀ (p_φ − K_φ φ) − F_A C_φ F_Aᵀ (ω_B − ω_A);   on A the opposite
+//! potential ½ uᵀ K u + ½ φᵀ K_φ φ − pᵀ u − p_φᵀ φ   (p, p_φ: preload, G: crate::spatial::rotation)
 //! ```
 
 use super::Magnitude;
@@ -26,6 +26,8 @@ pub(super) struct Bushing {
     turn_stiffness: Vector3<f64>,
     damping: Vector3<f64>,
     turn_damping: Vector3<f64>,
+    preload: Vector3<f64>,
+    turn_preload: Vector3<f64>,
     /// x, and v_b − v_a − ω_A × x
     between: Vector3<f64>,
     slip: Vector3<f64>,
@@ -36,7 +38,9 @@ pub(super) struct Bushing {
 
 impl Bushing {
     pub(super) fn at(law: &Law, motion: &Motion) -> Self {
-        let Law::Bushing { ends, frames, stiffness, turn_stiffness, damping, turn_damping } = law else {
+        let Law::Bushing { ends, frames, stiffness, turn_stiffness, damping, turn_damping, preload, turn_preload } =
+            law
+        else {
             unreachable!("called for bushings only");
         };
         let points = [Point::of(&ends[0], motion), Point::of(&ends[1], motion)];
@@ -55,6 +59,8 @@ impl Bushing {
             turn_stiffness: *turn_stiffness,
             damping: *damping,
             turn_damping: *turn_damping,
+            preload: *preload,
+            turn_preload: *turn_preload,
             between,
             slip: points[1].velocity - points[0].velocity - carrier_spin.cross(&between),
             spin: links[1].angular_velocity - carrier_spin,
@@ -69,12 +75,14 @@ impl Bushing {
 
     /// Force on B.
     fn force(&self) -> Vector3<f64> {
-        -self.in_axes(&self.stiffness, &self.between) - self.in_axes(&self.damping, &self.slip)
+        self.axes[0] * self.preload
+            - self.in_axes(&self.stiffness, &self.between)
+            - self.in_axes(&self.damping, &self.slip)
     }
 
     pub(super) fn wrenches(&self) -> [Wrench; 2] {
         let force = self.force();
-        let (spring, _) = torsion_spring(&self.relative, self.turn_stiffness);
+        let (spring, _) = torsion_spring(&self.relative, self.turn_stiffness, self.turn_preload);
         let torque = self.axes[1] * spring - self.in_axes(&self.turn_damping, &self.spin);
         self.pair(force, torque, Vector3::zeros(), Vector3::zeros())
     }
@@ -106,7 +114,7 @@ impl Bushing {
         let force = turn_a.cross(&total)
             - self.in_axes(&self.stiffness, &seen(&self.between, &between))
             - self.in_axes(&self.damping, &seen(&self.slip, &slip));
-        let (spring, tangent) = torsion_spring(&self.relative, self.turn_stiffness);
+        let (spring, tangent) = torsion_spring(&self.relative, self.turn_stiffness, self.turn_preload);
         let elastic = self.axes[1] * spring;
         let damper = -self.in_axes(&self.turn_damping, &self.spin);
         let torque = turn_b.cross(&elastic)
@@ -121,7 +129,7 @@ impl Bushing {
         Magnitude {
             force: self.force().norm(),
             noise: self.stiffness.max() * reach,
-            moment: self.turn_stiffness.max() * rotation_vector(&self.relative).norm(),
+            moment: self.turn_stiffness.max() * rotation_vector(&self.relative).norm() + self.turn_preload.norm(),
             stiffness: self.stiffness.max(),
             turn_stiffness: self.turn_stiffness.max(),
         }
@@ -131,6 +139,8 @@ impl Bushing {
         let u = self.axes[0].tr_mul(&self.between);
         let phi = rotation_vector(&self.relative);
         0.5 * (u.component_mul(&u).dot(&self.stiffness) + phi.component_mul(&phi).dot(&self.turn_stiffness))
+            - self.preload.dot(&u)
+            - self.turn_preload.dot(&phi)
     }
 
     pub(super) fn dissipated(&self) -> f64 {

@@ -22,7 +22,7 @@ pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
     }
     for_springs(model, |link, coordinates| match link.joint {
         Joint::Ball { rest } => {
-            let (torque, _) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates));
+            let (torque, _) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates), Vector3::zeros());
             for (i, t) in torque.iter().enumerate() {
                 tau[link.velocity + i] += t;
             }
@@ -43,7 +43,7 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
         let at = link.velocity;
         match link.joint {
             Joint::Ball { rest } => {
-                let (_, tangent) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates));
+                let (_, tangent) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates), Vector3::zeros());
                 let change = tangent * Vector3::new(dq[at], dq[at + 1], dq[at + 2]);
                 for (i, t) in change.iter().enumerate() {
                     out[at + i] += t;
@@ -58,7 +58,7 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
 pub fn ball_tangent(model: &Model, link: &Link, q: &[f64]) -> Option<Matrix3<f64>> {
     let Joint::Ball { rest } = link.joint else { return None };
     let stiffness = stiffness(&model.coordinates[link.velocity..link.velocity + 3]);
-    (stiffness != Vector3::zeros()).then(|| torsion_spring(&from_rest(&rest, q, link), stiffness).1)
+    (stiffness != Vector3::zeros()).then(|| torsion_spring(&from_rest(&rest, q, link), stiffness, Vector3::zeros()).1)
 }
 
 pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {

@@ -190,12 +190,15 @@ fn check_force(found: &mut Findings, index: usize, force: &ForceDescription) {
                 found.add(element, "between", message, "a spring within one rigid body does nothing");
             }
         }
-        ForceKind::Bushing { stiffness, damping, between, frame } => {
+        ForceKind::Bushing { stiffness, damping, between, frame, preload } => {
             stiffness.iter().for_each(|k| number("stiffness", *k, "N/m or N m/rad"));
             damping.iter().for_each(|c| number("damping", *c, "N s/m or N m s/rad"));
             if between[0].body == between[1].body {
                 let message = format!("both ends of `{name}` are on `{}`", between[0].body);
                 found.add(element, "between", message, "a bushing within one rigid body does nothing");
+            }
+            if let Some(p) = preload.iter().find(|p| !p.is_finite()) {
+                found.add(element, "preload", format!("`preload` of `{name}` is {p}"), "give finite N, N m");
             }
             if !is_turn(frame) {
                 found.add(element, "rpy", format!("the axes of `{name}` are not a turn"), "give finite angles");

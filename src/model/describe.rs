@@ -224,7 +224,8 @@ impl ForceDescription {
         damping: [f64; 6],
     ) -> Self {
         let (between, frame) = ([from.into(), to.into()], UnitQuaternion::identity());
-        Self { name: name.to_owned(), kind: ForceKind::Bushing { between, frame, stiffness, damping } }
+        let kind = ForceKind::Bushing { between, frame, stiffness, damping, preload: [0.0; 6] };
+        Self { name: name.to_owned(), kind }
     }
 
     /// A force (N) that keeps its direction in space.

@@ -280,7 +280,7 @@ pub enum ForceKind {
         /// Damping (N s/m), ≥ 0.
         damping: f64,
     },
-    /// Six-degree spring and damper, relaxed where both points coincide and both bodies' axes are parallel.
+    /// Six-degree spring and damper, without a preload relaxed where both points coincide and both bodies' axes are parallel.
     Bushing {
         /// The two ends; the bushing's axes are carried by the first.
         between: [Attachment; 2],
@@ -290,6 +290,8 @@ pub enum ForceKind {
         stiffness: [f64; 6],
         /// Along (N s/m), then about (N m s/rad).
         damping: [f64; 6],
+        /// What it pushes the second body with where both points coincide and both axes are parallel: along (N), then about (N m), bushing axes.
+        preload: [f64; 6],
     },
     /// A constant force and torque.
     Load {

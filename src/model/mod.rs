@@ -172,6 +172,10 @@ pub enum Law {
         damping: Vector3<f64>,
         /// About (N m s/rad).
         turn_damping: Vector3<f64>,
+        /// On the second body where the frames coincide (N).
+        preload: Vector3<f64>,
+        /// The same about the axes (N m).
+        turn_preload: Vector3<f64>,
     },
     /// Constant in inertial axes.
     DeadLoad {

@@ -5,7 +5,8 @@
 //! | `gravity[2]` | a component of gravity |
 //! | `upper.mass` | a body's mass |
 //! | `upper.force`, `upper.stiffness`, `upper.rest`, `upper.position` | what acts in its hinge, and where that stands |
-//! | `strut.length`, `strut.stiffness` | a spring's free length and stiffness; `mount.stiffness[3]` of a bushing |
+//! | `strut.length`, `strut.stiffness` | a spring's free length and stiffness |
+//! | `mount.stiffness[3]`, `mount.preload[2]` | one stiffness of a bushing, one part of what it is preloaded with |
 //! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
 //! | `left link.length`, `engine.rate` | a rod's length, the rate of a drive |
 //! | `hinge.force` | every hinge |
@@ -81,12 +82,14 @@ pub enum Field {
     Torque,
     /// Free length of a spring, length of a rod.
     Length,
+    /// What a bushing pushes with where its frames coincide.
+    Preload,
     /// Rate of a drive.
     Rate,
 }
 
 impl Field {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::Gravity,
         Self::Mass,
         Self::Position,
@@ -95,6 +98,7 @@ impl Field {
         Self::Force,
         Self::Torque,
         Self::Length,
+        Self::Preload,
         Self::Rate,
     ];
 
@@ -109,6 +113,7 @@ impl Field {
             Self::Force => "force",
             Self::Torque => "torque",
             Self::Length => "length",
+            Self::Preload => "preload",
             Self::Rate => "rate",
         }
     }
@@ -287,7 +292,7 @@ fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
             let count = if positions == velocities { positions } else { positions - 4 };
             pick(Quantity::Length, Quantity::Angle).take(count).collect()
         }
-        Field::Gravity | Field::Torque | Field::Length | Field::Rate => Vec::new(),
+        Field::Gravity | Field::Torque | Field::Length | Field::Preload | Field::Rate => Vec::new(),
     }
 }
 
@@ -298,6 +303,7 @@ fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
         (ForceKind::Bushing { .. }, Field::Stiffness) => {
             [[Quantity::Stiffness; 3], [Quantity::TurnStiffness; 3]].concat()
         }
+        (ForceKind::Bushing { .. }, Field::Preload) => [[Quantity::Force; 3], [Quantity::Torque; 3]].concat(),
         (ForceKind::Load { .. }, Field::Force) => vec![Quantity::Force; 3],
         (ForceKind::Load { .. }, Field::Torque) => vec![Quantity::Torque; 3],
         _ => Vec::new(),

@@ -240,13 +240,15 @@ fn compile_force(
             length: *length,
             damping: *damping,
         },
-        ForceKind::Bushing { frame, stiffness: k, damping: c, .. } => Law::Bushing {
+        ForceKind::Bushing { frame, stiffness: k, damping: c, preload: p, .. } => Law::Bushing {
             ends: [end(&places[0]), end(&places[1])],
             frames: [turn(&places[0]) * frame, turn(&places[1]) * frame],
             stiffness: Vector3::new(k[0], k[1], k[2]),
             turn_stiffness: Vector3::new(k[3], k[4], k[5]),
             damping: Vector3::new(c[0], c[1], c[2]),
             turn_damping: Vector3::new(c[3], c[4], c[5]),
+            preload: Vector3::new(p[0], p[1], p[2]),
+            turn_preload: Vector3::new(p[3], p[4], p[5]),
         },
         ForceKind::Load { force, torque, axes: LoadAxes::Inertial, .. } => {
             Law::DeadLoad { on: end(&places[0]), force: *force, torque: *torque }

@@ -21,6 +21,7 @@ pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Opt
             frame: table.turn("rpy"),
             stiffness: six(table, "stiffness"),
             damping: six(table, "damping"),
+            preload: six(table, "preload"),
         },
         "load" => ForceKind::Load {
             on: end(table, table.value("on")?, bodies)?,

@@ -19,13 +19,17 @@ pub fn rotation_vector(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     v * (2.0 * s.atan2(q.w) / s)
 }
 
-/// A torsion spring over a rotation: potential `½ φᵀ K φ` with `K = diag(stiffness)`.
+/// A torsion spring over a rotation: potential `½ φᵀ K φ − pᵀ φ` with `K = diag(stiffness)`, `p` its preload.
 ///
 /// Both results are in the axes that the rotation leads from (the body's): the torque on the body, and the matrix
 /// `∂torque/∂(turn of the body)`, exact for any angle below π.
-pub fn torsion_spring(rotation: &UnitQuaternion<f64>, stiffness: Vector3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
+pub fn torsion_spring(
+    rotation: &UnitQuaternion<f64>,
+    stiffness: Vector3<f64>,
+    preload: Vector3<f64>,
+) -> (Vector3<f64>, Matrix3<f64>) {
     let phi = rotation_vector(rotation);
-    let y = stiffness.component_mul(&phi);
+    let y = stiffness.component_mul(&phi) - preload;
     let (g, dg_over_x) = series(phi.norm());
     let rate = rate_from_turn(&phi);
     // Gᵀ y = y − ½ φ×y + g φ×(φ×y), and its derivative with respect to φ
@@ -79,14 +83,14 @@ mod tests {
     /// The tangent of the torsion spring is the derivative of its torque, at small and large angles.
     #[test]
     fn torsion_tangent_is_the_derivative_of_the_torque() {
-        let stiffness = Vector3::new(3.0, 1.0, 0.5);
+        let (stiffness, preload) = (Vector3::new(3.0, 1.0, 0.5), Vector3::new(-0.7, 0.4, 1.1));
         for size in [1e-7, 0.1, 0.49, 0.51, 1.5, 3.0] {
             let rotation = UnitQuaternion::from_scaled_axis(size * Vector3::new(0.6, -0.64, 0.48));
-            let (_, tangent) = torsion_spring(&rotation, stiffness);
+            let (_, tangent) = torsion_spring(&rotation, stiffness, preload);
             for axis in 0..3 {
                 let turned = |angle: f64| {
                     let turn = UnitQuaternion::from_scaled_axis(Vector3::ith(axis, angle));
-                    torsion_spring(&(rotation * turn), stiffness).0
+                    torsion_spring(&(rotation * turn), stiffness, preload).0
                 };
                 // Central differences: error of order step² and round-off/step, both near 1e-10.
                 let difference = (turned(1e-5) - turned(-1e-5)) / 2e-5;

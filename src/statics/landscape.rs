@@ -69,7 +69,8 @@ impl<'s, 'm> Landscape<'s, 'm> {
             false => (rest.clone(), None),
             true => {
                 let (steady, frozen) = tied::steady(system, q);
-                (steady, Some(Box::new(Ties::new(model, frozen))))
+                let sweeps = conservative && tied::by_sweeps(model, &free, &steady);
+                (steady, Some(Box::new(Ties::new(model, frozen, sweeps))))
             }
         };
         let stiffness = Stiffness::new(model, &free);
@@ -122,11 +123,8 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// The element whose numbers are not finite.
     pub fn look(&mut self, q: &[f64]) -> Result<(), Fault> {
         self.stiffnesses += 1;
-        if self.ties.is_some() {
-            let (tangent, matrix) = self.stiffness_along(q)?;
-            self.step_from_view();
-            self.stiffness = Stiffness::Closed { tangent, matrix, factor: None };
-            return Ok(());
+        if let Some(ties) = &self.ties {
+            return if ties.sweeps { self.look_along(q) } else { self.look_densely(q) };
         }
         if self.stiffness.is_dense() {
             let matrix = self.dense_stiffness(q)?;
@@ -137,10 +135,24 @@ impl<'s, 'm> Landscape<'s, 'm> {
         self.stiffness.look(self.system, q, &self.rest, self.conservative)
     }
 
+    /// The same as matrices, for methods that need them; without loops as [`Landscape::look`].
+    ///
+    /// # Errors
+    /// As [`Landscape::look`].
+    pub(super) fn look_densely(&mut self, q: &[f64]) -> Result<(), Fault> {
+        if self.ties.is_none() {
+            return self.look(q);
+        }
+        let (tangent, matrix) = self.stiffness_along(q)?;
+        self.step_from_view();
+        self.stiffness = Stiffness::Closed { tangent, matrix, factor: None };
+        Ok(())
+    }
+
     /// Factorizes `K + σB` at the place last looked at; false where it is not positive definite.
     pub fn factorize(&mut self, shift: f64) -> bool {
         self.factorizations += 1;
-        if self.ties.is_some() {
+        if let Stiffness::Closed { .. } = self.stiffness {
             return self.stiffness.factorize_along(shift);
         }
         let diagonal: Vec<f64> = self.metric.iter().map(|b| shift * b).collect();
@@ -196,11 +208,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
             return None;
         }
         self.factorizations += 1;
-        let factorized = self.stiffness.factorize(self.system, shift, false);
-        match &self.stiffness {
-            Stiffness::Sweep { solver, .. } if factorized => Some(solver.negative_pivots()),
-            _ => None,
-        }
+        self.stiffness.negatives(self.system, shift)
     }
 
     /// The size of one radian, or one length of the scene, of every coordinate at once (m √kg).
@@ -212,7 +220,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// A direction in which the stiffness is negative by more than `shift` (a diagonal), at the place last looked at.
     pub fn negative_direction(&mut self, shift: &[f64]) -> Option<Vec<f64>> {
         self.factorizations += 1;
-        self.stiffness.negative_direction(self.system, shift)
+        self.stiffness.negative_direction(self.system, shift, &self.metric)
     }
 
     /// The dense stiffness matrix of the free coordinates; symmetric where loads have a potential.

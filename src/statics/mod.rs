@@ -16,6 +16,7 @@
 //! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
 mod assembled;
+mod bordered;
 pub mod cascade;
 pub mod damped;
 pub mod equilibrium;

@@ -45,7 +45,7 @@ fn step(
         return Ok(Some(next));
     }
     let stiffness = landscape.dense_stiffness(&place.q)?;
-    landscape.look(&place.q)?;
+    landscape.look_densely(&place.q)?;
     for part in [1e-6, 1e-2] {
         if let Some(x) = landscape.levenberg(&stiffness, &place.force, part)
             && let Some(next) = along(landscape, place, &x, before, history)?

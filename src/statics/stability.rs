@@ -12,8 +12,15 @@ use faer::{Mat, Side};
 /// A stiffness below this part of the terms it is the sum of counts as zero.
 pub const NEUTRAL: f64 = 1e-9;
 
-/// Above so many free coordinates only the lowest modes are computed, by sweeps.
+/// Up to so many free coordinates all modes are computed, by matrices; above only the lowest, by sweeps.
+pub const MOST_MODES: usize = 64;
+/// The same where something damps: damped modes are exact in the space of all others.
 pub const MOST_DENSE: usize = 200;
+
+/// Whether all modes of a scene are computed, by matrices.
+pub(super) fn by_matrices(model: &Model, free: usize) -> bool {
+    free <= if model.has_damping() { MOST_DENSE } else { MOST_MODES }
+}
 
 /// The verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +66,7 @@ pub struct Stability {
     pub unstable_directions: usize,
     /// Number of directions that cost nothing.
     pub neutral_directions: usize,
-    /// All modes, of a large system the lowest ([`MOST_DENSE`]): running away first, then neutral, then by frequency.
+    /// All modes, of a large system the lowest ([`MOST_MODES`]): running away first, then neutral, then by frequency.
     pub modes: Vec<Mode>,
     /// Modes of the damped motion, where something damps; of a large system those within the space of its lowest
     /// undamped ones.
@@ -79,8 +86,8 @@ pub fn classify(
     conservative: bool,
 ) -> Result<Stability, Fault> {
     let model = system.model();
-    if free.len() > MOST_DENSE && conservative && TangentSolver::covers(model) {
-        return classify_by_sweeps(system, q, free, magnitude);
+    if !by_matrices(model, free.len()) && conservative && TangentSolver::covers(model) {
+        return classify_by_sweeps(system, q, free, magnitude, Vec::new());
     }
     let rest = vec![0.0; model.velocity_count()];
     let full = system.linearize(q, &rest, &rest)?;
@@ -111,15 +118,16 @@ pub fn classify(
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
 
-/// A large system: counts and lowest modes by sweeps.
-fn classify_by_sweeps(
+/// A large system: counts and lowest modes by sweeps, across `rows` that are held.
+pub(super) fn classify_by_sweeps(
     system: &mut System<'_>,
     q: &[f64],
     free: &[usize],
     magnitude: &[f64],
+    rows: Vec<Vec<f64>>,
 ) -> Result<Stability, Fault> {
     let model = system.model();
-    let found = super::subspace::lowest(system, q, free, magnitude)?;
+    let found = super::subspace::lowest(system, q, free, magnitude, rows)?;
     let (unstable, neutral) = (found.unstable, found.neutral);
     let damped = match model.has_damping() {
         true => damped::within(system, q, free, &found.modes, &found.momenta),

@@ -1,5 +1,7 @@
-//! The stiffness of the free coordinates, factorized: by the O(n) tangent sweep where that covers the forces, else dense.
+//! The stiffness of the free coordinates, factorized: by the O(n) tangent sweep where that covers the forces or few rows
+//! border it, else dense.
 
+use super::bordered::Bordered;
 use super::linear::{self, Definite};
 use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
 use crate::model::Model;
@@ -10,6 +12,8 @@ use faer::{Mat, Side};
 pub(super) enum Stiffness {
     /// By sweeps; locked coordinates are held by an infinite shift.
     Sweep { solver: Box<TangentSolver>, free: Vec<usize>, shift: Vec<f64>, rest: Vec<f64>, full: Vec<f64> },
+    /// By sweeps, along the motions that loops leave.
+    Bordered(Bordered),
     /// By matrices, along the motions that loops leave: `Z` and `H = Zᵀ K Z`.
     Closed { tangent: Mat<f64>, matrix: Mat<f64>, factor: Option<Factor> },
     /// By matrices.
@@ -51,7 +55,7 @@ impl Stiffness {
     }
 
     pub(super) fn is_dense(&self) -> bool {
-        !matches!(self, Self::Sweep { .. })
+        !matches!(self, Self::Sweep { .. } | Self::Bordered(_))
     }
 
     pub(super) fn set_dense(&mut self, new: Mat<f64>) {
@@ -72,10 +76,27 @@ impl Stiffness {
         Ok(())
     }
 
+    /// Negative directions of `K + diag(by)`, where sweeps can tell.
+    pub(super) fn negatives(&mut self, system: &System<'_>, by: &[f64]) -> Option<usize> {
+        if let Self::Sweep { .. } = self
+            && self.sweep(system, by, false).is_err()
+        {
+            return None;
+        }
+        match self {
+            Self::Sweep { solver, .. } => Some(solver.negatives()),
+            Self::Bordered(bordered) => bordered.factorize(system, by),
+            Self::Closed { .. } | Self::Dense { .. } => None,
+        }
+    }
+
     /// `K + diag(by)`; false where it is singular, or not definite and that was wanted.
     pub(super) fn factorize(&mut self, system: &System<'_>, by: &[f64], definite: bool) -> bool {
         match self {
             Self::Sweep { .. } => self.sweep(system, by, definite).is_ok(),
+            Self::Bordered(bordered) => {
+                bordered.factorize(system, by).is_some_and(|negative| negative == 0 || !definite)
+            }
             Self::Closed { tangent, matrix, factor } => {
                 *factor = Factor::of(&shifted_along(tangent, matrix, by), &[], definite);
                 factor.is_some()
@@ -113,6 +134,7 @@ impl Stiffness {
                 solver.solve(full);
                 free.iter().map(|i| full[*i]).collect()
             }
+            Self::Bordered(bordered) => bordered.solve(rhs),
             Self::Closed { tangent, .. } if tangent.ncols() == 0 => vec![0.0; rhs.len()],
             Self::Closed { tangent, factor: Some(factor), .. } => {
                 let (n, count) = (tangent.nrows(), tangent.ncols());
@@ -135,9 +157,10 @@ impl Stiffness {
     }
 
     /// A direction in which `K + diag(by)` is negative, or none.
-    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64], metric: &[f64]) -> Option<Vec<f64>> {
         match self {
             Self::Sweep { .. } => {}
+            Self::Bordered(bordered) => return bordered.negative_direction(system, by, metric),
             Self::Closed { tangent, matrix, .. } => {
                 return lowest(&shifted_along(tangent, matrix, by)).map(|y| combined(tangent, &y));
             }

@@ -9,8 +9,10 @@
 //! `s ≥ 0` is the smallest shift of a coarse ladder with K + sM positive definite: zero at a stable equilibrium. Every
 //! vector is made orthogonal to all others, so nothing comes twice. A space that grows from two vectors may miss the third
 //! of equal modes: the negative pivots of `K − μM` count the modes below μ (Sylvester), and where some are missing, another
-//! vector is let in.
+//! vector is let in. Rows that are held border `K + sM` (see `bordered`): then all vectors, and what is counted, are of the
+//! motions that they leave.
 
+use super::bordered::{Rows, solved};
 use super::stability::NEUTRAL;
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
 use faer::{Mat, Side};
@@ -51,18 +53,25 @@ struct Sweeps<'s, 'm> {
     full: Vec<f64>,
     product: Vec<f64>,
     mass: MassAction,
+    rows: Rows,
 }
 
-/// Counts and lowest modes at `q`; the model's forces must be covered by the sweep.
-pub(super) fn lowest(system: &mut System<'_>, q: &[f64], free: &[usize], magnitude: &[f64]) -> Result<Lowest, Fault> {
+/// Counts and lowest modes at `q` across `rows`, with the multipliers that are in the system.
+pub(super) fn lowest(
+    system: &mut System<'_>,
+    q: &[f64],
+    free: &[usize],
+    magnitude: &[f64],
+    rows: Vec<Vec<f64>>,
+) -> Result<Lowest, Fault> {
     let model = system.model();
     let n = model.velocity_count();
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
     let solver = TangentSolver::new(model);
     let (zero, mass) = (vec![0.0; n], MassAction::new(model));
-    let mut sweeps =
-        Sweeps { system, solver, q, rest: zero.clone(), shift, free, full: zero.clone(), product: zero, mass };
+    let (rest, full, rows) = (zero.clone(), zero.clone(), Rows::new(rows));
+    let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows };
     let unstable = sweeps.negative(magnitude, NEUTRAL)?;
     let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
     let (modes, momenta) = sweeps.iterate(neutral)?;
@@ -75,28 +84,41 @@ impl Sweeps<'_, '_> {
         for (i, size) in self.free.iter().zip(magnitude) {
             self.shift[*i] = part * size;
         }
-        let with = Coefficients { shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
+        let negative = self.negatives_with(0.0);
         for i in self.free {
             self.shift[*i] = 0.0;
         }
-        Ok(self.solver.negative_pivots())
+        negative
+    }
+
+    /// Negative directions of `K + c₂ M + diag(shift)`.
+    fn negatives_with(&mut self, c2: f64) -> Result<usize, Fault> {
+        let with = Coefficients { c2, shift: &self.shift, symmetric: true, ..Coefficients::default() };
+        self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
+        self.border();
+        Ok(self.solver.negatives().saturating_sub(self.rows.negatives()))
+    }
+
+    /// The rows after a factorization of the sweep; false where they make it singular.
+    fn border(&mut self) -> bool {
+        let Self { solver, free, full, rows, .. } = self;
+        rows.factorize(&mut |rhs| solved(solver, free, full, rhs))
     }
 
     /// Factorizes `K + sM`; false where it is not definite.
     fn factorize(&mut self, s: f64) -> Result<bool, Fault> {
-        let with =
-            Coefficients { c2: s, shift: &self.shift, symmetric: true, definite: true, ..Coefficients::default() };
-        self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)
+        // With rows the sweep alone need not be definite.
+        let definite = self.rows.is_empty();
+        let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
+        let regular = self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
+        Ok(regular && (definite || (self.border() && self.solver.negatives() == self.rows.negatives())))
     }
 
     fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
-        self.full.fill(0.0);
-        for (i, value) in self.free.iter().zip(rhs) {
-            self.full[*i] = *value;
-        }
-        self.solver.solve(&mut self.full);
-        self.free.iter().map(|i| self.full[*i]).collect()
+        let Self { solver, free, full, rows, .. } = self;
+        let mut x = solved(solver, free, full, rhs);
+        rows.correct(&mut x);
+        x
     }
 
     fn mass_times(&mut self, x: &[f64]) -> Vec<f64> {
@@ -158,15 +180,17 @@ impl Sweeps<'_, '_> {
 
     /// Modes below `limit`: the negative pivots of `K − limit M`.
     fn below(&mut self, limit: f64) -> Result<usize, Fault> {
-        let with = Coefficients { c2: -limit, shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
-        Ok(self.solver.negative_pivots())
+        self.negatives_with(-limit)
     }
 
     /// Another vector with a bit of everything.
     fn let_in(&mut self, space: &mut Space) {
-        let vector = start(self.free.len(), space.starts);
+        let mut vector = start(self.free.len(), space.starts);
         space.starts += 1;
+        if !self.rows.is_empty() {
+            let momentum = self.mass_times(&vector);
+            vector = self.solve(&momentum);
+        }
         self.add(space, vector);
     }
 

@@ -1,11 +1,12 @@
 //! The certificate of an equilibrium with loops, drives or gears: motions along the closed positions decide.
 
+use super::bordered::Rows;
 use super::damped;
 use super::landscape::Landscape;
 use super::search::Place;
 use super::stability::{
-    Mode, Stability, Verdict, count_by_motion, count_by_stiffness, generalized, momentum, rates_of, scaled, shares,
-    symmetric, verdict,
+    Mode, Stability, Verdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized,
+    momentum, rates_of, scaled, shares, symmetric, verdict,
 };
 use crate::dynamics::{Fault, Linearization};
 use crate::model::Model;
@@ -14,6 +15,10 @@ use faer::Mat;
 /// Largest hinge acceleration that the unbalanced forces of a place make along the loops, and where it is balanced what
 /// kind of equilibrium it is.
 pub(super) fn examine(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
+    let count = landscape.free.len();
+    if landscape.ties.as_ref().is_some_and(|ties| ties.sweeps) && !by_matrices(landscape.model(), count) {
+        return examine_by_sweeps(landscape, place);
+    }
     let (model, free, steady) = (landscape.model(), landscape.free.clone(), landscape.steady.clone());
     let z = landscape.tangent(&place.q)?;
     let rest = vec![0.0; steady.len()];
@@ -31,6 +36,43 @@ pub(super) fn examine(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
     let conservative = landscape.conservative && !spins;
     let stability = place.is_balanced().then(|| classify(model, &free, &z, &mass, &linear, place, conservative));
     Ok((acceleration, stability))
+}
+
+/// The same by sweeps, which take time in proportion to the size of the scene.
+fn examine_by_sweeps(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
+    let (free, n) = (landscape.free.clone(), landscape.steady.len());
+    let rows = landscape.rows_across(&place.q)?;
+    // What the rows hold, and locked coordinates.
+    let mut spread: Vec<Vec<f64>> = Vec::with_capacity(rows.len() + n - free.len());
+    for row in &rows {
+        let mut full = vec![0.0; n];
+        free.iter().zip(row).for_each(|(i, x)| full[*i] = *x);
+        spread.push(full);
+    }
+    let mut locked = vec![true; n];
+    free.iter().for_each(|i| locked[*i] = false);
+    spread.extend((0..n).filter(|i| locked[*i]).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()));
+    let (rest, mut force, mut acceleration) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    free.iter().zip(&place.force).for_each(|(i, f)| force[*i] = *f);
+    let system = landscape.system();
+    system.accelerations(&place.q, &rest, &mut acceleration)?;
+    let mut solve = |rhs: &[f64]| {
+        let mut x = vec![0.0; n];
+        system.solve_mass(rhs, &mut x);
+        x
+    };
+    let mut across = Rows::new(spread);
+    across.factorize(&mut solve);
+    let mut acceleration = solve(&force);
+    across.correct(&mut acceleration);
+    let largest = acceleration.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    if !place.is_balanced() {
+        return Ok((largest, None));
+    }
+    // Accelerations have multipliers of their own.
+    let rows = landscape.rows_across(&place.q)?;
+    let stability = classify_by_sweeps(landscape.system(), &place.q, &free, &place.scales.stiffness, rows)?;
+    Ok((largest, Some(stability)))
 }
 
 /// What a person should know of the loops at the end of a search.

@@ -38,7 +38,13 @@ fn spring(between: [Attachment; 2]) -> ForceKind {
 }
 
 fn bushing(between: [Attachment; 2]) -> ForceKind {
-    ForceKind::Bushing { between, frame: UnitQuaternion::identity(), stiffness: [1.0; 6], damping: [0.0; 6] }
+    ForceKind::Bushing {
+        between,
+        frame: UnitQuaternion::identity(),
+        stiffness: [1.0; 6],
+        damping: [0.0; 6],
+        preload: [0.0; 6],
+    }
 }
 
 fn load(on: Attachment) -> ForceKind {

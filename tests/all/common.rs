@@ -189,6 +189,7 @@ fn random_force(random: &mut Random, index: usize, bodies: &[BodyDescription]) -
             frame: random.turn(),
             stiffness: [0; 6].map(|_| random.between(0.5, 5.0)),
             damping: [0; 6].map(|_| random.between(0.0, 0.5)),
+            preload: [0.0; 6],
         },
         axes => ForceKind::Load {
             on: attach(random, &bodies[first].name),
@@ -198,6 +199,15 @@ fn random_force(random: &mut Random, index: usize, bodies: &[BodyDescription]) -
         },
     };
     ForceDescription { name: format!("f{index}"), kind }
+}
+
+/// Preloads all bushings of a scene, in proportion to their stiffness.
+pub(crate) fn preload(description: &mut Description) {
+    for force in &mut description.forces {
+        if let ForceKind::Bushing { stiffness, preload, .. } = &mut force.kind {
+            (0..6).for_each(|i| preload[i] = [0.4, -0.7, 0.2, 0.9, -0.3, 0.6][i] * stiffness[i]);
+        }
+    }
 }
 
 pub(crate) fn build(description: &Description) -> Model {

@@ -30,6 +30,7 @@ mod scenarios;
 mod statics;
 mod statics_cascade;
 mod statics_inverse;
+mod statics_long_loops;
 mod statics_loops;
 mod statics_methods;
 mod statics_modes;

@@ -194,6 +194,32 @@ fn crane_is_held_by_the_moments_of_its_weights() {
     assert_eq!(found(&scenario, &model).position, model.start_position, "the pose is the one that was given");
 }
 
+/// The least preloads that carry a weight off the middle of four mounts lie in a plane over their corners.
+#[test]
+fn level_table_is_held_by_a_plane_of_preloads() {
+    let (scenario, model) = shipped("level_table", &[]);
+    let (plate, load) = (2700.0 * 1.4 * 0.04, 40.0);
+    let weight = G * (plate + load);
+    let middle = [0.3, -0.15].map(|at| at * load / (plate + load));
+    for (name, [x, y]) in [
+        ("front_left", [0.6, 0.4]),
+        ("front_right", [0.6, -0.4]),
+        ("rear_left", [-0.6, 0.4]),
+        ("rear_right", [-0.6, -0.4]),
+    ] {
+        let address = format!("{name}.preload[2]");
+        let one = &stillpoint::model::Parameter::find(&scenario.description, &address).expect("an address")[0];
+        let expected = weight / 4.0 * (1.0 + middle[0] * x / 0.36 + middle[1] * y / 0.16);
+        near(one.value(&scenario.description), expected, 1e-10 * weight);
+    }
+    let found = found(&scenario, &model);
+    assert_eq!(found.position, model.start_position, "level, as it was given");
+    // Springs of 25 N/mm at four corners under all of the weight; the modes about them are others.
+    let heave = (4.0 * 2.5e4 / (plate + load)).sqrt() / TAU;
+    let stability = found.stability.expect("modes");
+    assert!(stability.modes.iter().any(|mode| (mode.frequency_hz - heave).abs() < 0.1 * heave));
+}
+
 #[test]
 fn chain_hangs_straight_down_and_its_lowest_frequency_is_that_of_bernoulli() {
     let (scenario, model) = shipped("hanging_chain", &[]);

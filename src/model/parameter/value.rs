@@ -26,6 +26,7 @@ impl Parameter {
             Element::Force(force) => match (&description.forces[force].kind, self.field) {
                 (ForceKind::Spring { length, .. }, Field::Length) => *length,
                 (ForceKind::Spring { stiffness, .. }, _) => *stiffness,
+                (ForceKind::Bushing { preload, .. }, Field::Preload) => preload[self.index],
                 (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index],
                 (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index],
                 (ForceKind::Load { force, .. }, _) => force[self.index],
@@ -72,6 +73,7 @@ impl Parameter {
             Element::Force(force) => match (&mut description.forces[force].kind, self.field) {
                 (ForceKind::Spring { length, .. }, Field::Length) => *length = value,
                 (ForceKind::Spring { stiffness, .. }, _) => *stiffness = value,
+                (ForceKind::Bushing { preload, .. }, Field::Preload) => preload[self.index] = value,
                 (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index] = value,
                 (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index] = value,
                 (ForceKind::Load { force, .. }, _) => force[self.index] = value,

@@ -2,7 +2,7 @@
 
 use super::super::fields::{Key, Kind, Table};
 use super::body::ATTACHMENT;
-use super::{NOT_NEGATIVE, VECTOR};
+use super::{NOT_NEGATIVE, NUMBER, VECTOR};
 
 /// `[[force]]`
 pub const FORCE: Table = Table {
@@ -12,7 +12,7 @@ pub const FORCE: Table = Table {
         ("spring", "Along the line between two points: tension k (distance − length) + c d(distance)/dt."),
         (
             "bushing",
-            "Six-degree spring and damper, relaxed where both points coincide and both bodies' axes are parallel.",
+            "Six-degree spring and damper; without a preload relaxed where both points coincide and both bodies' axes are parallel.",
         ),
         ("load", "A constant force and torque on a body."),
     ],
@@ -36,6 +36,11 @@ pub const FORCE: Table = Table {
             .default("{ translation = 0.0, rotation = 0.0 }")
             .only(&["bushing"])
             .example("[1.0, 1.0, 1.0, 0.1, 0.1, 0.1]"),
+        Key::new("preload", Kind::List(&NUMBER, &[6]), "What it pushes the second body with where both points coincide and both axes are parallel: along x, y, z [N], then about x, y, z [N m], bushing axes.")
+            .unit("N and N m")
+            .default("[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]")
+            .only(&["bushing"])
+            .example("[0.0, 0.0, 400.0, 0.0, 0.0, 0.0]"),
         Key::new("length", NOT_NEGATIVE, "Unstretched length; must be said where `stiffness` is not zero.")
             .unit("m")
             .only(&["spring"])

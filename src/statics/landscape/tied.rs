@@ -8,8 +8,12 @@
 //! ```
 //!
 //! Searches see the coordinates of the tree, forces `f` that make no rows work, and steps `Z y` after which the rows are
-//! closed again: to them it is a landscape like any other. Matrices are dense. With few motions left `H` takes a sweep for
-//! each of them; the factorization of `G` is cubic in the number of rows, that of `H` in the number of motions.
+//! closed again: to them it is a landscape like any other.
+//!
+//! **Where few rows reach across a large scene** (`by_sweeps`) neither `Z` nor `H` is made: what the rows hold, `C = B^(1/2) U'`,
+//! borders the tangent of the tree, whose sweep is the solver (see `bordered`). Elsewhere matrices are dense: with few
+//! motions left `H` takes a sweep for each of them; the factorization of `G` is cubic in the number of rows, that of `H`
+//! in the number of motions.
 //!
 //! **Drives** stay where they are at t = 0, and where the rest can be at rest beside a driven motion (a governor that
 //! spins), they keep their velocity: the kinetic energy then counts as a potential of the opposite sign.
@@ -17,19 +21,28 @@
 //! **Singular positions**: where rows hang on each other that are independent elsewhere, the motions that only exist
 //! there do not count: the branch that the search came along is kept.
 
-use super::split::{DEPENDENT, NEARLY, Split, split};
+use super::split::{DEPENDENT, Motions, NEARLY, Split, split};
 use super::{Landscape, Scales};
-use crate::constraint::Closer;
-use crate::dynamics::{Fault, System};
+use crate::constraint::{Closer, Constraints};
+use crate::dynamics::{Fault, System, TangentSolver};
 use crate::model::Model;
+use crate::statics::bordered::Bordered;
+use crate::statics::stability::MOST_MODES;
+use crate::statics::stiffness::Stiffness;
 use faer::Mat;
 
 /// Largest turn (rad), and part of the scene's length, of one step.
 const LONGEST_STEP: f64 = 0.6;
 
+/// Sweeps are the faster way in scenes of more than [`MOST_MODES`] free coordinates, where a factorization needs no more
+/// right sides than this part of them.
+const FEW: usize = 4;
+
 /// The rows of a model, and where its search stands on the closed positions.
 pub(in super::super) struct Ties<'m> {
     closer: Closer<'m>,
+    /// Whether rows border a sweep; else matrices are dense.
+    pub(in super::super) sweeps: bool,
     /// Drives whose velocity cannot be kept.
     pub(in super::super) frozen: Vec<String>,
     /// The problem at the last position.
@@ -40,7 +53,7 @@ pub(in super::super) struct Ties<'m> {
 /// The motions where the last step began.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Branch {
-    pub(super) tangent: Mat<f64>,
+    pub(super) motions: Motions,
     /// The largest of the smallest singular values met.
     pub(super) regular: f64,
 }
@@ -49,8 +62,7 @@ pub(in super::super) struct Branch {
 #[derive(Debug, Clone)]
 pub(in super::super) struct View {
     q: Vec<f64>,
-    /// `Z`, one column per motion.
-    pub(in super::super) tangent: Mat<f64>,
+    motions: Motions,
     /// `λ`, one per independent row.
     pub(in super::super) multipliers: Vec<f64>,
     /// Rows hang on each other here that do not elsewhere.
@@ -61,8 +73,8 @@ pub(in super::super) struct View {
 }
 
 impl<'m> Ties<'m> {
-    pub(super) fn new(model: &'m Model, frozen: Vec<String>) -> Self {
-        Self { closer: Closer::new(model), frozen, view: None, branch: None }
+    pub(super) fn new(model: &'m Model, frozen: Vec<String>, sweeps: bool) -> Self {
+        Self { closer: Closer::new(model), sweeps, frozen, view: None, branch: None }
     }
 }
 
@@ -109,7 +121,7 @@ impl Landscape<'_, '_> {
     pub(in super::super) fn tangent(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
         self.take_view(q)?;
         let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
-        Ok(view.map_or_else(Mat::new, |view| view.tangent.clone()))
+        Ok(view.map_or_else(Mat::new, |view| view.motions.basis(&self.metric)))
     }
 
     /// What is left of a force when the rows have taken their part, `B Z Zᵀ f`; without rows all of it.
@@ -117,11 +129,28 @@ impl Landscape<'_, '_> {
         if self.ties.is_none() {
             return Ok(force.to_vec());
         }
-        let z = self.tangent(q)?;
-        let along: Vec<f64> =
-            (0..z.ncols()).map(|j| force.iter().enumerate().map(|(i, f)| z[(i, j)] * f).sum()).collect();
-        let part = |(i, b): (usize, &f64)| b * (0..z.ncols()).map(|j| z[(i, j)] * along[j]).sum::<f64>();
-        Ok(self.metric.iter().enumerate().map(part).collect())
+        self.take_view(q)?;
+        let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
+        Ok(view.map_or_else(Vec::new, |view| view.motions.felt(force, &self.metric)))
+    }
+
+    /// The rows that hold what is not a motion at a closed position, where sweeps are the way; and its multipliers in the
+    /// system.
+    pub(in super::super) fn rows_across(&mut self, q: &[f64]) -> Result<Vec<Vec<f64>>, Fault> {
+        self.take_view(q)?;
+        let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
+        Ok(view.map_or_else(Vec::new, |view| view.motions.rows()))
+    }
+
+    /// Takes the stiffness along the closed positions for solutions by sweeps.
+    pub(super) fn look_along(&mut self, q: &[f64]) -> Result<(), Fault> {
+        let rows = self.rows_across(q)?;
+        self.step_from_view();
+        if !matches!(self.stiffness, Stiffness::Bordered(_)) {
+            self.stiffness = Stiffness::Bordered(Bordered::new(self.system, &self.free));
+        }
+        let Stiffness::Bordered(bordered) = &mut self.stiffness else { return Ok(()) };
+        bordered.look(self.system, q, rows)
     }
 
     /// `Z` and `H` at a closed position.
@@ -152,7 +181,7 @@ impl Landscape<'_, '_> {
     pub(super) fn step_from_view(&mut self) {
         let Some(ties) = &mut self.ties else { return };
         if let Some(view) = &ties.view {
-            ties.branch = Some(Branch { tangent: view.tangent.clone(), regular: view.regular });
+            ties.branch = Some(Branch { motions: view.motions.clone(), regular: view.regular });
         }
     }
 
@@ -175,12 +204,10 @@ impl Landscape<'_, '_> {
         let scaled = Mat::from_fn(rows, n, |i, j| all[(i, j)] / (root[j] * weigh(i)));
         let branch = self.ties.as_ref().and_then(|ties| ties.branch.as_ref());
         let forces: Vec<f64> = force.iter().zip(&root).map(|(f, root)| f / root).collect();
-        let Split { null, multipliers, least, singular, regular } = split(&scaled, &forces, branch, &root);
+        let sweeps = self.ties.as_ref().is_some_and(|ties| ties.sweeps);
+        let Split { motions, multipliers, least, singular, regular } = split(&scaled, &forces, branch, &root, sweeps);
         let multipliers: Vec<f64> = multipliers.iter().enumerate().map(|(i, x)| x / weigh(i)).collect();
-        let tangent = Mat::from_fn(n, null.ncols(), |i, j| null[(i, j)] / root[i]);
-        let gradient: Vec<f64> = (0..null.ncols()).map(|j| (0..n).map(|i| tangent[(i, j)] * force[i]).sum()).collect();
-        let left: Vec<f64> =
-            (0..n).map(|i| root[i] * (0..gradient.len()).map(|j| null[(i, j)] * gradient[j]).sum::<f64>()).collect();
+        let left = motions.felt(&force, &self.metric);
         let held = |i: usize| (0..rows).map(|row| (all[(row, i)] * multipliers[row]).abs()).sum::<f64>();
         // A coordinate in which next to nothing acts still feels the round-off of the loops around it.
         let unit = |i: usize| if self.slides[free[i]] { 1.0 } else { self.length };
@@ -201,7 +228,7 @@ impl Landscape<'_, '_> {
             stiffness: (0..n).map(stiffness).collect(),
         };
         let force = left.iter().map(|r| -r).collect();
-        Ok(View { q: q.to_vec(), tangent, multipliers, singular, force, scales, regular })
+        Ok(View { q: q.to_vec(), motions, multipliers, singular, force, scales, regular })
     }
 
     /// How long a step may be (in the metric) for no coordinate to change by more than [`LONGEST_STEP`], whatever its
@@ -210,11 +237,16 @@ impl Landscape<'_, '_> {
         let Some(view) = self.ties.as_ref().and_then(|ties| ties.view.as_ref()) else { return f64::INFINITY };
         let of = |(row, i): (usize, &usize)| {
             let allowed = if self.slides[*i] { LONGEST_STEP * self.length } else { LONGEST_STEP };
-            let most = (0..view.tangent.ncols()).map(|j| view.tangent[(row, j)].powi(2)).sum::<f64>().sqrt();
-            allowed / most.max(f64::MIN_POSITIVE)
+            allowed / view.motions.reach(row, &self.metric).sqrt().max(f64::MIN_POSITIVE)
         };
         self.free.iter().enumerate().map(of).fold(f64::INFINITY, f64::min)
     }
+}
+
+/// Whether the rows of a scene border the sweep of its tree: few of them across a large scene that is at rest.
+pub(super) fn by_sweeps(model: &Model, free: &[usize], steady: &[f64]) -> bool {
+    let sides = || TangentSolver::further_sides(model) + Constraints::new(model).map_or(0, |rows| rows.rank());
+    free.len() > MOST_MODES && steady.iter().all(|v| *v == 0.0) && FEW * sides() <= free.len()
 }
 
 /// Velocities of the drives where they leave the rest at rest, and the drives that cannot be kept moving.

@@ -50,6 +50,7 @@ fn numbers_of_a_force_must_be_finite_and_those_of_springs_not_negative() {
                 frame: UnitQuaternion::identity(),
                 stiffness: value("stiffness"),
                 damping: value("damping"),
+                preload: [0.0; 6],
             };
             let words = [&format!("`{field}` of `mount` is {bad}"), "≥ 0"];
             assert_problem(first, field, &words, |d| d.forces = vec![force("mount", kind)]);

@@ -32,9 +32,15 @@ fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Ve
                 Push { body: second, at: xb, force: -tension, torque: Vector3::zeros() },
             ]
         }
-        ForceKind::Bushing { between, frame, stiffness, damping } => {
+        ForceKind::Bushing { between, frame, stiffness, damping, preload } => {
             let [(first, a, xa), (second, b, xb)] = [0, 1].map(|i| attached(description, placed, &between[i]));
-            let (force, torque) = bushing_on_second(&a, &b, &xa, &xb, frame, stiffness, damping);
+            let (mut force, mut torque) = bushing_on_second(&a, &b, &xa, &xb, frame, stiffness, damping);
+            let axes = [a.turn, b.turn].map(|turn| turn * frame.to_rotation_matrix().into_inner());
+            force += axes[0] * Vector3::new(preload[0], preload[1], preload[2]);
+            let turn = UnitQuaternion::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(
+                axes[0].transpose() * axes[1],
+            ));
+            torque += axes[1] * pulled(&turn, &-Vector3::new(preload[3], preload[4], preload[5]));
             vec![
                 Push { body: first, at: xb, force: -force, torque: -torque },
                 Push { body: second, at: xb, force, torque },
@@ -81,6 +87,11 @@ fn bushing_on_second(
 /// The work done in a small turn δ is `torque·δ = −(Kφ)·δφ` with `δ = J(φ) δφ`, hence `Jᵀ torque = −Kφ`. J is summed
 /// from its definition, the differential of the exponential map: `J = Σ (−1)ᵏ [φ]×ᵏ / (k+1)!`.
 pub(crate) fn torsion(turn: &UnitQuaternion<f64>, stiffness: &Vector3<f64>) -> Vector3<f64> {
+    pulled(turn, &stiffness.component_mul(&turn.scaled_axis()))
+}
+
+/// The torque of a potential whose derivative by φ is `y`: `Jᵀ torque = −y`.
+fn pulled(turn: &UnitQuaternion<f64>, y: &Vector3<f64>) -> Vector3<f64> {
     let phi = turn.scaled_axis();
     let (mut term, mut sum) = (Matrix3::identity(), Matrix3::identity());
     // |φ| ≤ π: the forty-first term is below 1e-28.
@@ -88,5 +99,5 @@ pub(crate) fn torsion(turn: &UnitQuaternion<f64>, stiffness: &Vector3<f64>) -> V
         term *= -phi.cross_matrix() / (k + 1) as f64;
         sum += term;
     }
-    -sum.transpose().lu().solve(&stiffness.component_mul(&phi)).expect("regular below 2π")
+    -sum.transpose().lu().solve(y).expect("regular below 2π")
 }

@@ -1,0 +1,175 @@
+//! Rows beside a sweep: `K + D` on the motions that rows `C` leave, without a matrix of the size of the scene.
+//!
+//! ```text
+//! [ K + D   C ] [ x ]   [ f ]       (K + D) x₀ = f,   (K + D) Y = C,   S = Cᵀ Y                          (1)
+//! [ Cᵀ      0 ] [ ν ] = [ 0 ]       x = x₀ − Y S⁻¹ Cᵀ x₀
+//!
+//! n₋(Zᵀ (K + D) Z) = n₋(K + D) − n₋(S)       Z: a basis of the motions, Cᵀ Z = 0                         (2)
+//! ```
+//!
+//! (2) counts the negative directions of the bordered matrix twice: by the elimination of `x` (Haynsworth), and by that of
+//! the rows, each of which makes one positive and one negative.
+
+use crate::dynamics::{Coefficients, System, TangentSolver};
+use faer::{Mat, Side};
+
+/// The rows, and what (1) needs of one factorization.
+#[derive(Debug, Clone)]
+pub(super) struct Rows {
+    /// `C`, one list over the coordinates per row.
+    rows: Vec<Vec<f64>>,
+    /// `Y`.
+    responses: Vec<Vec<f64>>,
+    /// `S = V diag(w) Vᵀ`.
+    values: Vec<f64>,
+    vectors: Mat<f64>,
+}
+
+impl Rows {
+    /// `rows` are of comparable size and independent; none at all are allowed.
+    pub(super) fn new(rows: Vec<Vec<f64>>) -> Self {
+        Self { rows, responses: Vec::new(), values: Vec::new(), vectors: Mat::new() }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// After a factorization of `K + D`; false where the motions make it singular.
+    pub(super) fn factorize(&mut self, solve: &mut dyn FnMut(&[f64]) -> Vec<f64>) -> bool {
+        if self.rows.is_empty() {
+            return true;
+        }
+        self.responses = self.rows.iter().map(|row| solve(row)).collect();
+        let m = self.rows.len();
+        let entry = |i: usize, j: usize| dot(&self.rows[i], &self.responses[j]);
+        let whole = Mat::from_fn(m, m, entry);
+        let small = Mat::from_fn(m, m, |i, j| 0.5 * (whole[(i, j)] + whole[(j, i)]));
+        let Ok(eigen) = small.self_adjoint_eigen(Side::Lower) else { return false };
+        self.values = (0..m).map(|k| eigen.S()[k]).collect();
+        self.vectors = eigen.U().to_owned();
+        self.values.iter().all(|w| w.is_finite() && *w != 0.0)
+    }
+
+    /// `n₋(S)`.
+    pub(super) fn negatives(&self) -> usize {
+        self.values.iter().filter(|w| **w < 0.0).count()
+    }
+
+    /// From a solution of `K + D` to that of (1). Twice: what is left across the rows goes away however large `Y` is.
+    pub(super) fn correct(&self, x: &mut [f64]) {
+        for _ in 0..2 {
+            let along: Vec<f64> = self.rows.iter().map(|row| dot(row, x)).collect();
+            for (k, value) in self.values.iter().enumerate() {
+                let part: f64 = along.iter().enumerate().map(|(i, a)| self.vectors[(i, k)] * a).sum::<f64>() / value;
+                for (i, response) in self.responses.iter().enumerate() {
+                    let by = part * self.vectors[(i, k)];
+                    x.iter_mut().zip(response).for_each(|(x, y)| *x -= by * y);
+                }
+            }
+        }
+    }
+}
+
+/// The stiffness along closed positions, by sweeps.
+pub(super) struct Bordered {
+    solver: Box<TangentSolver>,
+    free: Vec<usize>,
+    /// Infinite for locked coordinates.
+    shift: Vec<f64>,
+    rest: Vec<f64>,
+    full: Vec<f64>,
+    rows: Rows,
+}
+
+impl Bordered {
+    /// Room for a model whose `free` coordinates may move.
+    pub(super) fn new(system: &System<'_>, free: &[usize]) -> Self {
+        let n = system.model().velocity_count();
+        let mut shift = vec![f64::INFINITY; n];
+        free.iter().for_each(|i| shift[*i] = 0.0);
+        let solver = Box::new(TangentSolver::new(system.model()));
+        let (free, rest, full) = (free.to_vec(), vec![0.0; n], vec![0.0; n]);
+        Self { solver, free, shift, rest, full, rows: Rows::new(Vec::new()) }
+    }
+
+    /// Gathers what the sweep needs at `q`; the multipliers are in the system.
+    pub(super) fn look(
+        &mut self,
+        system: &mut System<'_>,
+        q: &[f64],
+        rows: Vec<Vec<f64>>,
+    ) -> Result<(), crate::dynamics::Fault> {
+        let with = Coefficients { shift: &self.shift, symmetric: true, ..Coefficients::default() };
+        system.factorize_tangent(&mut self.solver, q, &self.rest, &self.rest, &with)?;
+        self.rows = Rows::new(rows);
+        Ok(())
+    }
+
+    /// `K + diag(by)`: its negative directions along the rows, or `None` where it is singular.
+    pub(super) fn factorize(&mut self, system: &System<'_>, by: &[f64]) -> Option<usize> {
+        for (i, by) in self.free.iter().zip(by) {
+            self.shift[*i] = *by;
+        }
+        let with = Coefficients { shift: &self.shift, ..Coefficients::default() };
+        let factorized = system.factorize_shifted(&mut self.solver, &self.rest, &with);
+        self.free.iter().for_each(|i| self.shift[*i] = 0.0);
+        factorized.ok()?;
+        let Self { solver, free, full, rows, .. } = self;
+        rows.factorize(&mut |rhs| solved(solver, free, full, rhs)).then_some(())?;
+        Some(self.solver.negatives().saturating_sub(self.rows.negatives()))
+    }
+
+    /// (1) with the last factorization.
+    pub(super) fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
+        let Self { solver, free, full, rows, .. } = self;
+        let mut x = solved(solver, free, full, rhs);
+        rows.correct(&mut x);
+        x
+    }
+
+    /// A direction along the rows in which `K + diag(by)` is negative, or none: by inverse iteration next to the lowest
+    /// eigenvalue in the metric `B`.
+    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64], metric: &[f64]) -> Option<Vec<f64>> {
+        if self.factorize(system, by)? == 0 {
+            return None;
+        }
+        let with = |sigma: f64| by.iter().zip(metric).map(|(by, b)| by + sigma * b).collect::<Vec<f64>>();
+        let least = by.iter().zip(metric).map(|(by, b)| by / b).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+        let (mut low, mut high) = (0.0, least);
+        while self.factorize(system, &with(high)) != Some(0) {
+            (low, high) = (high, 16.0 * high);
+            high.is_finite().then_some(())?;
+        }
+        while high > 1.2 * low && low > 0.0 {
+            let middle = (low * high).sqrt();
+            match self.factorize(system, &with(middle)) {
+                Some(0) => high = middle,
+                _ => low = middle,
+            }
+        }
+        self.factorize(system, &with(high))?;
+        let mut x: Vec<f64> = (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect();
+        for _ in 0..30 {
+            let rhs: Vec<f64> = x.iter().zip(metric).map(|(x, b)| b * x).collect();
+            x = self.solve(&rhs);
+            let size = x.iter().zip(metric).map(|(x, b)| b * x * x).sum::<f64>().sqrt();
+            x.iter_mut().for_each(|x| *x /= size);
+        }
+        x.iter().all(|x| x.is_finite()).then_some(x)
+    }
+}
+
+/// `rhs` in free coordinates through the sweep.
+pub(super) fn solved(solver: &mut TangentSolver, free: &[usize], full: &mut [f64], rhs: &[f64]) -> Vec<f64> {
+    full.fill(0.0);
+    for (i, value) in free.iter().zip(rhs) {
+        full[*i] = *value;
+    }
+    solver.solve(full);
+    free.iter().map(|i| full[*i]).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
