@@ -275,6 +275,10 @@ fn end(branch: &Branch) -> String {
     match &branch.end {
         End::Range => "at an end of the range".to_owned(),
         End::Closed => "where it began".to_owned(),
+        End::Stop { hinge, limit, lifts: false } => format!("on the stop of {hinge} at {}", text::number(*limit)),
+        End::Stop { hinge, limit, lifts: true } => {
+            format!("where {hinge} lifts off its stop at {}", text::number(*limit))
+        }
         End::Points => "after as many points as were asked for".to_owned(),
         End::Lost(reason) => format!("lost: {reason}"),
     }

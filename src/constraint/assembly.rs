@@ -138,14 +138,14 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
     let scale = model.length_scale() / model.time_scale();
     let size = v.iter().fold(scale, |m, v| m.max(v.abs() * model.length_scale()));
     if before.amax() > ROUND_OFF * size {
-        let rows = closing.matrix();
         let yielding = yielding(model, &closing.rows, &given);
-        let weighted =
-            DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * if yielding[j] { 1.0 } else { GIVEN });
-        // Rows may hang on each other in a singular position: the shortest step that meets them.
-        let step = weighted.svd(true, true).solve(&-before, 1e-11).unwrap_or_else(|_| DVector::zeros(v.len()));
-        for (j, v) in v.iter_mut().enumerate() {
-            *v += step[j] * if yielding[j] { 1.0 } else { GIVEN };
+        let weights: Vec<f64> = yielding.iter().map(|yields| if *yields { 1.0 } else { GIVEN }).collect();
+        for Local { columns, rows, rates } in locals(model, &mut closing, &before) {
+            let weighted = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * weights[columns[j]]);
+            // Rows may hang on each other in a singular position: the shortest step that meets them.
+            let step = weighted.svd(true, true).solve(&-rates, 1e-11);
+            let step = step.unwrap_or_else(|_| DVector::zeros(columns.len()));
+            columns.iter().zip(step.iter()).for_each(|(j, step)| v[*j] += step * weights[*j]);
         }
     }
     let mut left = closing.close_rates(&q, &mut v).map_err(|singular| vec![undetermined(model, singular.link)])?;
@@ -166,6 +166,81 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
     }
     model.start_velocity = v;
     Ok(())
+}
+
+/// Rows that share hinges with each other and with no others, and those hinges' velocities.
+struct Local {
+    columns: Vec<usize>,
+    rows: DMatrix<f64>,
+    rates: DVector<f64>,
+}
+
+/// The rows as placed last, each with those that it shares hinges with: loops that stand by themselves are solved by
+/// themselves. What agrees already is left out.
+fn locals(model: &Model, closing: &mut Closing<'_>, rates: &DVector<f64>) -> Vec<Local> {
+    let inner: Vec<Vec<usize>> = closing.rows.elements.iter().map(between_ends).collect();
+    let of_element = sharing(&inner, model.links.len());
+    let unknowns = closing.rows.plan.groups.iter();
+    let unknowns = unknowns.flat_map(|group| group.rows.iter().map(|_| of_element[group.element]));
+    let of_unknown: Vec<usize> = unknowns.collect();
+    // The place of every row and velocity among those of its own.
+    let (mut members, mut place_of_row) = (vec![Vec::new(); inner.len()], vec![0; of_unknown.len()]);
+    for (unknown, local) in of_unknown.iter().enumerate() {
+        place_of_row[unknown] = members[*local].len();
+        members[*local].push(unknown);
+    }
+    let mut columns = vec![Vec::new(); inner.len()];
+    let mut place_of_column = vec![usize::MAX; model.velocity_count()];
+    for (element, links) in inner.iter().enumerate() {
+        for link in links.iter().map(|link| &model.links[*link]) {
+            for velocity in link.velocity..link.velocity + link.joint.counts().1 {
+                if place_of_column[velocity] == usize::MAX {
+                    place_of_column[velocity] = columns[of_element[element]].len();
+                    columns[of_element[element]].push(velocity);
+                }
+            }
+        }
+    }
+    let make = |(members, columns): (&Vec<usize>, Vec<usize>)| Local {
+        rows: DMatrix::zeros(members.len(), columns.len()),
+        rates: DVector::from_iterator(members.len(), members.iter().map(|unknown| rates[*unknown])),
+        columns,
+    };
+    let mut locals: Vec<Local> = members.iter().zip(columns).map(make).collect();
+    closing.gradient(|unknown, velocity, entry| {
+        let local = &mut locals[of_unknown[unknown]];
+        let column = place_of_column[velocity];
+        // Hinges that both ends of a loop stand on carry nothing of it.
+        if local.columns.get(column) == Some(&velocity) {
+            local.rows[(place_of_row[unknown], column)] += entry;
+        }
+    });
+    locals.retain(|local| local.rates.amax() > 0.0);
+    locals
+}
+
+/// Of lists of links, for each the first one that it shares a link with, directly or through others.
+fn sharing(lists: &[Vec<usize>], links: usize) -> Vec<usize> {
+    let mut root: Vec<usize> = (0..lists.len()).collect();
+    let find = |root: &[usize], mut at: usize| {
+        while root[at] != at {
+            at = root[at];
+        }
+        at
+    };
+    let mut owner = vec![usize::MAX; links];
+    for (list, links) in lists.iter().enumerate() {
+        for link in links {
+            match owner[*link] {
+                usize::MAX => owner[*link] = list,
+                other => {
+                    let (a, b) = (find(&root, list), find(&root, other));
+                    root[a.max(b)] = a.min(b);
+                }
+            }
+        }
+    }
+    (0..lists.len()).map(|list| find(&root, list)).collect()
 }
 
 /// The velocities that follow from others: of driven hinges, and of hinges in loops and gears whose own is not given.
@@ -246,35 +321,16 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
 fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
     let count = rows.elements.len();
     let inner: Vec<Vec<usize>> = rows.elements.iter().map(between_ends).collect();
-    let mut root: Vec<usize> = (0..count).collect();
-    let find = |root: &[usize], mut at: usize| {
-        while root[at] != at {
-            at = root[at];
-        }
-        at
-    };
-    let mut owner_of_link = vec![usize::MAX; model.links.len()];
-    for (element, links) in inner.iter().enumerate() {
-        if matches!(rows.elements[element].owner, Owner::Drive(_)) {
-            continue;
-        }
-        for link in links {
-            match owner_of_link[*link] {
-                usize::MAX => owner_of_link[*link] = element,
-                other => {
-                    let (a, b) = (find(&root, element), find(&root, other));
-                    root[a.max(b)] = a.min(b);
-                }
-            }
-        }
-    }
+    let is_drive = |e: usize| matches!(rows.elements[e].owner, Owner::Drive(_));
+    let tied: Vec<Vec<usize>> =
+        inner.iter().enumerate().map(|(e, links)| if is_drive(e) { Vec::new() } else { links.clone() }).collect();
+    let of = sharing(&tied, model.links.len());
     let mut problems = Vec::new();
     for first in 0..count {
-        let is_drive = |e: usize| matches!(rows.elements[e].owner, Owner::Drive(_));
-        if find(&root, first) != first || is_drive(first) {
+        if of[first] != first || is_drive(first) {
             continue;
         }
-        let members: Vec<usize> = (0..count).filter(|e| find(&root, *e) == first && !is_drive(*e)).collect();
+        let members: Vec<usize> = (0..count).filter(|e| of[*e] == first && !is_drive(*e)).collect();
         let mut links: Vec<usize> = members.iter().flat_map(|e| inner[*e].iter().copied()).collect();
         links.sort_unstable();
         links.dedup();

@@ -216,11 +216,9 @@ impl<'m> Closing<'m> {
         rates
     }
 
-    /// `G` of all rows as placed last, one row per row, one column per velocity.
-    pub(super) fn matrix(&mut self) -> DMatrix<f64> {
-        let mut matrix = DMatrix::zeros(self.rows.rank(), self.rest.len());
-        self.rows.gradient(self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
-        matrix
+    /// The entries of `G` for the rows solved for, as placed last: `put(row, velocity, entry)`.
+    pub(super) fn gradient(&mut self, put: impl FnMut(usize, usize, f64)) {
+        self.rows.gradient(self.model, &self.motion, put);
     }
 
     /// `step ← M⁻¹ Gᵀ λ` with the multipliers that take a rate away.
@@ -239,7 +237,8 @@ impl<'m> Closing<'m> {
             DVector::from_iterator(self.rows.rank(), self.rows.plan.rows().map(|row| self.rows.weights[row]));
         let mut gaps = DVector::zeros(self.rows.rank());
         self.rows.rates(&self.motion, Rate::Gap, gaps.as_mut_slice());
-        let rows = self.matrix();
+        let mut rows = DMatrix::<f64>::zeros(self.rows.rank(), self.rest.len());
+        self.gradient(|row, column, entry| rows[(row, column)] += entry);
         let rows = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| weights[i] * rows[(i, j)] * self.units[j]);
         let mut square = &rows * rows.transpose();
         let shift = damping * square.diagonal().max();

@@ -3,6 +3,7 @@
 mod bordered;
 mod choice;
 mod couplings;
+mod dead_centre;
 mod error;
 pub mod events;
 mod ledger;

@@ -1,6 +1,7 @@
 //! The time loop.
 
 use super::choice::Choice;
+use super::dead_centre;
 use super::error::{RunError, named};
 use super::events::{Events, Hit, Kind, Occurrence, Turn};
 use super::ledger::{GAUSS, Ledger};
@@ -325,7 +326,10 @@ impl<'m> Run<'m> {
         stepper: &mut dyn Stepper<Motion<'m>>,
     ) -> Result<Option<Hit>, RunError> {
         let before = Instant::now();
-        stepper.step(motion).map_err(|error| named(self.model, &error))?;
+        let (model, state) = (self.model, &self.state);
+        stepper
+            .step(motion)
+            .map_err(|error| dead_centre::beside(named(model, &error), model, stepper.time(), state))?;
         self.wall += before.elapsed();
         let hit = match &mut self.events {
             Some(events) => events.look(motion, stepper)?,

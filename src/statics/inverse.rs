@@ -12,12 +12,16 @@
 //! cost nothing. The singular values of the scaled matrix tell how many unknowns the pose determines; what it leaves open
 //! is filled by the least change from the values of the scenario. The answer is checked by the balance of a scene that
 //! is built with it, not by (1).
+//!
+//! **Stops** that the pose touches bear what is left in their hinges, which costs nothing, like multipliers; one that would
+//! have to pull is let go, and its hinge has to be balanced too. A pose beyond a rigid stop is refused.
 
 use super::assembled::Assembled;
 use super::equilibrium::{self, Equilibrium};
 use super::landscape::Landscape;
 use super::search::Place;
 use super::settings::Settings;
+use super::stops::{self, Set};
 use crate::dynamics::{Fault, System};
 use crate::model::description::Description;
 use crate::model::parameter::Quantity;
@@ -64,60 +68,127 @@ pub fn hold(
     pose: &[f64],
     settings: &Settings,
 ) -> Result<Held, Fault> {
-    let build = |description: &Description| Model::build(description).ok();
-    let mut given = build(description).expect("a description that was built before");
+    let mut given = Model::build(description).expect("a description that was built before");
     let assembled = Assembled::of(&mut given).expect("loops that were closed before");
     given.start_position.copy_from_slice(pose);
-    let build = |description: &Description| {
-        let mut model = build(description)?;
-        assembled.give(&mut model, &mut pose.to_vec()).ok()?;
-        model.start_position.copy_from_slice(pose);
+    let beyond = stops::passed(&given, pose);
+    if !beyond.is_empty() {
+        return refused_by_stops(description, unknown, pose, given, &beyond, settings);
+    }
+    let mut search = Search { description, unknown, pose, settings, assembled: &assembled, let_go: Vec::new() };
+    let mut set = stops::touching(&given, pose);
+    loop {
+        let (best, bearing, found) = search.balance(&given, &set)?;
+        let model = search.built(&best).unwrap_or_else(|| given.clone());
+        match stops::pulling(&model, &set, &bearing, &found)?.filter(|_| found.balanced) {
+            Some(index) => {
+                search.let_go.push(model.label(model.stops[index].velocity));
+                set[index] = 0;
+            }
+            None => {
+                let found = stops::finish(&model, &set, &bearing, found)?;
+                return Ok(Held { description: best, model, found });
+            }
+        }
+    }
+}
+
+/// What is given, and which stops of the pose were let go because they would have to pull.
+struct Search<'a> {
+    description: &'a Description,
+    unknown: &'a [Parameter],
+    pose: &'a [f64],
+    settings: &'a Settings,
+    assembled: &'a Assembled,
+    let_go: Vec<String>,
+}
+
+impl Search<'_> {
+    /// The model of a description, standing in the pose; `None` where there is none.
+    fn built(&self, description: &Description) -> Option<Model> {
+        let mut model = Model::build(description).ok()?;
+        self.assembled.give(&mut model, &mut self.pose.to_vec()).ok()?;
+        model.start_position.copy_from_slice(self.pose);
         Some(model)
+    }
+
+    /// The same while these stops bear: what they bear is free, as what holds a lock.
+    fn bearing(&self, description: &Description, set: &Set) -> Option<Model> {
+        let (mut model, _) = stops::with(&self.built(description)?, set, self.pose)?;
+        model.start_position.copy_from_slice(self.pose);
+        Some(model)
+    }
+
+    /// The scene whose inputs hold the pose while these stops bear, its model with them, and its certificate.
+    fn balance(&self, given: &Model, set: &Set) -> Result<(Description, Model, Equilibrium), Fault> {
+        let Self { description, unknown, pose, settings, .. } = *self;
+        let given = stops::with(given, set, pose).map_or_else(|| given.clone(), |(model, _)| model);
+        let build = |description: &Description| self.bearing(description, set);
+        // One metric for all: what loops leave of a force is measured in it.
+        let metric = metric(&given, pose)?;
+        let place = |model: &Model| place(model, pose, &metric);
+        let first = place(&given)?;
+        let problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
+        // What only a stop feels is no mistake.
+        let mut notes = if set.iter().any(|side| *side != 0) { Vec::new() } else { problem.useless() };
+        let influential = notes.is_empty();
+        let (mut best, mut model, mut place_now) = (description.clone(), given, first);
+        let mut rank = 0;
+        for _ in 0..MOST_ROUNDS {
+            if place_now.is_exact() {
+                break;
+            }
+            let (change, independent) = problem.solve(&place_now.force);
+            rank = independent;
+            let mut next = best.clone();
+            for (one, change) in unknown.iter().zip(&change) {
+                one.set(&mut next, one.value(&best) + change);
+            }
+            let Some(built) = build(&next) else {
+                notes.push(refused(&next, unknown));
+                break;
+            };
+            let placed = place(&built)?;
+            if placed.residual().0 >= place_now.residual().0 {
+                break;
+            }
+            (best, model, place_now) = (next, built, placed);
+        }
+        let open = unknown.len().saturating_sub(rank);
+        if place_now.is_balanced() && rank > 0 && open > 0 && influential {
+            notes.push(format!(
+                "the pose determines {rank} of {} unknowns: of all answers this one changes the scenario's values least",
+                unknown.len()
+            ));
+        }
+        if !place_now.is_balanced() && !self.let_go.is_empty() {
+            notes.push(format!("the stop of {} would have to pull to hold the pose", self.let_go.join(", ")));
+        }
+        model.start_position.copy_from_slice(pose);
+        let mut found = equilibrium::examine(&model, settings, pose, "inverse", notes)?;
+        found.converged = found.balanced && influential;
+        found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&best))).collect();
+        Ok((best, model, found))
+    }
+}
+
+/// A pose that cannot be taken: it stands beyond rigid stops.
+fn refused_by_stops(
+    description: &Description,
+    unknown: &[Parameter],
+    pose: &[f64],
+    given: Model,
+    beyond: &[(String, f64, f64)],
+    settings: &Settings,
+) -> Result<Held, Fault> {
+    let passed = |(hinge, limit, value): &(String, f64, f64)| {
+        format!("the pose is beyond the limit {} of {hinge}, which stands at {}", number(*limit), number(*value))
     };
-    // One metric for all: what loops leave of a force is measured in it.
-    let metric = metric(&given, pose)?;
-    let place = |model: &Model| place(model, pose, &metric);
-    let first = place(&given)?;
-    let problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
-    let mut notes = problem.useless();
-    let influential = notes.is_empty();
-    if !given.stops.is_empty() {
-        notes.push("stops of hinges are not heeded where the pose is given".to_owned());
-    }
-    let (mut best, mut model, mut place_now) = (description.clone(), given, first);
-    let mut rank = 0;
-    for _ in 0..MOST_ROUNDS {
-        if place_now.is_exact() {
-            break;
-        }
-        let (change, independent) = problem.solve(&place_now.force);
-        rank = independent;
-        let mut next = best.clone();
-        for (one, change) in unknown.iter().zip(&change) {
-            one.set(&mut next, one.value(&best) + change);
-        }
-        let Some(built) = build(&next) else {
-            notes.push(refused(&next, unknown));
-            break;
-        };
-        let placed = place(&built)?;
-        if placed.residual().0 >= place_now.residual().0 {
-            break;
-        }
-        (best, model, place_now) = (next, built, placed);
-    }
-    let open = unknown.len().saturating_sub(rank);
-    if place_now.is_balanced() && rank > 0 && open > 0 && influential {
-        notes.push(format!(
-            "the pose determines {rank} of {} unknowns: of all answers this one changes the scenario's values least",
-            unknown.len()
-        ));
-    }
-    model.start_position.copy_from_slice(pose);
-    let mut found = equilibrium::examine(&model, settings, pose, "inverse", notes)?;
-    found.converged = found.balanced && influential;
-    found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&best))).collect();
-    Ok(Held { description: best, model, found })
+    let notes = beyond.iter().map(passed).collect();
+    let mut found = equilibrium::examine(&given, settings, pose, "inverse", notes)?;
+    (found.converged, found.balanced, found.stability) = (false, false, None);
+    found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(description))).collect();
+    Ok(Held { description: description.clone(), model: given, found })
 }
 
 fn metric(model: &Model, pose: &[f64]) -> Result<Vec<f64>, Fault> {

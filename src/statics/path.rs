@@ -7,10 +7,12 @@
 //!   passes zero; other branches leave along that direction, and are followed too;
 //! - the motion loses its stability without either: **flutter**, which only loads without a potential can do.
 //!
-//! Each is located on the curve itself to round-off, by a root of what passes zero there.
+//! Each is located on the curve itself to round-off, by a root of what passes zero there. Where a hinge comes to a stop or
+//! lifts off one the branch ends, and goes on as another one, on which the stop bears or no longer does.
 
 mod curve;
 mod scene;
+mod stops;
 mod trace;
 
 pub(super) use curve::{Curve, Direction, Family, Look, Metric};
@@ -18,12 +20,14 @@ pub(super) use curve::{Curve, Direction, Family, Look, Metric};
 use super::assembled::Assembled;
 use super::equilibrium::{Equilibrium, equilibrium};
 use super::stability::Verdict;
+use super::stops::Set;
 use crate::model::description::Description;
 use crate::model::problem::number;
 use crate::model::{Model, Parameter, Stop};
 use crate::spatial::{Pose, Wrench};
 use scene::Moving;
 use std::collections::VecDeque;
+use stops::Turn;
 use trace::{Tracer, seeds};
 
 /// Branches that are followed, the first one included.
@@ -84,6 +88,15 @@ pub enum End {
     Range,
     /// In its own first point.
     Closed,
+    /// At a stop of a hinge, which bears from there on or no longer does.
+    Stop {
+        /// The hinge, as in [`Model::label`].
+        hinge: String,
+        /// The limit (m or rad).
+        limit: f64,
+        /// Whether the hinge lifts off it.
+        lifts: bool,
+    },
     /// After as many points as were asked for.
     Points,
     /// Where it cannot be followed further, and why.
@@ -137,6 +150,10 @@ pub enum EventKind {
     Bifurcation,
     /// The motion about it begins to grow while the balance stays regular.
     Flutter,
+    /// A hinge comes to a stop.
+    Stop,
+    /// A hinge lifts off its stop.
+    Lift,
 }
 
 impl EventKind {
@@ -146,6 +163,8 @@ impl EventKind {
             Self::Fold => "fold",
             Self::Bifurcation => "bifurcation",
             Self::Flutter => "flutter",
+            Self::Stop => "stop",
+            Self::Lift => "lift",
         }
     }
 }
@@ -172,21 +191,14 @@ pub fn follow(
         path.notes.push(format!("no path: there is no equilibrium at `{}` = {from} to start from", settings.parameter));
         return Ok(path);
     }
-    if let Some(stop) = path.start.stops.first() {
-        path.notes.push(format!(
-            "no path: the equilibrium at `{}` = {} rests on the stop of {}, and a path cannot follow what a stop bears; lock \
-             the hinge there, or take off its `limits`",
-            settings.parameter,
-            number(settings.from),
-            stop.hinge
-        ));
-        path.complete = false;
-        return Ok(path);
-    }
+    let set: Set = model.stops.iter().map(|stop| borne(&model, stop, &path.start)).collect();
     let range = (settings.to - settings.from).abs();
     let q = path.start.position.clone();
-    let mut moving = Moving::new(&first, assembled, &settings.numbers, settings.from, range, &q)?;
-    if !moving.is_felt(&q, settings.from)? {
+    let numbers = &settings.numbers;
+    let family = |at: f64, q: &[f64], set: Set| Moving::new(&first, assembled.clone(), numbers, at, range, (q, set));
+    let mut moving = family(settings.from, &q, set.clone())?;
+    // What only a stop feels is felt.
+    if set.iter().all(|side| *side == 0) && !moving.is_felt(&q, settings.from)? {
         return Err(format!("nothing in this equilibrium feels `{}`: there is no path to follow", settings.parameter));
     }
     if path.start.stability.as_ref().is_some_and(|s| s.neutral_directions > 0) {
@@ -194,17 +206,40 @@ pub fn follow(
     }
     let mut tracer = Tracer::new(moving, settings);
     let mut queue = VecDeque::from([tracer.first(&q)?]);
-    while let Some(seed) = queue.pop_front() {
+    let mut turns: VecDeque<(Turn, Set, (usize, usize))> = VecDeque::new();
+    // The stops that bear along each branch.
+    let mut sets: Vec<Set> = Vec::new();
+    loop {
+        let Some(seed) = queue.pop_front() else {
+            let Some((turn, before, parent)) = turns.pop_front() else { break };
+            let q = &turn.point.place.q;
+            tracer = Tracer::new(family(turn.point.parameter, q, turn.set.clone())?, settings);
+            match tracer.onward(&turn, &before, parent) {
+                Some(seed) => queue.push_back(seed),
+                None => {
+                    path.complete = false;
+                    path.notes.push(format!(
+                        "branch {} ends on the stop of {} at `{}` = {}: none was found that goes on from there",
+                        parent.0,
+                        model.label(model.stops[turn.index].velocity),
+                        settings.parameter,
+                        number(turn.point.parameter)
+                    ));
+                }
+            }
+            continue;
+        };
         if path.branches.len() == MOST_BRANCHES {
             path.complete = false;
             path.notes.push(format!("stopped after {MOST_BRANCHES} branches: there are more"));
             break;
         }
-        if path.branches.iter().any(|branch| tracer.is_on(&seed, branch)) {
+        let set = tracer.moving.set().clone();
+        if path.branches.iter().zip(&sets).any(|(branch, of)| *of == set && tracer.is_on(&seed, branch)) {
             continue;
         }
         let index = path.branches.len();
-        let branch = tracer.trace(seed, go_on)?;
+        let (branch, turn) = tracer.trace(seed, go_on)?;
         if let End::Lost(reason) = &branch.end {
             let at = branch.points.last().map_or(settings.from, |point| point.parameter);
             let at = number(at);
@@ -212,29 +247,21 @@ pub fn follow(
             path.complete = false;
         }
         path.complete &= branch.end != End::Points;
-        path.notes.extend(model.stops.iter().filter_map(|stop| beyond(&model, stop, &branch, index, settings)));
         if settings.branches {
             queue.extend(seeds(&mut tracer, &branch, index, &mut path.notes));
         }
+        turns.extend(turn.map(|turn| (turn, set.clone(), (index, branch.points.len() - 1))));
         path.branches.push(branch);
+        sets.push(set);
     }
     Ok(path)
 }
 
-/// Where a branch goes beyond a stop, which it does not heed.
-fn beyond(model: &Model, stop: &Stop, branch: &Branch, index: usize, settings: &Settings) -> Option<String> {
-    let [low, high] = stop.range;
-    let slack = |limit: f64| 1e-9 * limit.abs().max(1.0);
-    let passes = |value: f64| value < low - slack(low) || value > high + slack(high);
-    let first = branch.points.iter().find(|point| passes(point.position[stop.position]))?;
-    let limit = if first.position[stop.position] < low { low } else { high };
-    Some(format!(
-        "branch {index} goes beyond the limit {} of {} from `{}` = {} on: stops are not heeded there",
-        number(limit),
-        model.label(stop.velocity),
-        settings.parameter,
-        number(first.parameter)
-    ))
+/// The side of a stop that an equilibrium rests on.
+fn borne(model: &Model, stop: &Stop, start: &Equilibrium) -> i8 {
+    let hinge = model.label(stop.velocity);
+    let bearing = start.stops.iter().find(|one| one.hinge == hinge);
+    bearing.map_or(0, |one| if one.low { -1 } else { 1 })
 }
 
 impl Path {

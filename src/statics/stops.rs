@@ -22,7 +22,7 @@ use super::settings::Settings;
 use super::stability::Mode;
 use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
-use crate::model::{Model, StopLaw};
+use crate::model::{Model, Stop, StopLaw};
 use std::collections::HashSet;
 
 /// A coordinate that is further beyond its limit than this (rad, or part of the scene's length) has passed it.
@@ -48,7 +48,7 @@ pub struct Bearing {
 }
 
 /// Which side of each stop bears: −1, 1, or 0 for none.
-type Set = Vec<i8>;
+pub(super) type Set = Vec<i8>;
 
 /// The equilibrium with the stops heeded; poses of the search go to `trail`.
 pub(super) fn search(
@@ -58,7 +58,7 @@ pub(super) fn search(
     searched: &mut dyn FnMut(),
     mut trail: Option<&mut Vec<Vec<f64>>>,
 ) -> Result<Equilibrium, Fault> {
-    let mut set: Set = model.stops.iter().map(|stop| touched(model, stop, start)).collect();
+    let mut set = touching(model, start);
     let mut seen = HashSet::new();
     let mut added = None;
     let (mut stages, mut steps, mut evaluations) = (Vec::new(), 0, 0);
@@ -129,7 +129,7 @@ fn unit(model: &Model, velocity: usize) -> f64 {
 }
 
 /// The side on which a coordinate is at its limit or beyond.
-fn touched(model: &Model, stop: &crate::model::Stop, q: &[f64]) -> i8 {
+fn touched(model: &Model, stop: &Stop, q: &[f64]) -> i8 {
     let slack = PASSED * unit(model, stop.velocity);
     match q[stop.position] {
         value if value <= stop.range[0] + slack => -1,
@@ -138,8 +138,36 @@ fn touched(model: &Model, stop: &crate::model::Stop, q: &[f64]) -> i8 {
     }
 }
 
+/// The sides that a pose touches.
+pub(super) fn touching(model: &Model, q: &[f64]) -> Set {
+    model.stops.iter().map(|stop| touched(model, stop, q)).collect()
+}
+
+/// The rigid stops that a pose has passed: hinge, limit, and where it stands.
+pub(super) fn passed(model: &Model, q: &[f64]) -> Vec<(String, f64, f64)> {
+    let beyond = |stop: &Stop| {
+        let value = q[stop.position];
+        let slack = PASSED * unit(model, stop.velocity).max(value.abs());
+        let limit = if value < stop.range[0] { stop.range[0] } else { stop.range[1] };
+        let passes = value < stop.range[0] - slack || value > stop.range[1] + slack;
+        (passes && matches!(stop.law, StopLaw::Rigid { .. })).then(|| (model.label(stop.velocity), limit, value))
+    };
+    model.stops.iter().filter_map(beyond).collect()
+}
+
+/// Of the stops of the set the one that would have to pull most in a balance of the scene in which they bear.
+pub(super) fn pulling(model: &Model, set: &Set, bearing: &Model, found: &Equilibrium) -> Result<Option<usize>, Fault> {
+    let (held, sizes) = held(bearing, found)?;
+    let pull = |index: usize| {
+        let of = load(model, index, set[index], &found.position, &held);
+        of / sizes[model.stops[index].velocity].max(f64::MIN_POSITIVE)
+    };
+    let worst = (0..set.len()).filter(|index| set[*index] != 0).min_by(|a, b| pull(*a).total_cmp(&pull(*b)));
+    Ok(worst.filter(|index| pull(*index) < -PULLS))
+}
+
 /// The scene in which these stops bear, and the guess on them; `None` where loops have no position there.
-fn with(model: &Model, set: &Set, start: &[f64]) -> Option<(Model, Vec<f64>)> {
+pub(super) fn with(model: &Model, set: &Set, start: &[f64]) -> Option<(Model, Vec<f64>)> {
     let (mut bearing, mut guess) = (model.clone(), start.to_vec());
     bearing.stops.clear();
     let mut held = Vec::new();
@@ -186,8 +214,7 @@ fn bring(bearing: &mut Model, q: &mut [f64], held: &[(usize, f64)]) -> bool {
 
 /// The scene in which the stops that a position touches bear, and the position on them.
 pub(super) fn bearing(model: &Model, q: &[f64]) -> (Model, Vec<f64>) {
-    let set = model.stops.iter().map(|stop| touched(model, stop, q)).collect();
-    with(model, &set, q).unwrap_or_else(|| (model.clone(), q.to_vec()))
+    with(model, &touching(model, q), q).unwrap_or_else(|| (model.clone(), q.to_vec()))
 }
 
 /// What a stop of the set bears; negative where it would have to pull. `held` are the forces of locked coordinates.
@@ -291,7 +318,7 @@ fn in_the_way(model: &Model, set: &Set, start: &[f64]) -> Result<Option<Set>, Fa
 }
 
 /// The answer in terms of the scene itself: what bears, and modes in all coordinates that it leaves free.
-fn finish(model: &Model, set: &Set, bearing: &Model, mut found: Equilibrium) -> Result<Equilibrium, Fault> {
+pub(super) fn finish(model: &Model, set: &Set, bearing: &Model, mut found: Equilibrium) -> Result<Equilibrium, Fault> {
     let (held, _) = held(bearing, &found)?;
     for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
         let stop = &model.stops[index];

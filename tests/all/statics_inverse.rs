@@ -142,3 +142,48 @@ fn addresses_are_checked_in_the_file() {
         assert!(first.message.contains(expected) && first.place.as_ref().is_some_and(|at| at.line == 3), "{problems}");
     }
 }
+
+/// The arm lies on a post: its limit bears what the spring leaves, and no more than the weight. A spring that lifts it lets
+/// the post go, and the length that just does is the answer, not one at which the post would pull.
+#[test]
+fn a_touched_stop_bears_what_the_unknowns_leave_and_never_pulls() {
+    let on_post = |springs: &[(f64, f64)], limits: &str| {
+        let text = arm(springs, "[\"s0.length\"]");
+        held(&read(&text.replace("axis = [0, 1, 0] }", &format!("axis = [0, 1, 0], limits = {limits} }}")))).found
+    };
+    // Turning about +y lowers the arm: its post is the upper limit. A spring of 4 N leaves 6 N m to it: nothing changes.
+    let lying = on_post(&[(100.0, 0.96)], "[-1.0, 0.0]");
+    assert!(lying.converged, "{:?}", lying.notes);
+    assert_eq!(lying.unknowns, [("s0.length".to_owned(), 0.96)]);
+    assert!((lying.stops[0].load - 6.0).abs() < 1e-12 && !lying.stops[0].low, "{:?}", lying.stops);
+    // One of 30 N would lift it: 10 N are enough.
+    let lifted = on_post(&[(100.0, 0.7)], "[-1.0, 0.0]");
+    assert!(lifted.converged && lifted.stops.is_empty(), "{:?} {:?}", lifted.notes, lifted.stops);
+    assert!((lifted.unknowns[0].1 - 0.9).abs() < 1e-12, "{:?}", lifted.unknowns);
+    // A limit that the pose has passed is no place to be.
+    let beyond = on_post(&[(100.0, 0.96)], "[-1.0, -0.1]");
+    assert!(!beyond.converged && !beyond.balanced);
+    assert!(beyond.notes[0].contains("beyond the limit -0.1 of `arm`, which stands at 0"), "{:?}", beyond.notes);
+    // Rubber that is pressed is a spring: 50 N m/rad over 0.1 rad are 5 N m, the spring has to pull the other 5 N.
+    let rubber = on_post(&[(100.0, 1.0)], "{ high = -0.1, low = -1.0, stiffness = 50.0, damping = 1.0 }");
+    assert!(rubber.converged, "{:?}", rubber.notes);
+    assert!((rubber.unknowns[0].1 - 0.95).abs() < 1e-12 && (rubber.stops[0].load - 5.0).abs() < 1e-12);
+}
+
+/// A parallelogram on the stop of one rod: the stop stands for the weights of all bars, through the loop, and a motor in
+/// the other rod takes nothing from it unless it has to.
+#[test]
+fn a_stop_beside_a_loop_bears_through_it() {
+    let (scenario, _) = crate::scenarios::shipped("parallelogram_on_stop", &[]);
+    let text = scenario.text.replace("position = 1.0", "position = 0.2").replace("position = -1.0", "position = -0.2");
+    let text = text.replacen("[simulate]", "[statics]\nunknown = [\"left.force\"]\n[simulate]", 1);
+    let weights = (2.0 * 0.25 + 2.0 * 0.5) * 9.80665 * 0.2_f64.sin();
+    let found = held(&read(&text)).found;
+    assert!(found.converged, "{:?}", found.notes);
+    assert!((found.stops[0].load - weights).abs() < 1e-9, "{:?}", found.stops);
+    assert!(found.unknowns[0].1.abs() < 1e-12);
+    // With the limit on the other side the stop would have to pull: the motor holds all of it.
+    let found = held(&read(&text.replace("low = 0.2", "high = 0.2"))).found;
+    assert!(found.converged && found.stops.is_empty(), "{:?} {:?}", found.notes, found.stops);
+    assert!((found.unknowns[0].1.abs() - weights).abs() < 1e-9, "{:?}", found.unknowns);
+}

@@ -283,3 +283,66 @@ fn what_a_path_cannot_follow_is_said() {
     let problems = scenario::parse("path.toml", &text, &[both]).expect_err("both");
     assert!(problems.to_string().contains("do not go together"), "{problems}");
 }
+
+/// Balance at a limit `a` of the boom: `(F − W_boom/2 − W_sign) l cos a = k a`.
+#[test]
+fn a_barrier_lifts_off_one_stop_and_comes_to_the_other() {
+    let path = path_of(&crate::scenarios::shipped("barrier", &[]).0);
+    proven(&path);
+    let pull = |angle: f64| 9.80665 * (6.0 + 2.0) + 150.0 * angle / (3.0 * angle.cos());
+    let [(0, lift)] = events(&path, EventKind::Lift)[..] else { panic!("one lift: {:?}", path.notes) };
+    near(lift.parameter, pull(-0.1), 1e-8);
+    near(lift.position[0], -0.1, 1e-12);
+    let [(1, stop)] = events(&path, EventKind::Stop)[..] else { panic!("one stop: {:?}", path.notes) };
+    near(stop.parameter, pull(1.2), 1e-8);
+    near(stop.position[0], 1.2, 1e-10);
+    assert_eq!(stop.event.as_ref().expect("it").carriers, ["boom"]);
+    let [first, second, third] = &path.branches[..] else { panic!("three branches: {:?}", path.notes) };
+    assert_eq!((second.parent.map(|(branch, _)| branch), third.parent.map(|(branch, _)| branch)), (Some(0), Some(1)));
+    assert!(matches!(&first.end, End::Stop { hinge, limit, lifts: true } if hinge == "`boom`" && *limit == -0.1));
+    assert!(matches!(&second.end, End::Stop { limit, lifts: false, .. } if *limit == 1.2));
+    assert_eq!(third.end, End::Range);
+    // Along the last branch the boom stays where it is, and the sign hangs.
+    for point in &third.points {
+        near(point.position[0], 1.2, 1e-12);
+        near(point.position[0] + point.position[1], 0.0, 1e-9);
+    }
+    near(third.points.last().expect("points").parameter, 200.0, 1e-9);
+    let [between] = wanted(second).collect::<Vec<_>>()[..] else { panic!("one value that was asked for") };
+    near(between.parameter, 100.0, 1e-9);
+    near(pull(between.position[0]), 100.0, 1e-7);
+}
+
+/// One hinge on its stop leaves nothing to move: the path goes on all the same, and snaps back where it lets go.
+#[test]
+fn a_path_goes_on_where_stops_leave_nothing_to_move() {
+    let bob = "[statics.path]\nparameter = \"bob.force\"\nfrom = 0\nto = 20\n[[body]]\nname = \"bob\"\nmass = 1\n\
+               center = [0, 0, -1]\nhinge = { type = \"revolute\", axis = [0, 1, 0], limits = [-0.5, 0.3] }\n";
+    let path = followed(bob);
+    proven(&path);
+    // The sine of the angle times m g l, up to the stop.
+    let [(0, stop)] = events(&path, EventKind::Stop)[..] else { panic!("one stop: {:?}", path.notes) };
+    near(stop.parameter, 9.80665 * 0.3_f64.sin(), 1e-9);
+    assert_eq!((path.branches.len(), path.branches[1].end.clone()), (2, End::Range));
+    near(path.branches[1].points.last().expect("points").position[0], 0.3, 1e-15);
+    // Rubber gives way: m g l sin q + k (q − 0.3) = F on its branch.
+    let path = followed(&bob.replace("[-0.5, 0.3]", "{ low = -0.5, high = 0.3, stiffness = 40.0, damping = 1.0 }"));
+    proven(&path);
+    let last = path.branches[1].points.last().expect("points");
+    near(9.80665 * last.position[0].sin() + 40.0 * (last.position[0] - 0.3), 20.0, 1e-9);
+}
+
+/// What the stop of one rod bears falls to nothing when the motor of the other carries all weights, through the loop.
+#[test]
+fn a_path_lifts_a_loop_off_its_stop() {
+    let (scenario, _) = crate::scenarios::shipped("parallelogram_on_stop", &[]);
+    let keys = "[statics.path]\nparameter = \"left.force\"\nfrom = 0\nto = 10\n[simulate]";
+    let path = followed(&scenario.text.replacen("[simulate]", keys, 1));
+    proven(&path);
+    let lever = (2.0 * 0.25 + 2.0 * 0.5) * 9.80665;
+    let [(0, lift)] = events(&path, EventKind::Lift)[..] else { panic!("one lift: {:?}", path.notes) };
+    near(lift.parameter, lever * 0.2_f64.sin(), 1e-8);
+    let last = path.branches[1].points.last().expect("points");
+    near(lever * last.position[0].sin(), 10.0, 1e-8);
+    near(last.position[2], last.position[0], 1e-10);
+}

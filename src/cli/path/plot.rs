@@ -68,7 +68,7 @@ pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
                 }
             }
         }
-        for kind in [EventKind::Fold, EventKind::Bifurcation, EventKind::Flutter] {
+        for kind in [EventKind::Fold, EventKind::Bifurcation, EventKind::Flutter, EventKind::Stop, EventKind::Lift] {
             let mine = |point: &&PathPoint| point.event.as_ref().is_some_and(|event| event.kind == kind);
             let marks: Vec<(f64, f64)> = points().filter(mine).map(place).collect();
             if marks.is_empty() {
@@ -83,11 +83,17 @@ pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
                         .draw_series(marks.iter().map(|at| TriangleMarker::new(*at, 8, BLACK.filled()).into_dyn()))?,
                     EventKind::Flutter => chart
                         .draw_series(marks.iter().map(|at| Cross::new(*at, 7, BLACK.stroke_width(2)).into_dyn()))?,
+                    EventKind::Stop => chart
+                        .draw_series(marks.iter().map(|at| TriangleMarker::new(*at, 8, BLUE.filled()).into_dyn()))?,
+                    EventKind::Lift => chart
+                        .draw_series(marks.iter().map(|at| Circle::new(*at, 6, BLUE.stroke_width(2)).into_dyn()))?,
                 };
             series.label(kind.name()).legend(move |(x, y)| match kind {
                 EventKind::Fold => Circle::new((x + 12, y), 5, BLACK.filled()).into_dyn(),
                 EventKind::Bifurcation => TriangleMarker::new((x + 12, y), 7, BLACK.filled()).into_dyn(),
                 EventKind::Flutter => Cross::new((x + 12, y), 6, BLACK.stroke_width(2)).into_dyn(),
+                EventKind::Stop => TriangleMarker::new((x + 12, y), 7, BLUE.filled()).into_dyn(),
+                EventKind::Lift => Circle::new((x + 12, y), 5, BLUE.stroke_width(2)).into_dyn(),
             });
         }
         chart

@@ -105,7 +105,7 @@ pub const HINGE: Table = Table {
         Key::new(
             "limits",
             LIMITS,
-            "Lowest and highest coordinate, or a list of such pairs, of stops that hold; or one stop in full. A run heeds them, statics does not.",
+            "Lowest and highest coordinate, or a list of such pairs, of stops that hold; or one stop in full. Runs and statics heed them.",
         )
         .unit("m or rad")
         .only(MOVING)

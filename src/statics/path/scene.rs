@@ -4,11 +4,12 @@ use super::super::assembled::Assembled;
 use super::super::landscape::{Branch, Landscape};
 use super::super::search::{Place, SHIFT};
 use super::super::stability::{NEUTRAL, count_by_motion, count_by_stiffness};
+use super::super::stops::{self, Set};
 use super::super::tied;
 use super::curve::{Family, Look, Metric};
 use crate::dynamics::{Fault, Linearization, System};
 use crate::model::description::Description;
-use crate::model::{Joint, Model, Parameter};
+use crate::model::{Joint, Model, Parameter, Stop};
 use crate::spatial::rotation::rotation_vector;
 use crate::spatial::{Pose, Wrench};
 use faer::Mat;
@@ -25,8 +26,11 @@ pub(super) struct Moving<'a> {
     assembled: Assembled,
     /// Motions along the loops where the last solution was looked at.
     branch: Option<Branch>,
-    /// The model at the start: its tree is that of all others.
+    /// The model at the start, with the stops that bear: its tree is that of all others.
     model: Model,
+    /// The stops of the scene, and which of them bear.
+    stops: Vec<Stop>,
+    set: Set,
     metric: Metric,
     /// Shift of the stiffness, as a part of the largest curvature: motions that cost nothing make it singular.
     shift: f64,
@@ -61,23 +65,58 @@ impl<'a> Moving<'a> {
         parameters: &'a [Parameter],
         start: f64,
         range: f64,
-        q: &[f64],
+        (q, set): (&[f64], Set),
     ) -> Result<Self, String> {
         let mut description = description.clone();
         let mut model = build(&mut description, parameters, start)?;
         assembled.give(&mut model, &mut q.to_vec())?;
+        let all = model.stops.clone();
+        let (model, _) = resting(model, &set, q)?;
         let (inertia, reach) = {
             let mut system = System::new(&model);
             let landscape = Landscape::new(&mut system, q).map_err(|fault| fault.to_string())?;
-            let reach = landscape.reach();
+            // Stops may leave nothing to move.
+            let reach = if landscape.free.is_empty() { 1.0 } else { landscape.reach() };
             (landscape.metric, reach)
         };
         let metric = Metric { inertia, reach, range };
-        Ok(Self { description, parameters, assembled, branch: None, model, metric, shift: 0.0 })
+        Ok(Self { description, parameters, assembled, branch: None, model, stops: all, set, metric, shift: 0.0 })
     }
 
     pub(super) fn metric(&self) -> &Metric {
         &self.metric
+    }
+
+    /// Which stops bear.
+    pub(super) fn set(&self) -> &Set {
+        &self.set
+    }
+
+    pub(super) fn stop(&self, index: usize) -> Stop {
+        self.stops[index]
+    }
+
+    /// Whether a velocity coordinate is a distance.
+    pub(super) fn slides(&self, velocity: usize) -> bool {
+        super::super::landscape::slides(&self.model)[velocity]
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.model.length_scale()
+    }
+
+    /// What holds a coordinate (N or N m), and how large the forces are that act there.
+    pub(super) fn held(&mut self, q: &[f64], parameter: f64, velocity: usize) -> Result<[f64; 2], String> {
+        self.with(q, parameter, |landscape, q| {
+            // With loops: the multipliers there.
+            landscape.force(&q)?;
+            let steady = landscape.steady.clone();
+            let rest = vec![0.0; steady.len()];
+            let mut residual = rest.clone();
+            let system = landscape.system();
+            system.residual(&q, &steady, &rest, &mut residual)?;
+            Ok([residual[velocity], system.balance_magnitudes(&q).force[velocity]])
+        })
     }
 
     pub(super) fn model(&self) -> &Model {
@@ -104,6 +143,7 @@ impl<'a> Moving<'a> {
             q[range.clone()].copy_from_slice(&model.start_position[range]);
         }
         self.assembled.give(&mut model, &mut q)?;
+        let (model, q) = resting(model, &self.set, &q)?;
         let mut system = System::new(&model);
         let mut landscape = Landscape::new(&mut system, &q).map_err(|fault| fault.to_string())?;
         landscape.metric.clone_from(&self.metric.inertia);
@@ -159,6 +199,9 @@ impl<'a> Moving<'a> {
 
     /// Counts directions at a solution.
     pub(super) fn count(&mut self, place: &Place, parameter: f64) -> Result<Count, String> {
+        if self.metric.inertia.is_empty() {
+            return Ok(Count { unstable: 0, neutral: 0, negative: 0 });
+        }
         let magnitude = &place.scales.stiffness;
         self.with(&place.q, parameter, |landscape, q| {
             if !landscape.conservative {
@@ -274,6 +317,14 @@ impl Family for Moving<'_> {
         System::displace(&self.model, &mut moved, &full);
         moved
     }
+}
+
+/// The model while these stops bear, and the position on them.
+fn resting(model: Model, set: &Set, q: &[f64]) -> Result<(Model, Vec<f64>), String> {
+    if set.iter().all(|side| *side == 0) {
+        return Ok((model, q.to_vec()));
+    }
+    stops::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())
 }
 
 fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Model, String> {

@@ -2,6 +2,7 @@
 
 use super::curve::{Curve, Direction, Family, Point};
 use super::scene::{Count, Moving};
+use super::stops::Turn;
 use super::{Branch, End, Event, EventKind, PathPoint, Settings};
 use crate::statics::stability::Verdict;
 
@@ -14,14 +15,14 @@ const BESIDE: [f64; 4] = [1.0, 2.5, 0.5, 0.2];
 
 /// What follows branches.
 pub(super) struct Tracer<'a> {
-    moving: Moving<'a>,
-    settings: &'a Settings,
+    pub(super) moving: Moving<'a>,
+    pub(super) settings: &'a Settings,
 }
 
 /// Where a branch begins.
 pub(super) struct Seed {
-    point: Point,
-    parent: Option<(usize, usize)>,
+    pub(super) point: Point,
+    pub(super) parent: Option<(usize, usize)>,
 }
 
 /// A point on the way between two others, by arclength from the first.
@@ -37,7 +38,7 @@ impl<'a> Tracer<'a> {
         Self { moving, settings }
     }
 
-    fn curve(&mut self) -> Curve<'_> {
+    pub(super) fn curve(&mut self) -> Curve<'_> {
         let metric = self.moving.metric().clone();
         Curve::new(&mut self.moving, metric)
     }
@@ -64,8 +65,12 @@ impl<'a> Tracer<'a> {
         branch.points.iter().any(|point| distance(point) < near)
     }
 
-    /// Follows a branch from its seed to its end.
-    pub(super) fn trace(&mut self, seed: Seed, go_on: &mut dyn FnMut(f64) -> bool) -> Result<Branch, String> {
+    /// Follows a branch from its seed to its end; tells how it goes on where that is at a stop.
+    pub(super) fn trace(
+        &mut self,
+        seed: Seed,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<(Branch, Option<Turn>), String> {
         let parent = seed.parent;
         let first = seed.point;
         let mut count = self.moving.count(&first.place, first.parameter)?;
@@ -88,14 +93,32 @@ impl<'a> Tracer<'a> {
             };
             let next_count = self.moving.count(&next.place, next.parameter)?;
             let mut between = self.events(&here, &next, step, [count, next_count]);
-            let leaves = self.marks(&here, &next, step, &mut between);
+            let mut leaves = self.marks(&here, &next, step, &mut between);
             between.sort_by(|a, b| a.s.total_cmp(&b.s));
+            let turn = self.turn(&here, &next, step);
+            let turn = turn.filter(|turn| !leaves || between.last().is_none_or(|last| turn.s < last.s));
+            if let Some(turn) = &turn {
+                between.retain(|one| one.s < turn.s);
+                leaves = false;
+            }
             for one in between {
                 let count = match one.event {
                     Some(_) => Count { neutral: 1, unstable: count.unstable.min(next_count.unstable), ..count },
                     None => self.moving.count(&one.point.place, one.point.parameter)?,
                 };
                 self.push(&mut branch, &one.point, count, arclength + one.s, one.event, one.wanted)?;
+            }
+            if let Some(turn) = turn {
+                let count = self.moving.count(&turn.point.place, turn.point.parameter)?;
+                let (stop, lifts) = (self.moving.stop(turn.index), turn.set[turn.index] == 0);
+                let kind = if lifts { EventKind::Lift } else { EventKind::Stop };
+                let carriers = vec![self.moving.model().owner(stop.velocity).to_owned()];
+                let event = Event { kind, directions: 1, carriers };
+                self.push(&mut branch, &turn.point, count, arclength + turn.s, Some(event), false)?;
+                let side = if lifts { self.moving.set()[turn.index] } else { turn.set[turn.index] };
+                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.range[usize::from(side > 0)]);
+                branch.end = End::Stop { hinge, limit, lifts };
+                return Ok((branch, Some(turn)));
             }
             if leaves {
                 let reached = branch.points.last().is_some_and(|last| self.ends_range(last.parameter));
@@ -117,7 +140,7 @@ impl<'a> Tracer<'a> {
                 break;
             }
         }
-        Ok(branch)
+        Ok((branch, None))
     }
 
     /// Whether a value of the parameter is an end of its range.
@@ -213,21 +236,28 @@ impl<'a> Tracer<'a> {
             };
             let ends = [(low, value(self, low)?), (high, value(self, high)?)];
             (ends[0].1 * ends[1].1 < 0.0).then_some(())?;
-            self.root_of(a, ends, &b)
+            // A stiffness that cannot be solved with is the zero that is looked for.
+            self.located(a, ends, &mut |tracer, point| {
+                Some(tracer.moving.stiffness_along(&point.place.q, point.parameter, &b).unwrap_or(0.0))
+            })
         });
         by_root.or_else(|| self.by_count(a, step, counts[0], |count| count.negative))
     }
 
-    /// The root of the stiffness along `b`, by the Illinois rule.
-    fn root_of(&mut self, a: &Point, ends: [(f64, f64); 2], b: &[f64]) -> Option<(f64, Point)> {
+    /// The root of a number along the curve, by the Illinois rule.
+    pub(super) fn located(
+        &mut self,
+        a: &Point,
+        ends: [(f64, f64); 2],
+        of: &mut dyn FnMut(&mut Self, &Point) -> Option<f64>,
+    ) -> Option<(f64, Point)> {
         let [mut low, mut high] = ends;
         let size = low.1.abs().max(high.1.abs());
         let mut best = None;
         for _ in 0..40 {
             let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
             let point = self.curve().ahead(a, s)?;
-            // A stiffness that cannot be solved with is the zero that is looked for.
-            let value = self.moving.stiffness_along(&point.place.q, point.parameter, b).unwrap_or(0.0);
+            let value = of(self, &point)?;
             best = Some((s, point));
             if value.abs() < 1e-13 * size || (high.0 - low.0).abs() < 1e-14 * self.settings.step {
                 break;

@@ -189,3 +189,89 @@ fn rods_pull_and_trees_carry_nothing() {
     let (scene, samples) = recorded(&free, 0.1, 10.0);
     assert!(scene.couplings.is_empty() && samples.iter().all(|sample| sample.couplings.is_empty()));
 }
+
+/// While a stop holds the right rod, the loop passes what balances the other two bars: half the coupler's weight, and the
+/// pull that keeps the left rod out, `g tan q` times its own half weight and the coupler's half. The stop's rows stand
+/// beside the loop's and take nothing from them.
+#[test]
+fn what_a_loop_passes_is_right_while_a_stop_holds() {
+    const G: f64 = 9.80665;
+    let (scenario, mut model) = crate::scenarios::shipped("parallelogram_on_stop", &[]);
+    let right = model.bodies.iter().position(|body| body.name == "right").expect("the rod");
+    let check = |scene: &Scene, sample: &OwnedSample, tolerance: f64| {
+        let expected = [("force.x", 1.5 * G * 0.2_f64.tan()), ("force.y", 0.0), ("force.z", -G), ("moment.y", 0.0)];
+        for (name, expected) in expected {
+            let found = sample.couplings[column(scene, "coupler-right", name)];
+            assert!((found - expected).abs() < tolerance, "{name} at {} s: {found}, not {expected}", sample.time);
+        }
+        assert!(sample.couplings[column(scene, "coupler-right", "gap")] < 1e-12);
+        // The hinge of the right rod carries half of all weights, and the pull.
+        let hinge = &sample.reactions[right];
+        assert!((hinge.force.z - 2.0 * G).abs() < tolerance, "{}", hinge.force);
+        assert!((hinge.force.x + 1.5 * G * 0.2_f64.tan()).abs() < tolerance, "{}", hinge.force);
+    };
+    // It comes to rest after some blows, and its loads are those of rest from then on.
+    let scene = simulate::scene(&model);
+    let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let summary = simulate::run(&model, &scenario.simulate, 100.0, &start, &mut memory, &mut |_, _| true);
+    let rest = summary.unwrap_or_else(|error| panic!("{error}")).events.last().expect("events").time;
+    let held: Vec<&OwnedSample> = memory.samples.iter().filter(|sample| sample.time > rest).collect();
+    assert!(held.len() > 10, "{} samples after {rest} s", held.len());
+    held.iter().for_each(|sample| check(&scene, sample, 1e-9));
+    // Started there, it is held from the first sample on.
+    model.start_position.copy_from_slice(&[0.2, -0.2, 0.2]);
+    model.start_velocity.fill(0.0);
+    let (scene, samples) = recorded(&model, 0.1, 100.0);
+    samples.iter().for_each(|sample| check(&scene, sample, 1e-9));
+}
+
+/// A drive that pushes a slider to where crank and rod are in line is named, with its hinge and the time.
+#[test]
+fn a_drive_at_its_dead_centre_is_named() {
+    let text = r#"
+[[body]]
+name = "crank"
+mass = 1.0
+center = [0.25, 0, 0]
+inertia = [0.01, 0.03, 0.03]
+markers = { pin = [0.5, 0, 0] }
+hinge = { type = "revolute", axis = [0, 1, 0], position = -0.7 }
+[[body]]
+name = "rod"
+mass = 1.0
+center = [0.5, 0, 0]
+inertia = [0.01, 0.1, 0.1]
+markers = { pin = [1.0, 0, 0] }
+hinge = { type = "revolute", parent = "crank", at = "pin", axis = [0, 1, 0], position = 1.0 }
+[[body]]
+name = "slider"
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+hinge = { type = "prismatic", axis = [1, 0, 0], position = 1.3 }
+[[loop]]
+name = "pin"
+type = "revolute"
+between = ["rod.pin", "slider"]
+axis = [0, 1, 0]
+[[drive]]
+name = "pusher"
+hinge = "slider"
+type = "rate"
+rate = 0.2
+"#;
+    let (_, model) = read(text);
+    for (method, step) in [(Method::Dop853, None), (Method::Radau5, None), (Method::Rk4, Some(1e-3))] {
+        let integrator = Integrator::Method(method);
+        let settings = Settings { duration: 4.0, integrator, step, ..Settings::default() };
+        let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        let scene = simulate::scene(&model);
+        let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
+        let error = simulate::run(&model, &settings, 100.0, &start, &mut memory, &mut |_, _| true).expect_err("an end");
+        // From 1.3 m to 1.5 m at 0.2 m/s.
+        let error = error.to_string();
+        assert!(error.contains("from t = 0.99"), "{method:?}: {error}");
+        let named = "drive `pusher` stands next to a dead centre: the loops leave `slider` no way on";
+        assert!(error.contains(named), "{method:?}: {error}");
+    }
+}

@@ -1,0 +1,42 @@
+//! Dead centres of drives: positions in which the loops leave a driven hinge no way on, however hard it is pushed.
+//!
+//! There the rows hang on each other, and without the drive they do not. A run that fails next to one says which drive it
+//! is: steps that shrink, or loops that cannot be closed, only tell what follows from it.
+
+use super::RunError;
+use super::run::State;
+use crate::dynamics::System;
+use crate::model::Model;
+
+/// A drive next to a dead centre leaves this part of the clearance that the rows have without it.
+const NEXT_TO: f64 = 0.1;
+
+/// The error of a step from `time`, with the drives that are next to a dead centre there.
+pub(super) fn beside(error: RunError, model: &Model, time: f64, state: &State) -> RunError {
+    let RunError::Step(text) = error else { return error };
+    let found: Vec<String> = (0..model.drives.len())
+        .filter(|index| is_held_up(model, *index, time, state))
+        .map(|index| {
+            let drive = &model.drives[index];
+            let hinge = model.label(drive.coordinate.velocity);
+            format!("; drive `{}` stands next to a dead centre: the loops leave {hinge} no way on", drive.name)
+        })
+        .collect();
+    RunError::Step(text + &found.concat())
+}
+
+fn is_held_up(model: &Model, drive: usize, time: f64, state: &State) -> bool {
+    let mut without = model.clone();
+    without.drives.remove(drive);
+    without.start_position.clone_from(&state.position);
+    without.independent_rows = None;
+    clearance(model, time, state) < NEXT_TO * clearance(&without, time, state)
+}
+
+/// The clearance of the rows next to a state; 0 where it cannot be settled.
+fn clearance(model: &Model, time: f64, state: &State) -> f64 {
+    let mut system = System::new(model);
+    system.set_time(time);
+    let (mut q, mut v) = (state.position.clone(), state.velocity.clone());
+    system.settle(&mut q, &mut v).map_or(0.0, |settled| settled.clearance)
+}

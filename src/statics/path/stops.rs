@@ -1,0 +1,98 @@
+//! Stops on the way of a path: where a branch comes to one or lifts off it, and how it goes on from there.
+//!
+//! Which stops bear is fixed along a branch: a rigid one holds its coordinate there, a compliant one is a spring of the
+//! hinge. A branch ends where a coordinate comes to its limit, and where what a stop bears falls to zero. The next one
+//! begins there with the other set, in the direction of the parameter in which the stop is pressed, or the coordinate
+//! leaves its limit: that may be back where it came from.
+
+use super::super::stops::Set;
+use super::curve::{Direction, Point};
+use super::scene::Moving;
+use super::trace::{Seed, Tracer};
+use crate::model::{Stop, StopLaw};
+
+/// A load below this part of the forces in its hinge is none; a coordinate is at its limit within this (rad, or part of
+/// the scene's length).
+const SLACK: f64 = 1e-10;
+/// How far ahead the new branch is looked at, in largest steps.
+const AHEAD: f64 = 1e-3;
+
+/// What changes at the end of a branch.
+#[derive(Debug, Clone)]
+pub(super) struct Turn {
+    /// The stops that bear from there on.
+    pub set: Set,
+    /// Which of them has changed.
+    pub index: usize,
+    /// Where.
+    pub point: Point,
+    /// Arclength since the last point.
+    pub s: f64,
+}
+
+/// How far a stop is from a change: positive as long as nothing changes, with the round-off of that.
+fn clear(moving: &mut Moving<'_>, stop: &Stop, side: i8, bears: bool, point: &Point) -> Result<[f64; 2], String> {
+    let limit = stop.range[usize::from(side > 0)];
+    let value = point.place.q[stop.position];
+    let slack = SLACK * if moving.slides(stop.velocity) { moving.length() } else { 1.0 };
+    let depth = f64::from(side) * (value - limit);
+    match (bears, stop.law) {
+        (false, _) => Ok([-depth, slack.max(SLACK * limit.abs())]),
+        (true, StopLaw::Compliant { .. }) => Ok([depth, slack.max(SLACK * limit.abs())]),
+        (true, StopLaw::Rigid { .. }) => {
+            let [held, size] = moving.held(&point.place.q, point.parameter, stop.velocity)?;
+            Ok([-f64::from(side) * held, SLACK * size])
+        }
+    }
+}
+
+impl Tracer<'_> {
+    /// The first stop that a step comes to or lifts off.
+    pub(super) fn turn(&mut self, a: &Point, b: &Point, step: f64) -> Option<Turn> {
+        let set = self.moving.set().clone();
+        let mut first: Option<Turn> = None;
+        for (index, now) in set.iter().enumerate() {
+            let stop = self.moving.stop(index);
+            let sides = if *now == 0 { vec![-1, 1] } else { vec![*now] };
+            for side in sides.into_iter().filter(|side| stop.range[usize::from(*side > 0)].is_finite()) {
+                let value = |tracer: &mut Self, point: &Point| clear(&mut tracer.moving, &stop, side, *now != 0, point);
+                let Ok([end, slack]) = value(self, b) else { continue };
+                if end >= -slack {
+                    continue;
+                }
+                let start = value(self, a).map_or(0.0, |[start, _]| start).max(0.0);
+                let ends = [(0.0, start), (step, end)];
+                let located = self.located(a, ends, &mut |tracer, point| value(tracer, point).ok().map(|[x, _]| x));
+                // Where the branch begins on it, it has turned at once.
+                let (s, point) = located.unwrap_or_else(|| (0.0, a.clone()));
+                if first.as_ref().is_none_or(|first| s < first.s) {
+                    let mut set = set.clone();
+                    set[index] = if *now == 0 { side } else { 0 };
+                    first = Some(Turn { set, index, point, s });
+                }
+            }
+        }
+        first
+    }
+
+    /// The branch that goes on after a change, where there is one: `before` tells in which direction the parameter went.
+    pub(super) fn onward(&mut self, turn: &Turn, before: &[i8], parent: (usize, usize)) -> Option<Seed> {
+        let (q, parameter) = (turn.point.place.q.clone(), turn.point.parameter);
+        let stop = self.moving.stop(turn.index);
+        let now = turn.set[turn.index];
+        let side = if now == 0 { before[turn.index] } else { now };
+        let went = if turn.point.ahead.parameter < 0.0 { -1.0 } else { 1.0 };
+        for sign in [went, -went] {
+            let still = vec![0.0; self.moving.metric().inertia.len()];
+            let towards = Direction { x: still, parameter: sign };
+            let look = AHEAD * self.settings.step;
+            let mut curve = self.curve();
+            let Some(point) = curve.correct(q.clone(), parameter, &towards) else { continue };
+            let Some(beside) = curve.ahead(&point, look) else { continue };
+            if clear(&mut self.moving, &stop, side, now != 0, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
+                return Some(Seed { point, parent: Some(parent) });
+            }
+        }
+        None
+    }
+}
