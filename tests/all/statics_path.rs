@@ -307,7 +307,7 @@ fn a_barrier_lifts_off_one_stop_and_comes_to_the_other() {
         near(point.position[0], 1.2, 1e-12);
         near(point.position[0] + point.position[1], 0.0, 1e-9);
     }
-    near(third.points.last().expect("points").parameter, 200.0, 1e-9);
+    near(third.points.last().expect("points").parameter, 300.0, 1e-9);
     let [between] = wanted(second).collect::<Vec<_>>()[..] else { panic!("one value that was asked for") };
     near(between.parameter, 100.0, 1e-9);
     near(pull(between.position[0]), 100.0, 1e-7);
