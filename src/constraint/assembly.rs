@@ -135,8 +135,8 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
     }
     let mut v = given.clone();
     let before = closing.speeds(&q, &v);
-    let scale = model.length_scale() / model.time_scale();
-    let size = v.iter().fold(scale, |m, v| m.max(v.abs() * model.length_scale()));
+    let length = model.length_scale();
+    let size = v.iter().fold(length / model.time_scale(), |m, v| m.max(v.abs() * length));
     if before.amax() > ROUND_OFF * size {
         let yielding = yielding(model, &closing.rows, &given);
         let weights: Vec<f64> = yielding.iter().map(|yields| if *yields { 1.0 } else { GIVEN }).collect();
