@@ -13,8 +13,8 @@ use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 /// `tau` ← hinge forces at coordinates `q` and velocities `v`, one per velocity.
 pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
     let mut springs = false;
-    for (at, coordinate) in model.coordinates.iter().enumerate() {
-        tau[at] = coordinate.force - coordinate.damping * v[at];
+    for ((tau, coordinate), v) in tau.iter_mut().zip(&model.coordinates).zip(v) {
+        *tau = coordinate.force - coordinate.damping * v;
         springs |= coordinate.stiffness != 0.0;
     }
     if !springs {

@@ -88,7 +88,7 @@ impl Motion {
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
         self.angles.update(q);
         self.still = v.iter().all(|rate| *rate == 0.0);
-        for (index, link) in model.links.iter().enumerate().skip(1) {
+        for (link, index) in model.links[1..].iter().zip(1..) {
             let (before, from_here) = self.links.split_at_mut(index);
             let angle = match link.joint {
                 Joint::Turn => self.angles.next(),
@@ -167,8 +167,10 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
     own.turn = turn.matrix();
     own.position = (Quad::of(&parent.position) + arm).vector();
     own.arm = arm.vector();
-    own.center = turn.times(&link.center).vector();
-    own.inertia = link.principal.turned(&turn);
+    if !link.is_massless() {
+        own.center = turn.times(&link.center).vector();
+        own.inertia = link.principal.turned(&turn);
+    }
 }
 
 /// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.

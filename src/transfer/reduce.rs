@@ -4,15 +4,15 @@ mod ball;
 mod carried;
 mod way;
 
-use super::element::moment_in_link_axes;
+use super::element::{axial_moment, moment_in_link_axes};
 use super::plan::{Place, To, plan};
 use super::{LinkAcceleration, accelerate, along, inboard};
 use crate::model::{Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
-use crate::spatial::fused::dot_add;
+use crate::spatial::fused::{dot, dot_add};
 use ball::{Ball, Pivot};
-use carried::Carried;
+use carried::{Carried, Left};
 use nalgebra::Vector3;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
@@ -107,8 +107,8 @@ impl Reduction {
     #[inline(always)]
     fn factorize(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<(), Singular> {
         let mut carried = Carried::default();
-        let links = model.links.iter().zip(&motion.links).zip(&self.plan).zip(&mut self.hinges);
-        for (index, (((link, at), place), left)) in links.enumerate().skip(1).rev() {
+        let links = model.links[1..].iter().zip(&motion.links[1..]).zip(&self.plan[1..]).zip(&mut self.hinges[1..]);
+        for ((((link, at), place), left), index) in links.zip(1..model.links.len()).rev() {
             if place.is_leaf {
                 carried = Carried::default();
             } else if let Some(join) = place.join {
@@ -123,7 +123,7 @@ impl Reduction {
                 }
                 continue;
             }
-            let mut here = carried.with_body(link, at, &model.gravity);
+            let mut here = if place.is_massless { carried } else { carried.with_body(link, at, &model.gravity) };
             if let Some(applied) = applied {
                 here = here.loaded(applied);
             }
@@ -134,6 +134,11 @@ impl Reduction {
                 Joint::Turn | Joint::Slide { .. } => {
                     let (armature, tau) = (model.coordinates[link.velocity].armature, load.tau[link.velocity]);
                     let one = match link.joint {
+                        Joint::Turn if place.is_leaf => {
+                            let asked = axial_moment(link, &model.gravity, at);
+                            let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
+                            Left::of_leaf(link, at, armature, tau + given - asked)
+                        }
                         Joint::Turn => here.turn(&at.axis, armature, tau),
                         _ => here.slide(&at.axis, armature, tau),
                     };
@@ -197,8 +202,8 @@ impl Reduction {
     fn outward<const BIAS: bool>(&mut self, model: &Model, motion: &Motion, hinge: &mut [f64]) {
         let mut before = LinkAcceleration::default();
         self.a[0] = before;
-        let links = model.links.iter().zip(&motion.links).zip(&self.hinges);
-        for (index, ((link, at), left)) in links.enumerate().skip(1) {
+        let links = model.links[1..].iter().zip(&motion.links[1..]).zip(&self.hinges[1..]);
+        for (((link, at), left), index) in links.zip(1..) {
             // Along a chain the parent's acceleration is still in registers.
             let parent = if link.parent + 1 == index { before } else { self.a[link.parent] };
             let mut a = inboard(at, &parent, BIAS);

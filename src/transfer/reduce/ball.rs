@@ -3,6 +3,7 @@
 use super::{LinkAcceleration, SINGULAR};
 use crate::model::{Link, Model};
 use crate::motion::LinkMotion;
+use crate::spatial::quad::Columns;
 use crate::spatial::{Sym3, Wrench};
 use crate::transfer::element::Reduced;
 use nalgebra::{Matrix3, Vector3};
@@ -56,13 +57,14 @@ pub(super) fn eliminate(
         Pivot::OfTree => in_its_axes,
         Pivot::OfBody => in_its_axes.turned(&at.turn),
     };
-    let weighted = S.fm * inverse.matrix();
-    let mut across = Reduced { ff: S.ff, ..Reduced::default() };
-    across.ff += Sym3::symmetric_part(&-(weighted * S.fm.transpose()));
+    let fm = Columns::of(&S.fm);
+    let weighted = fm.by(&Columns::symmetric(&inverse));
+    let ff = Columns::symmetric(&S.ff).minus_product(&weighted, &fm.transposed()).triangle();
+    let mut across = Reduced { ff, ..Reduced::default() };
     if rotor != Sym3::ZERO {
         // S' H = A D⁻¹ Hᵀ S
         let full = rotor.matrix();
-        across.fm = weighted * full;
+        across.fm = weighted.matrix() * full;
         across.mm = rotor + Sym3::symmetric_part(&-(full * inverse.matrix() * full));
     }
     Ok((Ball { fm: S.fm, mm: S.mm, inverse: in_its_axes, u: Vector3::zeros(), pivot }, across))

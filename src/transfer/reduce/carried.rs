@@ -146,6 +146,18 @@ pub(super) struct Left {
 }
 
 impl Left {
+    /// Eqs. (5) and (6) for a turn of a link that carries nothing but its body, `u` given. In the link's axes `S H` and `D`
+    /// are numbers of the body: where it has hardly any inertia about the axis, that keeps its digits, which turned to
+    /// inertial axes would be lost in the round-off of the other moments.
+    #[inline(always)]
+    pub(super) fn of_leaf(link: &Link, at: &LinkMotion, armature: f64, u: f64) -> Result<Self, f64> {
+        let (J, turn) = (&link.inertia, Columns::of(&at.turn));
+        let c = link.mass * link.center;
+        let force = turn.times(&Vector3::new(-c.y, c.x, 0.0));
+        let moment = turn.times(&Vector3::new(J.xz, J.yz, J.zz));
+        Self::of(force, moment, J.zz + armature, J.trace(), u)
+    }
+
     /// On failure the pivot: below round-off of what the hinge could see, or not finite.
     #[inline(always)]
     fn of(force: Quad, moment: Quad, D: f64, seen: f64, u: f64) -> Result<Self, f64> {
