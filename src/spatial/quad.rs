@@ -186,17 +186,6 @@ impl Columns {
         Self(b.0.map(|column| self.times(&column.vector())))
     }
 
-    /// `self − A B`.
-    #[inline(always)]
-    pub fn minus_product(&self, a: &Self, b: &Self) -> Self {
-        let [x, y, z] = a.0;
-        let column = |c: Quad, b: Quad| {
-            let [first, second, third] = [0, 1, 2].map(|i| Quad::all(b.at(i)));
-            third.times_from(z, second.times_from(y, first.times_from(x, c)))
-        };
-        Self([column(self.0[0], b.0[0]), column(self.0[1], b.0[1]), column(self.0[2], b.0[2])])
-    }
-
     /// `self + s 1`.
     #[inline(always)]
     pub fn plus_scalar(&self, s: Quad) -> Self {

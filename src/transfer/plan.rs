@@ -2,11 +2,17 @@
 
 use crate::model::{Joint, Model};
 
+/// Below this part of the sum of its moments, the one about its axis counts as small: the round-off of the others would be
+/// multiplied by the inverse square of it. A thin rod across its axis has a half, along it 0.
+const SLENDER: f64 = 1.0 / 32.0;
+
 /// One link in the inward sweep.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     /// Nothing hangs on it.
     pub is_leaf: bool,
+    /// So, it turns about an axis about which it has hardly any inertia.
+    pub is_slender: bool,
     /// It has neither mass nor inertia.
     pub is_massless: bool,
     /// It slides, and so does everything that it hangs on: nothing there can turn.
@@ -67,7 +73,20 @@ pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
             Joint::Ball { .. } => Kind::Ball,
         };
         let (parent, velocity, is_massless) = (link.parent as u32, link.velocity as u32, link.is_massless());
-        plan.push(Place { is_leaf, is_massless, translates, join, to, ball: balls, parent, velocity, kind });
+        let axial = link.inertia.zz / link.inertia.trace();
+        let is_slender = is_leaf && kind == Kind::Turn && axial < SLENDER;
+        plan.push(Place {
+            is_leaf,
+            is_slender,
+            is_massless,
+            translates,
+            join,
+            to,
+            ball: balls,
+            parent,
+            velocity,
+            kind,
+        });
         balls += u32::from(kind == Kind::Ball);
     }
     (plan, joins as usize, balls as usize)

@@ -12,7 +12,7 @@ use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::spatial::fused::{dot, dot_add};
 use ball::{Ball, Pivot};
-use carried::{Carried, Left};
+use carried::Carried;
 use nalgebra::Vector3;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
@@ -134,10 +134,12 @@ impl Reduction {
                 Joint::Turn | Joint::Slide { .. } => {
                     let (armature, tau) = (model.coordinates[link.velocity].armature, load.tau[link.velocity]);
                     let one = match link.joint {
-                        Joint::Turn if place.is_leaf => {
-                            let asked = axial_moment(link, &model.gravity, at);
+                        Joint::Turn if place.is_slender => {
                             let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
-                            Left::of_leaf(link, at, armature, tau + given - asked)
+                            let axial = axial_moment(link, &model.gravity, at) - given;
+                            let (straight, one) = here.slender(link, at, armature, (tau, axial));
+                            here = straight;
+                            one
                         }
                         Joint::Turn => here.turn(&at.axis, armature, tau),
                         _ => here.slide(&at.axis, armature, tau),

@@ -59,8 +59,8 @@ pub(super) fn eliminate(
     };
     let fm = Columns::of(&S.fm);
     let weighted = fm.by(&Columns::symmetric(&inverse));
-    let ff = Columns::symmetric(&S.ff).minus_product(&weighted, &fm.transposed()).triangle();
-    let mut across = Reduced { ff, ..Reduced::default() };
+    let mut across = Reduced { ff: S.ff, ..Reduced::default() };
+    across.ff += Sym3::symmetric_part(&-weighted.by(&fm.transposed()).matrix());
     if rotor != Sym3::ZERO {
         // S' H = A D⁻¹ Hᵀ S
         let full = rotor.matrix();

@@ -85,6 +85,31 @@ impl Carried {
         Left::of(force, moment, n.dot(moment) + armature, self.mm.trace(), tau - n.dot(self.moment))
     }
 
+    /// The same for a last link that is slender, by its numbers in its own axes: there `S H` and `D` are a column of its
+    /// inertia and `Hᵀ e` is its `axial` moment. Turned to inertial axes they are known to the round-off of its largest
+    /// moment, which the elimination would multiply by the square of `|S H|/D`. Also `S` and `e` that agree with them.
+    #[inline(always)]
+    pub(super) fn slender(
+        &self,
+        link: &Link,
+        at: &LinkMotion,
+        armature: f64,
+        (tau, axial): (f64, f64),
+    ) -> (Self, Result<Left, f64>) {
+        let (n, J, turn) = (Quad::of(&at.axis), &link.inertia, Columns::of(&at.turn));
+        let c = link.mass * link.center;
+        let (force, moment) = (turn.times(&Vector3::new(-c.y, c.x, 0.0)), turn.times(&Vector3::new(J.xz, J.yz, J.zz)));
+        let (more_force, more) = (force - self.fm.times(&at.axis), moment - self.mm.times(&at.axis));
+        let half = more - Quad::all(0.5 * n.dot(more)) * n;
+        let straight = Self {
+            fm: self.fm.minus_dyad(-more_force, n),
+            mm: self.mm.minus_dyad(-half, n).minus_dyad(-n, half).mirrored(),
+            moment: self.moment + Quad::all(axial - n.dot(self.moment)) * n,
+            ..*self
+        };
+        (straight, Left::of(force, moment, J.zz + armature, J.trace(), tau - axial))
+    }
+
     /// The same for a slide.
     #[inline(always)]
     pub(super) fn slide(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
@@ -146,18 +171,6 @@ pub(super) struct Left {
 }
 
 impl Left {
-    /// Eqs. (5) and (6) for a turn of a link that carries nothing but its body, `u` given. In the link's axes `S H` and `D`
-    /// are numbers of the body: where it has hardly any inertia about the axis, that keeps its digits, which turned to
-    /// inertial axes would be lost in the round-off of the other moments.
-    #[inline(always)]
-    pub(super) fn of_leaf(link: &Link, at: &LinkMotion, armature: f64, u: f64) -> Result<Self, f64> {
-        let (J, turn) = (&link.inertia, Columns::of(&at.turn));
-        let c = link.mass * link.center;
-        let force = turn.times(&Vector3::new(-c.y, c.x, 0.0));
-        let moment = turn.times(&Vector3::new(J.xz, J.yz, J.zz));
-        Self::of(force, moment, J.zz + armature, J.trace(), u)
-    }
-
     /// On failure the pivot: below round-off of what the hinge could see, or not finite.
     #[inline(always)]
     fn of(force: Quad, moment: Quad, D: f64, seen: f64, u: f64) -> Result<Self, f64> {
