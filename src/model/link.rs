@@ -3,35 +3,37 @@
 use crate::spatial::{Principal, Sym3};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-/// An elementary hinge and the rigid body outboard of it.
+/// An elementary hinge and the rigid body outboard of it. What every evaluation reads comes first: large trees wait for
+/// memory.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub struct Link {
     /// Index of the parent link; the ground's own is 0.
     pub parent: usize,
-    /// One past the last link of the subtree that starts here.
-    pub subtree_end: usize,
-    /// Which motion is free.
-    pub joint: Joint,
-    /// From the parent's root marker to the hinge point, parent link's axes (m).
-    pub offset: Vector3<f64>,
-    /// Orientation of the link on the parent link while its coordinates are zero: `parent_from_link`.
-    pub turn: Matrix3<f64>,
-    /// Whether that is none at all.
-    pub straight: bool,
     /// First index into the position vector.
     pub position: usize,
     /// First index into the velocity vector.
     pub velocity: usize,
-    /// The named body whose hinge this is part of.
-    pub body: usize,
+    /// Which motion is free.
+    pub joint: Joint,
+    /// From the parent's root marker to the hinge point, parent link's axes (m).
+    pub offset: Vector3<f64>,
     /// Mass of everything welded to this link (kg).
     pub mass: f64,
     /// Centre of mass from the root marker, link axes (m).
     pub center: Vector3<f64>,
+    /// The inertia in principal axes.
+    pub principal: Principal,
+    /// Whether the link's axes are its parent's while its coordinates are zero.
+    pub straight: bool,
+    /// Orientation of the link on the parent link while its coordinates are zero: `parent_from_link`.
+    pub turn: Matrix3<f64>,
     /// Inertia about the **root marker**, link axes (kg m²).
     pub inertia: Sym3,
-    /// The same in principal axes.
-    pub principal: Principal,
+    /// One past the last link of the subtree that starts here.
+    pub subtree_end: usize,
+    /// The named body whose hinge this is part of.
+    pub body: usize,
 }
 
 impl Link {

@@ -22,8 +22,10 @@ pub struct Motion {
     angles: Angles,
 }
 
-/// Position and velocity of one link at its root marker, and its mass properties turned to inertial axes.
+/// Position and velocity of one link at its root marker, and its mass properties turned to inertial axes. What the sweep to
+/// the root reads comes last, and of that what the sweep back reads: large trees wait for memory.
 #[derive(Debug, Clone, Copy)]
+#[repr(C)]
 pub struct LinkMotion {
     /// `world_from_link`.
     pub turn: Matrix3<f64>,
@@ -31,22 +33,22 @@ pub struct LinkMotion {
     pub position: Vector3<f64>,
     /// Of the root marker (m/s).
     pub velocity: Vector3<f64>,
-    /// (rad/s)
-    pub angular_velocity: Vector3<f64>,
-    /// From the parent's root marker to this one (m).
-    pub arm: Vector3<f64>,
-    /// Axis of a turn or slide.
-    pub axis: Vector3<f64>,
     /// Velocity relative to the parent: along the axis for a slide, else angular.
     pub relative: Vector3<f64>,
-    /// What the velocities add to the linear acceleration of the root marker (m/s²).
-    pub bias: Vector3<f64>,
-    /// What the velocities add to the angular acceleration (rad/s²).
-    pub angular_bias: Vector3<f64>,
+    /// (rad/s)
+    pub angular_velocity: Vector3<f64>,
     /// From the root marker to the centre of mass (m).
     pub center: Vector3<f64>,
     /// About the root marker (kg m²).
     pub inertia: Sym3,
+    /// Axis of a turn or slide.
+    pub axis: Vector3<f64>,
+    /// From the parent's root marker to this one (m).
+    pub arm: Vector3<f64>,
+    /// What the velocities add to the linear acceleration of the root marker (m/s²).
+    pub bias: Vector3<f64>,
+    /// What the velocities add to the angular acceleration (rad/s²).
+    pub angular_bias: Vector3<f64>,
 }
 
 impl LinkMotion {

@@ -23,10 +23,13 @@ pub(super) struct Place {
     pub to: To,
     /// Index of a ball among the balls.
     pub ball: u32,
-    /// Its parent, its first velocity and what moves there: beside the rest, for a link as a whole is long.
+    /// Its parent, its first velocity and what moves there, the armature of a turn or slide (kg or kg m²) and its mass (kg):
+    /// beside the rest, for a link as a whole is long.
     pub parent: u32,
     pub velocity: u32,
     pub kind: Kind,
+    pub armature: f64,
+    pub mass: f64,
 }
 
 /// What a hinge leaves free.
@@ -86,6 +89,8 @@ pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
             parent,
             velocity,
             kind,
+            armature: model.coordinates.get(link.velocity).map_or(0.0, |coordinate| coordinate.armature),
+            mass: link.mass,
         });
         balls += u32::from(kind == Kind::Ball);
     }

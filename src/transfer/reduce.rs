@@ -5,12 +5,12 @@ mod carried;
 mod way;
 
 use super::element::{axial_moment, moment_in_link_axes};
-use super::plan::{Place, To, plan};
-use super::{LinkAcceleration, accelerate, along, inboard};
+use super::plan::{Kind, Place, To, plan};
+use super::{LinkAcceleration, along, inboard};
 use crate::model::{Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
-use crate::spatial::fused::{dot, dot_add};
+use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
 use ball::{Ball, Pivot};
 use carried::Carried;
 use nalgebra::Vector3;
@@ -123,25 +123,26 @@ impl Reduction {
                 }
                 continue;
             }
-            let mut here = if place.is_massless { carried } else { carried.with_body(link, at, &model.gravity) };
+            let mut here = if place.is_massless { carried } else { carried.with_body(place.mass, at, &model.gravity) };
             if let Some(applied) = applied {
                 here = here.loaded(applied);
             }
             let failed = |pivot| Singular { link: index, pivot };
             let to_ground = matches!(place.to, To::Ground);
-            carried = match link.joint {
-                Joint::None => here,
-                Joint::Turn | Joint::Slide { .. } => {
-                    let (armature, tau) = (model.coordinates[link.velocity].armature, load.tau[link.velocity]);
-                    let one = match link.joint {
-                        Joint::Turn if place.is_slender => {
+            let first = place.velocity as usize;
+            carried = match place.kind {
+                Kind::None => here,
+                Kind::Turn | Kind::Slide => {
+                    let (armature, tau) = (place.armature, load.tau[first]);
+                    let one = match place.kind {
+                        Kind::Turn if place.is_slender => {
                             let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
                             let axial = axial_moment(link, &model.gravity, at) - given;
                             let (straight, one) = here.slender(link, at, armature, (tau, axial));
                             here = straight;
                             one
                         }
-                        Joint::Turn => here.turn(&at.axis, armature, tau),
+                        Kind::Turn => here.turn(&at.axis, armature, tau),
                         _ => here.slide(&at.axis, armature, tau),
                     };
                     let one = one.map_err(failed)?;
@@ -151,13 +152,13 @@ impl Reduction {
                     }
                     here.without(&one).shifted(at)
                 }
-                Joint::Ball { .. } => {
+                Kind::Ball => {
                     let ball = &mut self.balls[place.ball as usize];
                     let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
                     let (eliminated, across) =
                         ball::eliminate(model, link, at, &here.matrix(), pivot).map_err(failed)?;
                     *ball = eliminated;
-                    let tau = three(load.tau, link.velocity);
+                    let tau = three(load.tau, first);
                     let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
                     let own = || moment_in_link_axes(link, &model.gravity, at) - at.turn.tr_mul(&applied);
                     let passed = ball.load(at, &tau, &here.vector(), own);
@@ -204,24 +205,29 @@ impl Reduction {
     fn outward<const BIAS: bool>(&mut self, model: &Model, motion: &Motion, hinge: &mut [f64]) {
         let mut before = LinkAcceleration::default();
         self.a[0] = before;
-        let links = model.links[1..].iter().zip(&motion.links[1..]).zip(&self.hinges[1..]);
-        for (((link, at), left), index) in links.zip(1..) {
+        let links = self.plan[1..].iter().zip(&motion.links[1..]).zip(&self.hinges[1..]);
+        for (((place, at), left), index) in links.zip(1..) {
             // Along a chain the parent's acceleration is still in registers.
-            let parent = if link.parent + 1 == index { before } else { self.a[link.parent] };
+            let (parent, first) = (place.parent as usize, place.velocity as usize);
+            let parent = if parent + 1 == index { before } else { self.a[parent] };
             let mut a = inboard(at, &parent, BIAS);
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => {
+            match place.kind {
+                Kind::None => {}
+                Kind::Turn | Kind::Slide => {
                     let free = dot_add(&-left.SH.moment, &a.angular, left.u);
-                    hinge[link.velocity] = left.inverse * dot_add(&-left.SH.force, &a.linear, free);
+                    let relative = left.inverse * dot_add(&-left.SH.force, &a.linear, free);
+                    hinge[first] = relative;
+                    match place.kind {
+                        Kind::Turn => a.angular = scale_add(relative, &at.axis, &a.angular),
+                        _ => a.linear = scale_add(relative, &at.axis, &a.linear),
+                    }
                 }
-                Joint::Ball { .. } => {
-                    let seen = a;
-                    let relative = self.balls[self.plan[index].ball as usize].solve(link, at, &seen);
-                    hinge[link.velocity..link.velocity + 3].copy_from_slice(relative.as_slice());
+                Kind::Ball => {
+                    let relative = self.balls[place.ball as usize].solve(&model.links[index], at, &a);
+                    hinge[first..first + 3].copy_from_slice(relative.as_slice());
+                    a.angular = times_add(&at.turn, &relative, &a.angular);
                 }
             }
-            accelerate(link, at, hinge, &mut a);
             self.a[index] = a;
             before = a;
         }
@@ -260,7 +266,7 @@ fn translate(
 ) -> Result<Carried, f64> {
     let mut here = *carried;
     if !is_massless {
-        here = here.with_body(link, at, &model.gravity);
+        here = here.with_body(link.mass, at, &model.gravity);
     }
     if let Some(applied) = applied {
         here = here.loaded(applied);

@@ -55,8 +55,8 @@ impl Carried {
 
     /// With what the link itself adds by eq. (1): `M`, `b` with the weight, and what is applied to it.
     #[inline(always)]
-    pub(super) fn with_body(&self, link: &Link, at: &LinkMotion, gravity: &Vector3<f64>) -> Self {
-        let (mass, J) = (Quad::all(link.mass), Columns::symmetric(&at.inertia));
+    pub(super) fn with_body(&self, mass: f64, at: &LinkMotion, gravity: &Vector3<f64>) -> Self {
+        let (mass, J) = (Quad::all(mass), Columns::symmetric(&at.inertia));
         let (w, c, g) = (Quad::of(&at.angular_velocity), Quad::of(&at.center), Quad::of(gravity));
         let mc = mass * c;
         // In the same form as the velocity terms of the arms: where the two cancel, so does their round-off.
