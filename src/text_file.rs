@@ -118,7 +118,13 @@ fn decode(mut bytes: Vec<u8>, path: &Path) -> Result<String, ReadError> {
         byte: mark + byte,
         line: 1 + bytes[..byte].iter().filter(|byte| **byte == b'\n').count(),
         value: bytes[byte],
-        hint: if utf16 { "; it looks like UTF-16, save it as UTF-8" } else { "" },
+        hint: if utf16 {
+            "; it looks like UTF-16, save it as UTF-8"
+        } else if bytes.starts_with(b"\x89MCAP0") {
+            "; it is a recording, for `info`, `view`, `plot`, `export`"
+        } else {
+            ""
+        },
     })
 }
 

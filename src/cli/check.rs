@@ -1,16 +1,19 @@
 //! `check`: validate only.
 
 use super::{Exit, output};
-use crate::scenario::{LoadError, load};
+use crate::scenario::{LoadError, Override, load_with};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Scenario files
+    /// Scenario files, or models (URDF, MJCF); `-` reads standard input
     #[arg(required = true)]
     scenarios: Vec<PathBuf>,
+    /// Check them with this change, as `simulate.duration=2`; may be repeated
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
     /// Print one JSON object on standard output and nothing else there
     #[arg(long)]
     json: bool,
@@ -20,11 +23,12 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let overrides: Vec<Override> = arguments.set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
     let mut results = Vec::new();
     let mut wrong = 0;
     for path in &arguments.scenarios {
         let name = path.display().to_string();
-        let errors = match load(path) {
+        let errors = match load_with(path, &overrides) {
             Ok(scenario) => {
                 if !arguments.quiet && !scenario.warnings.is_empty() {
                     output::note(scenario.warnings.render(output::errors_in_color()).trim_end());

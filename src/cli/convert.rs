@@ -24,6 +24,9 @@ pub(super) struct Arguments {
     /// Leave out the limits of joints
     #[arg(long)]
     no_limits: bool,
+    /// Let joints of a URDF move that follow others (<mimic>)
+    #[arg(long)]
+    no_mimics: bool,
     /// Put this before the name of every body
     #[arg(long, default_value = "")]
     prefix: String,
@@ -44,6 +47,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         floating: arguments.floating,
         key: arguments.key.clone(),
         without_limits: arguments.no_limits,
+        without_mimics: arguments.no_mimics,
         folder: arguments.out.as_deref().map(folder),
         packages: arguments.packages.iter().map(|text| package(text)).collect::<Result<_, _>>()?,
         ..Options::from_environment()

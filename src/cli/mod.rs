@@ -139,7 +139,7 @@ enum Command {
 /// Options of every command that reads a scenario.
 #[derive(Debug, Args)]
 struct Common {
-    /// The scenario file; `-` reads standard input
+    /// The scenario file, or that of a model (URDF, MJCF) alone; `-` reads standard input
     scenario: PathBuf,
     /// Change a value of the file, as `simulate.duration=2` or `upper.stiffness=5`; may be repeated
     #[arg(long = "set", value_name = "PATH=VALUE")]

@@ -141,7 +141,7 @@ impl Followed {
 
     /// One sample per point; arclength stands for time, branch after branch.
     fn record(&self, scenario: &Scenario, model: &Model, path: &std::path::Path) -> anyhow::Result<()> {
-        let still = Scene { couplings: Vec::new(), ..simulate::scene(model) };
+        let still = Scene { couplings: Vec::new(), watched: false, ..simulate::scene(model) };
         let statics = json::statics(model, &self.path.start, 0.0).to_string();
         let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
         let mut file = RecordingFile::create(path)?.begin(&opening)?;

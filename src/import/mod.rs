@@ -32,6 +32,8 @@ pub struct Options {
     pub floating: bool,
     /// Limits of joints are left out.
     pub without_limits: bool,
+    /// Joints of a URDF that follow others are let go.
+    pub without_mimics: bool,
     /// Where the root stands (m).
     pub at: [f64; 3],
     /// How the root is turned: roll, pitch, yaw (rad).
@@ -53,6 +55,17 @@ impl Options {
         let package_path = listed.iter().flat_map(std::env::split_paths).filter(|path| path.is_absolute()).collect();
         Self { package_path, ..Self::default() }
     }
+}
+
+/// Whether a text is meant as a model: it starts as XML does.
+pub fn is_model(text: &str) -> bool {
+    text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
+}
+
+/// The scenario that takes a model and says nothing else, for the model's folder.
+pub fn alone(path: &Path) -> String {
+    let file = path.file_name().unwrap_or_default().to_string_lossy();
+    format!("model = {}\n", toml_edit::Value::from(file.as_ref()))
 }
 
 /// A model, as a scenario.

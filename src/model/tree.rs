@@ -175,7 +175,11 @@ impl<'a> Tree<'a> {
                     message: format!(
                         "neither `{name}` nor anything it carries has mass: its hinge would be undetermined"
                     ),
-                    help: Some("give it a mass, weld it with a fixed hinge, or give the hinge an armature".to_owned()),
+                    help: Some(format!(
+                        "give it a mass, weld it with a fixed hinge, or give the hinge an armature, as with `--set \
+                         {}.armature=1e-6`",
+                        name.split('[').next().unwrap_or(name)
+                    )),
                 });
             }
         }

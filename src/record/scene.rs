@@ -26,6 +26,9 @@ pub struct Scene {
     /// Loops whose reactions are not unique: recorded are the smallest of those that balance.
     #[serde(default)]
     pub not_unique: Vec<String>,
+    /// Whether there are stops that may be hit, or events of the scenario.
+    #[serde(default)]
+    pub watched: bool,
 }
 
 /// A body as it is drawn.

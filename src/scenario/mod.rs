@@ -58,7 +58,7 @@ pub use reference::reference;
 pub use schema::schema;
 pub use start::{Started, load_start};
 
-use crate::import::Imported;
+use crate::import::{self, Imported};
 use crate::model::{Description, Model, Parameter, Problem};
 use crate::{constraint, record, simulate, statics, text_file};
 use findings::Findings;
@@ -103,7 +103,8 @@ pub struct Scenario {
     pub warnings: Diagnostics,
 }
 
-/// Reads a scenario file; `-` is standard input.
+/// Reads a scenario file; `-` is standard input. The file of a model (URDF, MJCF) is read as a scenario of nothing but
+/// this model.
 ///
 /// # Errors
 /// Where the file cannot be read, is no text or larger than [`LARGEST_FILE`], and where something is wrong in it: then
@@ -117,7 +118,10 @@ pub fn load(path: &Path) -> Result<Scenario, LoadError> {
 /// # Errors
 /// As [`load`]; a problem with a change is shown at the change.
 pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scenario, LoadError> {
-    let text = text_file::read(path, "scenario")?;
+    let mut text = text_file::read(path, "scenario")?;
+    if import::is_model(&text) && path != Path::new("-") {
+        text = import::alone(path);
+    }
     let name = if path == Path::new("-") { text_file::STANDARD_INPUT.to_owned() } else { path.display().to_string() };
     Ok(parse_owned(&name, text, overrides)?)
 }

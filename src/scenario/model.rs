@@ -107,6 +107,7 @@ fn model<'a>(table: &Reader<'_>, settings: Vec<Setting<'a>>, folder: &Path) -> O
     let options = Options {
         prefix: table.text("prefix").unwrap_or_default().to_owned(),
         without_limits: table.flag("limits") == Some(false),
+        without_mimics: table.flag("mimics") == Some(false),
         floating: table.text("base") == Some("free"),
         key: table.text("key").map(str::to_owned),
         at: array("at"),

@@ -2,11 +2,18 @@
 
 use super::findings::{Finding, Findings};
 use super::sources::Sources;
+use crate::import::is_model;
 use std::collections::HashSet;
 use toml::de::DeTable;
 
 /// Parses a text. Where it is not TOML all errors that were found are in `findings`.
 pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Findings) -> DeTable<'t> {
+    if is_model(text) {
+        let finding = Finding::error(0..0, "this is XML, and a scenario is TOML".to_owned());
+        findings
+            .push(finding.help("a URDF or MJCF model is taken by its file, or with `model = \"FILE\"` in a scenario"));
+        return DeTable::new();
+    }
     let (document, errors) = DeTable::parse_recoverable(text);
     let mut said = HashSet::new();
     // Where the nesting is too deep, what follows is not worth saying.

@@ -33,6 +33,7 @@ pub fn scene(model: &Model) -> Scene {
         velocities: channels(Model::velocity_names),
         couplings: super::couplings::channels(model),
         not_unique: super::couplings::not_unique(model),
+        watched: !(model.stops.is_empty() && model.events.is_empty()),
     }
 }
 

@@ -4,6 +4,7 @@ mod answers;
 mod damage;
 mod interrupt;
 mod keys;
+mod models;
 mod output;
 mod path;
 mod poses;

@@ -1,6 +1,5 @@
 //! Joints, as hinges and gears.
 
-use super::named;
 use super::tree::{Joint, Link, Tree};
 use crate::import::Options;
 use crate::import::draft::{Draft, Entry};
@@ -9,11 +8,14 @@ use crate::import::xml::Element;
 use crate::suggest::closest;
 use nalgebra::{UnitQuaternion, Vector2, Vector3};
 
+/// What to do about a mimic that cannot be meant.
+const WITHOUT_MIMICS: &str = "`mimics = false` in `model`, or `convert --no-mimics`, leaves out all of them";
+
 const TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
 /// Name and hinge of the link that nothing carries.
 pub(super) fn root(link: &Link<'_>, body: &mut Entry, options: &Options) {
-    body.set("name", named(options, link.name), Some(link.name_place.clone()));
+    body.set("name", link.body.as_str(), Some(link.name_place.clone()));
     let mut hinge = Entry::new(None);
     hinge.set("type", if options.floating { "free" } else { "fixed" }, None);
     for (key, value) in [("at", options.at), ("rpy", options.rpy)] {
@@ -34,17 +36,17 @@ pub(super) fn write(
 ) -> String {
     let (element, link) = (&joint.element, &tree.links[joint.child]);
     let kind = kind(element);
-    let name = named(options, link.name);
+    let name = link.body.clone();
     body.comment(&format!("joint `{}`, {kind}", joint.name));
     body.set("name", name.clone(), Some(link.name_place.clone()));
     let mut hinge = Entry::new(Some(element.place()));
     hinge.set("type", hinge_type(kind), element.attribute("type").map(|attribute| attribute.place()));
-    let parent = named(options, tree.links[joint.parent].name);
-    hinge.set("parent", parent.as_str(), Some(joint.parent_place.clone()));
+    let parent = tree.links[joint.parent].body.as_str();
+    hinge.set("parent", parent, Some(joint.parent_place.clone()));
     place(element, &mut hinge);
     let axis = axis(element, kind);
     if kind == "planar" && (axis.xy() != Vector2::zeros() || axis.z < 0.0) {
-        return tilted(joint, tree, body, draft, options, &parent, axis);
+        return tilted(joint, tree, body, draft, options, parent, axis);
     }
     if matches!(kind, "revolute" | "continuous" | "prismatic") {
         let from = element.child("axis").and_then(|axis| axis.attribute("xyz"));
@@ -126,12 +128,7 @@ fn tilted(
     let element = &joint.element;
     let z_to_normal = UnitQuaternion::rotation_between(&Vector3::z(), &normal)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
-    let taken = |name: &str| tree.links.iter().any(|link| link.name == name);
-    let mut name = joint.name.to_owned();
-    while taken(&name) {
-        name += "_plane";
-    }
-    let name = named(options, &name);
+    let name = tree.free(format!("{}{}", options.prefix, joint.name), "_plane");
     let mut plane = Entry::new(Some(element.place()));
     plane.comment(&format!("joint `{}`, planar: z of this body is the normal of the plane", joint.name));
     plane.set("name", name.as_str(), None);
@@ -222,13 +219,22 @@ fn dynamics(joint: &Element<'_>, kind: &str, hinge: &mut Entry) {
 }
 
 /// Mimics, as gears. `bodies` are the names of the bodies that carry the joints' motions.
-pub(super) fn gears(tree: &Tree<'_>, bodies: &[String], draft: &mut Draft) {
+pub(super) fn gears(tree: &Tree<'_>, bodies: &[String], draft: &mut Draft, options: &Options) {
     for (index, joint) in tree.joints.iter().enumerate() {
         let Some(mimic) = joint.element.child("mimic") else { continue };
+        if options.without_mimics {
+            mimic.see_all();
+            mimic.note(Taken::Ignored, "left out, as asked for: the joint moves by itself");
+            continue;
+        }
         let Some(leader) = mimic.required("joint") else { continue };
         let Some(other) = tree.joint(leader.value) else {
             let message = format!("{}: there is no joint `{}`", mimic.label(), leader.value);
-            mimic.refuse(Problem::at(leader.place(), message).maybe_help(tree.near(leader.value)));
+            let help = match tree.near(leader.value) {
+                Some(near) => format!("did you mean `{near}`? {WITHOUT_MIMICS}"),
+                None => WITHOUT_MIMICS.to_owned(),
+            };
+            mimic.refuse(Problem::at(leader.place(), message).help(help));
             continue;
         };
         let kinds = [index, other].map(|joint| kind(&tree.joints[joint].element));

@@ -33,7 +33,7 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
     if is_macro(root) {
         return None;
     }
-    let tree = Tree::read(root)?;
+    let tree = Tree::read(root, options)?;
     let looks = shape::Looks::read(root, path, options);
     let mut draft = Draft::new();
     let name = root.text("name").unwrap_or("robot");
@@ -54,15 +54,10 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
         looks.write(&link.element, &mut body);
         draft.add("body", body);
     }
-    joint::gears(&tree, &movers, &mut draft);
+    joint::gears(&tree, &movers, &mut draft, options);
     root.text("version");
     root.sweep(reason);
     Some(draft)
-}
-
-/// What a link is called in the scenario.
-fn named(options: &Options, link: &str) -> String {
-    format!("{}{link}", options.prefix)
 }
 
 /// Whether this is a program that writes a URDF; that is said.

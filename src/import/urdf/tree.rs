@@ -1,7 +1,9 @@
 //! Which link hangs on which.
 
-use crate::import::log::{Place, Problem};
+use crate::import::Options;
+use crate::import::log::{Place, Problem, Taken};
 use crate::import::xml::{Attribute, Element};
+use crate::model::description::GROUND;
 use crate::suggest::closest;
 use std::collections::HashMap;
 
@@ -9,6 +11,8 @@ use std::collections::HashMap;
 pub(super) struct Link<'a> {
     pub(super) name: &'a str,
     pub(super) name_place: Place,
+    /// What it is called in the scenario.
+    pub(super) body: String,
     pub(super) element: Element<'a>,
     /// The joint that carries it; none for the root.
     pub(super) joint: Option<usize>,
@@ -35,8 +39,8 @@ pub(super) struct Tree<'a> {
 
 impl<'a> Tree<'a> {
     /// Reads all links and joints. `None` where they are no tree: that has been said.
-    pub(super) fn read(root: &Element<'a>) -> Option<Self> {
-        let (links, by_link) = links(root);
+    pub(super) fn read(root: &Element<'a>, options: &Options) -> Option<Self> {
+        let (links, by_link) = links(root, options);
         let mut tree = Self { links, joints: Vec::new(), order: Vec::new(), by_joint: HashMap::new() };
         let mut fine = true;
         for element in root.children("joint") {
@@ -64,9 +68,20 @@ impl<'a> Tree<'a> {
         self.by_joint.get(name).copied()
     }
 
-    /// The joint's name that is nearest to this one.
-    pub(super) fn near(&self, name: &str) -> Option<String> {
-        closest(name, self.joints.iter().map(|joint| joint.name)).map(|near| format!("did you mean `{near}`?"))
+    /// The joint's name that is nearest to this one, or the only one that ends with it.
+    pub(super) fn near(&self, name: &str) -> Option<&'a str> {
+        let names = || self.joints.iter().map(|joint| joint.name);
+        let mut longer = names().filter(|joint| !name.is_empty() && joint.ends_with(name));
+        match (closest(name, names()), longer.next(), longer.next()) {
+            (Some(near), ..) => Some(near),
+            (None, Some(only), None) => Some(only),
+            _ => None,
+        }
+    }
+
+    /// A name of the scenario that no link has: this one, with as many endings as it takes.
+    pub(super) fn free(&self, name: String, ending: &str) -> String {
+        free(&self.links, name, ending)
     }
 
     fn end(&self, joint: &Element<'a>, end: &str, by_link: &HashMap<&'a str, usize>) -> Option<(usize, Place)> {
@@ -178,7 +193,7 @@ impl<'a> Tree<'a> {
     }
 }
 
-fn links<'a>(root: &Element<'a>) -> (Vec<Link<'a>>, HashMap<&'a str, usize>) {
+fn links<'a>(root: &Element<'a>, options: &Options) -> (Vec<Link<'a>>, HashMap<&'a str, usize>) {
     let (mut links, mut by_name): (Vec<Link<'_>>, HashMap<&str, usize>) = (Vec::new(), HashMap::new());
     for element in root.children("link") {
         let Some(name) = element.required("name") else { continue };
@@ -190,7 +205,20 @@ fn links<'a>(root: &Element<'a>) -> (Vec<Link<'a>>, HashMap<&'a str, usize>) {
             let message = format!("there are two links called `{}`", first.name);
             element.refuse(Problem::at(name.place(), message).help("a link's name stands for it alone"));
         }
-        links.push(Link { name: name.value, name_place: name.place(), element, joint: None });
+        let body = format!("{}{}", options.prefix, name.value);
+        links.push(Link { name: name.value, name_place: name.place(), body, element, joint: None });
+    }
+    if let Some(index) = links.iter().position(|link| link.body == GROUND) {
+        links[index].body = free(&links, GROUND.to_owned(), "_link");
+        let what = format!("it is called `{}` here: `{GROUND}` is what does not move", links[index].body);
+        links[index].element.note(Taken::Used, what);
     }
     (links, by_name)
+}
+
+fn free(links: &[Link<'_>], mut name: String, ending: &str) -> String {
+    while name == GROUND || links.iter().any(|link| link.body == name) {
+        name += ending;
+    }
+    name
 }

@@ -35,6 +35,7 @@ enum Source {
     Velocity(usize),
     /// Of the line with this index.
     Tension(usize),
+    Coupling(usize),
 }
 
 impl Curve {
@@ -49,48 +50,123 @@ impl Curve {
             Source::Position(index) => sample.positions[index],
             Source::Velocity(index) => sample.velocities[index],
             Source::Tension(index) => tension(&scene.lines[index], sample.bodies).unwrap_or(0.0),
+            Source::Coupling(index) => sample.couplings[index],
         }
     }
 }
 
+/// Numbers of one kind: one plot for each unit.
+struct Family<'a> {
+    word: &'static str,
+    /// Where its curves are in the viewer.
+    folder: &'static str,
+    channels: Vec<(usize, &'a Channel)>,
+    source: fn(usize) -> Source,
+    /// How much each channel matters, as far as that is known.
+    weights: Option<Vec<f64>>,
+    /// What those do that matter most, where it is said that others are left out.
+    most: Option<&'static str>,
+}
+
 /// The plots of a scene in groups: energy and its error; hinge coordinates and rates, one plot for each unit, and the
-/// pull of springs. Of many coordinates those are drawn that move most, as far as that is known. Also what is left out.
+/// pull of springs; what drives, motors, gears and loops push. Of many coordinates those are drawn that move most, as
+/// far as that is known. Also what is left out.
 pub(super) fn plots(scene: &Scene, known: Option<&Survey>) -> (Vec<Vec<Plot>>, Vec<String>) {
     let mut notes = Vec::new();
-    let mut plots = Vec::new();
-    for (word, channels, of, widths) in [
-        ("Hinges", &scene.positions, Source::Position as fn(usize) -> Source, known.map(|known| &known.positions)),
-        ("Rates", &scene.velocities, Source::Velocity, known.map(|known| &known.velocities)),
-    ] {
-        // The modes and the iterates of statics have poses alone.
-        if word == "Rates" && widths.is_some_and(|widths| widths.iter().all(|range| range.width() == 0.0)) {
-            continue;
-        }
-        for unit in units(channels) {
-            let title = match unit {
-                "" | "1" => format!("{word}, quaternions"),
-                unit => format!("{word} [{unit}]"),
-            };
-            let (curves, total) = hinges(channels, unit, of, widths);
-            if total > curves.len() {
-                let count = curves.len();
-                if word == "Hinges" {
-                    notes.push(match widths {
-                        Some(_) => format!("{title}: the {count} of {total} that move most are plotted"),
-                        None => format!("{title}: the first {count} of {total} are plotted"),
-                    });
-                }
-                plots.push(Plot { title: format!("{title}, {count} of {total}"), curves });
-            } else {
-                plots.push(Plot { title, curves });
-            }
-        }
+    let widths = |ranges: &[Range]| ranges.iter().map(|range| range.width()).collect();
+    let hinges = Family {
+        word: "Hinges",
+        folder: "hinges",
+        channels: numbered(&scene.positions),
+        source: Source::Position,
+        weights: known.map(|known| widths(&known.positions)),
+        most: Some("move"),
+    };
+    let rates = Family {
+        word: "Rates",
+        folder: "rates",
+        channels: numbered(&scene.velocities),
+        source: Source::Velocity,
+        weights: known.map(|known| widths(&known.velocities)),
+        most: None,
+    };
+    let mut motion = hinges.plots(&mut notes);
+    // The modes and the iterates of statics have poses alone.
+    if rates.weights.as_ref().is_none_or(|widths: &Vec<f64>| widths.iter().any(|width| *width != 0.0)) {
+        motion.extend(rates.plots(&mut notes));
     }
     let springs: Vec<Curve> = scene.lines.iter().enumerate().filter_map(spring).collect();
     if !springs.is_empty() && springs.len() <= CURVES_PER_PLOT {
-        plots.push(Plot { title: "Springs [N]".into(), curves: springs });
+        motion.push(Plot { title: "Springs [N]".into(), curves: springs });
     }
-    (vec![energies(known), plots], notes)
+    (vec![energies(known), motion, couplings(scene, known, &mut notes)], notes)
+}
+
+/// What drives, motors, gears and loops push, and how far they are from being closed.
+fn couplings(scene: &Scene, known: Option<&Survey>, notes: &mut Vec<String>) -> Vec<Plot> {
+    let largest = known.map(|known| known.couplings.iter().map(|range| range.largest()).collect());
+    let (gaps, pushes) = numbered(&scene.couplings).into_iter().partition(|(_, channel)| channel.name == "gap");
+    let (folder, source) = ("couplings", Source::Coupling as fn(usize) -> Source);
+    let pushes =
+        Family { word: "Couplings", folder, channels: pushes, source, weights: largest.clone(), most: Some("push") };
+    let gaps = Family { word: "Gaps", folder, channels: gaps, source, weights: largest, most: None };
+    [pushes, gaps].iter().flat_map(|family| family.plots(notes)).collect()
+}
+
+fn numbered(channels: &[Channel]) -> Vec<(usize, &Channel)> {
+    channels.iter().enumerate().collect()
+}
+
+impl Family<'_> {
+    fn plots(&self, notes: &mut Vec<String>) -> Vec<Plot> {
+        let mut plots = Vec::new();
+        for unit in self.units() {
+            let title = match unit {
+                "" | "1" => format!("{}, quaternions", self.word),
+                unit => format!("{} [{unit}]", self.word),
+            };
+            let (curves, total) = self.curves(unit);
+            let count = curves.len();
+            if total == count {
+                plots.push(Plot { title, curves });
+                continue;
+            }
+            notes.extend(self.most.map(|most| match self.weights {
+                Some(_) => format!("{title}: the {count} of {total} that {most} most are plotted"),
+                None => format!("{title}: the first {count} of {total} are plotted"),
+            }));
+            plots.push(Plot { title: format!("{title}, {count} of {total}"), curves });
+        }
+        plots
+    }
+
+    fn units(&self) -> Vec<&str> {
+        let mut units: Vec<&str> = Vec::new();
+        for (_, channel) in &self.channels {
+            if !units.contains(&channel.unit.as_str()) {
+                units.push(&channel.unit);
+            }
+        }
+        units
+    }
+
+    /// The curves of one unit, and how many there are in all.
+    fn curves(&self, unit: &str) -> (Vec<Curve>, usize) {
+        let mut chosen: Vec<(usize, &Channel)> =
+            self.channels.iter().copied().filter(|(_, channel)| channel.unit == unit).collect();
+        let total = chosen.len();
+        if let Some(weights) = self.weights.as_ref().filter(|_| total > CURVES_PER_PLOT) {
+            chosen.sort_by(|(a, _), (b, _)| weights[*b].total_cmp(&weights[*a]));
+        }
+        chosen.truncate(CURVES_PER_PLOT);
+        chosen.sort_unstable_by_key(|(index, _)| *index);
+        let curve = |(index, channel): (usize, &Channel)| Curve {
+            name: format!("{} {}", channel.body, channel.name),
+            path: super::picture::path(&[self.folder, &channel.body, &channel.name]),
+            source: (self.source)(index),
+        };
+        (chosen.into_iter().map(curve).collect(), total)
+    }
 }
 
 /// Those that are more than zero, where that is known; the potential energy always.
@@ -111,42 +187,6 @@ fn energies(known: Option<&Survey>) -> Vec<Plot> {
     let error = curves.pop_if(|curve| curve.name == "error");
     let error = error.map(|curve| Plot { title: "Energy error [J]".into(), curves: vec![curve] });
     [Plot { title: "Energy [J]".into(), curves }].into_iter().chain(error).collect()
-}
-
-fn units(channels: &[Channel]) -> Vec<&str> {
-    let mut units: Vec<&str> = Vec::new();
-    for channel in channels {
-        if !units.contains(&channel.unit.as_str()) {
-            units.push(&channel.unit);
-        }
-    }
-    units
-}
-
-/// The curves of one unit, and how many there are in all.
-fn hinges(
-    channels: &[Channel],
-    unit: &str,
-    of: fn(usize) -> Source,
-    widths: Option<&Vec<Range>>,
-) -> (Vec<Curve>, usize) {
-    let mut chosen: Vec<usize> = (0..channels.len()).filter(|index| channels[*index].unit == unit).collect();
-    let total = chosen.len();
-    if let Some(widths) = widths.filter(|_| total > CURVES_PER_PLOT) {
-        chosen.sort_by(|a, b| widths[*b].width().total_cmp(&widths[*a].width()));
-    }
-    chosen.truncate(CURVES_PER_PLOT);
-    chosen.sort_unstable();
-    let curve = |index: usize| {
-        let (channel, source) = (&channels[index], of(index));
-        let group = if matches!(source, Source::Velocity(_)) { "rates" } else { "hinges" };
-        Curve {
-            name: format!("{} {}", channel.body, channel.name),
-            path: super::picture::path(&[group, &channel.body, &channel.name]),
-            source,
-        }
-    };
-    (chosen.into_iter().map(curve).collect(), total)
 }
 
 fn spring((index, line): (usize, &LinePicture)) -> Option<Curve> {

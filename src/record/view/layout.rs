@@ -6,6 +6,7 @@ use super::bounds::Bounds;
 use super::camera::camera;
 use super::columns::TIMELINE;
 use super::curves::Plot;
+use super::marks::EVENTS;
 use super::picture::{CAPTION, Picture, STATICS};
 use rerun::blueprint::components::{
     BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, PlayState, RootContainer,
@@ -13,19 +14,23 @@ use rerun::blueprint::components::{
 use rerun::datatypes::Uuid;
 use rerun::external::re_log_types::BlueprintActivationCommand;
 use rerun::external::re_sdk_types::blueprint::archetypes::{
-    Background, ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, PlotLegend, TimePanelBlueprint,
-    ViewBlueprint, ViewContents, ViewportBlueprint,
+    Background, ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, PlotLegend, TextLogColumns,
+    TimePanelBlueprint, ViewBlueprint, ViewContents, ViewportBlueprint,
 };
+use rerun::external::re_sdk_types::blueprint::datatypes::{TextLogColumn, TextLogColumnKind};
 use rerun::{Color, EntityPath, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, components};
 
 /// Shares of the window's width: the bodies, the plots.
 const SHARES: [f32; 2] = [3.0, 2.0];
+/// Shares of its height: the log, all other rows.
+const LOG_SHARE: f32 = 0.6;
+const ROW_SHARE: f32 = 1.0;
 /// Light, as paper: wires, rods and frames are usually dark.
 const BACKGROUND: Color = Color(rerun::Rgba32::from_rgb(224, 228, 233));
 const GRID: Color = Color(rerun::Rgba32::from_rgb(190, 196, 204));
 
-/// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, on the right what statics found and
-/// the plots, those of one group behind each other. With `plays` the time runs as soon as it is opened.
+/// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, on the right what statics found, what
+/// happens and the plots, those of one group behind each other. With `plays` the time runs as soon as it is opened.
 pub(super) fn send(
     stream: &RecordingStream,
     application: &'static str,
@@ -50,11 +55,23 @@ pub(super) fn send(
             rows.push(text);
         }
     }
+    let mut shares = vec![ROW_SHARE; rows.len()];
+    if picture.scene.watched {
+        let log = ids.path("view");
+        send_view(&blueprint, &log, "TextLog", "Events", vec![format!("+ {}/**", super::picture::path(&[EVENTS]))])?;
+        // A line names what it happened to.
+        let line = TextLogColumn { visible: true.into(), kind: TextLogColumnKind::Body };
+        blueprint.log(format!("{log}/TextLogColumns"), &TextLogColumns::new().with_text_log_columns([line]))?;
+        rows.push(log);
+        shares.push(LOG_SHARE);
+    }
     for group in picture.plots.iter().filter(|group| !group.is_empty()) {
         rows.push(send_tabs(&blueprint, &mut ids, group)?);
+        shares.push(ROW_SHARE);
     }
     let plots = ids.path("container");
-    blueprint.log(plots.as_str(), &ContainerBlueprint::new(ContainerKind::Vertical).with_contents(rows))?;
+    let looks = ContainerBlueprint::new(ContainerKind::Vertical).with_contents(rows).with_row_shares(shares);
+    blueprint.log(plots.as_str(), &looks)?;
     let window = ids.next();
     let halves = ContainerBlueprint::new(ContainerKind::Horizontal).with_contents([bodies, plots]);
     blueprint.log(format!("container/{window}"), &halves.with_col_shares(SHARES))?;

@@ -2,7 +2,8 @@
 //!
 //! Both ways draw the same: bodies as solids under `/world`, springs under `/springs` (blue where they push, red where
 //! they pull), constant loads as arrows under `/loads`, the centre of mass and its way; energies, hinge coordinates and
-//! rates and the pull of springs as curves; what statics found as text; all on the timeline `sim_time`. Of a recording it
+//! rates, the pull of springs and what drives, motors, gears and loops push as curves; what statics found as text, and
+//! what happened as a log; all on the timeline `sim_time`. Of a recording it
 //! is known before what moves and pulls how much; a running motion is drawn by what its first sample shows. The viewer
 //! computes in single precision: it is for looking, never for checking numbers.
 //!
@@ -34,6 +35,8 @@ mod forces;
 mod layout;
 #[cfg(feature = "rerun")]
 mod link;
+#[cfg(feature = "rerun")]
+mod marks;
 #[cfg(feature = "rerun")]
 mod picture;
 #[cfg(feature = "rerun")]

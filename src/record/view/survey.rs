@@ -17,6 +17,8 @@ pub(super) struct Survey {
     /// How far each hinge coordinate moves, and each velocity.
     pub(super) positions: Vec<Range>,
     pub(super) velocities: Vec<Range>,
+    /// What each coupling pushes, or how wide it gapes.
+    pub(super) couplings: Vec<Range>,
     /// How far each energy is from zero: kinetic, potential, work, dissipated, error.
     pub(super) energies: [f64; 5],
     /// The largest pull of a spring (N).
@@ -46,6 +48,11 @@ impl Range {
     pub(super) fn width(self) -> f64 {
         (self.1 - self.0).max(0.0)
     }
+
+    /// The greatest magnitude; zero of nothing.
+    pub(super) fn largest(self) -> f64 {
+        self.1.max(-self.0).max(0.0)
+    }
 }
 
 impl Survey {
@@ -54,6 +61,7 @@ impl Survey {
         Self {
             positions: vec![Range::default(); scene.positions.len()],
             velocities: vec![Range::default(); scene.velocities.len()],
+            couplings: vec![Range::default(); scene.couplings.len()],
             ..Self::default()
         }
     }
@@ -64,6 +72,7 @@ impl Survey {
         self.bounds.include_lines(&scene.lines, sample.bodies);
         self.positions.iter_mut().zip(sample.positions).for_each(|(range, x)| range.include(*x));
         self.velocities.iter_mut().zip(sample.velocities).for_each(|(range, x)| range.include(*x));
+        self.couplings.iter_mut().zip(sample.couplings).for_each(|(range, x)| range.include(*x));
         let energy = &sample.energy;
         let energies = [energy.kinetic, energy.potential, energy.work, energy.dissipated, energy.error];
         self.energies.iter_mut().zip(energies).for_each(|(largest, x)| *largest = largest.max(x.abs()));

@@ -9,9 +9,9 @@ use super::layout;
 use super::link::{Job, Link};
 use super::picture::{Picture, point};
 use super::survey::{Survey, Trace, center_of_mass};
-use super::{Shown, Sink, Wishes, text};
+use super::{Shown, Sink, Wishes, marks, text};
 use crate::record::solids::solids;
-use crate::record::{Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};
+use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};
 use rerun::{RecordingStream, RecordingStreamBuilder};
 use std::path::Path;
 use std::sync::Arc;
@@ -39,6 +39,8 @@ pub struct Viewer {
     known: Option<Survey>,
     reactions: bool,
     columns: Columns,
+    /// What happened and has not been sent.
+    events: Vec<Event>,
     longest: usize,
     thinning: Thinning,
     /// `None` where nobody waits for the picture.
@@ -117,6 +119,7 @@ impl Viewer {
             known: None,
             reactions: false,
             columns: Columns::default(),
+            events: Vec::new(),
             longest: 1,
             thinning: Thinning::new(None, 1),
             period: (!saved).then_some(PERIOD),
@@ -174,11 +177,20 @@ impl Viewer {
         self.sent = Instant::now();
         let sent = picture.clone();
         self.tell(move |stream| columns.send(stream, &sent).map_err(|error| error.to_string()))?;
+        self.send_events()?;
         // Anew where it has grown by a quarter, and at the end.
         if 4 * self.trace.points().len() > 5 * self.traced {
             self.send_trace()?;
         }
         Ok(())
+    }
+
+    fn send_events(&mut self) -> Result<(), RecordError> {
+        let events = std::mem::take(&mut self.events);
+        if events.is_empty() {
+            return Ok(());
+        }
+        self.tell(move |stream| marks::send(stream, &events).map_err(|error| error.to_string()))
     }
 
     fn send_trace(&mut self) -> Result<(), RecordError> {
@@ -227,6 +239,11 @@ impl Recorder for Viewer {
         Ok(())
     }
 
+    fn event(&mut self, event: &Event) -> Result<(), RecordError> {
+        self.events.push(event.clone());
+        Ok(())
+    }
+
     fn finish(&mut self, _outcome: &Outcome) -> Result<(), RecordError> {
         let picture = match self.picture.clone() {
             Some(picture) => picture,
@@ -235,6 +252,7 @@ impl Recorder for Viewer {
         if self.columns.len() > 0 {
             self.send_columns(&picture)?;
         }
+        self.send_events()?;
         if self.trace.points().len() > 1 {
             self.send_trace()?;
         }
@@ -252,6 +270,9 @@ impl Recorder for Viewer {
 pub fn view(recording: &Path, sink: &Sink, wishes: &Wishes) -> Result<Shown, RecordError> {
     let recording = Recording::open(recording)?;
     let mut viewer = Viewer::with_scene(sink, &recording.scene, recording.statics.as_deref())?;
+    // Of one instant alone there is nothing to tell.
+    viewer.events = if wishes.at.is_none() { recording.events()? } else { Vec::new() };
+    viewer.scene.watched = !viewer.events.is_empty();
     viewer.captions = text::captions(recording.outcome.as_deref(), recording.statics.as_deref());
     viewer.reactions = wishes.reactions;
     let mut known = Survey::new(&recording.scene);

@@ -48,7 +48,7 @@ pub const SCENARIO: Table = Table {
         Key::new(
             "model",
             Kind::Either(&[Kind::Text, Kind::Table(&MODEL), Kind::List(&Kind::Table(&MODEL), &[])]),
-            "A model of another program (URDF): its file, or how it is taken; or several.",
+            "A model of another program (URDF or MJCF): its file, or how it is taken; or several.",
         )
         .example("\"robots/arm.urdf\""),
         Key::new(

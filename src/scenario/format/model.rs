@@ -32,6 +32,9 @@ pub const MODEL: Table = Table {
         Key::new("key", Kind::Text, "The keyframe of an MJCF model that is the start, by name or number from 0; else the first one.")
             .example("\"home\""),
         Key::new("limits", Kind::Flag, "Whether the limits of its joints become stops.").default("true").example("false"),
+        Key::new("mimics", Kind::Flag, "Whether joints of a URDF that follow others become gears; else they move by themselves.")
+            .default("true")
+            .example("false"),
         Key::new("packages", Kind::Map(&Kind::Text), "Folders of packages by name, for `package://name/…`.")
             .example("{ arm_description = \"../arm_description\" }"),
         Key::new("positions", Kind::Map(&VALUES), "Where its hinges start, by the name of the joint or of the body.")

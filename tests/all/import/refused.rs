@@ -34,6 +34,8 @@ fn names_that_are_not_there() {
       |
     4 | <joint name="j" type="revolut"><parent link="base"/><child link="arm"/><mimic joint="k"/><limit lower="1" upper="-1"/></joint>
       |                                                                               ^^^^^^^^^
+      |
+      = help: `mimics = false` in `model`, or `convert --no-mimics`, leaves out all of them
 
     robot.urdf: 2 errors
     "###);
@@ -165,7 +167,7 @@ fn a_moving_leaf_without_mass() {
     4 | <link name="ghost"/><joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint>
       | ^^^^^
       |
-      = help: give it a mass, weld it with a fixed hinge, or give the hinge an armature
+      = help: give it a mass, weld it with a fixed hinge, or give the hinge an armature, as with `--set ghost.armature=1e-6`
 
     robot.urdf: 1 error
     "###);

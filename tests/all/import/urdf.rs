@@ -1,6 +1,6 @@
 //! URDF: every element becomes what it means.
 
-use super::fixture::{import, joint, link, notes, robot};
+use super::fixture::{import, joint, link, notes, refused, robot};
 use crate::common::{build, relative_difference};
 use nalgebra::{UnitQuaternion, Vector3};
 use stillpoint::dynamics::System;
@@ -88,6 +88,46 @@ fn a_robot_reads_like_a_scenario() {
         imported.joints,
         [("shoulder", "left/upper"), ("slide", "left/lower")].map(|(a, b)| (a.into(), b.into()))
     );
+}
+
+/// Many a robot stands on a link of this name.
+#[test]
+fn a_link_called_ground_has_another_name() {
+    let text = robot(&format!(
+        "{}{}{}{}",
+        link("ground"),
+        joint("stand", "fixed", ["base", "ground"], ""),
+        link("ground_link"),
+        joint("turn", "continuous", ["ground", "ground_link"], "<axis xyz=\"0 1 0\"/>"),
+    ));
+    let imported = import(&text, &Options::default());
+    insta::assert_snapshot!(notes(&imported), @"3: used: link `ground`: it is called `ground_link_link` here: `ground` is what does not move");
+    let model = model(&text, &Options::default(), &[]);
+    let named = |name: &str| model.bodies.iter().position(|body| body.name == name).expect("a body");
+    let parent = model.bodies[named("ground_link")].parent;
+    assert_eq!(parent, Some(named("ground_link_link")));
+    // With a prefix it keeps its name.
+    let prefixed = import(&text, &Options { prefix: "left/".into(), ..Options::default() });
+    assert!(prefixed.notes.is_empty(), "{:?}", prefixed.notes);
+    assert!(prefixed.scenario.contains("name = \"left/ground\""), "{}", prefixed.scenario);
+}
+
+/// What follows a joint that is not there has to be let go by whoever wants the rest.
+#[test]
+fn mimics_can_be_left_out() {
+    let text = robot(&format!(
+        "{}{}{}{}",
+        link("a"),
+        joint("left_a", "continuous", ["base", "a"], "<axis xyz=\"0 1 0\"/>"),
+        link("b"),
+        joint("left_b", "continuous", ["a", "b"], "<axis xyz=\"0 1 0\"/><mimic joint=\"a\" multiplier=\"2\"/>"),
+    ));
+    let said = refused(&text);
+    assert!(said.contains("there is no joint `a`") && said.contains("did you mean `left_a`?"), "{said}");
+    let options = Options { without_mimics: true, ..Options::default() };
+    let imported = import(&text, &options);
+    insta::assert_snapshot!(notes(&imported), @"6: ignored: <mimic> of joint `left_b`: left out, as asked for: the joint moves by itself");
+    assert!(model(&text, &options, &[]).gears.is_empty());
 }
 
 #[test]

@@ -75,6 +75,7 @@ impl Motion {
                 .collect(),
             couplings: channels(&[("time", "", "N m"), ("ring", "force.x", "N"), ("ring", "gap", "m")]).collect(),
             not_unique: vec!["ring".into()],
+            watched: true,
         };
         Self { scene, pose: double_link_pose }
     }

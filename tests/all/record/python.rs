@@ -1,4 +1,5 @@
-//! The recording as others read it: Python, with the `mcap` and `mcap-protobuf-support` packages.
+//! The recording as others read it: Python, with the `mcap` and `mcap-protobuf-support` packages, and JavaScript, with
+//! those that Foxglove and Lichtblick are made of.
 
 use super::fixture::{Motion, record};
 use std::process::Command;
@@ -12,12 +13,33 @@ fn python_reads_the_same_numbers() {
         eprintln!("skipped: python3 with the packages mcap and mcap-protobuf-support is not there");
         return;
     }
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/read_recording.py");
+    is_read_back(python().arg(script));
+}
+
+#[test]
+fn javascript_reads_the_same_numbers() {
+    let node = || Command::new("node");
+    let needed = "for (const name of ['core', 'nodejs', 'support']) require('@mcap/' + name)";
+    let there = node().args(["-e", needed]).output();
+    if !there.is_ok_and(|output| output.status.success()) {
+        assert!(std::env::var_os("CI").is_none(), "node with the packages of tests/javascript must be there");
+        eprintln!("skipped: node with the packages of tests/javascript is not there");
+        return;
+    }
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/javascript/read_recording.js");
+    let read = is_read_back(node().arg(script));
+    // The scene once, and five channels with every sample.
+    assert_eq!(read["messages"], 1 + 5 * 101);
+}
+
+/// Gives a recording to a program that prints what it finds, and compares that with what was recorded.
+fn is_read_back(program: &mut Command) -> serde_json::Value {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("swing.mcap");
     let motion = Motion::double_link();
     record(&path, &motion, 1.0);
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/read_recording.py");
-    let output = python().arg(script).arg(&path).output().expect("run");
+    let output = program.arg(&path).output().expect("run");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let read: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
 
@@ -41,4 +63,5 @@ fn python_reads_the_same_numbers() {
         assert_eq!(number("box_height").to_bits(), expected.bodies[2].translation.z.to_bits());
         assert_eq!(sample["parents"], serde_json::json!(["world"]));
     }
+    read
 }

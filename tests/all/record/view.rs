@@ -22,7 +22,7 @@ mod with_rerun {
     use super::*;
     use std::process::{Command, Stdio};
     use stillpoint::record::view::Viewer;
-    use stillpoint::record::{Outcome, RecordError, Recorder};
+    use stillpoint::record::{Event, Outcome, RecordError, Recorder, RecordingFile};
 
     /// The `rerun` program reads the file and finds nothing wrong. It comes with the viewer, which need not be there.
     fn verify(rrd: &std::path::Path) {
@@ -79,6 +79,54 @@ mod with_rerun {
         }
         viewer.finish(&Outcome { summary: String::new() }).expect("finished");
         verify(&rrd);
+    }
+
+    /// What the `rerun` program finds in a file, as text; none where there is no such program.
+    fn print(rrd: &std::path::Path) -> Option<String> {
+        let output = Command::new("rerun").args(["rrd", "print", "-vvv"]).arg(rrd).output().ok()?;
+        Some(String::from_utf8_lossy(&output.stdout).into_owned())
+    }
+
+    /// Of a run while it goes on and of its recording alike.
+    #[test]
+    fn what_happens_and_what_is_pushed_is_shown() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mcap, saved, live) =
+            (folder.path().join("a.mcap"), folder.path().join("a.rrd"), folder.path().join("b.rrd"));
+        let motion = Motion::double_link();
+        let events = [(0.105, "lower", "impact of `lower` at 0.5"), (0.2, "integrator", "`sdirk4` takes over")]
+            .map(|(time, name, text)| Event { time, name: name.into(), text: text.into() });
+        let mut file = RecordingFile::create(&mcap).and_then(|file| file.begin(&motion.opening())).expect("open");
+        let mut viewer = Viewer::open(&Sink::Save(live.clone()), &motion.opening()).expect("open");
+        for recorder in [&mut file as &mut dyn Recorder, &mut viewer] {
+            let mut events = events.iter().peekable();
+            for time in Motion::times(0.3) {
+                while let Some(event) = events.next_if(|event| event.time <= time) {
+                    recorder.event(event).expect("marked");
+                }
+                recorder.sample(&motion.at(time).borrow()).expect("taken");
+            }
+            recorder.finish(&Outcome { summary: "{}".into() }).expect("finished");
+        }
+        view(&mcap, &Sink::Save(saved.clone()), &Wishes::default()).expect("saved");
+        for rrd in [saved, live] {
+            verify(&rrd);
+            let Some(print) = print(&rrd) else { return };
+            for part in [
+                "/events/lower",
+                "impact of `lower` at 0.5",
+                "/events/integrator",
+                "DEBUG",
+                "PT0.105S",
+                "/couplings/ring/gap",
+                "/couplings/ring/force.x",
+                "Couplings [N m]",
+                "Gaps [m]",
+                "TextLog",
+            ] {
+                assert!(print.contains(part), "no {part} in {print}");
+            }
+        }
     }
 
     #[cfg(unix)]
