@@ -18,8 +18,7 @@
 //! double the work, and what it gains on smooth motions is a fraction of that. Only where a projection moves the state is
 //! it taken there.
 //!
-//! **Error**: (2) less the same rule of one order less, `h (g_k − g_{k−1}) Φ_k(n + 1)`. A run makes some ten times the
-//! steps of a one-step method of order 8, and their errors add up: each may leave only [`PART`] of the tolerance.
+//! **Error**: (2) less the same rule of one order less, `h (g_k − g_{k−1}) Φ_k(n + 1)`.
 //!
 //! **Order**: what the orders `k − 2` to `k + 1` would have left, `h γ*_j Φ_j(n + 1)` with the weights `γ*` of equal
 //! steps, is compared after each step. The order falls where a lower one would not have been worse, and rises where a
@@ -55,8 +54,9 @@ use crate::integrate::{
 
 /// Highest order: above it rounding of the differences and poor stability cost more than is gained.
 const MOST: usize = MOST_TERMS - 2;
-/// The part of the tolerance that a step may leave.
-const PART: f64 = 0.05;
+/// Smallest share of the tolerance that a step is asked for (see `norm.rs`): its steps are many and short, and their
+/// errors of one sign.
+const SMALLEST_SHARE: f64 = 1e-3;
 /// Steps aim at this part of what they may leave.
 const AIM: f64 = 0.2;
 /// A step that would grow by less is kept: equal steps are what orders rise on.
@@ -67,9 +67,11 @@ const FACTORS: [f64; 2] = [0.5, 0.9];
 const REJECTED_FACTORS: [f64; 2] = [0.2, 0.7];
 /// From this many attempts in a row that fail the history is not trusted: order 1.
 const FAILURES: u32 = 3;
-/// Orders up to this one for so many steps on end mean stability, not accuracy.
-const LOW: usize = 3;
+/// Orders up to the first for so many steps on end mean stability, not accuracy; where a step may leave less than [`TIGHT`],
+/// accuracy asks for higher ones than the second.
+const LOW: [usize; 2] = [3, 6];
 const LOW_STEPS: u32 = 40;
+const TIGHT: f64 = 1e-9;
 
 /// Adams methods of variable order and step.
 #[derive(Debug)]
@@ -123,13 +125,13 @@ impl Adams {
     pub fn new<P: Problem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         options.validate()?;
         let mut progress = Progress::new(problem, start)?;
-        let norm = ErrorNorm::new(problem, PART * options.relative, PART * options.absolute);
+        let mut norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
         let mut rate = vec![0.0; progress.state.len()];
         state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
             .map_err(|limit| progress.cannot_start(limit))?;
         let step = match options.step {
             Some(step) => step,
-            None => first_step(problem, &norm, &mut progress, &rate, 2),
+            None => first_step(problem, &mut norm, &mut progress, &rate, 2),
         };
         let past = Differences::new(progress.time, &rate);
         Ok(Self {
@@ -211,7 +213,8 @@ impl Adams {
         std::mem::swap(&mut self.past, &mut self.tried);
         let factor = self.choose(left);
         self.control.follow(trial, factor);
-        self.low = if self.order <= LOW && !self.starting { self.low + 1 } else { 0 };
+        let low = LOW[usize::from(self.norm.tolerance() < TIGHT)];
+        self.low = if self.order <= low && !self.starting { self.low + 1 } else { 0 };
         self.failures = 0;
         self.miss_is_known = false;
         self.previous.copy_from_slice(&self.progress.state);
@@ -305,6 +308,7 @@ impl<P: Problem> Stepper<P> for Adams {
     fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
         while !self.progress.finished() {
             let trial = self.control.propose(&self.progress)?;
+            self.norm.allow(trial.step);
             match self.attempt(problem, trial) {
                 Ok(left) if left.error <= 1.0 || self.control.is_fixed() => match self.project(problem, trial) {
                     Ok(()) => {

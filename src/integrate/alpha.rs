@@ -27,8 +27,8 @@
 //! ```
 //!
 //! with what the method would not resolve filtered out, `K w = c₂ M e`: the tangent of the step again, one solve each.
-//! It is weighed by `T/h` where the step is shorter than the system's own time `T`: the many steps of a method of low
-//! order add up, and without it a run at a tenth of the tolerance would only be a fifth as wrong.
+//! A step is asked for its share `h/T` of the tolerance however short it is (`norm.rs`): the many steps of a method of low
+//! order add up, and with a smallest share a run at a tenth of the tolerance would only be a fifth as wrong.
 //! The first step knows two accelerations only, and takes their difference for the bend of the parabola.
 //!
 //! **Between the ends**: the Hermite cubic.
@@ -52,7 +52,7 @@ use crate::integrate::{
     stepper::Stepper,
 };
 
-/// The error estimate is `O(h³)`, per step and `T` it is `O(h²)`.
+/// The error estimate is `O(h³)`, in shares of the tolerance it is `O(h²)`.
 const ESTIMATE_ORDER: u8 = 2;
 /// Newton may leave this part of the tolerance; at tolerances close to rounding it may stall earlier.
 const ACCURACY: Accuracy = Accuracy { left: 0.01, stalled: 0.1, least_contraction: 0.0 };
@@ -134,13 +134,13 @@ impl GeneralizedAlpha {
         options.validate()?;
         problem.reserve(SLOT + 1);
         let mut progress = Progress::new(problem, start)?;
-        let norm = ErrorNorm::new(problem, options.relative, options.absolute);
+        let mut norm = ErrorNorm::shared(problem, options, &start, 0.0);
         let mut rate = vec![0.0; progress.state.len()];
         state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
             .map_err(|limit| progress.cannot_start(limit))?;
         let step = match options.step {
             Some(step) => step,
-            None => first_step(problem, &norm, &mut progress, &rate, ESTIMATE_ORDER),
+            None => first_step(problem, &mut norm, &mut progress, &rate, ESTIMATE_ORDER),
         };
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
@@ -166,9 +166,7 @@ impl GeneralizedAlpha {
     fn iterate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
         let position_count = self.progress.position_count;
         let (c1, c2) = self.weights.shifts(trial.step);
-        let part = 1.0 / self.weight(trial.step);
-        let accuracy = Accuracy { left: part * ACCURACY.left, stalled: part * ACCURACY.stalled, ..ACCURACY };
-        let mut iteration = Iteration::new(accuracy, MAX_ITERATIONS);
+        let mut iteration = Iteration::new(ACCURACY, MAX_ITERATIONS);
         loop {
             let Progress { state, statistics, .. } = &mut self.progress;
             let acceleration = &mut self.next_rate[position_count..];
@@ -212,11 +210,6 @@ impl GeneralizedAlpha {
         problem.displace(q, &self.change, next_q);
     }
 
-    /// How much an error of a step of length `step` counts: `T/h`, at least 1.
-    fn weight(&self, step: f64) -> f64 {
-        (self.norm.time_scale(self.progress.position_count) / step).max(1.0)
-    }
-
     /// The norm of (3), filtered.
     fn estimate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         let Progress { state, position_count, statistics, .. } = &mut self.progress;
@@ -252,8 +245,7 @@ impl GeneralizedAlpha {
                 Pass::Position => problem.position_rate(&self.next[..*position_count], &self.correction, of_position),
             }
         }
-        let measured = self.norm.measure(&self.displacement, state, &self.next);
-        Ok(Measured { value: self.weight(h) * measured.value, ..measured })
+        Ok(self.norm.measure(&self.displacement, state, &self.next))
     }
 }
 
@@ -270,6 +262,7 @@ impl<P: ImplicitProblem> Implicit<P> for GeneralizedAlpha {
     }
 
     fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+        self.norm.allow(trial.step);
         let position_count = self.progress.position_count;
         let (c1, c2) = self.weights.shifts(trial.step);
         // First guess: the acceleration stays.

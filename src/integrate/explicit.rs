@@ -28,6 +28,8 @@ use crate::integrate::{
     start::first_step,
 };
 
+/// Smallest share of the tolerance that a step is asked for: see `norm.rs`.
+const SMALLEST_SHARE: f64 = 1.0 / 300.0;
 /// Steps at the edge that make a system stiff, and quiet ones that clear it.
 const STIFF_STEPS: u32 = 15;
 const QUIET_STEPS: u32 = 6;
@@ -113,13 +115,13 @@ impl Explicit {
         options.validate()?;
         let mut progress = Progress::new(problem, start)?;
         progress.dense.with_higher_terms(dense_terms);
-        let norm = ErrorNorm::new(problem, options.relative, options.absolute);
+        let mut norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
         let mut rates = vec![vec![0.0; progress.state.len()]; pair.nodes.len()];
         state_rate(problem, progress.time, &progress.state, &mut rates[0], &mut progress.statistics)
             .map_err(|limit| progress.cannot_start(limit))?;
         let step = match options.step {
             Some(step) => step,
-            None => first_step(problem, &norm, &mut progress, &rates[0], pair.order),
+            None => first_step(problem, &mut norm, &mut progress, &rates[0], pair.order),
         };
         Ok(Self {
             control: Controller::new(options, pair.order, step, &progress, ADVICE),
@@ -144,6 +146,7 @@ impl Explicit {
         }
         loop {
             let trial = self.control.propose(&self.progress)?;
+            self.norm.allow(trial.step);
             match self.attempt(problem, trial) {
                 Ok(error) if error.value <= 1.0 || self.control.is_fixed() => match self.project(problem, trial) {
                     Ok(()) => {

@@ -18,7 +18,7 @@
 //! before; otherwise it is renewed before the next step.
 //!
 //! **Stopping**: with the contraction `θ` of the last two corrections the error left is about `θ/(1−θ) ‖Δ‖`. It must be below the
-//! fraction `κ = min(1/200, √tolerance)` of the step's tolerance, in the norm of the error estimate. Two reasons: the
+//! fraction `κ = min(1/200, √tolerance)` of the step's share of the tolerance, in the norm of the error estimate. Two reasons: the
 //! table's coefficients carry a stage's error into the result up to 50-fold (`a₅₃/γ`, `a₅₄/γ`); and these errors all have
 //! the same sign, so they add up over the steps, of which a tight tolerance makes many. The first correction of a stage
 //! is judged by the contraction of the stages before it in the same step. A correction as small as rounding ends the
@@ -52,8 +52,6 @@ const STALLED_PARTS: [f64; 2] = [1e-3, 1.0];
 /// The iteration matrix, what is known of its quality, and buffers.
 #[derive(Debug)]
 pub(crate) struct Newton {
-    /// κ: error left by the iteration, as a fraction of the step's tolerance.
-    fraction: f64,
     /// Corrections that stall below this are rounding, in tolerances.
     stalled: f64,
     factorization: Option<Factorization>,
@@ -89,10 +87,9 @@ pub(crate) struct Stage<'a> {
 
 impl Newton {
     /// For steps that are `fixed` or not.
-    pub(crate) fn new(norm: &ErrorNorm, fixed: bool, velocity_count: usize, state_count: usize) -> Self {
+    pub(crate) fn new(fixed: bool, velocity_count: usize, state_count: usize) -> Self {
         Self {
             stalled: STALLED_PARTS[usize::from(fixed)],
-            fraction: norm.tolerance().sqrt().min(LARGEST_FRACTION),
             factorization: None,
             correction: vec![0.0; velocity_count],
             displacement: vec![0.0; state_count],
@@ -150,6 +147,7 @@ impl Newton {
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
         let factorization = self.factorization.as_mut().ok_or(Limit::Newton)?;
+        let fraction = norm.tolerance().sqrt().min(LARGEST_FRACTION);
         let mut before = [None; 2];
         place(problem, stage, acceleration, state);
         for iteration in 1..=MAX_ITERATIONS {
@@ -166,7 +164,7 @@ impl Newton {
 
             let rounding = ROUNDINGS * norm.rounding(state);
             let stalled = self.stalled.max(STALLED * rounding);
-            let correction = Correction { size, before, rounding, stalled, target: self.fraction.max(rounding) };
+            let correction = Correction { size, before, rounding, stalled, target: fraction.max(rounding) };
             if factorization.converged(correction, MAX_ITERATIONS - iteration)? {
                 return Ok(());
             }

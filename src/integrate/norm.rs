@@ -7,19 +7,51 @@
 //! `x` and `x'` are the states at both ends of the step, `scale_i` is the size at which an absolute error of component
 //! `i` counts (1 for the numbers of a quaternion). A step is good enough where `‖e‖ ≤ 1`.
 //!
+//! **Shares**: the user's tolerances are for the whole run, of duration `T`, and the errors of its steps add up. So a step
+//! of length `h` has its share of them,
+//!
+//! ```text
+//! absolute, relative = share · (those of the run),   smallest ≤ share = h / T ≤ 1,
+//! ```
+//!
+//! and what the run ends with is about its tolerances, times what the motion itself makes of an error. The smallest share
+//! is the method's own (`1/300` of the explicit pairs): runs of more steps than that pay for the sum, but a short transient
+//! does not ask for digits that are lost again. Implicit methods ask for less: what they damp does not add up. No
+//! share takes a tolerance below [`FLOOR`], where estimates would be rounding and steps shrink for nothing; a method
+//! without a smallest share has no floor either, and steps so short that their rounding is small too. The estimate per share
+//! is one order lower: that changes no step by more than a few per cent, and the controller ignores it.
+//!
 //! Why the maximum and not the root mean square that is usual elsewhere: in a chain of a thousand links of which one
 //! moves, the mean would forgive this one an error 30 times the tolerance. With the maximum every component keeps its
 //! tolerance, whatever else the scene contains.
 
-use crate::integrate::problem::Problem;
+use crate::integrate::{
+    options::{Options, Start},
+    problem::Problem,
+};
 
 /// Tolerances and scales of a run.
 #[derive(Debug)]
 pub(crate) struct ErrorNorm {
-    relative: f64,
-    absolute: f64,
+    /// Relative and absolute tolerance of the run.
+    whole: [f64; 2],
+    /// The same of the step that is tried.
+    local: [f64; 2],
+    shares: Option<Shares>,
     /// Per component of the state `(q, v)`.
     scales: Vec<f64>,
+}
+
+/// Shares of the tolerance bring it no lower than this: four hundred roundings, what the accelerations of ordinary scenes
+/// are uncertain by.
+const FLOOR: f64 = 400.0 * f64::EPSILON;
+
+/// How steps share the tolerance of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shares {
+    /// Of the run, in s.
+    duration: f64,
+    smallest: f64,
 }
 
 /// The norm of an error and the component that decides it.
@@ -32,14 +64,31 @@ pub(crate) struct Measured {
 }
 
 impl ErrorNorm {
+    /// The same tolerances for every step.
     pub(crate) fn new<P: Problem>(problem: &P, relative: f64, absolute: f64) -> Self {
         let (positions, velocities) = problem.scales();
-        Self { relative, absolute, scales: [positions, velocities].concat() }
+        let whole = [relative, absolute];
+        Self { whole, local: whole, shares: None, scales: [positions, velocities].concat() }
     }
 
-    /// The coarser of the two tolerances.
+    /// A share of the run's tolerances for every step, at least `smallest` of them. Fixed steps have no share.
+    pub(crate) fn shared<P: Problem>(problem: &P, options: &Options, start: &Start<'_>, smallest: f64) -> Self {
+        let duration = options.duration.unwrap_or(start.end - start.time);
+        let shares = (!options.fixed).then_some(Shares { duration, smallest });
+        Self { shares, ..Self::new(problem, options.relative, options.absolute) }
+    }
+
+    /// From here on the norm is that of a step of length `step`, in s.
+    pub(crate) fn allow(&mut self, step: f64) {
+        let Some(Shares { duration, smallest }) = self.shares else { return };
+        let share = if step < duration { (step / duration).max(smallest) } else { 1.0 };
+        let floor = if smallest > 0.0 { FLOOR } else { 0.0 };
+        self.local = self.whole.map(|whole| (share * whole).max(floor.min(whole)));
+    }
+
+    /// The coarser of the two tolerances of the step.
     pub(crate) fn tolerance(&self) -> f64 {
-        self.relative.max(self.absolute)
+        self.local[0].max(self.local[1])
     }
 
     /// The norm of `error` on a step between the states `from` and `to`.
@@ -84,7 +133,8 @@ impl ErrorNorm {
     }
 
     fn weight(&self, index: usize, from: f64, to: f64) -> f64 {
-        self.absolute * self.scales[index] + self.relative * from.abs().max(to.abs())
+        let [relative, absolute] = self.local;
+        absolute * self.scales[index] + relative * from.abs().max(to.abs())
     }
 }
 
@@ -93,7 +143,28 @@ mod tests {
     use super::*;
 
     fn norm() -> ErrorNorm {
-        ErrorNorm { relative: 0.1, absolute: 0.01, scales: vec![1.0, 2.0] }
+        let whole = [0.1, 0.01];
+        ErrorNorm { whole, local: whole, shares: None, scales: vec![1.0, 2.0] }
+    }
+
+    #[test]
+    fn a_step_has_its_share_between_the_smallest_and_the_whole() {
+        let mut norm = ErrorNorm { shares: Some(Shares { duration: 4.0, smallest: 0.01 }), ..norm() };
+        let mut tolerance = |step: f64| {
+            norm.allow(step);
+            norm.local
+        };
+        assert_eq!(tolerance(1.0), [0.025, 0.0025]);
+        assert_eq!(tolerance(1e-3), [0.001, 0.0001]);
+        assert_eq!(tolerance(5.0), [0.1, 0.01]);
+    }
+
+    #[test]
+    fn no_share_asks_for_less_than_rounding_but_the_run_may() {
+        let shares = Some(Shares { duration: 1.0, smallest: 0.01 });
+        let mut norm = ErrorNorm { whole: [1e-12, 1e-15], shares, ..norm() };
+        norm.allow(1e-3);
+        assert_eq!(norm.local, [FLOOR, 1e-15]);
     }
 
     #[test]

@@ -5,11 +5,15 @@ use crate::integrate::error::StepError;
 /// Tolerances and steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Error allowed per step relative to a component's size, in `[0, 0.1]`.
+    /// Error allowed at the end of the run, relative to a component's size, in `[0, 0.1]`. What the motion itself makes of
+    /// an error on the way is not counted.
     pub relative: f64,
-    /// Error allowed per step as a fraction of a component's scale ([`scales`](crate::integrate::Problem::scales)),
-    /// above 0.
+    /// Error allowed at the end of the run as a fraction of a component's scale
+    /// ([`scales`](crate::integrate::Problem::scales)), above 0.
     pub absolute: f64,
+    /// The run's duration in s, above 0, where the stepper makes only a part of it: a step is allowed the part of the error
+    /// that it is of the duration (with a smallest share, see the guide). `None`: from the start to the end of the stepper.
+    pub duration: Option<f64>,
     /// The fixed step, or the first one an adaptive method tries, in s, above 0.
     pub step: Option<f64>,
     /// No step is longer than this, in s, above 0.
@@ -24,7 +28,15 @@ pub struct Options {
 impl Default for Options {
     /// Relative 1e-6, absolute 1e-9, steps chosen by the method, `ρ∞` 0.8.
     fn default() -> Self {
-        Self { relative: 1e-6, absolute: 1e-9, step: None, max_step: None, fixed: false, rho_infinity: 0.8 }
+        Self {
+            relative: 1e-6,
+            absolute: 1e-9,
+            duration: None,
+            step: None,
+            max_step: None,
+            fixed: false,
+            rho_infinity: 0.8,
+        }
     }
 }
 
@@ -40,7 +52,7 @@ impl Options {
         if !(self.absolute > 0.0 && self.absolute.is_finite()) {
             return Err(StepError::option("absolute tolerance", self.absolute, "above 0"));
         }
-        for (name, value) in [("step", self.step), ("longest step", self.max_step)] {
+        for (name, value) in [("step", self.step), ("longest step", self.max_step), ("duration", self.duration)] {
             if let Some(value) = value
                 && !(value > 0.0 && value.is_finite())
             {

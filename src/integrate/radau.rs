@@ -21,7 +21,8 @@
 //!
 //! filtered (see `filter.rs`). It is the difference to an embedded rule of order `s` (*Solving ODEs II*, IV.8, with `g`
 //! in place of the real eigenvalue), and also of the order of the error between the ends, so a sample is as good as the
-//! tolerance while the ends of steps are better. The last stage of a step is the first rate of the next.
+//! tolerance while the ends of steps are better: so much better that the errors of all steps add up to less than the
+//! tolerance, and every step is allowed the whole of it, not a share (`norm.rs`). The last stage of a step is the first rate of the next.
 //!
 //! **Between the ends**: the polynomial itself, error `O(h^{s+1})`.
 //!
@@ -112,14 +113,14 @@ impl Radau {
         options.validate()?;
         let mut progress = Progress::new(problem, start)?;
         progress.dense.with_terms(stages + 1);
-        let norm = ErrorNorm::new(problem, options.relative, options.absolute);
+        let mut norm = ErrorNorm::new(problem, options.relative, options.absolute);
         let mut rate = vec![0.0; progress.state.len()];
         state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
             .map_err(|limit| progress.cannot_start(limit))?;
         let estimate_order = stages as u8 + 1;
         let step = match options.step {
             Some(step) => step,
-            None => first_step(problem, &norm, &mut progress, &rate, estimate_order),
+            None => first_step(problem, &mut norm, &mut progress, &rate, estimate_order),
         };
         let method = Collocation::radau(stages);
         let acceleration = rate[progress.position_count..].to_vec();

@@ -43,6 +43,9 @@ use crate::integrate::{
     tableau::sdirk4::{A, C, CUBES, E, GAMMA, SQUARES},
 };
 
+/// Smallest share of the tolerance that a step is asked for (see `norm.rs`): its steps are better than their estimate, by an
+/// order, and damp what is left of the fast ones.
+const SMALLEST_SHARE: f64 = 0.1;
 /// The error estimate is `O(h⁴)`.
 const ESTIMATE_ORDER: u8 = 4;
 /// A step that would grow by less is kept, and with it the factorization.
@@ -79,18 +82,18 @@ impl Sdirk4 {
         options.validate()?;
         problem.reserve(SLOT + 1);
         let mut progress = Progress::new(problem, start)?;
-        let norm = ErrorNorm::new(problem, options.relative, options.absolute);
+        let mut norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
         let mut rate = vec![0.0; progress.state.len()];
         state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
             .map_err(|limit| progress.cannot_start(limit))?;
         let step = match options.step {
             Some(step) => step,
-            None => first_step(problem, &norm, &mut progress, &rate, ESTIMATE_ORDER),
+            None => first_step(problem, &mut norm, &mut progress, &rate, ESTIMATE_ORDER),
         };
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
             control: Controller::new(options, ESTIMATE_ORDER, step, &progress, ADVICE).holding_below(HOLD_BELOW),
-            newton: Newton::new(&norm, options.fixed, acceleration.len(), rate.len()),
+            newton: Newton::new(options.fixed, acceleration.len(), rate.len()),
             predictor: Predictor::new(&acceleration),
             known: rate.clone(),
             next: rate.clone(),
@@ -122,6 +125,7 @@ impl<P: ImplicitProblem> Implicit<P> for Sdirk4 {
     }
 
     fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+        self.norm.allow(trial.step);
         let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
         let (q, v) = state.split_at(*position_count);
         let point = Point { time: *time, q, v, a: self.predictor.start() };

@@ -5,7 +5,7 @@
 //! h  = T (0.01 / max(T d₁, T² d₂))^(1/k),   h ≤ 100 h₀,   h ≤ T/100
 //! ```
 //!
-//! in the error norm, for an estimate of order `k`: Hairer, Nørsett, Wanner, *Solving ODEs I*, II.4, with the system's
+//! in the error norm of a step of `T/100`, for an estimate of order `k`: Hairer, Nørsett, Wanner, *Solving ODEs I*, II.4, with the system's
 //! own time scale `T` in place of the second. A system at rest, or released where derivatives vanish by symmetry,
 //! makes `d₁` and `d₂` small or zero and the rule boundless; `T/100` is the bound it lacks. The first step is then
 //! judged by its own error estimate as every other.
@@ -22,13 +22,14 @@ const NEGLIGIBLE: f64 = 1e-5;
 /// A first step for an error estimate of order `order`, in s, from the state of `progress` and its `rate`.
 pub(crate) fn first_step<P: Problem>(
     problem: &mut P,
-    norm: &ErrorNorm,
+    norm: &mut ErrorNorm,
     progress: &mut Progress,
     rate: &[f64],
     order: u8,
 ) -> f64 {
     let state = &progress.state;
     let scale = norm.time_scale(progress.position_count);
+    norm.allow(TIME_FRACTION * scale);
     let size = |x: &[f64]| norm.measure(x, state, state).value;
     let (d0, d1) = (size(state), size(rate));
     let ratio = if d0 < NEGLIGIBLE || d1 < NEGLIGIBLE { BLIND_FRACTION * scale } else { 0.01 * d0 / d1 };

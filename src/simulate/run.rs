@@ -282,6 +282,7 @@ impl<'m> Run<'m> {
         let options = Options {
             relative: settings.tolerance,
             absolute: settings.absolute_tolerance,
+            duration: Some(settings.duration),
             step: settings.step.or(default),
             rho_infinity: settings.rho_infinity,
             // A step that was asked for is kept.

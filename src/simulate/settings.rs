@@ -11,7 +11,7 @@ pub struct Settings {
     pub duration: f64,
     /// The time stepping method.
     pub integrator: Integrator,
-    /// Relative tolerance of adaptive methods.
+    /// Relative tolerance of adaptive methods, for the error at the end of the run.
     pub tolerance: f64,
     /// Absolute tolerance beside it, in units of the scene's own length, angle 1 rad and time.
     pub absolute_tolerance: f64,

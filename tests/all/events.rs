@@ -256,7 +256,7 @@ fn a_change_of_the_integrator_is_an_event() {
     let (scenario, model) = shipped("stiff_chain", &["simulate.tolerance=1e-6", "simulate.duration=0.1"]);
     let (summary, memory) = go(&scenario, &model).expect("a run");
     let [switch] = &summary.events[..] else { panic!("{:?}", summary.events) };
-    assert_eq!((switch.kind, switch.name.as_str()), (Kind::Switch, "sdirk4"));
+    assert_eq!((switch.kind, switch.name.as_str()), (Kind::Switch, "radau9"));
     let held = summary.choice.as_ref().expect("a choice");
     assert!(held.contains("adams was held by stability"), "{held}");
     assert_eq!((memory.events[0].name.as_str(), memory.events[0].time), ("integrator", switch.time));

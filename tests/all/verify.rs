@@ -5,6 +5,7 @@ use stillpoint::record::Fanout;
 use stillpoint::simulate::verify::{Verified, quaternion_error, verify};
 use stillpoint::simulate::{RunError, State, Summary, run};
 
+use crate::common::build;
 use crate::scenarios::shipped;
 
 fn go(name: &str, changes: &[&str]) -> Result<(Summary, Verified), RunError> {
@@ -42,6 +43,27 @@ fn auto_leaves_the_explicit_method_where_the_scene_is_stiff_and_only_there() {
     assert!(stiff.statistics.steps < 400 && verified.angle < 1e-7, "{:?} {verified:?}", stiff.statistics);
     let (smooth, _) = go("heavy_top", &["simulate.integrator=\"auto\"", "simulate.tolerance=1e-8"]).expect("a run");
     assert_eq!(smooth.integrators, [Method::Adams]);
+}
+
+/// A mass on a stiff, damped spring: `λ = (−5 ± 8.7 i)·10³/s`. Every tolerance finds that out within its first steps.
+#[test]
+fn a_damped_vibration_is_stiff_once_it_has_died_out() {
+    for tolerance in ["1e-4", "1e-7", "1e-10"] {
+        let text = format!(
+            "gravity = [0, -9.8, 0]\nsimulate = {{ start = \"given\", duration = 2.0, tolerance = {tolerance} }}\n\
+             [[body]]\nname = \"arm\"\nhinge = {{ type = \"revolute\", axis = [0, 0, 1], position = 1.0 }}\n\
+             [[body]]\nname = \"mass\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", parent = \"arm\", \
+             axis = [0, -1, 0], position = 1.0, stiffness = 1e8, damping = 1e4, rest = 1.0 }}\n"
+        );
+        let scenario = stillpoint::scenario::parse("spring.toml", &text, &[]).expect("a scenario");
+        let model = build(&scenario.description);
+        let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        let summary =
+            run(&model, &scenario.simulate, 1.0, &start, &mut Fanout::new(), &mut |_, _| true).expect("a run");
+        assert!(summary.integrators.len() == 2 && summary.integrators[0] == Method::Adams, "{:?}", summary.integrators);
+        // A tenth of what stability would take.
+        assert!(summary.statistics.steps < 5_000, "{tolerance}: {:?}", summary.statistics);
+    }
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub const SIMULATE: Table = Table {
         Key::new("integrator", Kind::Choice(INTEGRATORS), "The time stepping method.")
             .default("\"auto\"")
             .example("\"dopri5\""),
-        Key::new("tolerance", TOLERANCE, "Relative tolerance of adaptive methods.").default("1e-8").example("1e-8"),
+        Key::new("tolerance", TOLERANCE, "Error allowed at the end of the run by adaptive methods, relative; what the motion itself makes of an error is not counted.").default("1e-8").example("1e-8"),
         Key::new(
             "absolute_tolerance",
             POSITIVE,

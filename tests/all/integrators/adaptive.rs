@@ -33,13 +33,12 @@ fn state<P: ImplicitProblem>(stepper: &dyn Stepper<P>) -> Vec<f64> {
     [stepper.position(), stepper.velocity()].concat()
 }
 
-/// The error of a run with `tolerance` is at most 20 times that: errors of the steps add up. It is not below a
-/// hundredth, which would be work wasted; an estimate is that of the poorer rule of a pair. Radau's estimate is that of
-/// states between the ends, which are of order 4 and 6 where the ends are of 5 and 9: a thousandth there, or rounding.
+/// The error of a run with `tolerance` is at most 10 times that. It is not below a thousandth, which would be work wasted:
+/// an estimate is that of the poorer rule of a pair, Radau's that of states between the ends, which are of order 4 and 6
+/// where the ends are of 5 and 9. What is left of the references is 10⁻¹³.
 fn assert_follows(method: Method, tolerance: f64, error: f64) {
     let ratio = error / tolerance;
-    let least = if matches!(method, Method::Radau5 | Method::Radau9) { 0.001 } else { 0.01 };
-    assert!(ratio < 20.0 && (ratio > least || error < 1e-14), "{method:?}: error {error:e} at tolerance {tolerance:e}");
+    assert!(ratio < 10.0 && (ratio > 0.001 || error < 1e-13), "{method:?}: error {error:e} at tolerance {tolerance:e}");
 }
 
 #[test]
@@ -126,7 +125,7 @@ fn fixed_steps_are_equal_and_only_the_last_is_cut() {
 #[test]
 fn no_step_is_longer_than_the_longest_allowed() {
     for method in ADAPTIVE {
-        let options = Options { max_step: Some(0.05), ..adaptive(1e-3) };
+        let options = Options { max_step: Some(0.05), ..adaptive(1e-2) };
         let reached = run(method, &mut oscillator(), &options, RELEASED);
         // The rounding of time.
         assert!((reached.statistics().largest_step - 0.05).abs() < 1e-14);
@@ -167,20 +166,20 @@ fn runs_cost_what_they_did() {
     insta::assert_snapshot!(table, @"
     Rk4 oscillator: steps 200, rejected 0, accelerations 801, residuals 0, jacobians 0, solves 0, iterations 0
     Rk4 body: steps 200, rejected 0, accelerations 801, residuals 0, jacobians 0, solves 0, iterations 0
-    Dopri5 oscillator: steps 45, rejected 0, accelerations 272, residuals 0, jacobians 0, solves 0, iterations 0
-    Dopri5 body: steps 43, rejected 2, accelerations 272, residuals 0, jacobians 0, solves 0, iterations 0
-    Dop853 oscillator: steps 14, rejected 0, accelerations 170, residuals 0, jacobians 0, solves 0, iterations 0
-    Dop853 body: steps 18, rejected 2, accelerations 242, residuals 0, jacobians 0, solves 0, iterations 0
-    Adams oscillator: steps 149, rejected 0, accelerations 151, residuals 0, jacobians 0, solves 0, iterations 0
-    Adams body: steps 186, rejected 0, accelerations 188, residuals 0, jacobians 0, solves 0, iterations 0
-    Sdirk4 oscillator: steps 120, rejected 0, accelerations 2, residuals 840, jacobians 6, solves 840, iterations 720
-    Sdirk4 body: steps 103, rejected 0, accelerations 2, residuals 1092, jacobians 31, solves 1092, iterations 989
+    Dopri5 oscillator: steps 108, rejected 0, accelerations 650, residuals 0, jacobians 0, solves 0, iterations 0
+    Dopri5 body: steps 102, rejected 1, accelerations 620, residuals 0, jacobians 0, solves 0, iterations 0
+    Dop853 oscillator: steps 18, rejected 0, accelerations 218, residuals 0, jacobians 0, solves 0, iterations 0
+    Dop853 body: steps 24, rejected 3, accelerations 326, residuals 0, jacobians 0, solves 0, iterations 0
+    Adams oscillator: steps 186, rejected 0, accelerations 188, residuals 0, jacobians 0, solves 0, iterations 0
+    Adams body: steps 222, rejected 0, accelerations 224, residuals 0, jacobians 0, solves 0, iterations 0
+    Sdirk4 oscillator: steps 212, rejected 0, accelerations 2, residuals 1484, jacobians 6, solves 1484, iterations 1272
+    Sdirk4 body: steps 180, rejected 0, accelerations 2, residuals 1991, jacobians 44, solves 1991, iterations 1811
     Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 1236, jacobians 18, solves 1236, iterations 1140
     Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1324, jacobians 75, solves 1324, iterations 1221
     Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 540, jacobians 35, solves 540, iterations 520
     Radau9 body: steps 26, rejected 2, accelerations 2, residuals 788, jacobians 95, solves 788, iterations 760
-    GeneralizedAlpha oscillator: steps 3188, rejected 0, accelerations 2, residuals 12752, jacobians 616, solves 12752, iterations 6376
-    GeneralizedAlpha body: steps 2847, rejected 4, accelerations 2, residuals 11404, jacobians 656, solves 11404, iterations 5702
+    GeneralizedAlpha oscillator: steps 10081, rejected 0, accelerations 2, residuals 40325, jacobians 856, solves 40325, iterations 20163
+    GeneralizedAlpha body: steps 9033, rejected 3, accelerations 2, residuals 36155, jacobians 1177, solves 36155, iterations 18083
     Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 3003, jacobians 3, solves 3003, iterations 3003
     Gauss body: steps 200, rejected 0, accelerations 1, residuals 3105, jacobians 3, solves 3105, iterations 3105
     ");

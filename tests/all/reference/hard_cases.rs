@@ -1,7 +1,7 @@
 //! Every smooth dynamic case at a tolerance of 1e-10, and the page `docs/hard_cases.md` that says what error that left.
 //!
-//! A tolerance is a promise per step: at the end the errors of all steps have added up, and the motion has made them grow. No
-//! error may be above `growth · steps · tolerance`.
+//! A tolerance means the error at the end, times what the motion makes of an error on the way: none may be above
+//! `10 · growth · tolerance`, and none above 10⁻⁸. [`ROUNDED`] says where rounding alone leaves more.
 
 use super::survey::{Found, survey};
 use super::{drives, pendulums, stiff, tops};
@@ -14,7 +14,8 @@ struct Case {
     test: fn(),
     methods: &'static [&'static str],
     known: &'static str,
-    /// What the motion makes of an error on the way, at most; 1 where it does not grow.
+    /// What the motion makes of an error on the way, at most (the largest element of `∂x(end)/∂x(t)`); 1 where it does not
+    /// grow much.
     growth: f64,
 }
 
@@ -22,12 +23,12 @@ const fn smooth(name: &'static str, test: fn(), known: &'static str) -> Case {
     Case { name, test, methods: SMOOTH, known, growth: 1.0 }
 }
 
-const SMOOTH: &[&str] = &["adams", "dop853", "dopri5", "radau9"];
-const EXPLICIT: &[&str] = &["adams", "dop853", "dopri5"];
-const LOOPED: &[&str] = &["dop853"];
-const STIFF: &[&str] = &["radau9", "radau5"];
-const VIBRATING: &[&str] = &["radau9"];
-const SPRUNG: &[&str] = &["adams", "dop853", "radau9"];
+const SMOOTH: &[&str] = &["auto", "adams", "dop853", "dopri5", "radau9"];
+const EXPLICIT: &[&str] = &["auto", "adams", "dop853", "dopri5"];
+const LOOPED: &[&str] = &["auto", "dop853"];
+const STIFF: &[&str] = &["auto", "radau9", "radau5"];
+const VIBRATING: &[&str] = &["auto", "radau9"];
+const SPRUNG: &[&str] = &["auto", "adams", "dop853", "radau9"];
 
 const CASES: &[Case] = &[
     smooth("A01 simple pendulum", pendulums::a01_simple_pendulum, "released horizontally, ten swings"),
@@ -49,11 +50,14 @@ const CASES: &[Case] = &[
     },
     Case { growth: 2.2e3, ..smooth("C12 other units", pendulums::c12_unit_scaling, "the same in µm, mm, km and Mm") },
     smooth("C13 massless link", pendulums::c13_massless_link, "double pendulum whose upper rod has no mass"),
-    smooth("C14 Kapitza's pendulum", drives::c14_kapitza, "10 s on a pivot that shakes"),
+    Case { growth: 3.5e3, ..smooth("C14 Kapitza's pendulum", drives::c14_kapitza, "10 s on a pivot that shakes") },
     smooth("A08 heavy top", tops::a08_heavy_top, "150 rad/s, quaternion"),
     smooth("C06 fast gyroscope", tops::c06_fast_gyro_1e5, "10⁵ rad/s, 160 turns"),
-    Case { growth: 10.0, ..smooth("A10 free top", tops::a10_free_top, "flips about the unstable axis, 20 s") },
-    smooth("A10 separatrix", tops::a10_free_top_separatrix, "the same next to the unstable axis, 10 s"),
+    Case { growth: 3e5, ..smooth("A10 free top", tops::a10_free_top, "flips about the unstable axis, 20 s") },
+    Case {
+        growth: 7e6,
+        ..smooth("A10 separatrix", tops::a10_free_top_separatrix, "the same next to the unstable axis, 10 s")
+    },
     smooth("C07 spinning body", tops::c07_quaternion_drift, "attitude after 10 s"),
     Case {
         name: "C16 needle",
@@ -100,6 +104,13 @@ const CASES: &[Case] = &[
     },
 ];
 
+/// The largest error of all at this tolerance.
+const GOAL: f64 = 1e-8;
+const FACTOR: f64 = 10.0;
+/// Rounding of the accelerations of a body a million times lighter than its neighbour is 10⁻¹⁰ of them, the motion makes it
+/// grow by thousands, and the weights of `dop853` (up to 6, of both signs) by ten.
+const ROUNDED: (&str, &str, f64) = ("C01 mass ratio 10⁶", "dop853", 1e-6);
+
 const PAGE: &str = "docs/hard_cases.md";
 const BEGIN: &str = "<!-- table -->\n";
 const END: &str = "<!-- end of table -->\n";
@@ -109,7 +120,7 @@ const HEAD: &str = "| case | method | steps | evaluations | ms | error | |\n|---
 /// tenth, errors within a factor of ten.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes long unless optimised: cargo test --release")]
-fn every_smooth_case_keeps_the_promise_of_its_steps() {
+fn every_smooth_case_ends_within_its_tolerance() {
     let mut table = HEAD.to_owned();
     print!("{table}");
     let mut missed = Vec::new();
@@ -121,7 +132,9 @@ fn every_smooth_case_keeps_the_promise_of_its_steps() {
                 format!("| {name} | `{method}` | {steps} | {evaluations} | {wall:.1} | {error:.0e} | {known} |\n");
             print!("{row}");
             table += &row;
-            if !(error <= growth * steps as f64 * TOLERANCE) {
+            let (rounded, by, left) = ROUNDED;
+            let allowed = if (*name, *method) == (rounded, by) { left } else { GOAL.min(FACTOR * growth * TOLERANCE) };
+            if !(error <= allowed) {
                 missed.push(format!("{name} {method} {error:e}"));
             }
         }
