@@ -11,9 +11,11 @@ use crate::model::Model;
 /// A drive next to a dead centre leaves this part of the clearance that the rows have without it.
 const NEXT_TO: f64 = 0.1;
 
-/// The error of a step from `time`, with the drives that are next to a dead centre there.
+/// The error of a step from `time`, or of steps that creep, with the drives that are next to a dead centre there.
 pub(super) fn beside(error: RunError, model: &Model, time: f64, state: &State) -> RunError {
-    let RunError::Step(text) = error else { return error };
+    if !matches!(error, RunError::Step(_) | RunError::Creep { .. }) {
+        return error;
+    }
     let found: Vec<String> = (0..model.drives.len())
         .filter(|index| is_held_up(model, *index, time, state))
         .map(|index| {
@@ -22,7 +24,7 @@ pub(super) fn beside(error: RunError, model: &Model, time: f64, state: &State) -
             format!("; drive `{}` stands next to a dead centre: the loops leave {hinge} no way on", drive.name)
         })
         .collect();
-    RunError::Step(text + &found.concat())
+    if found.is_empty() { error } else { RunError::Step(error.to_string() + &found.concat()) }
 }
 
 fn is_held_up(model: &Model, drive: usize, time: f64, state: &State) -> bool {

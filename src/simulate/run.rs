@@ -317,7 +317,7 @@ impl<'m> Run<'m> {
         let (hinge, rate) = fastest.map_or(("of no name".to_owned(), f64::NAN), |fastest| {
             (self.model.label(fastest.coordinate), fastest.rate)
         });
-        RunError::Creep { time, step, left, hinge, rate }
+        dead_centre::beside(RunError::Creep { time, step, left, hinge, rate }, self.model, time, &self.state)
     }
 
     /// One step, and the account of it up to its end or to what happens before.
