@@ -5,12 +5,16 @@
 use criterion::{BatchSize, Bencher, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write;
 use std::hint::black_box;
+use std::sync::atomic::{AtomicU64, Ordering};
 use stillpoint::dynamics::{Coefficients, System, TangentSolver};
 use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
 use stillpoint::scenario;
 use stillpoint::simulate::problem::Motion;
 use stillpoint::statics;
+
+/// The call that ends the second thread of `two_threads`.
+const END: u64 = u64::MAX;
 
 /// Bars of 0.2 m and 1 kg along their own x axis; `parent(i)` is the bar that carries bar `i > 0` at its tip, `hinge(i)`
 /// the type of its hinge and what belongs to it.
@@ -72,6 +76,56 @@ fn accelerations(c: &mut Criterion) {
     }
     for depth in [6, 10] {
         measure("tree", &tree(depth));
+    }
+}
+
+/// Two trees one after the other, and at once on two threads that wait for each other in a busy loop: what the two halves of
+/// one tree could gain from a second core at most, with nothing to join at the root and the cheapest of all signals.
+fn two_threads(c: &mut Criterion) {
+    let mut group = c.benchmark_group("two trees");
+    for depth in [5, 7, 9, 11, 13, 15] {
+        let model = tree(depth);
+        let (q, v) = (&model.start_position, &model.start_velocity);
+        let count = 2 * model.bodies.len();
+        let [mut first, mut second] = [System::new(&model), System::new(&model)];
+        let [mut a, mut b] = [v.clone(), v.clone()];
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(BenchmarkId::new("in turn", count), |bencher| {
+            bencher.iter(|| {
+                first.accelerations(black_box(q), v, &mut a).unwrap();
+                second.accelerations(black_box(q), v, &mut b).unwrap();
+            });
+        });
+        let (asked, answered) = (AtomicU64::new(0), AtomicU64::new(0));
+        std::thread::scope(|threads| {
+            threads.spawn(|| {
+                let mut seen = 0;
+                loop {
+                    let call = asked.load(Ordering::Acquire);
+                    match call {
+                        END => break,
+                        call if call == seen => std::hint::spin_loop(),
+                        call => {
+                            second.accelerations(black_box(q), v, &mut b).unwrap();
+                            seen = call;
+                            answered.store(call, Ordering::Release);
+                        }
+                    }
+                }
+            });
+            let mut call = 0;
+            group.bench_function(BenchmarkId::new("at once", count), |bencher| {
+                bencher.iter(|| {
+                    call += 1;
+                    asked.store(call, Ordering::Release);
+                    first.accelerations(black_box(q), v, &mut a).unwrap();
+                    while answered.load(Ordering::Acquire) != call {
+                        std::hint::spin_loop();
+                    }
+                });
+            });
+            asked.store(END, Ordering::Release);
+        });
     }
 }
 
@@ -140,5 +194,5 @@ fn implicit_step(c: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, accelerations, tangent, equilibrium, implicit_step);
+criterion_group!(benches, accelerations, two_threads, tangent, equilibrium, implicit_step);
 criterion_main!(benches);
