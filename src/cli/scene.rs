@@ -27,7 +27,17 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
     }
     let mut model = Model::build(&scenario.description).map_err(listed)?;
     assemble(common, &mut model)?;
+    if model.halves.is_some() {
+        join_threads();
+    }
     Ok(Ok((scenario, model)))
+}
+
+/// This thread is one of the two that compute the halves of a large tree: it need not be woken then.
+fn join_threads() {
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get).min(2);
+    // Already so where a second scene is loaded.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build_global();
 }
 
 fn listed(problems: Vec<Problem>) -> anyhow::Error {

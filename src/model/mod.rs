@@ -11,6 +11,7 @@ mod couple;
 pub mod couplings;
 mod describe;
 pub mod description;
+mod halves;
 mod link;
 pub mod motor;
 pub mod parameter;
@@ -22,6 +23,7 @@ pub mod watch;
 
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
+pub use halves::Halves;
 pub use link::{Joint, Link};
 pub use motor::Motor;
 pub use parameter::Parameter;
@@ -44,6 +46,8 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// The tree: link 0 is the ground, parents stand before children, and every subtree is contiguous.
     pub links: Vec<Link>,
+    /// Where the tree falls into two halves, in large ones.
+    pub halves: Option<Halves>,
     /// What acts in each velocity coordinate.
     pub coordinates: Vec<Coordinate>,
     /// Springs, bushings and loads.

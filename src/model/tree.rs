@@ -5,7 +5,7 @@ use super::couple::couple;
 use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProperties};
 use super::link::{Joint, Link};
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Hinge, Law, Model, watch};
+use super::{Body, Coordinate, End, Force, Halves, Hinge, Law, Model, watch};
 use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -218,6 +218,7 @@ impl<'a> Tree<'a> {
             stops,
             events,
             bodies,
+            halves: Halves::of(&self.links),
             links: self.links.clone(),
             coordinates: self.coordinates.clone(),
             start_position: self.start_position.clone(),

@@ -33,7 +33,6 @@ pub(super) struct Angles {
     at: Vec<[u32; 4]>,
     /// Sine and cosine of each.
     of: Vec<[f64; 2]>,
-    next: usize,
 }
 
 impl Angles {
@@ -43,13 +42,12 @@ impl Angles {
         let four = |some: &[u32]| std::array::from_fn(|i| some[i.min(some.len() - 1)]);
         let at: Vec<[u32; 4]> = at.chunks(4).map(four).collect();
         let of = vec![[0.0, 1.0]; 4 * at.len()];
-        Self { at, of, next: 0 }
+        Self { at, of }
     }
 
-    /// All of them anew; [`Angles::next`] starts at the first.
+    /// All of them anew.
     #[inline(always)]
     pub(super) fn update(&mut self, q: &[f64]) {
-        self.next = 0;
         for (at, of) in self.at.iter().zip(self.of.chunks_exact_mut(4)) {
             let angles = at.map(|at| q[at as usize]);
             if angles.iter().all(|angle| angle.abs() < FAR) {
@@ -65,12 +63,10 @@ impl Angles {
         }
     }
 
-    /// Sine and cosine of the next turn.
+    /// Sine and cosine of every turn.
     #[inline(always)]
-    pub(super) fn next(&mut self) -> [f64; 2] {
-        let found = self.of[self.next];
-        self.next += 1;
-        found
+    pub(super) fn all(&self) -> &[[f64; 2]] {
+        &self.of
     }
 }
 

@@ -1,14 +1,17 @@
 //! Where every link is and how fast it moves: the outward sweep that everything else starts from.
 
 mod angles;
+mod at_once;
 pub mod point;
 pub mod variation;
 
-use crate::model::{Joint, Link, Model};
+use crate::model::{Halves, Joint, Link, Model};
 use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::{Pose, Sym3};
 use angles::Angles;
+pub(crate) use at_once::at_once;
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use std::ops::Range;
 use variation::LinkAcceleration;
 
 /// Positions and velocities of all links, inertial axes. `links[0]` is the ground.
@@ -90,14 +93,21 @@ impl Motion {
     pub fn update(&mut self, model: &Model, q: &[f64], v: &[f64]) {
         self.angles.update(q);
         self.still = v.iter().all(|rate| *rate == 0.0);
-        for (link, index) in model.links[1..].iter().zip(1..) {
-            let (before, from_here) = self.links.split_at_mut(index);
-            let angle = match link.joint {
-                Joint::Turn => self.angles.next(),
-                _ => [0.0, 1.0],
-            };
-            outboard(link, &before[link.parent], q, v, angle, &mut from_here[0]);
-        }
+        let state = State { model, q, v };
+        let (all, angles) = (self.links.as_mut_slice(), self.angles.all());
+        let Some(Halves { hub, links: [one, other], turns, .. }) = &model.halves else {
+            return sweep(&state, 1..model.links.len(), 0, angles, &LinkMotion::GROUND, all);
+        };
+        sweep(&state, 1..hub + 1, 0, angles, &LinkMotion::GROUND, all);
+        let (low, rest) = all.split_at_mut(one.start);
+        let (first, rest) = rest.split_at_mut(one.len());
+        let (second, _) = rest.split_at_mut(other.len());
+        let hub = &low[*hub];
+        let half = |links: &Range<usize>, turns: usize, own: &mut [LinkMotion]| {
+            sweep(&state, links.clone(), links.start, &angles[turns..], hub, own);
+        };
+        at_once(|| half(one, turns[0], first), || half(other, turns[1], second));
+        sweep(&state, other.end..model.links.len(), 0, &angles[turns[2]..], &LinkMotion::GROUND, all);
     }
 
     /// The pose of a named body's root marker.
@@ -114,6 +124,39 @@ impl Motion {
                 + 0.5 * w.dot(&(motion.inertia * w))
         };
         model.links.iter().zip(&self.links).map(of_link).sum()
+    }
+}
+
+/// What a sweep is about.
+struct State<'a> {
+    model: &'a Model,
+    q: &'a [f64],
+    v: &'a [f64],
+}
+
+/// Some links that follow each other, from their first one on: `own` begins with link `base`, `angles` with the first turn
+/// of `links`. Parents before `base` are the one link `outside`.
+#[inline(always)]
+fn sweep(
+    state: &State<'_>,
+    links: Range<usize>,
+    base: usize,
+    angles: &[[f64; 2]],
+    outside: &LinkMotion,
+    own: &mut [LinkMotion],
+) {
+    let mut turn = 0;
+    for (link, index) in state.model.links[links.clone()].iter().zip(links) {
+        let (before, from_here) = own.split_at_mut(index - base);
+        let parent = if link.parent >= base { &before[link.parent - base] } else { outside };
+        let angle = match link.joint {
+            Joint::Turn => {
+                turn += 1;
+                angles[turn - 1]
+            }
+            _ => [0.0, 1.0],
+        };
+        outboard(link, parent, state.q, state.v, angle, &mut from_here[0]);
     }
 }
 

@@ -2,18 +2,19 @@
 
 mod ball;
 mod carried;
+mod part;
 mod way;
 
-use super::element::{axial_moment, moment_in_link_axes};
-use super::plan::{Kind, Place, To, plan};
-use super::{LinkAcceleration, along, inboard};
-use crate::model::{Joint, Link, Model};
-use crate::motion::{LinkMotion, Motion};
+use super::plan::{Place, plan};
+use super::{LinkAcceleration, along};
+use crate::model::{Halves, Joint, Link, Model};
+use crate::motion::{LinkMotion, Motion, at_once};
 use crate::spatial::Wrench;
-use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
-use ball::{Ball, Pivot};
+use ball::Ball;
 use carried::Carried;
 use nalgebra::Vector3;
+use part::{First, Outward, Part, Scene};
+use std::ops::Range;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
 /// last place of the sums it is the difference of.
@@ -29,6 +30,8 @@ pub struct Reduction {
     balls: Vec<Ball>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
     joins: Vec<Carried>,
+    /// Where the halves of a large tree begin, and what follows them.
+    firsts: [First; 3],
     /// Scratch of [`Reduction::solve`].
     e: Vec<Wrench>,
     /// Accelerations of the root markers in the last solution.
@@ -66,7 +69,17 @@ impl Reduction {
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
         let (plan, joins, balls) = plan(model);
+        let first = |link: usize| First {
+            link,
+            join: plan[..link].iter().filter(|place| place.join.is_some()).count(),
+            ball: plan[link..].first().map_or(balls, |place| place.ball as usize),
+        };
+        let firsts = match &model.halves {
+            Some(Halves { links: [one, other], .. }) => [one.start, other.start, other.end].map(first),
+            None => [First::default(); 3],
+        };
         Self {
+            firsts,
             plan,
             hinges: vec![One::default(); n],
             balls: vec![Ball::default(); balls],
@@ -102,77 +115,29 @@ impl Reduction {
         self.outward::<false>(model, motion, hinge);
     }
 
-    /// Tips → root: eqs. (5) to (7). `S` and `e` go from link to link in registers; only where branches meet they are
-    /// summed in memory.
+    /// Tips → root: eqs. (5) to (7).
     #[inline(always)]
     fn factorize(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<(), Singular> {
-        let mut carried = Carried::default();
-        let links = model.links[1..].iter().zip(&motion.links[1..]).zip(&self.plan[1..]).zip(&mut self.hinges[1..]);
-        for ((((link, at), place), left), index) in links.zip(1..model.links.len()).rev() {
-            if place.is_leaf {
-                carried = Carried::default();
-            } else if let Some(join) = place.join {
-                carried.add(&std::mem::take(&mut self.joins[join as usize]));
-            }
-            let applied = load.applied.get(index);
-            if place.translates {
-                carried = translate(model, (link, at), place.is_massless, applied, &carried, load.tau, left)
-                    .map_err(|pivot| Singular { link: index, pivot })?;
-                if let To::Join(join) = place.to {
-                    self.joins[join as usize].add(&carried);
-                }
-                continue;
-            }
-            let mut here = if place.is_massless { carried } else { carried.with_body(place.mass, at, &model.gravity) };
-            if let Some(applied) = applied {
-                here = here.loaded(applied);
-            }
-            let failed = |pivot| Singular { link: index, pivot };
-            let to_ground = matches!(place.to, To::Ground);
-            let first = place.velocity as usize;
-            carried = match place.kind {
-                Kind::None => here,
-                Kind::Turn | Kind::Slide => {
-                    let (armature, tau) = (place.armature, load.tau[first]);
-                    let one = match place.kind {
-                        Kind::Turn if place.is_slender => {
-                            let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
-                            let axial = axial_moment(link, &model.gravity, at) - given;
-                            let (straight, one) = here.slender(link, at, armature, (tau, axial));
-                            here = straight;
-                            one
-                        }
-                        Kind::Turn => here.turn(&at.axis, armature, tau),
-                        _ => here.slide(&at.axis, armature, tau),
-                    };
-                    let one = one.map_err(failed)?;
-                    *left = one.one();
-                    if to_ground {
-                        continue;
-                    }
-                    here.without(&one).shifted(at)
-                }
-                Kind::Ball => {
-                    let ball = &mut self.balls[place.ball as usize];
-                    let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
-                    let (eliminated, across) =
-                        ball::eliminate(model, link, at, &here.matrix(), pivot).map_err(failed)?;
-                    *ball = eliminated;
-                    let tau = three(load.tau, first);
-                    let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
-                    let own = || moment_in_link_axes(link, &model.gravity, at) - at.turn.tr_mul(&applied);
-                    let passed = ball.load(at, &tau, &here.vector(), own);
-                    if to_ground {
-                        continue;
-                    }
-                    Carried::of(&across, &passed).shifted(at)
-                }
-            };
-            if let To::Join(join) = place.to {
-                self.joins[join as usize].add(&carried);
-            }
+        let Self { plan, hinges, balls, joins, firsts, .. } = self;
+        let scene = Scene { model, motion, plan };
+        let mut all = Part { first: First::default(), hinges, balls, joins };
+        let Some(Halves { hub, links: [one, other], .. }) = &model.halves else {
+            return all.inward(&scene, load, 1..model.links.len(), Carried::default()).map(|_| ());
+        };
+        all.inward(&scene, load, other.end..model.links.len(), Carried::default())?;
+        let (mut low, rest) = all.split(firsts[0]);
+        let (mut first, rest) = rest.split(firsts[1]);
+        let (mut second, _) = rest.split(firsts[2]);
+        let (first, second) = at_once(
+            || first.inward(&scene, load, one.clone(), Carried::default()),
+            || second.inward(&scene, load, other.clone(), Carried::default()),
+        );
+        let (second, first) = (second?, first?);
+        if let Some(join) = plan[*hub].join {
+            low.joins[join as usize].add(&second.others);
+            low.joins[join as usize].add(&first.others);
         }
-        Ok(())
+        low.inward(&scene, load, 1..hub + 1, first.first).map(|_| ())
     }
 
     /// Tips → root: `e` and `u` alone.
@@ -203,34 +168,28 @@ impl Reduction {
     /// Root → tips: eq. (8).
     #[inline(always)]
     fn outward<const BIAS: bool>(&mut self, model: &Model, motion: &Motion, hinge: &mut [f64]) {
-        let mut before = LinkAcceleration::default();
-        self.a[0] = before;
-        let links = self.plan[1..].iter().zip(&motion.links[1..]).zip(&self.hinges[1..]);
-        for (((place, at), left), index) in links.zip(1..) {
-            // Along a chain the parent's acceleration is still in registers.
-            let (parent, first) = (place.parent as usize, place.velocity as usize);
-            let parent = if parent + 1 == index { before } else { self.a[parent] };
-            let mut a = inboard(at, &parent, BIAS);
-            match place.kind {
-                Kind::None => {}
-                Kind::Turn | Kind::Slide => {
-                    let free = dot_add(&-left.SH.moment, &a.angular, left.u);
-                    let relative = left.inverse * dot_add(&-left.SH.force, &a.linear, free);
-                    hinge[first] = relative;
-                    match place.kind {
-                        Kind::Turn => a.angular = scale_add(relative, &at.axis, &a.angular),
-                        _ => a.linear = scale_add(relative, &at.axis, &a.linear),
-                    }
-                }
-                Kind::Ball => {
-                    let relative = self.balls[place.ball as usize].solve(&model.links[index], at, &a);
-                    hinge[first..first + 3].copy_from_slice(relative.as_slice());
-                    a.angular = times_add(&at.turn, &relative, &a.angular);
-                }
-            }
-            self.a[index] = a;
-            before = a;
-        }
+        let Self { plan, hinges, balls, a, .. } = self;
+        let scene = Scene { model, motion, plan };
+        let outside = LinkAcceleration::default();
+        a[0] = outside;
+        let links = 1..model.links.len();
+        let Some(Halves { hub, links: [one, other], velocities, .. }) = &model.halves else {
+            return Outward { hinges, balls, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, links);
+        };
+        Outward { hinges, balls, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, 1..hub + 1);
+        let (low, rest) = a.split_at_mut(one.start);
+        let (first, rest) = rest.split_at_mut(one.len());
+        let half = |links: &Range<usize>, a, velocity, hinge| {
+            let half = Outward { hinges, balls, base: links.start, outside: low[*hub], a, velocity, hinge };
+            half.sweep::<BIAS>(&scene, links.clone());
+        };
+        let (before, other_hinge) = hinge.split_at_mut(velocities[1].start);
+        let one_hinge = &mut before[velocities[0].clone()];
+        at_once(
+            || half(one, first, velocities[0].start, one_hinge),
+            || half(other, &mut rest[..other.len()], velocities[1].start, &mut other_hinge[..velocities[1].len()]),
+        );
+        Outward { hinges, balls, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, other.end..links.end);
     }
 
     /// The inertia that each hinge coordinate sees while everything outboard moves freely: the diagonal of `D`,

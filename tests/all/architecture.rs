@@ -69,6 +69,8 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("plotters", &["cli"]),
     ("faer", &["dynamics", "statics"]),
     ("wide", &["spatial", "motion"]),
+    // `motion` for the halves of large trees, `cli` to make its thread one of the two.
+    ("rayon", &["motion", "cli"]),
 ];
 
 /// A file longer than this is more than one can hold in the head.

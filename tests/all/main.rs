@@ -12,6 +12,7 @@ mod documents;
 mod events;
 mod examples;
 mod faults;
+mod halves;
 mod identities;
 mod import;
 mod instructions;
