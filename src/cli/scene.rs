@@ -26,10 +26,10 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
         output::note(&format!("{path}: {counted}; `stillpoint convert {path}` lists them"));
     }
     let mut model = Model::build(&scenario.description).map_err(listed)?;
-    assemble(common, &mut model)?;
     if model.halves.is_some() {
         join_threads();
     }
+    assemble(common, &mut model)?;
     Ok(Ok((scenario, model)))
 }
 

@@ -3,8 +3,8 @@
 use super::{Joint, Link};
 use std::ops::Range;
 
-/// Links in both halves from which on a second thread pays. It is waited for three times per evaluation, and where it sleeps by
-/// then for some 20 µs, while a link takes 60 ns.
+/// Links in both halves from which on there is a second thread: never slower then, and faster as long as it does not fall asleep
+/// between two evaluations, which from ten thousand links on it hardly does (docs/speed.md, “Two cores”).
 const LEAST: usize = 2000;
 /// Of the links of both halves, the most that the larger one may have.
 const LARGEST: f64 = 0.7;
