@@ -3,10 +3,10 @@
 use super::{Joint, Link};
 use std::ops::Range;
 
-/// Links in both halves from which on there is a second thread: never slower then, and faster as long as it does not fall asleep
+/// Links in both halves from which on there is a second thread: as fast as one then, and faster while it does not fall asleep
 /// between two evaluations, which from ten thousand links on it hardly does (docs/speed.md, “Two cores”).
 const LEAST: usize = 2000;
-/// Of the links of both halves, the most that the larger one may have.
+/// Of the links of both halves, the most that the larger one may have: with more, less than a third would be saved.
 const LARGEST: f64 = 0.7;
 
 /// Two groups of branches of one link. Links stand in depth-first order, so each is a range.

@@ -105,16 +105,3 @@ pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion)
     );
     gyroscopic - link.mass * link.center.cross(&g)
 }
-
-/// Its component about the axis of a turn, which is the link's z axis.
-#[inline(always)]
-pub fn axial_moment(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion) -> f64 {
-    let along = |axis: usize, vector: &Vector3<f64>| {
-        let turn = &at.turn;
-        fma(turn[(2, axis)], vector.z, fma(turn[(1, axis)], vector.y, turn[(0, axis)] * vector.x))
-    };
-    let (j, c, w) = (&link.inertia, &link.center, &at.angular_velocity);
-    let (x, y, z) = (along(0, w), along(1, w), along(2, w));
-    let gyroscopic = (j.yy - j.xx) * x * y + j.xy * (x * x - y * y) + z * (j.yz * x - j.xz * y);
-    gyroscopic - link.mass * (c.x * along(1, gravity) - c.y * along(0, gravity))
-}

@@ -6,7 +6,7 @@ use super::{Load, One, Singular, three, translate};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
-use crate::transfer::element::{axial_moment, moment_in_link_axes};
+use crate::transfer::element::moment_in_link_axes;
 use crate::transfer::plan::{Kind, Place, To};
 use crate::transfer::{LinkAcceleration, inboard};
 use nalgebra::Vector3;
@@ -104,7 +104,7 @@ impl<'a> Part<'a> {
                     let one = match place.kind {
                         Kind::Turn if place.is_slender => {
                             let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
-                            let axial = axial_moment(link, &model.gravity, at) - given;
+                            let axial = moment_in_link_axes(link, &model.gravity, at).z - given;
                             let (straight, one) = here.slender(link, at, armature, (tau, axial));
                             here = straight;
                             one
