@@ -249,6 +249,29 @@ pub(crate) fn evaluate<P: ImplicitProblem>(
     let (q, v) = state.split_at(problem.position_count());
     statistics.residual_evaluations += 1;
     problem.residual(time, q, v, acceleration, residual).map_err(Limit::Failure)?;
+    require_finite_residual(residual)
+}
+
+/// As [`evaluate`], and factorizes the stage's tangent there.
+pub(crate) fn linearize<P: ImplicitProblem>(
+    problem: &mut P,
+    slot: usize,
+    stage: Stage<'_>,
+    state: &[f64],
+    acceleration: &[f64],
+    residual: &mut [f64],
+    statistics: &mut Statistics,
+) -> Result<(), Limit> {
+    let (q, v) = state.split_at(problem.position_count());
+    let at = Point { time: stage.time, q, v, a: acceleration };
+    let c1 = 1.0 / stage.step;
+    statistics.jacobian_evaluations += 1;
+    statistics.residual_evaluations += 1;
+    problem.linearize(slot, at, c1, c1 * c1, residual).map_err(Limit::Failure)?;
+    require_finite_residual(residual)
+}
+
+fn require_finite_residual(residual: &[f64]) -> Result<(), Limit> {
     match residual.iter().position(|r| !r.is_finite()) {
         Some(index) => Err(Limit::NotFinite(Component::Velocity(index))),
         None => Ok(()),

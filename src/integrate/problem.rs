@@ -61,6 +61,14 @@ pub trait ImplicitProblem: Problem {
     /// # Errors
     /// Where it is singular.
     fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure>;
+    /// As [`factorize`](Self::factorize), and `r ←` the residual at that point, which most tangents start from.
+    ///
+    /// # Errors
+    /// As those two.
+    fn linearize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64, r: &mut [f64]) -> Result<(), Failure> {
+        self.factorize(slot, at, c1, c2)?;
+        self.residual(at.time, at.q, at.v, at.a, r)
+    }
     /// Solves with the factorization last made in `slot`, in place.
     fn solve(&mut self, slot: usize, rhs: &mut [f64]);
 }

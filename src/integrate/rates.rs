@@ -44,13 +44,18 @@ pub(crate) fn settle<P: Problem>(
 
 /// `sum ← start + step Σ weights_j rates_j`.
 pub(crate) fn combine(sum: &mut [f64], start: &[f64], step: f64, weights: &[f64], rates: &[Vec<f64>]) {
+    let factors = weights.iter().map(|weight| step * weight);
+    let mut terms = factors.zip(rates).filter(|(factor, _)| *factor != 0.0);
     sum.copy_from_slice(start);
-    for (weight, rate) in weights.iter().zip(rates) {
-        let factor = step * weight;
-        if factor != 0.0 {
-            for (sum, rate) in sum.iter_mut().zip(rate) {
-                *sum += factor * rate;
+    // Two at a time: sums of long states wait for memory.
+    while let Some((factor, rate)) = terms.next() {
+        match terms.next() {
+            Some((other, more)) => {
+                for ((sum, rate), more) in sum.iter_mut().zip(rate).zip(more) {
+                    *sum = (*sum + factor * rate) + other * more;
+                }
             }
+            None => sum.iter_mut().zip(rate).for_each(|(sum, rate)| *sum += factor * rate),
         }
     }
 }

@@ -441,6 +441,23 @@ impl ImplicitProblem for Motion<'_> {
         }
     }
 
+    fn linearize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64, r: &mut [f64]) -> Result<(), Failure> {
+        if !matches!(self.tangent, Tangent::Sweep(_)) {
+            self.factorize(slot, at, c1, c2)?;
+            return self.residual(at.time, at.q, at.v, at.a, r);
+        }
+        // Compliant stops push, as they do on the residual.
+        if let Some(stops) = &self.stops {
+            stops.press(at.q, at.v, at_time(&mut self.system, at.time).outside());
+        }
+        self.factorize(slot, at, c1, c2)?;
+        r.copy_from_slice(self.system.tangent_residual());
+        if let Some(stops) = &self.stops {
+            stops.balance(r);
+        }
+        Ok(())
+    }
+
     fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
         match &mut self.tangent {
             Tangent::Sweep(solvers) => solvers[slot].solve(rhs),

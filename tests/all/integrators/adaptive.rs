@@ -174,14 +174,14 @@ fn runs_cost_what_they_did() {
     Adams body: steps 222, rejected 0, accelerations 224, residuals 0, jacobians 0, solves 0, iterations 0
     Sdirk4 oscillator: steps 212, rejected 0, accelerations 2, residuals 1484, jacobians 6, solves 1484, iterations 1272
     Sdirk4 body: steps 180, rejected 0, accelerations 2, residuals 1991, jacobians 44, solves 1991, iterations 1811
-    Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 1236, jacobians 18, solves 1236, iterations 1140
-    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1324, jacobians 75, solves 1324, iterations 1221
-    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 540, jacobians 35, solves 540, iterations 520
-    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 788, jacobians 95, solves 788, iterations 760
+    Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 963, jacobians 18, solves 963, iterations 867
+    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1033, jacobians 75, solves 1033, iterations 930
+    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 390, jacobians 35, solves 390, iterations 370
+    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 628, jacobians 95, solves 628, iterations 600
     GeneralizedAlpha oscillator: steps 10081, rejected 0, accelerations 2, residuals 40325, jacobians 856, solves 40325, iterations 20163
     GeneralizedAlpha body: steps 9033, rejected 3, accelerations 2, residuals 36155, jacobians 1177, solves 36155, iterations 18083
-    Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 3003, jacobians 3, solves 3003, iterations 3003
-    Gauss body: steps 200, rejected 0, accelerations 1, residuals 3105, jacobians 3, solves 3105, iterations 3105
+    Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 2406, jacobians 3, solves 2406, iterations 2406
+    Gauss body: steps 200, rejected 0, accelerations 1, residuals 2484, jacobians 3, solves 2484, iterations 2484
     ");
 }
 
