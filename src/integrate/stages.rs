@@ -158,12 +158,13 @@ impl Stages {
                 }
             }
             let rounding = ROUNDINGS * norm.rounding(&self.states[s - 1]);
-            // The first sweep corrects predictions that improve on the way: its change says nothing of the contraction.
+            // The first sweep corrects predictions that improve on the way: its change says little of the contraction.
             let first = std::mem::replace(&mut pass, Pass::Later);
             if first == Pass::Renewing {
                 self.tangents = Some(Tangents { step, fresh: true, iterations: 0, slow: false, served: 0 });
             }
             if first != Pass::Later && size > rounding && size.is_finite() {
+                iteration.foretaste(size);
                 continue;
             }
             if iteration.converged(size, rounding)? {
