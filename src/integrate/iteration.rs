@@ -29,8 +29,6 @@ pub(crate) struct Iteration {
     accuracy: Accuracy,
     /// Changes of the last iteration and of the one before.
     before: [Option<f64>; 2],
-    /// What changed before the first iteration.
-    foretaste: Option<f64>,
     done: u32,
     most: u32,
     contraction: f64,
@@ -39,13 +37,7 @@ pub(crate) struct Iteration {
 impl Iteration {
     /// At most `most` iterations.
     pub(crate) fn new(accuracy: Accuracy, most: u32) -> Self {
-        Self { accuracy, before: [None; 2], foretaste: None, done: 0, most, contraction: 0.0 }
-    }
-
-    /// A change of norm `size` that is no iteration's, but at least as large as what one would leave of it: enough to end the
-    /// iteration by, not to give it up.
-    pub(crate) fn foretaste(&mut self, size: f64) {
-        self.foretaste = Some(size);
+        Self { accuracy, before: [None; 2], done: 0, most, contraction: 0.0 }
     }
 
     /// Iterations so far.
@@ -72,13 +64,11 @@ impl Iteration {
         if !size.is_finite() || self.done >= self.most {
             return Err(Limit::Newton);
         }
-        let [Some(last), second] = before else {
-            let contraction = self.foretaste.map_or(1.0, |first| size / first);
-            return Ok(contraction < 1.0 && self.remaining(contraction, size) <= self.accuracy.left);
-        };
+        let [Some(last), second] = before else { return Ok(false) };
         self.contraction = second.map_or(size / last, |second| (size / second).sqrt());
         if self.contraction < 1.0 {
-            let remaining = self.remaining(self.contraction, size);
+            let contraction = self.contraction.max(self.accuracy.least_contraction);
+            let remaining = contraction / (1.0 - contraction) * size;
             let reachable = remaining * self.contraction.powi((self.most - self.done) as i32) <= self.accuracy.left;
             // The first quotient is too poor a witness to give up on.
             return match reachable || second.is_none() {
@@ -94,11 +84,5 @@ impl Iteration {
             None if size > HOPELESS * last => Err(Limit::Newton),
             None => Ok(false),
         }
-    }
-
-    /// The error left after a change of norm `size`.
-    fn remaining(&self, contraction: f64, size: f64) -> f64 {
-        let contraction = contraction.max(self.accuracy.least_contraction);
-        contraction / (1.0 - contraction) * size
     }
 }

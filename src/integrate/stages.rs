@@ -158,14 +158,16 @@ impl Stages {
                 }
             }
             let rounding = ROUNDINGS * norm.rounding(&self.states[s - 1]);
-            // The first sweep corrects predictions that improve on the way: its change says little of the contraction.
             let first = std::mem::replace(&mut pass, Pass::Later);
             if first == Pass::Renewing {
                 self.tangents = Some(Tangents { step, fresh: true, iterations: 0, slow: false, served: 0 });
             }
-            if first != Pass::Later && size > rounding && size.is_finite() {
-                iteration.foretaste(size);
-                continue;
+            // Its rows met predictions that improved on the way, and its corrections say nothing of what those were wrong by.
+            if first != Pass::Later {
+                if size.is_finite() {
+                    continue;
+                }
+                return Err(Limit::Newton);
             }
             if iteration.converged(size, rounding)? {
                 self.finish(iteration.count());
