@@ -30,6 +30,8 @@ pub(crate) struct Iteration {
     /// Changes of the last iteration and of the one before.
     before: [Option<f64>; 2],
     done: u32,
+    /// Iterations in which changes may grow.
+    patience: u32,
     most: u32,
     contraction: f64,
 }
@@ -37,7 +39,13 @@ pub(crate) struct Iteration {
 impl Iteration {
     /// At most `most` iterations.
     pub(crate) fn new(accuracy: Accuracy, most: u32) -> Self {
-        Self { accuracy, before: [None; 2], done: 0, most, contraction: 0.0 }
+        Self { accuracy, before: [None; 2], done: 0, patience: 0, most, contraction: 0.0 }
+    }
+
+    /// Neither gives up nor takes changes for rounding in the first `iterations`: of coupled stages in a stiff system they may
+    /// grow before they vanish.
+    pub(crate) fn patient(self, iterations: u32) -> Self {
+        Self { patience: iterations, ..self }
     }
 
     /// Iterations so far.
@@ -71,7 +79,7 @@ impl Iteration {
             let remaining = contraction / (1.0 - contraction) * size;
             let reachable = remaining * self.contraction.powi((self.most - self.done) as i32) <= self.accuracy.left;
             // The first quotient is too poor a witness to give up on.
-            return match reachable || second.is_none() {
+            return match reachable || second.is_none() || self.done <= self.patience {
                 true => Ok(remaining <= self.accuracy.left),
                 // Hardly shrinking is as good as not shrinking.
                 false if size <= self.accuracy.stalled => Ok(true),
@@ -79,6 +87,7 @@ impl Iteration {
             };
         }
         match second {
+            Some(_) if self.done <= self.patience => Ok(false),
             Some(_) if size > self.accuracy.stalled => Err(Limit::Newton),
             Some(_) => Ok(true),
             None if size > HOPELESS * last => Err(Limit::Newton),

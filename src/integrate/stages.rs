@@ -147,7 +147,7 @@ impl Stages {
         let s = self.method.stages();
         self.predict(step, rate);
         let mut pass = self.first_pass(step);
-        let mut iteration = Iteration::new(self.accuracy, MAX_ITERATIONS);
+        let mut iteration = Iteration::new(self.accuracy, MAX_ITERATIONS).patient(s as u32);
         loop {
             let mut size = 0.0_f64;
             for i in 0..s {
