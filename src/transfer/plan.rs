@@ -1,6 +1,7 @@
 //! How the links of a tree hang together, as the inward sweeps see it: worked out once per model.
 
 use crate::model::{Joint, Model};
+use crate::pages::Pages;
 
 /// Below this part of the sum of its moments, the one about its axis counts as small: the round-off of the others would be
 /// multiplied by the inverse square of it. A thin rod across its axis has a half, along it 0.
@@ -53,7 +54,7 @@ pub(super) enum To {
 }
 
 /// The places of all links, the number of sums, and the number of balls.
-pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
+pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
     let (mut joins, mut balls) = (0, 0);
     let mut plan: Vec<Place> = Vec::with_capacity(model.links.len());
     for (index, link) in model.links.iter().enumerate() {
@@ -94,5 +95,5 @@ pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
         });
         balls += u32::from(kind == Kind::Ball);
     }
-    (plan, joins as usize, balls as usize)
+    (plan.into_iter().collect(), joins as usize, balls as usize)
 }

@@ -9,6 +9,7 @@ use super::plan::{Place, plan};
 use super::{LinkAcceleration, along};
 use crate::model::{Halves, Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion, at_once};
+use crate::pages::Pages;
 use crate::spatial::Wrench;
 use ball::Ball;
 use carried::Carried;
@@ -24,18 +25,18 @@ const SINGULAR: f64 = 4.0 * f64::EPSILON;
 #[derive(Debug, Clone)]
 pub struct Reduction {
     /// How the links hang together.
-    plan: Vec<Place>,
+    plan: Pages<Place>,
     /// What is left of every hinge; of a ball it is in `balls`.
-    hinges: Vec<One>,
+    hinges: Pages<One>,
     balls: Vec<Ball>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
     joins: Vec<Carried>,
     /// Where the halves of a large tree begin, and what follows them.
     firsts: [First; 3],
     /// Scratch of [`Reduction::solve`].
-    e: Vec<Wrench>,
+    e: Pages<Wrench>,
     /// Accelerations of the root markers in the last solution.
-    a: Vec<LinkAcceleration>,
+    a: Pages<LinkAcceleration>,
 }
 
 /// A hinge of one coordinate, eliminated: `S H`, `D⁻¹` and the `u` of the last solution.
@@ -81,11 +82,11 @@ impl Reduction {
         Self {
             firsts,
             plan,
-            hinges: vec![One::default(); n],
+            hinges: Pages::filled(One::default(), n),
             balls: vec![Ball::default(); balls],
             joins: vec![Carried::default(); joins],
-            e: vec![Wrench::ZERO; n],
-            a: vec![LinkAcceleration::default(); n],
+            e: Pages::filled(Wrench::ZERO, n),
+            a: Pages::filled(LinkAcceleration::default(), n),
         }
     }
 
