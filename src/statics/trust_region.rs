@@ -143,7 +143,7 @@ impl Search<'_, '_, '_> {
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
         let mut ratio = if tiny { 1.0 } else { (self.potential - potential) / predicted };
         if self.bent
-            && !(ratio >= 0.25)
+            && !(ratio > 0.75)
             && let Some((corrected, lower)) = self.corrected(trial, &q)
         {
             let better = (self.potential - lower) / predicted;
