@@ -116,7 +116,7 @@ impl<P: ImplicitProblem> Stepper<P> for Gauss {
         let trial = self.control.propose(&self.progress)?;
         while let Err(limit) = self.attempt(problem, trial) {
             // Old tangents are to blame first.
-            if limit != Limit::Newton || !self.stages.discard_old() {
+            if !self.stages.discard_old() {
                 return self.control.fail(trial, limit, &self.progress);
             }
         }

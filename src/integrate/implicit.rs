@@ -41,7 +41,7 @@ pub(crate) fn step<P: ImplicitProblem>(method: &mut impl Implicit<P>, problem: &
         let outcome = match attempt {
             Ok(None) => return Ok(()),
             // Old tangents are to blame first.
-            Err(Limit::Newton) if method.discard_old() => continue,
+            Err(_) if method.discard_old() => continue,
             other => other,
         };
         let (progress, control) = method.parts();

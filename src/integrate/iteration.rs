@@ -87,7 +87,7 @@ impl Iteration {
             };
         }
         match second {
-            Some(_) if self.done <= self.patience => Ok(false),
+            Some(_) if self.done <= self.patience && size <= HOPELESS * last => Ok(false),
             Some(_) if size > self.accuracy.stalled => Err(Limit::Newton),
             Some(_) => Ok(true),
             None if size > HOPELESS * last => Err(Limit::Newton),
