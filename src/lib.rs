@@ -86,6 +86,7 @@
 //! | [`import`] | models of other programs (URDF, MJCF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
+//! | [`pages`] | lists in large pages of memory |
 //! | [`suggest`] | “did you mean …?” |
 //! | [`text_file`] | reading text, with a limit |
 //!
@@ -101,6 +102,7 @@ pub mod integrate;
 pub mod mesh;
 pub mod model;
 pub mod motion;
+pub mod pages;
 pub mod record;
 pub mod scenario;
 pub mod simulate;

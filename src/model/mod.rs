@@ -31,6 +31,7 @@ pub use parameter::Parameter;
 pub use problem::{Element, Problem};
 pub use watch::{Event, Stop, StopLaw, Watched};
 
+use crate::pages::Pages;
 use crate::spatial::Pose;
 use description::{HingeKind, MassProperties};
 use nalgebra::Vector3;
@@ -46,7 +47,7 @@ pub struct Model {
     /// The named bodies, in the order of the description.
     pub bodies: Vec<Body>,
     /// The tree: link 0 is the ground, parents stand before children, and every subtree is contiguous.
-    pub links: Vec<Link>,
+    pub links: Pages<Link>,
     /// Where the tree falls into two halves, in large ones.
     pub halves: Option<Halves>,
     /// What acts in each velocity coordinate.

@@ -219,7 +219,7 @@ impl<'a> Tree<'a> {
             events,
             bodies,
             halves: Halves::of(&self.links),
-            links: self.links.clone(),
+            links: self.links.iter().cloned().collect(),
             coordinates: self.coordinates.clone(),
             start_position: self.start_position.clone(),
             start_velocity: self.start_velocity.clone(),

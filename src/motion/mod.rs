@@ -6,6 +6,7 @@ pub mod point;
 pub mod variation;
 
 use crate::model::{Halves, Joint, Link, Model};
+use crate::pages::Pages;
 use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::{Pose, Sym3};
 use angles::Angles;
@@ -18,7 +19,7 @@ use variation::LinkAcceleration;
 #[derive(Debug, Clone)]
 pub struct Motion {
     /// One per link of the model; written by [`Motion::update`].
-    pub links: Vec<LinkMotion>,
+    pub links: Pages<LinkMotion>,
     /// Whether nothing moves.
     pub still: bool,
     /// Of the last positions.
@@ -85,7 +86,7 @@ impl LinkMotion {
 impl Motion {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
-        Self { links: vec![LinkMotion::GROUND; model.links.len()], still: true, angles: Angles::new(model) }
+        Self { links: Pages::filled(LinkMotion::GROUND, model.links.len()), still: true, angles: Angles::new(model) }
     }
 
     /// Root → tips: positions and velocities from hinge coordinates `q` and velocities `v`.
@@ -94,7 +95,7 @@ impl Motion {
         self.angles.update(q);
         self.still = v.iter().all(|rate| *rate == 0.0);
         let state = State { model, q, v };
-        let (all, angles) = (self.links.as_mut_slice(), self.angles.all());
+        let (all, angles) = (&mut self.links[..], self.angles.all());
         let Some(Halves { hub, links: [one, other], turns, .. }) = &model.halves else {
             return sweep(&state, 1..model.links.len(), 0, angles, &LinkMotion::GROUND, all);
         };

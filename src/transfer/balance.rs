@@ -3,6 +3,7 @@
 use super::{LinkAcceleration, accelerate, inboard};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
+use crate::pages::Pages;
 use crate::spatial::Wrench;
 use crate::spatial::quad::{Columns, Quad, wrench};
 
@@ -10,16 +11,16 @@ use crate::spatial::quad::{Columns, Quad, wrench};
 #[derive(Debug, Clone)]
 pub struct Balance {
     /// Accelerations of the root markers.
-    pub accelerations: Vec<LinkAcceleration>,
+    pub accelerations: Pages<LinkAcceleration>,
     /// What the inboard hinge passes to each link at its root marker; entry 0 is what the ground has to hold.
-    pub reactions: Vec<Wrench>,
+    pub reactions: Pages<Wrench>,
 }
 
 impl Balance {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
-        Self { accelerations: vec![LinkAcceleration::default(); n], reactions: vec![Wrench::ZERO; n] }
+        Self { accelerations: Pages::filled(LinkAcceleration::default(), n), reactions: Pages::filled(Wrench::ZERO, n) }
     }
 
     /// Root → tips by eq. (2), tips → root by eq. (1); `residual ← Hᵀ f + A q̈ − τ`, which vanishes for the true

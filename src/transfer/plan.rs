@@ -1,6 +1,7 @@
 //! How the links of a tree hang together, as the inward sweeps see it: worked out once per model.
 
 use crate::model::{Joint, Model};
+use crate::pages::Pages;
 use crate::spatial::Sym3;
 
 /// Below this part of the sum of its moments, the one about its axis counts as small: the round-off of the others would be
@@ -63,12 +64,13 @@ pub(super) enum To {
 fn is_delicate(model: &Model, index: usize) -> bool {
     let of_hinge = model.links[index..].iter().take_while(|link| link.body == model.links[index].body);
     let Some(link) = of_hinge.last() else { return false };
-    let central = link.inertia.matrix() - Sym3::steiner(link.mass, link.center).matrix();
-    !(central.symmetric_eigenvalues().min() > DELICATE * link.inertia.trace())
+    let central =
+        link.inertia + Sym3::steiner(-link.mass, link.center) + Sym3::scalar(-DELICATE * link.inertia.trace());
+    !central.inverse().is_some_and(|(_, pivots)| pivots.min() > 0.0)
 }
 
 /// The places of all links, the number of sums, and the number of balls.
-pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
+pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
     let (mut joins, mut balls) = (0, 0);
     let mut plan: Vec<Place> = Vec::with_capacity(model.links.len());
     for (index, link) in model.links.iter().enumerate() {
@@ -110,5 +112,5 @@ pub(super) fn plan(model: &Model) -> (Vec<Place>, usize, usize) {
         });
         balls += u32::from(kind == Kind::Ball);
     }
-    (plan, joins as usize, balls as usize)
+    (plan.into_iter().collect(), joins as usize, balls as usize)
 }

@@ -10,6 +10,7 @@ use super::plan::{Place, plan};
 use super::{LinkAcceleration, along};
 use crate::model::{Halves, Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion, at_once};
+use crate::pages::Pages;
 use crate::spatial::Wrench;
 use ball::Ball;
 use carried::Carried;
@@ -34,18 +35,18 @@ const LOST_BY_BALL: f64 = 1e-5;
 #[derive(Debug, Clone)]
 pub struct Reduction {
     /// How the links hang together.
-    plan: Vec<Place>,
+    plan: Pages<Place>,
     /// What is left of every hinge; of a ball it is in `balls`.
-    hinges: Vec<One>,
+    hinges: Pages<One>,
     balls: Vec<Ball>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
     joins: Vec<Carried>,
     /// Where the halves of a large tree begin, and what follows them.
     firsts: [First; 3],
     /// Scratch of [`Reduction::solve`].
-    e: Vec<Wrench>,
+    e: Pages<Wrench>,
     /// Accelerations of the root markers in the last solution.
-    a: Vec<LinkAcceleration>,
+    a: Pages<LinkAcceleration>,
     /// What is needed where digits were lost.
     refinement: Refinement,
 }
@@ -90,15 +91,20 @@ impl Reduction {
             Some(Halves { links: [one, other], .. }) => [one.start, other.start, other.end].map(first),
             None => [First::default(); 3],
         };
+        let may_lose = |place: &Place| place.is_delicate && !place.is_slender;
+        let refinement = match balls > 0 || plan.iter().any(may_lose) {
+            true => Refinement::new(model),
+            false => Refinement::default(),
+        };
         Self {
             firsts,
             plan,
-            hinges: vec![One::default(); n],
+            hinges: Pages::filled(One::default(), n),
             balls: vec![Ball::default(); balls],
             joins: vec![Carried::default(); joins],
-            e: vec![Wrench::ZERO; n],
-            a: vec![LinkAcceleration::default(); n],
-            refinement: Refinement::new(model),
+            e: Pages::filled(Wrench::ZERO, n),
+            a: Pages::filled(LinkAcceleration::default(), n),
+            refinement,
         }
     }
 

@@ -34,6 +34,7 @@ use super::balance::Balance;
 use super::plan::{Kind, Place, To, plan};
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::pages::Pages;
 use crate::spatial::Wrench;
 use crate::spatial::quad::Quad;
 use eliminate::{eliminate_ball, eliminate_one};
@@ -74,18 +75,18 @@ pub struct At<'a> {
 #[derive(Debug, Clone)]
 pub struct Tangent {
     /// How the links hang together.
-    plan: Vec<Place>,
+    plan: Pages<Place>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
     joins: Vec<Carried>,
     /// Whether the last factorization broke down and may have left something there.
     broken: bool,
-    left: Vec<Left>,
+    left: Pages<Left>,
     balls: Vec<Three>,
     /// Under weight alone.
     weight: Weight,
     /// As `joins`, for right sides.
     loads: Vec<(Quad, Quad)>,
-    z: Vec<Varied>,
+    z: Pages<Varied>,
     /// Negative pivots.
     negative: usize,
     /// Which parts of `z` take part; none under weight alone.
@@ -126,11 +127,11 @@ impl Tangent {
             plan,
             joins: vec![Carried::default(); joins],
             broken: false,
-            left: vec![Left::default(); n],
+            left: Pages::filled(Left::default(), n),
             balls: vec![Three::default(); balls],
             weight: Weight::default(),
             loads: vec![(Quad::default(), Quad::default()); joins],
-            z: vec![Varied::default(); n],
+            z: Pages::filled(Varied::default(), n),
             negative: 0,
             parts: 0,
         }

@@ -12,6 +12,7 @@ use super::balance::Balance;
 use crate::model::{Joint, Link, Model};
 use crate::motion::variation::{Direction, LinkAcceleration, LinkVariation, outward};
 use crate::motion::{LinkMotion, Motion};
+use crate::pages::Pages;
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -20,11 +21,11 @@ use std::ops::Range;
 #[derive(Debug, Clone)]
 pub struct Variation {
     /// Variations of the links' motion; written by [`Variation::outward`].
-    pub links: Vec<LinkVariation>,
+    pub links: Pages<LinkVariation>,
     /// Variations of the wrenches at the root markers.
-    wrenches: Vec<Wrench>,
+    wrenches: Pages<Wrench>,
     /// Variations of the applied wrenches: filled in by whoever knows the forces, between the two sweeps.
-    pub applied: Vec<Wrench>,
+    pub applied: Pages<Wrench>,
 }
 
 impl Variation {
@@ -32,9 +33,9 @@ impl Variation {
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
         Self {
-            links: vec![LinkVariation::default(); n],
-            wrenches: vec![Wrench::ZERO; n],
-            applied: vec![Wrench::ZERO; n],
+            links: Pages::filled(LinkVariation::default(), n),
+            wrenches: Pages::filled(Wrench::ZERO, n),
+            applied: Pages::filled(Wrench::ZERO, n),
         }
     }
 

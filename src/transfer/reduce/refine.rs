@@ -13,12 +13,12 @@
 //! and moments in the axes in which bodies are given, where it meets the small moment of inertia alone.
 
 use super::{Load, Reduction};
-use crate::model::{Joint, Model};
+use crate::model::{Body, Joint, Model};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::{Sym3, Wrench};
 use crate::transfer::element::gyroscopic;
 use crate::transfer::{LinkAcceleration, accelerate, along, inboard};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Accelerations are wrong by about a third of a unit in the last place over this part, and by no more than 10⁻¹¹ of
 /// themselves above it: what the links resist of their accelerations, of what those would be resisted if they were about any axis.
@@ -35,17 +35,15 @@ const MOST_ROUNDS: usize = 3;
 /// Scratch of [`Reduction::refine`].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Refinement {
-    /// The bodies with inertia, in the order of their links.
-    bodies: Vec<Rigid>,
+    /// The bodies in the order of their links.
+    bodies: Vec<usize>,
     /// Hinge forces that are left over, and what they accelerate; one per velocity.
     left: Vec<f64>,
     step: Vec<f64>,
 }
 
 /// A named body on its link: several may be welded to one.
-#[derive(Debug, Clone, Copy)]
 struct Rigid {
-    link: usize,
     mass: f64,
     /// From the link's root marker, link axes (m).
     center: Vector3<f64>,
@@ -56,24 +54,23 @@ struct Rigid {
 
 impl Refinement {
     pub(super) fn new(model: &Model) -> Self {
-        let heavy = model.bodies.iter().filter(|body| body.link != 0);
-        let mut bodies: Vec<Rigid> = heavy
-            .map(|body| Rigid {
-                link: body.link,
-                mass: body.mass.mass,
-                center: (body.link_from_body * nalgebra::Point3::from(body.mass.center)).coords,
-                inertia: Sym3::symmetric_part(&body.mass.inertia),
-                link_from_body: *body.link_from_body.rotation.to_rotation_matrix().matrix(),
-            })
-            .filter(|body| body.mass != 0.0 || body.inertia != Sym3::ZERO)
-            .collect();
-        bodies.sort_by_key(|body| body.link);
+        let mut bodies: Vec<usize> = (0..model.bodies.len()).filter(|body| model.bodies[*body].link != 0).collect();
+        bodies.sort_by_key(|body| model.bodies[*body].link);
         let count = model.velocity_count();
         Self { bodies, left: vec![0.0; count], step: vec![0.0; count] }
     }
 }
 
 impl Rigid {
+    fn of(body: &Body) -> Self {
+        Self {
+            mass: body.mass.mass,
+            center: (body.link_from_body * Point3::from(body.mass.center)).coords,
+            inertia: Sym3::symmetric_part(&body.mass.inertia),
+            link_from_body: *body.link_from_body.rotation.to_rotation_matrix().matrix(),
+        }
+    }
+
     /// `M a + b` with the weight: the force in inertial axes, the moment about the link's root marker in link axes.
     fn needs(&self, gravity: &Vector3<f64>, at: &LinkMotion, a: &LinkAcceleration) -> Wrench {
         let (w, c) = (at.angular_velocity, at.turn * self.center);
@@ -153,8 +150,8 @@ impl Reduction {
         for index in (1..model.links.len()).rev() {
             let (link, at) = (&model.links[index], &motion.links[index]);
             let mut own = Wrench::ZERO;
-            while let Some(body) = bodies.next_if(|body| body.link == index) {
-                own += body.needs(&model.gravity, at, &a[index]);
+            while let Some(body) = bodies.next_if(|body| model.bodies[**body].link == index) {
+                own += Rigid::of(&model.bodies[*body]).needs(&model.gravity, at, &a[index]);
             }
             let passed = e[index];
             let (to, tau) = (link.velocity, load.tau);

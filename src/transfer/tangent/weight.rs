@@ -12,6 +12,7 @@
 use super::eliminate::NegativeAxes;
 use super::{At, Breakdown};
 use crate::model::Model;
+use crate::pages::Pages;
 use crate::spatial::quad::{Columns, Quad};
 use crate::transfer::plan::{Kind, Place, To};
 use nalgebra::{Matrix3, Vector3};
@@ -19,14 +20,14 @@ use nalgebra::{Matrix3, Vector3};
 /// The factorized tangent at rest.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Weight {
-    left: Vec<Left>,
+    left: Pages<Left>,
     balls: Vec<Three>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
     joins: Vec<Columns>,
     /// The same for moments.
     moments: Vec<Quad>,
     /// Turns of the links, where several hang on one.
-    turned: Vec<Quad>,
+    turned: Pages<Quad>,
     /// Whether the last factorization broke down.
     broken: bool,
 }
@@ -144,10 +145,10 @@ impl Weight {
         if self.left.len() != plan.len() {
             let count = |kind: fn(&Place) -> bool| plan.iter().filter(|place| kind(place)).count();
             let (joins, balls) = (count(|place| place.join.is_some()), count(|place| place.kind == Kind::Ball));
-            self.left = vec![Left::default(); plan.len()];
+            self.left = Pages::filled(Left::default(), plan.len());
             self.balls = vec![Three::default(); balls];
             (self.joins, self.moments) = (vec![Columns::default(); joins], vec![Quad::default(); joins]);
-            self.turned = vec![Quad::default(); plan.len()];
+            self.turned = Pages::filled(Quad::default(), plan.len());
         }
     }
 
