@@ -40,7 +40,7 @@ fn problem(description: &Description, body: usize) -> Problem {
              would be undetermined"
         ),
         help: Some(format!(
-            "give it `inertia` (kg m²), or a `shape` with `density`, or the hinge an armature, as with `--set \
+            "give it `inertia` (kg m²), or `density` beside a `shape`, or the hinge an armature, as with `--set \
              {}.armature=1e-6`",
             name.split('[').next().unwrap_or(name)
         )),

@@ -36,7 +36,7 @@ pub(super) fn draw(study: &Study, title: &str) -> anyhow::Result<Option<String>>
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
             chart.draw_series(points.iter().map(|point| Circle::new(*point, 4, color.filled())))?;
         }
-        frame::legend(&mut chart, SeriesLabelPosition::LowerLeft)
+        frame::legend(&mut chart, SeriesLabelPosition::UpperRight)
     });
     drawn.map(Some)
 }
