@@ -105,6 +105,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "residual_acceleration": found.residual_acceleration,
         "residual_force": found.residual_force,
         "relative_residual": found.relative_residual,
+        "round_off": found.round_off,
         "positions": by_hinge(model, &found.position, true),
         "bodies": poses(model, &found.poses),
         "stability": stability.map(|s| s.verdict.name()),

@@ -27,6 +27,7 @@ mod plan;
 mod rank;
 mod row;
 mod rows;
+mod sizes;
 
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;

@@ -152,6 +152,14 @@ impl System<'_> {
         matrix
     }
 
+    /// Adds to squares of force terms those of what the last multipliers push each velocity coordinate with (N², N² m²);
+    /// positions as in the last call of [`System::constraint_matrix`].
+    pub fn add_multiplier_squares(&self, squares: &mut [f64]) {
+        if let Some(constrained) = &self.constraints {
+            constrained.rows.add_squares(self.model, &self.motion, squares);
+        }
+    }
+
     /// Of all multipliers that balance a state as the last ones do, takes the smallest for residuals, reactions and loops
     /// that follow: where rows are redundant there are many. Loops, drives and gears are placed there.
     ///

@@ -13,6 +13,8 @@ pub struct Magnitudes {
     /// The same with every spring counted as its stiffness times its lengths: times the machine precision, the
     /// round-off level of the balance (N, N m).
     pub noise: Vec<f64>,
+    /// The same terms squared one by one: their errors are independent of each other (N², N² m²).
+    pub squares: Vec<f64>,
     /// Size of the springs' contributions to the stiffness (N/m, N m/rad).
     pub stiffness: Vec<f64>,
 }
@@ -24,19 +26,32 @@ struct Size {
     moment: f64,
     noise: f64,
     noise_moment: f64,
+    square: f64,
+    square_moment: f64,
     stiffness: f64,
     turn_stiffness: f64,
 }
 
 impl System<'_> {
-    /// Sizes of the terms of the balance at rest; positions as in the last call of [`System::residual`].
+    /// Sizes of the terms of the balance at the state of the last call of [`System::residual`]: at rest, or where drives
+    /// keep their velocity.
     pub fn balance_magnitudes(&self, q: &[f64]) -> Magnitudes {
         let model = self.model;
         let mut sizes = vec![Size::default(); model.links.len()];
         for (index, link) in model.links.iter().enumerate() {
-            let weight = link.mass * model.gravity.norm();
-            let moment = weight * self.motion.links[index].center.norm();
-            sizes[index] = Size { force: weight, moment, noise: weight, noise_moment: moment, ..Size::default() };
+            let (at, moves) = (&self.motion.links[index], &self.balance.accelerations[index]);
+            let turns = moves.angular.norm() + at.angular_velocity.norm_squared();
+            let weight = link.mass * (model.gravity.norm() + moves.linear.norm() + turns * at.center.norm());
+            let moment = weight * at.center.norm() + turns * at.inertia.trace();
+            sizes[index] = Size {
+                force: weight,
+                moment,
+                noise: weight,
+                noise_moment: moment,
+                square: weight * weight,
+                square_moment: moment * moment,
+                ..Size::default()
+            };
         }
         for force in &model.forces {
             let parts = forces::magnitude(&force.law, &self.motion);
@@ -47,12 +62,15 @@ impl System<'_> {
                 size.moment += part.force * arm + part.moment;
                 size.noise += part.noise;
                 size.noise_moment += part.noise * arm + part.moment;
+                size.square += part.noise * part.noise;
+                size.square_moment += (part.noise * arm + part.moment).powi(2);
                 size.stiffness += part.stiffness;
                 size.turn_stiffness += part.stiffness * arm * arm + part.turn_stiffness;
             }
         }
         let n = model.velocity_count();
-        let mut out = Magnitudes { force: vec![0.0; n], noise: vec![0.0; n], stiffness: vec![0.0; n] };
+        let none = vec![0.0; n];
+        let mut out = Magnitudes { force: none.clone(), noise: none.clone(), squares: none.clone(), stiffness: none };
         for index in (1..model.links.len()).rev() {
             let link = &model.links[index];
             let size = sizes[index];
@@ -64,6 +82,7 @@ impl System<'_> {
                 let spring = coordinate.stiffness.abs() * extent + coordinate.force.abs();
                 out.force[i] = spring + if slide { size.force } else { size.moment };
                 out.noise[i] = spring + if slide { size.noise } else { size.noise_moment };
+                out.squares[i] = spring * spring + if slide { size.square } else { size.square_moment };
                 out.stiffness[i] =
                     coordinate.stiffness.abs() + if slide { size.stiffness } else { size.turn_stiffness };
             }
@@ -73,6 +92,8 @@ impl System<'_> {
             parent.moment += size.moment + arm * size.force;
             parent.noise += size.noise;
             parent.noise_moment += size.noise_moment + arm * size.noise;
+            parent.square += size.square;
+            parent.square_moment += size.square_moment + (arm * size.noise).powi(2);
             parent.stiffness += size.stiffness;
             parent.turn_stiffness += size.turn_stiffness + arm * arm * size.stiffness;
         }
@@ -81,6 +102,7 @@ impl System<'_> {
             let size = push.force.abs() + (push.by_position * q[at]).abs();
             out.force[i] += size;
             out.noise[i] += size;
+            out.squares[i] += size * size;
             out.stiffness[i] += push.by_position.abs();
         }
         out

@@ -44,6 +44,8 @@ pub struct Equilibrium {
     pub residual_force: f64,
     /// The same relative to the forces that cancel there.
     pub relative_residual: f64,
+    /// What rounding alone may leave of the forces there, relative to them: nobody can ask for less.
+    pub round_off: f64,
     /// Hinge coordinates.
     pub position: Vec<f64>,
     /// What every drive pushes, by its name (N or N m).
@@ -318,8 +320,9 @@ fn certify(
     let relative = place.residual().0;
     if balanced && relative > BALANCED {
         notes.push(format!(
-            "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: lengths or \
-             loops that are nearly taut do not let them be known any better here"
+            "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: large \
+             lengths, or loops that are nearly taut, do not let them be known better than to {:.1e} here",
+            place.round_off()
         ));
     }
     let verdict = stability.as_ref().map(|s| s.verdict);
@@ -341,6 +344,7 @@ fn certify(
         residual_acceleration,
         residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
         relative_residual: place.residual().0,
+        round_off: place.round_off(),
         drive_forces,
         velocity: steady,
         position: place.q,

@@ -230,7 +230,7 @@ impl<'a> Problem<'a> {
             for i in 0..rows.len() {
                 let change = force[i] - first.force[i];
                 // A change within the round-off of what it is the difference of is none.
-                let noise = 64.0 * first.scales.noise[i];
+                let noise = 4.0 * first.scales.noise[i];
                 columns[(i, j)] = if change.abs() > noise { change / rows[i] } else { 0.0 };
             }
         }

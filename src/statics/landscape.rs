@@ -11,6 +11,9 @@ use faer::Mat;
 pub(super) use tied::Branch;
 use tied::Ties;
 
+/// Units of round-off that a sum of force terms may err by.
+const ROUNDING: f64 = 16.0;
+
 /// The static problem of a model with its locked hinges held; of one with loops, drives or gears on its closed positions.
 pub struct Landscape<'s, 'm> {
     system: &'s mut System<'m>,
@@ -44,7 +47,7 @@ pub struct Landscape<'s, 'm> {
 pub struct Scales {
     /// Sum of the magnitudes of the forces in the balance (N, N m).
     pub force: Vec<f64>,
-    /// Round-off level of the balance (N, N m).
+    /// Round-off that the balance may have (N, N m).
     pub noise: Vec<f64>,
     /// Magnitude of the stiffness terms (N/m, N m/rad).
     pub stiffness: Vec<f64>,
@@ -296,7 +299,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
         };
         let scales = Scales {
             force: pick(&|i| magnitudes.force[i]),
-            noise: pick(&|i| f64::EPSILON * magnitudes.noise[i]),
+            noise: pick(&|i| ROUNDING * f64::EPSILON * magnitudes.noise[i]),
             stiffness: pick(&stiffness),
         };
         Ok((force, scales))

@@ -276,3 +276,165 @@ fn upright_cranks_fall_through_their_change_points_and_hang() {
     assert_eq!(found.stability.as_ref().map(|s| s.verdict), Some(Verdict::Stable));
     assert!(found.notes.iter().any(|note| note.contains("left an unstable equilibrium")), "{:?}", found.notes);
 }
+
+/// Scissors of bars of 1 m and 1 kg, `stages` of them, that hang from a pin by one end of the first bar; a spring of the
+/// given stiffness and length lies between the upper ends, `angle` is from the vertical to the bars, and `tilt` turns all.
+fn scissors(stages: usize, [stiffness, length]: [f64; 2], angle: f64, tilt: f64) -> Model {
+    let bar = |name: &str, top: f64, hinge: &str, position: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1.0\ncenter = [0, 0, {:?}]\ninertia = [0.0833333, 0.0833333, 1e-4]\n\
+             markers = {{ top = [0, 0, {top:?}], mid = [0, 0, {:?}], low = [0, 0, {:?}] }}\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], {hinge} position = {position:?} }}\n",
+            top - 0.5,
+            top - 0.5,
+            top - 1.0
+        )
+    };
+    let mut text = String::new();
+    for i in 0..stages {
+        let (parent, position) = match i {
+            0 => (String::new(), tilt - angle),
+            _ => (format!("parent = \"b{}\", at = \"low\",", i - 1), -2.0 * angle),
+        };
+        text += &bar(&format!("a{i}"), 0.0, &parent, position);
+        text += &bar(&format!("b{i}"), 0.5, &format!("parent = \"a{i}\", at = \"mid\","), 2.0 * angle);
+        if i > 0 {
+            text += &format!(
+                "[[loop]]\ntype = \"revolute\"\nbetween = [\"a{}.low\", \"b{i}.top\"]\naxis = [0, 1, 0]\n",
+                i - 1
+            );
+        }
+    }
+    text += &format!(
+        "[[force]]\ntype = \"spring\"\nbetween = [\"a0.top\", \"b0.top\"]\nstiffness = {stiffness:?}\nlength = {length:?}\n"
+    );
+    read(&text)
+}
+
+/// Where they hang: all stages alike, the centre of mass below the pin. `angle` is near.
+fn hanging_scissors(stages: usize, [stiffness, length]: [f64; 2], mut angle: f64) -> (f64, f64) {
+    let n = stages as f64;
+    for _ in 0..50 {
+        let (s, c) = angle.sin_cos();
+        // The centre of mass is r = ½ √(s² + n² c²) below the pin, the upper ends are s apart.
+        let r = 0.5 * (s * s + n * n * c * c).sqrt();
+        let (slope, curve) = (s * c * (1.0 - n * n) / (4.0 * r), (c * c - s * s) * (1.0 - n * n) / (4.0 * r));
+        let force = -2.0 * n * G * slope + stiffness * (s - length) * c;
+        let bent = -2.0 * n * G * (curve - slope * slope / r) + stiffness * (c * c - (s - length) * s);
+        angle -= force / bent;
+    }
+    (angle, (angle.tan() / n).atan())
+}
+
+/// Every stage hangs its loops on those above; flat and nearly closed they are close to a position where rows hang on each
+/// other. Rounding is no excuse there: what is left stays below what it may leave, and that is little.
+#[test]
+fn hanging_scissors_are_exact_to_round_off() {
+    for stages in [3, 10, 20, 40] {
+        let k = stages as f64;
+        for (spring, near) in [([2000.0 * k, 1.0], 1.0), ([50.0 * k, 0.3], 0.2), ([1e7 * k, 0.01], 0.01)] {
+            let (angle, tilt) = hanging_scissors(stages, spring, near);
+            for beside in [0.0, 1e-12, 1e-6, 1e-2] {
+                let guess = angle + beside;
+                let model = scissors(stages, spring, guess, (guess.tan() / k).atan());
+                let found = by(Method::Auto, &model);
+                assert!(found.converged, "{stages}, {spring:?}: {:?}", found.notes);
+                assert!(
+                    found.relative_residual <= found.round_off,
+                    "{:e} {:e}",
+                    found.relative_residual,
+                    found.round_off
+                );
+                assert!(found.round_off < 1e-11, "{:e}", found.round_off);
+                let off = (found.position[1] - 2.0 * angle).abs().max((found.position[0] - (tilt - angle)).abs());
+                assert!(off < 1e-12, "{stages}, {spring:?}, {beside:e}: {off:e}");
+            }
+        }
+        // Flat, their ends in two points: from beside it they go, and what they end in is an equilibrium.
+        for beside in [1e-10, 1e-6] {
+            let found = by(Method::Auto, &scissors(stages, [2e4 * k, 0.999], 0.5 * std::f64::consts::PI + beside, 0.0));
+            assert!(found.converged && found.relative_residual < 1e-11, "{stages}: {:e}", found.relative_residual);
+        }
+    }
+}
+
+/// Three rods that are all but taut, in axes turned about two others by `turn`; the angles of the first and of the middle
+/// one from the straight line.
+fn taut(slack: f64, turn: f64, [first, middle, last]: [f64; 3]) -> Model {
+    let (s, c) = turn.sin_cos();
+    let turned = |[x, y, z]: [f64; 3]| {
+        let (x, z) = (c * x + s * z, c * z - s * x);
+        format!("[{:?}, {:?}, {z:?}]", c * x - s * y, s * x + c * y)
+    };
+    let rod = |name: &str, length: f64, on: &str, position: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = {length:?}\ncenter = {}\ninertia = [0.01, 0.01, 0.01]\n\
+             markers = {{ tip = {} }}\nhinge = {{ type = \"revolute\", {on} axis = {}, position = {position:?} }}\n",
+            turned([0.5 * length, 0.0, 0.0]),
+            turned([length, 0.0, 0.0]),
+            turned([0.0, 1.0, 0.0])
+        )
+    };
+    let text = [
+        format!("gravity = {}\n", turned([0.0, 0.0, -G])),
+        rod("a", 0.4, "", first),
+        rod("b", 0.2, "parent = \"a\", at = \"tip\",", middle - first),
+        rod("c", 0.4, "parent = \"b\", at = \"tip\",", last - middle),
+        format!(
+            "[[loop]]\ntype = \"revolute\"\nbetween = [\"c.tip\", {{ body = \"ground\", at = {} }}]\naxis = {}\n",
+            turned([1.0 - slack, 0.0, 0.0]),
+            turned([0.0, 1.0, 0.0])
+        ),
+    ]
+    .concat();
+    read(&text)
+}
+
+/// What is said of round-off is what rounding does: the same pose in axes that round otherwise leaves other forces, up to
+/// that and not far below it. And it excuses nothing else: a pose that is off by ten times as much is not balanced.
+#[test]
+fn round_off_is_what_rounding_does_and_excuses_nothing_else() {
+    for slack in [1e-4, 1e-6, 1e-8] {
+        let angle = (1.0 - slack / 0.8_f64).acos();
+        let (mut largest, mut allowed) = (0.0_f64, f64::INFINITY);
+        for k in 0..40 {
+            let model = taut(slack, 0.05 + 0.03 * f64::from(k), [angle, 0.0, -angle]);
+            let settings = Settings { want: Want::Any, ..Settings::default() };
+            let found = equilibrium(&model, &settings, &model.start_position).expect("statics");
+            assert_eq!((found.converged, found.stage), (true, "start"), "{slack:e} {k}: {:?}", found.notes);
+            assert!(found.relative_residual <= found.round_off, "{:e} {:e}", found.relative_residual, found.round_off);
+            largest = largest.max(found.relative_residual);
+            allowed = allowed.min(found.round_off);
+        }
+        assert!(largest > 0.02 * allowed, "{slack:e}: {largest:e} of {allowed:e}");
+    }
+    // So taut that rounding may leave more than one part in 10¹⁰.
+    let slack = 1e-10;
+    let angle = 2.0 * (slack / 1.6_f64).sqrt().asin();
+    let model = |off: f64| {
+        // On closed positions: 0.4 (sin α + sin γ) + 0.2 sin β = 0, and the same of 1 − cos is the slack.
+        let first = angle * (1.0 + off);
+        let (mut middle, mut last) = (0.0, -angle);
+        for _ in 0..20 {
+            let sum = 0.4 * f64::sin(first) + 0.2 * f64::sin(middle) + 0.4 * f64::sin(last);
+            let less = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2);
+            let gap = 0.4 * less(first) + 0.2 * less(middle) + 0.4 * less(last) - slack;
+            let [a, b, c, d] = [0.2 * middle.cos(), 0.4 * last.cos(), 0.2 * middle.sin(), 0.4 * last.sin()];
+            let whole = a * d - b * c;
+            middle -= (sum * d - gap * b) / whole;
+            last -= (a * gap - c * sum) / whole;
+        }
+        taut(slack, 0.0, [first, middle, last])
+    };
+    let left = |off: f64| {
+        let model = model(off);
+        stillpoint::statics::leftover(&model, &model.start_position, &[0.0; 3]).expect("finite")
+    };
+    let round_off = by(Method::Auto, &model(0.0)).round_off;
+    assert!((1e-11..1e-9).contains(&round_off), "{round_off:e}");
+    for off in [10.0, 30.0, 100.0] {
+        let leftover = left(off * round_off).expect("a pose that is not balanced");
+        assert!(leftover.relative > 3.0 * round_off, "{}", leftover.relative);
+    }
+    assert_eq!(left(0.0), None);
+}

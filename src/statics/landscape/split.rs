@@ -66,6 +66,20 @@ impl Motions {
         }
     }
 
+    /// How large [`Motions::felt`] is of forces whose squares are expected to be these, independently of each other:
+    /// the roots of `Σ_j (B Z Zᵀ)ᵢⱼ² sⱼ`.
+    pub(super) fn felt_size(&self, squares: &[f64], metric: &[f64]) -> Vec<f64> {
+        let (Self::Spanned(columns) | Self::Across(columns)) = self;
+        let held = matches!(self, Self::Across(_));
+        let weight = |j: usize| squares[j].sqrt() / if held { metric[j] } else { 1.0 };
+        let weighted = Mat::from_fn(columns.nrows(), columns.ncols(), |j, k| weight(j) * columns[(j, k)]);
+        let along = columns * (weighted.transpose() * &weighted);
+        let sum = |i: usize| (0..columns.ncols()).map(|k| along[(i, k)] * columns[(i, k)]).sum::<f64>();
+        // What rows hold is taken off the whole force, and its round-off stays.
+        let size = |i: usize| if held { squares[i] + sum(i) } else { metric[i].powi(2) * sum(i) };
+        (0..squares.len()).map(|i| size(i).max(0.0).sqrt()).collect()
+    }
+
     /// The square of the largest change of a coordinate in a motion of unit size.
     pub(super) fn reach(&self, i: usize, metric: &[f64]) -> f64 {
         let squares = |columns: &Mat<f64>| (0..columns.ncols()).map(|j| columns[(i, j)].powi(2)).sum::<f64>();

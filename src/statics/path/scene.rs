@@ -184,7 +184,7 @@ impl<'a> Moving<'a> {
         for q in [q.to_vec(), self.moved(q, &beside)] {
             let place = self.with(&q, parameter, Place::at)?;
             let (change, moved) = self.change(&q, parameter)?;
-            let felt = |(change, noise): (&f64, &f64)| change.abs() * self.metric.range > 1e3 * noise;
+            let felt = |(change, noise): (&f64, &f64)| change.abs() * self.metric.range > 1e2 * noise;
             let moves = |x: &f64| x.abs() * self.metric.range > 1e-9;
             if change.iter().zip(&place.scales.noise).any(felt) || moved.iter().any(moves) {
                 return Ok(true);
