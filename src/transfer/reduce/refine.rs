@@ -26,7 +26,7 @@ const SOFT: f64 = 1e-5;
 
 /// A correction below this part of the accelerations ends it: the next one would be smaller by as much again as this
 /// was, and is not worth a round.
-const SMALL: f64 = 1e-9;
+const SMALL: f64 = 1e-6;
 
 /// Of a hinge with a pivot just above round-off few digits are right; from a handful of rounds on it is the states that are
 /// not known well enough.
