@@ -1,4 +1,4 @@
-//! Robots of the world beside Pinocchio: Python with the packages `pin` and `example-robot-data`.
+//! Robots of the world beside Pinocchio: Python with the packages `pin`, `example-robot-data` and `mpmath`.
 
 use std::process::Command;
 
@@ -6,11 +6,11 @@ use std::process::Command;
 fn accelerations_of_imported_robots_are_pinocchios() {
     let python = || Command::new("python3");
     let there = python()
-        .args(["-c", "import pathlib, pinocchio, sys; sys.exit(not any(d for p in sys.path for d in pathlib.Path(p).glob('cmeel.prefix/share/example-robot-data')))"])
+        .args(["-c", "import mpmath, pathlib, pinocchio, sys; sys.exit(not any(d for p in sys.path for d in pathlib.Path(p).glob('cmeel.prefix/share/example-robot-data')))"])
         .output();
     if !there.is_ok_and(|output| output.status.success()) {
-        assert!(std::env::var_os("CI").is_none(), "python3 with pin and example-robot-data must be there");
-        eprintln!("skipped: python3 with the packages pin and example-robot-data is not there");
+        assert!(std::env::var_os("CI").is_none(), "python3 with pin, example-robot-data and mpmath must be there");
+        eprintln!("skipped: python3 with the packages pin, example-robot-data and mpmath is not there");
         return;
     }
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/compare_urdf.py");
