@@ -5,7 +5,8 @@
 //! | `trust region` | down the potential, out of saddles | a stable equilibrium is wanted, loads have a potential |
 //! | `newton` | to the nearest balance | else |
 //! | `release` | from the guess, held by forces, along the curve on which these are let go | the first one failed |
-//! | `relaxation` | with the motion itself, kinetic damping, then Newton's steps | that failed too |
+//! | `trust region` | down the potential after all | the nearest one was wanted, loads have a potential, that failed |
+//! | `relaxation` | with the motion itself, kinetic damping, then Newton's steps | those failed too |
 //!
 //! A search down the potential that fell without end says that there is nothing downhill; it is not followed by others.
 
@@ -176,11 +177,20 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
         if place.is_balanced() {
             return Ok(self.found(place, false));
         }
-        for later in [Self::release, Self::relax] {
-            let later = later(self)?;
-            if later.is_balanced() {
-                return Ok(self.found(later, false));
+        let released = self.release()?;
+        if released.is_balanced() {
+            return Ok(self.found(released, false));
+        }
+        // Downhill there is one, wherever it is.
+        if self.landscape.conservative {
+            let (down, fell) = self.trust_region(self.guess.clone())?;
+            if down.is_balanced() || fell {
+                return Ok(self.found(down, fell));
             }
+        }
+        let relaxed = self.relax()?;
+        if relaxed.is_balanced() {
+            return Ok(self.found(relaxed, false));
         }
         // Newton's place is the best that is left.
         Ok(self.found(place, false))

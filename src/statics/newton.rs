@@ -64,7 +64,7 @@ fn along(
     before: f64,
     history: &mut Vec<Iteration>,
 ) -> Result<Option<Place>, Fault> {
-    let mut scale = (landscape.longest() / landscape.size(direction)).min(1.0);
+    let mut scale = 1.0 / landscape.stretch(direction).max(1.0);
     for _ in 0..12 {
         let x: Vec<f64> = direction.iter().map(|x| scale * x).collect();
         let q = landscape.moved(&place.q, &x);

@@ -14,7 +14,12 @@ use super::landscape::Landscape;
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
 
-const MOST_ITERATIONS: usize = 400;
+/// Steps, and sweeps over one link: a large scene that fails says so in some tens of seconds.
+const MOST_ITERATIONS: usize = 4000;
+const MOST_SWEEPS: usize = 4_000_000;
+const LEAST_ITERATIONS: usize = 400;
+/// A search of more steps goes along a valley that bends.
+const BENT: usize = 40;
 /// Trials for one step's shift.
 const MOST_SHIFTS: usize = 40;
 /// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
@@ -43,6 +48,8 @@ struct Search<'l, 's, 'm> {
     potential: f64,
     /// The shift of the last step: where the search for the next one starts.
     shift: f64,
+    /// Whether the way down bends: then steps are corrected.
+    bent: bool,
     outcome: Outcome,
 }
 
@@ -60,9 +67,11 @@ pub(super) fn run(
     let radius = landscape.size(&unit);
     let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
-    let mut search = Search { landscape, radius, potential, shift: 0.0, outcome };
+    let mut search = Search { landscape, radius, potential, shift: 0.0, bent: false, outcome };
     let mut travelled = 0.0;
-    for _ in 0..MOST_ITERATIONS {
+    let most = (MOST_SWEEPS / search.landscape.model().links.len()).clamp(LEAST_ITERATIONS, MOST_ITERATIONS);
+    for iteration in 0..most {
+        search.bent = iteration >= BENT;
         if search.outcome.place.is_balanced() {
             if !search.leave_saddle(history)? {
                 break;
@@ -101,13 +110,17 @@ impl Search<'_, '_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
         self.landscape.look(&self.outcome.place.q)?;
-        self.radius = self.radius.min(self.landscape.longest());
         let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
         while self.radius > smallest {
             let Some(trial) = self.within_radius() else {
                 self.radius *= 0.25;
                 continue;
             };
+            let stretch = self.landscape.stretch(&trial.x);
+            if stretch > 1.0 {
+                self.radius = trial.size.min(self.radius) * (0.9 / stretch).max(0.1);
+                continue;
+            }
             if let Some(size) = self.try_step(&trial, history)? {
                 return Ok(Some(size));
             }
@@ -123,12 +136,21 @@ impl Search<'_, '_, '_> {
         let linear: f64 = place.force.iter().zip(&trial.x).map(|(f, x)| f * x).sum();
         // xᵀ K x = xᵀ f − σ |x|²
         let predicted = 0.5 * (linear + trial.shift * trial.size * trial.size);
-        let q = self.landscape.moved(&place.q, &trial.x);
-        let potential = self.landscape.potential(&q);
+        let mut q = self.landscape.moved(&place.q, &trial.x);
+        let mut potential = self.landscape.potential(&q);
         // Below the round-off of the potential only the model can tell.
         let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
-        let ratio = if tiny { 1.0 } else { (self.potential - potential) / predicted };
+        let mut ratio = if tiny { 1.0 } else { (self.potential - potential) / predicted };
+        if self.bent
+            && !(ratio > 0.75)
+            && let Some((corrected, lower)) = self.corrected(trial, &q)
+        {
+            let better = (self.potential - lower) / predicted;
+            if better > WORTH && !(better <= ratio) {
+                (ratio, q, potential) = (better, corrected, lower);
+            }
+        }
         if !(ratio >= 0.25) {
             self.radius = 0.3 * trial.size.min(self.radius);
         } else if ratio > 0.75 && trial.shift > 0.0 {
@@ -148,6 +170,21 @@ impl Search<'_, '_, '_> {
         let residual = self.outcome.place.residual().0;
         history.push(Iteration { stage: "trust region", residual, step: trial.size, shift: trial.shift });
         Ok(Some(trial.size))
+    }
+
+    /// Where a valley bends (a stiff spring beside soft ones) the step leaves its floor. Back to it by one step with the same
+    /// factorization, `(K + σB) y = f(q ⊞ x) − σ B x`: the position, and its potential.
+    fn corrected(&mut self, trial: &Trial, q: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let force = self.landscape.force(q).ok()?;
+        let held = |(i, f): (usize, &f64)| f - trial.shift * self.landscape.metric[i] * trial.x[i];
+        let rhs: Vec<f64> = force.iter().enumerate().map(held).collect();
+        let back = self.landscape.solve(&rhs);
+        if !(self.landscape.size(&back) <= trial.size) {
+            return None;
+        }
+        let q = self.landscape.moved(q, &back);
+        let potential = self.landscape.potential(&q);
+        potential.is_finite().then_some((q, potential))
     }
 
     /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
@@ -211,15 +248,18 @@ impl Search<'_, '_, '_> {
         let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| super::stability::NEUTRAL * k).collect();
         let Some(direction) = self.landscape.negative_direction(&slack) else { return Ok(false) };
         let size = self.landscape.size(&direction);
+        // No further than loops close again.
+        let whole: Vec<f64> = direction.iter().map(|d| self.radius / size * d).collect();
+        let radius = self.radius / self.landscape.stretch(&whole).max(1.0);
         let mut best: Option<(f64, Vec<f64>, f64)> = None;
         for sign in [1.0, -1.0] {
             let mut part = 1e-3;
             while part <= 1.0 {
-                let x: Vec<f64> = direction.iter().map(|d| sign * part * self.radius / size * d).collect();
+                let x: Vec<f64> = direction.iter().map(|d| sign * part * radius / size * d).collect();
                 let q = self.landscape.moved(&self.outcome.place.q, &x);
                 let potential = self.landscape.potential(&q);
                 if potential < best.as_ref().map_or(self.potential, |b| b.0) {
-                    best = Some((potential, x, part * self.radius));
+                    best = Some((potential, x, part * radius));
                 }
                 part *= 4.0;
             }

@@ -159,3 +159,25 @@ fn a_lamp_thrown_over_is_let_go() {
     let ends: Vec<(&str, bool)> = found.stages.iter().map(|stage| (stage.name, stage.balanced)).collect();
     assert_eq!(ends, [("newton", false), ("release", true)]);
 }
+
+/// A bob on a rope of 10⁹ N/m in a soft wind, guessed upright: the way down is a valley that bends, a millionth as wide as it
+/// is long. Who asks for any equilibrium gets there too: nothing else is near.
+#[test]
+fn a_stiff_rope_leads_around_its_circle() {
+    let text = "[[body]]\nname = \"bob\"\nmass = 1.0\ninertia = [0.01, 0.01, 0.01]\n\
+                hinge = { type = \"planar\", rpy = [1.5707963267948966, 0, 0], position = [-0.3, 0.95, 0], \
+                stiffness = [20, 0, 1], rest = [0.5, 0, 0] }\n\
+                [[force]]\ntype = \"spring\"\nbetween = [\"bob\", { body = \"ground\", at = [0, 0, 0] }]\n\
+                stiffness = 1e9\nlength = 1.0\n";
+    let model = build(&scenario::parse("rope.toml", text, &[]).expect("a scene").description);
+    for want in [Want::Stable, Want::Any] {
+        let settings = Settings { want, ..Settings::default() };
+        let found = equilibrium(&model, &settings, &model.start_position).expect("finite");
+        assert!(found.converged && found.stage == "trust region", "{}: {:?}", found.stage, found.notes);
+        let (x, z) = (found.position[0], found.position[1]);
+        // Weight and wind stand along the rope, which gives way by 10⁻⁸. A rounding of its length is 10⁻⁷ N.
+        let (wind, weight) = (20.0 * (0.5 - x), -9.80665);
+        assert!((wind * z - weight * x).abs() < 1e-6 && (x.hypot(z) - 1.0).abs() < 2e-8, "{x} {z}");
+        assert_eq!(found.stability.map(|s| s.verdict), Some(Verdict::Stable));
+    }
+}

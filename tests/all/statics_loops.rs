@@ -438,3 +438,36 @@ fn round_off_is_what_rounding_does_and_excuses_nothing_else() {
     }
     assert_eq!(left(0.0), None);
 }
+
+/// A linkage settles as fast beside one of a millionth of its mass as alone: what is light does not hold back what is heavy.
+#[test]
+fn a_heavy_linkage_settles_beside_a_light_one() {
+    let found = |ratio: f64| {
+        let mut text = String::new();
+        for (name, at, mass) in [("one", 0.0, 1.0), ("other", 3.0, ratio)] {
+            let bar = |part: &str, hinge: &str, length: f64, position: f64| {
+                let inertia = mass * length * length / 12.0;
+                format!(
+                    "[[body]]\nname = \"{name} {part}\"\nmass = {mass:?}\ncenter = [{:?}, 0, 0]\n\
+                     inertia = [{inertia:?}, {inertia:?}, {inertia:?}]\nmarkers = {{ tip = [{length:?}, 0, 0] }}\n\
+                     hinge = {{ type = \"revolute\", {hinge}, axis = [0, 1, 0], position = {position:?} }}\n",
+                    0.5 * length
+                )
+            };
+            text += &bar("crank", &format!("at = [{at:?}, 0, 0]"), 0.4, 2.5);
+            text += &bar("coupler", &format!("parent = \"{name} crank\", at = \"tip\""), 1.0, -2.4);
+            text += &bar("rocker", &format!("at = [{:?}, 0, 0]", at + 1.0), 0.7, 1.9);
+            text += &format!(
+                "[[loop]]\ntype = \"revolute\"\nbetween = [\"{name} coupler.tip\", \"{name} rocker.tip\"]\naxis = [0, 1, 0]\n"
+            );
+        }
+        by(Method::Auto, &read(&text))
+    };
+    let alike = found(1.0);
+    for ratio in [1e-6, 1e6] {
+        let found = found(ratio);
+        assert!(found.converged && found.iterations <= alike.iterations + 5, "{ratio:e}: {} steps", found.iterations);
+        let off = found.position.iter().zip(&alike.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{ratio:e}: {off:e}");
+    }
+}

@@ -80,15 +80,6 @@ impl Motions {
         (0..squares.len()).map(|i| size(i).max(0.0).sqrt()).collect()
     }
 
-    /// The square of the largest change of a coordinate in a motion of unit size.
-    pub(super) fn reach(&self, i: usize, metric: &[f64]) -> f64 {
-        let squares = |columns: &Mat<f64>| (0..columns.ncols()).map(|j| columns[(i, j)].powi(2)).sum::<f64>();
-        match self {
-            Self::Spanned(z) => squares(z),
-            Self::Across(c) => ((1.0 - squares(c) / metric[i]) / metric[i]).max(0.0),
-        }
-    }
-
     /// `Z`.
     pub(super) fn basis(&self, metric: &[f64]) -> Mat<f64> {
         match self {

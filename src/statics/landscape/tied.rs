@@ -241,15 +241,15 @@ impl Landscape<'_, '_> {
         }
     }
 
-    /// How long a step may be (in the metric) for no coordinate to change by more than [`LONGEST_STEP`], whatever its
-    /// direction: from further away the loops might close in another assembly. Without loops any.
-    pub(in super::super) fn longest(&self) -> f64 {
-        let Some(view) = self.ties.as_ref().and_then(|ties| ties.view.as_ref()) else { return f64::INFINITY };
-        let of = |(row, i): (usize, &usize)| {
-            let allowed = if self.slides[*i] { LONGEST_STEP * self.length } else { LONGEST_STEP };
-            allowed / view.motions.reach(row, &self.metric).sqrt().max(f64::MIN_POSITIVE)
-        };
-        self.free.iter().enumerate().map(of).fold(f64::INFINITY, f64::min)
+    /// How many times further than [`LONGEST_STEP`] a step changes a coordinate: from further away the loops might close in
+    /// another assembly. Zero without loops.
+    pub(in super::super) fn stretch(&self, step: &[f64]) -> f64 {
+        if self.ties.is_none() {
+            return 0.0;
+        }
+        let of =
+            |(x, i): (&f64, &usize)| x.abs() / if self.slides[*i] { LONGEST_STEP * self.length } else { LONGEST_STEP };
+        step.iter().zip(&self.free).map(of).fold(0.0, f64::max)
     }
 }
 
