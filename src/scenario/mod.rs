@@ -14,6 +14,7 @@
 //!     [[body]]
 //!     name = "bob"
 //!     mass = 1.0
+//!     inertia = [0.004, 0.004, 0.004]
 //!     hinge = { type = "spherical", at = [0.0, 0.0, 1.0] }
 //! "#;
 //! let scenario = stillpoint::scenario::parse("pendulum.toml", text, &[])?;
