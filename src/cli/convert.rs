@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     /// The model: a URDF or an MJCF file
     model: PathBuf,
-    /// Write the scenario here instead of printing it
+    /// Write the scenario here instead of printing it (`-` prints it); another file of that name is kept with `~` behind its
+    /// name
     #[arg(long, short, value_name = "SCENARIO.toml")]
     out: Option<PathBuf>,
     /// Let the root move freely instead of fixing it to the ground
@@ -48,7 +49,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         key: arguments.key.clone(),
         without_limits: arguments.no_limits,
         without_mimics: arguments.no_mimics,
-        folder: arguments.out.as_deref().map(folder),
+        folder: arguments.out.as_deref().filter(|out| out.as_os_str() != "-").map(folder),
         packages: arguments.packages.iter().map(|text| package(text)).collect::<Result<_, _>>()?,
         ..Options::from_environment()
     };
@@ -60,19 +61,53 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
         Err(other) => return Err(other.into()),
     };
-    if let Some(out) = &arguments.out {
-        std::fs::write(out, &imported.scenario).with_context(|| format!("cannot write `{}`", out.display()))?;
-    }
+    let out = arguments.out.as_deref().filter(|out| out.as_os_str() != "-");
+    let kept = out.map(|out| write(out, &imported.scenario)).transpose()?.flatten();
     if !arguments.quiet {
+        if let (Some(out), Some(kept)) = (out, &kept) {
+            output::note(&format!("`{}` was there already, and is kept as `{}`", out.display(), kept.display()));
+        }
         imported.notes.iter().for_each(|one| output::note(&line(one)));
         output::note(&summary(&arguments.model, &imported.notes));
     }
     if arguments.json {
         output::print(&object(arguments, &imported).to_string())?;
-    } else if arguments.out.is_none() {
+    } else if out.is_none() {
         output::print(imported.scenario.trim_end())?;
     }
     Ok(Exit::Done)
+}
+
+/// Writes the scenario. A file that says something else may be one that somebody went on from: it is kept, under the name
+/// that is given back.
+fn write(out: &Path, scenario: &str) -> anyhow::Result<Option<PathBuf>> {
+    let kept = match differs(out, scenario) {
+        false => None,
+        true => {
+            let mut name = out.as_os_str().to_owned();
+            name.push("~");
+            let kept = PathBuf::from(name);
+            let failed = || {
+                format!(
+                    "`{}` is there already, and cannot be kept as `{}`: it is left as it is",
+                    out.display(),
+                    kept.display()
+                )
+            };
+            std::fs::copy(out, &kept).with_context(failed)?;
+            Some(kept)
+        }
+    };
+    std::fs::write(out, scenario).with_context(|| format!("cannot write `{}`", out.display()))?;
+    Ok(kept)
+}
+
+/// Whether a file is there with another text in it.
+fn differs(out: &Path, scenario: &str) -> bool {
+    let Ok(there) = out.metadata() else { return false };
+    let same =
+        || there.len() == scenario.len() as u64 && std::fs::read(out).is_ok_and(|text| text == scenario.as_bytes());
+    there.is_file() && there.len() > 0 && !same()
 }
 
 /// The folder that a file lies in.
@@ -113,7 +148,7 @@ fn object(arguments: &Arguments, imported: &Imported) -> Value {
         imported.joints.iter().map(|(joint, body)| (joint.clone(), json!(body))).collect();
     json!({
         "model": arguments.model.display().to_string(),
-        "out": arguments.out.as_ref().map(|out| out.display().to_string()),
+        "out": arguments.out.as_ref().filter(|out| out.as_os_str() != "-").map(|out| out.display().to_string()),
         "scenario": imported.scenario,
         "joints": joints,
         "notes": imported.notes.iter().map(note).collect::<Vec<_>>(),

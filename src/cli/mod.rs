@@ -8,6 +8,7 @@ mod completions;
 mod convert;
 mod examples;
 mod export;
+mod frame;
 mod info;
 mod inspect;
 mod json;

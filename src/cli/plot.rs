@@ -58,6 +58,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if lines.len() > MOST_LINES {
         bail!("these are {} lines, and more than {MOST_LINES} cannot be told apart: name fewer columns", lines.len());
     }
+    if lines.iter().all(|line| line.points.is_empty()) {
+        bail!(
+            "nothing can be plotted of `{}`: there are no samples in it",
+            files.iter().map(|file| file.as_str()).collect::<Vec<_>>().join("`, `")
+        );
+    }
     let out = match &arguments.out {
         Some(path) => path.clone(),
         None => Path::new(Path::new(first).file_stem().unwrap_or("plot".as_ref())).with_extension("svg"),

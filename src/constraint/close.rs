@@ -149,7 +149,7 @@ impl<'m> Closing<'m> {
             self.gap(q);
             match metric {
                 Metric::Inertia => {
-                    self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
+                    self.reduction.prepare(self.model, &self.motion, &self.rest)?;
                     self.rows.factorize(self.model, &self.motion, &self.reduction, damping);
                     self.push(Rate::Gap);
                 }
@@ -182,7 +182,7 @@ impl<'m> Closing<'m> {
     pub(super) fn close_rates(&mut self, q: &[f64], v: &mut [f64]) -> Result<f64, Singular> {
         self.motion.update(self.model, q, v);
         self.rows.place(self.model, &self.motion, q, true);
-        self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step)?;
+        self.reduction.prepare(self.model, &self.motion, &self.rest)?;
         self.rows.factorize(self.model, &self.motion, &self.reduction, LEAST_DAMPING);
         let mut left = self.rows.largest(&self.motion, Rate::Speed(v), false).0;
         // Damping by 1e-11 leaves that part of a rate: two rounds bring it to round-off.
@@ -204,7 +204,7 @@ impl<'m> Closing<'m> {
 
     /// Factorizes the tree where the motion is; false where it is singular there.
     pub(super) fn prepare(&mut self) -> bool {
-        self.reduction.prepare(self.model, &self.motion, &self.rest, &mut self.step).is_ok()
+        self.reduction.prepare(self.model, &self.motion, &self.rest).is_ok()
     }
 
     /// The rates of all rows at a closed position.

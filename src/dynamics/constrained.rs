@@ -169,8 +169,8 @@ impl System<'_> {
         let Some(constrained) = &mut self.constraints else { return Ok(()) };
         self.motion.update(self.model, q, v);
         constrained.tau.fill(0.0);
-        let Constrained { rows, every_row, tau, step, .. } = &mut **constrained;
-        if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau, step) {
+        let Constrained { rows, every_row, tau, .. } = &mut **constrained;
+        if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau) {
             return Err(self.singular(&singular, q, v));
         }
         let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(self.model)));
@@ -291,8 +291,8 @@ impl System<'_> {
         let gap_before = self.place_gap(q);
         if let Some(constrained) = &mut self.constraints {
             constrained.tau.fill(0.0);
-            let Constrained { rows, tau, step, .. } = &mut **constrained;
-            if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau, step) {
+            let Constrained { rows, tau, .. } = &mut **constrained;
+            if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau) {
                 return Err(self.singular(&singular, q, v));
             }
             rows.factorize(self.model, &self.motion, &self.reduction, 0.0);

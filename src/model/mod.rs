@@ -15,6 +15,7 @@ mod halves;
 mod link;
 pub mod motor;
 pub mod parameter;
+mod point_mass;
 pub mod prescribed;
 pub mod problem;
 pub mod shape;
@@ -218,6 +219,15 @@ impl Model {
     /// # Errors
     /// Every problem that was found, each with the element and the field it belongs to.
     pub fn build(description: &Description) -> Result<Self, Vec<Problem>> {
+        let model = Self::build_loosely(description)?;
+        match point_mass::problems(description, &model) {
+            problems if problems.is_empty() => Ok(model),
+            problems => Err(problems),
+        }
+    }
+
+    /// The same, point masses that turn about themselves let pass: an axis that could not be read may stand in for another.
+    pub(crate) fn build_loosely(description: &Description) -> Result<Self, Vec<Problem>> {
         build::build(description)
     }
 

@@ -14,6 +14,7 @@
 //!     [[body]]
 //!     name = "bob"
 //!     mass = 1.0
+//!     inertia = [0.004, 0.004, 0.004]
 //!     hinge = { type = "spherical", at = [0.0, 0.0, 1.0] }
 //! "#;
 //! let scenario = stillpoint::scenario::parse("pendulum.toml", text, &[])?;
@@ -135,8 +136,9 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
 }
 
 /// What the model finds wrong with a description, and what keeps its loops from closing.
-fn problems(description: &Description) -> Vec<Problem> {
-    match Model::build(description) {
+fn problems(description: &Description, has_others: bool) -> Vec<Problem> {
+    let model = if has_others { Model::build_loosely(description) } else { Model::build(description) };
+    match model {
         Ok(mut model) => constraint::assemble(&mut model).err().unwrap_or_default(),
         Err(problems) => problems,
     }
@@ -192,7 +194,7 @@ fn checked(document: &DeTable<'_>, folder: &Path, findings: &Findings) -> Descri
     check::table(&format::SCENARIO, document, findings);
     let (description, spans) = lower::lower(document, folder, findings);
     if !description.bodies.is_empty() || !document.contains_key("body") {
-        spans::report(&spans, problems(&description), findings);
+        spans::report(&spans, problems(&description, findings.errors() > 0), findings);
     }
     description
 }

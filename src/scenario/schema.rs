@@ -72,11 +72,32 @@ fn of_kind(kind: &Kind) -> Value {
             json!({ "oneOf": words })
         }
         Kind::List(of, lengths) => list(of, lengths),
-        Kind::Either(kinds) => json!({ "anyOf": kinds.iter().map(of_kind).collect::<Vec<_>>() }),
+        Kind::Either(kinds) => either(kinds.iter().map(of_kind).collect()),
         Kind::Table(table) => of_table(table),
         Kind::Map(of) => json!({ "type": "object", "additionalProperties": of_kind(of) }),
         Kind::Refused(_) => json!(false),
     }
+}
+
+/// One of several. Where they differ in type it is one schema of all those types, for what is asked of objects does not
+/// concern text: then a validator names the wrong key, and not only that nothing fits.
+fn either(kinds: Vec<Value>) -> Value {
+    let (mut types, mut together) = (Vec::new(), Map::new());
+    for kind in kinds.iter().filter_map(Value::as_object) {
+        for (key, value) in kind {
+            match key.as_str() {
+                "type" => types.push(value.clone()),
+                _ if together.contains_key(key) => return json!({ "anyOf": kinds }),
+                _ => drop(together.insert(key.clone(), value.clone())),
+            }
+        }
+    }
+    let differ = types.iter().all(|one| one.is_string() && types.iter().filter(|other| *other == one).count() == 1);
+    if types.len() < kinds.len() || !differ {
+        return json!({ "anyOf": kinds });
+    }
+    together.insert("type".to_owned(), Value::Array(types));
+    Value::Object(together)
 }
 
 fn list(of: &Kind, lengths: &[usize]) -> Value {

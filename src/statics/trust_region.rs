@@ -172,10 +172,14 @@ impl Search<'_, '_, '_> {
         Ok(Some(trial.size))
     }
 
-    /// Where a valley bends (a stiff spring beside soft ones) the step leaves its floor. Back to it by one step with the same
-    /// factorization, `(K + σB) y = f(q ⊞ x) − σ B x`: the position, and its potential.
+    /// Where a valley bends (a stiff spring beside soft ones) the step leaves its floor. Back to it by one step with the
+    /// stiffness there, `(K + σB) y = f − σ B x`: the position, and its potential.
     fn corrected(&mut self, trial: &Trial, q: &[f64]) -> Option<(Vec<f64>, f64)> {
         let force = self.landscape.force(q).ok()?;
+        self.landscape.look(q).ok()?;
+        if !self.landscape.factorize(trial.shift) {
+            return None;
+        }
         let held = |(i, f): (usize, &f64)| f - trial.shift * self.landscape.metric[i] * trial.x[i];
         let rhs: Vec<f64> = force.iter().enumerate().map(held).collect();
         let back = self.landscape.solve(&rhs);

@@ -93,15 +93,19 @@ impl Reduced {
 }
 
 /// The moment that the body's velocities and weight ask for, `b` of eq. (1), in link axes. There the inertia is known to
-/// the last digit, and a slender body's small moment of inertia is not drowned in the round-off of its large ones:
-/// `ω × J ω` as differences of moments of inertia.
+/// the last digit, and a slender body's small moment of inertia is not drowned in the round-off of its large ones.
 #[inline]
 pub fn moment_in_link_axes(link: &Link, gravity: &Vector3<f64>, at: &LinkMotion) -> Vector3<f64> {
-    let (w, g, j) = (at.turn.tr_mul(&at.angular_velocity), at.turn.tr_mul(gravity), &link.inertia);
-    let gyroscopic = Vector3::new(
+    let (w, g) = (at.turn.tr_mul(&at.angular_velocity), at.turn.tr_mul(gravity));
+    gyroscopic(&link.inertia, &w) - link.mass * link.center.cross(&g)
+}
+
+/// `ω × J ω`, as differences of moments of inertia.
+#[inline]
+pub fn gyroscopic(j: &Sym3, w: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(
         (j.zz - j.yy) * w.y * w.z + j.yz * (w.y * w.y - w.z * w.z) + w.x * (j.xz * w.y - j.xy * w.z),
         (j.xx - j.zz) * w.z * w.x + j.xz * (w.z * w.z - w.x * w.x) + w.y * (j.xy * w.z - j.yz * w.x),
         (j.yy - j.xx) * w.x * w.y + j.xy * (w.x * w.x - w.y * w.y) + w.z * (j.yz * w.x - j.xz * w.y),
-    );
-    gyroscopic - link.mass * link.center.cross(&g)
+    )
 }

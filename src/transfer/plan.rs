@@ -2,10 +2,15 @@
 
 use crate::model::{Joint, Model};
 use crate::pages::Pages;
+use crate::spatial::Sym3;
 
 /// Below this part of the sum of its moments, the one about its axis counts as small: the round-off of the others would be
 /// multiplied by the inverse square of it. A thin rod across its axis has a half, along it 0.
 const SLENDER: f64 = 1.0 / 32.0;
+
+/// A body whose smallest moment about its centre of mass is below this part of the sum of those about its root marker may
+/// let motions be that hardly anything resists: a point mass, a thin rod.
+const DELICATE: f64 = 1e-3;
 
 /// One link in the inward sweep.
 #[derive(Debug, Clone, Copy)]
@@ -14,6 +19,8 @@ pub(super) struct Place {
     pub is_leaf: bool,
     /// So, it turns about an axis about which it has hardly any inertia.
     pub is_slender: bool,
+    /// It turns and is slender, or its body is such that digits may be lost with it.
+    pub is_delicate: bool,
     /// It has neither mass nor inertia.
     pub is_massless: bool,
     /// It slides, and so does everything that it hangs on: nothing there can turn.
@@ -53,6 +60,15 @@ pub(super) enum To {
     Join(u32),
 }
 
+/// Of a hinge of several links it is the last one's body.
+fn is_delicate(model: &Model, index: usize) -> bool {
+    let of_hinge = model.links[index..].iter().take_while(|link| link.body == model.links[index].body);
+    let Some(link) = of_hinge.last() else { return false };
+    let central =
+        link.inertia + Sym3::steiner(-link.mass, link.center) + Sym3::scalar(-DELICATE * link.inertia.trace());
+    !central.inverse().is_some_and(|(_, pivots)| pivots.min() > 0.0)
+}
+
 /// The places of all links, the number of sums, and the number of balls.
 pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
     let (mut joins, mut balls) = (0, 0);
@@ -82,6 +98,7 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
         plan.push(Place {
             is_leaf,
             is_slender,
+            is_delicate: is_slender || kind == Kind::Turn && is_delicate(model, index),
             is_massless,
             translates,
             join,

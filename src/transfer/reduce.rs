@@ -3,6 +3,7 @@
 mod ball;
 mod carried;
 mod part;
+mod refine;
 mod way;
 
 use super::plan::{Place, plan};
@@ -15,11 +16,20 @@ use ball::Ball;
 use carried::Carried;
 use nalgebra::Vector3;
 use part::{First, Outward, Part, Scene};
+use refine::Refinement;
 use std::ops::Range;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
 /// last place of the sums it is the difference of.
 const SINGULAR: f64 = 4.0 * f64::EPSILON;
+
+/// The pivot of a turn below this part of it, and its square below this part of the square of `S H`, lost a digit or more.
+/// Where such pivots follow each other hardly any may be left: accelerations with one are looked at, and refined where
+/// that is so.
+const LOST: f64 = 1.0 / 16.0;
+
+/// The same for a ball, whose three axes are eliminated at once: a dozen units in the last place over this are 10⁻¹⁰.
+const LOST_BY_BALL: f64 = 1e-5;
 
 /// The factorized tree: hinge pivots at one position.
 #[derive(Debug, Clone)]
@@ -37,6 +47,8 @@ pub struct Reduction {
     e: Pages<Wrench>,
     /// Accelerations of the root markers in the last solution.
     a: Pages<LinkAcceleration>,
+    /// What is needed where digits were lost.
+    refinement: Refinement,
 }
 
 /// A hinge of one coordinate, eliminated: `S H`, `D⁻¹` and the `u` of the last solution.
@@ -79,6 +91,11 @@ impl Reduction {
             Some(Halves { links: [one, other], .. }) => [one.start, other.start, other.end].map(first),
             None => [First::default(); 3],
         };
+        let may_lose = |place: &Place| place.is_delicate && !place.is_slender;
+        let refinement = match balls > 0 || plan.iter().any(may_lose) {
+            true => Refinement::new(model),
+            false => Refinement::default(),
+        };
         Self {
             firsts,
             plan,
@@ -87,6 +104,7 @@ impl Reduction {
             joins: vec![Carried::default(); joins],
             e: Pages::filled(Wrench::ZERO, n),
             a: Pages::filled(LinkAcceleration::default(), n),
+            refinement,
         }
     }
 
@@ -102,11 +120,11 @@ impl Reduction {
         load: &Load<'_>,
         hinge: &mut [f64],
     ) -> Result<(), Singular> {
-        if let Err(singular) = self.factorize(model, motion, load) {
-            self.joins.fill(Carried::default());
-            return Err(singular);
-        }
+        let lost = self.factorize(model, motion, load)?;
         self.outward::<true>(model, motion, hinge);
+        if lost {
+            self.refine(model, motion, load, hinge);
+        }
         Ok(())
     }
 
@@ -116,16 +134,25 @@ impl Reduction {
         self.outward::<false>(model, motion, hinge);
     }
 
-    /// Tips → root: eqs. (5) to (7).
+    /// Tips → root: eqs. (5) to (7). Says whether digits were lost.
     #[inline(always)]
-    fn factorize(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<(), Singular> {
+    fn factorize(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<bool, Singular> {
+        let lost = self.eliminate(model, motion, load);
+        if lost.is_err() {
+            self.joins.fill(Carried::default());
+        }
+        lost
+    }
+
+    #[inline(always)]
+    fn eliminate(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<bool, Singular> {
         let Self { plan, hinges, balls, joins, firsts, .. } = self;
         let scene = Scene { model, motion, plan };
         let mut all = Part { first: First::default(), hinges, balls, joins };
         let Some(Halves { hub, links: [one, other], .. }) = &model.halves else {
-            return all.inward(&scene, load, 1..model.links.len(), Carried::default()).map(|_| ());
+            return all.inward(&scene, load, 1..model.links.len(), Carried::default()).map(|passed| passed.lost);
         };
-        all.inward(&scene, load, other.end..model.links.len(), Carried::default())?;
+        let after = all.inward(&scene, load, other.end..model.links.len(), Carried::default())?;
         let (mut low, rest) = all.split(firsts[0]);
         let (mut first, rest) = rest.split(firsts[1]);
         let (mut second, _) = rest.split(firsts[2]);
@@ -138,7 +165,8 @@ impl Reduction {
             low.joins[join as usize].add(&second.others);
             low.joins[join as usize].add(&first.others);
         }
-        low.inward(&scene, load, 1..hub + 1, first.first).map(|_| ())
+        let lost = after.lost | first.lost | second.lost;
+        low.inward(&scene, load, 1..hub + 1, first.first).map(|passed| passed.lost | lost)
     }
 
     /// Tips → root: `e` and `u` alone.

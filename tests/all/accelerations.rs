@@ -6,7 +6,7 @@ use crate::oracle::{self, Answer};
 use nalgebra::{UnitQuaternion, Vector3};
 use stillpoint::dynamics::System;
 use stillpoint::model::Description;
-use stillpoint::model::description::{ForceKind, HingeDescription, HingeKind, LoadAxes};
+use stillpoint::model::description::{BodyDescription, ForceKind, HingeDescription, HingeKind, LoadAxes};
 
 /// What the sweeps make of the start of a scene, and how far that is from what the equations of every body say.
 struct Comparison {
@@ -166,6 +166,44 @@ fn masses_between_a_gram_and_a_ton_cost_their_ratio_and_no_more() {
         let found = compare(&description);
         let worst = found.acceleration.max(found.reaction);
         assert!(worst < 1e-10, "seed {seed}: {worst:.1e}, condition number {:.1e}", found.answer.condition());
+    }
+}
+
+/// A point mass at `(b, 0, h)` on a yaw axis on a roll axis that lies in a plane with both but for `θ`: nothing but that angle
+/// resists a turn about the line to the mass. `M q̈ = τ` of two rows, solved by hand; its determinant is `b² sin² θ (h² + b²)`
+/// while the inertias that the sweep takes apart are `h² + b²`.
+pub(crate) fn neck(angle: f64) -> (Description, [f64; 2]) {
+    let (b, h, torque) = (0.2, 0.5, [0.3, 0.07]);
+    let massless = |name: &str, hinge| BodyDescription::new(name, hinge);
+    let roll = HingeDescription { force: vec![torque[0]], ..HingeDescription::revolute([1.0, 0.0, 0.0]) };
+    let yaw = HingeDescription {
+        force: vec![torque[1]],
+        position: vec![angle],
+        ..HingeDescription::revolute([0.0, 0.0, 1.0])
+    };
+    let mut description = Description::new("neck").body(massless("roll", roll));
+    description.bodies.push(BodyDescription::new("head", yaw.on("roll", [0.0; 3])).mass(1.0).center([b, 0.0, h]));
+    description.gravity = Vector3::zeros();
+    let (s, c) = angle.sin_cos();
+    let determinant = b * b * s * s * (h * h + b * b);
+    let exact = [
+        (b * b * torque[0] + h * b * c * torque[1]) / determinant,
+        (h * b * c * torque[0] + (h * h + b * b * s * s) * torque[1]) / determinant,
+    ];
+    (description, exact)
+}
+
+/// Where the factorization has lost all but few digits the accelerations have them still: their residual is taken without
+/// the difference that lost them. What is left is the turn of the axes, known to 2e-16, beside the angle.
+#[test]
+fn motions_that_hardly_anything_resists_keep_their_digits() {
+    for angle in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+        let (description, exact) = neck(angle);
+        let model = build(&description);
+        let mut a = [0.0; 2];
+        System::new(&model).accelerations(&model.start_position, &[0.0; 2], &mut a).unwrap();
+        let error = relative_difference(&a, &exact);
+        assert!(error < 2e-15 + 1e-15 / angle, "{angle}: {error:.1e}");
     }
 }
 

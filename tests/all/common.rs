@@ -5,6 +5,7 @@ use std::time::UNIX_EPOCH;
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
+use stillpoint::spatial::{Principal, Sym3};
 
 /// How many damaged inputs the environment asks for: `ROBUST_CASES=100000` looks longer than a test usually does.
 pub(crate) fn robust_cases() -> Option<u32> {
@@ -220,4 +221,12 @@ pub(crate) fn build(description: &Description) -> Model {
 pub(crate) fn relative_difference(found: &[f64], expected: &[f64]) -> f64 {
     let scale = expected.iter().fold(1e-300_f64, |m, x| m.max(x.abs()));
     found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale
+}
+
+/// Takes the inertia of a body's link, and leaves its mass on its root marker: a hinge that nothing resists, which no model
+/// is built with.
+pub(crate) fn take_inertia(model: &mut Model, name: &str) {
+    let body = model.body(name).expect("the body");
+    let link = &mut model.links[model.bodies[body].link];
+    (link.center, link.inertia, link.principal) = (Vector3::zeros(), Sym3::ZERO, Principal::default());
 }

@@ -768,3 +768,10 @@ hinge = "bobb"
     scene.toml: 3 errors
     "#);
 }
+
+/// Where it belongs is said, not only what a shape has.
+#[test]
+fn a_density_in_a_shape() {
+    let text = "[[body]]\nname = \"bob\"\nshape = { sphere = 0.1, density = 7.0 }\nhinge = { type = \"free\" }\n";
+    assert!(said(text, &[]).contains("shape of body `bob`: `density` stands beside `shape`, in the body"));
+}

@@ -1,7 +1,6 @@
 //! Large trees whose branches are computed by two threads.
 
-use crate::common::{Random, build, position_of};
-use nalgebra::{Matrix3, Vector3};
+use crate::common::{Random, build, position_of, take_inertia};
 use stillpoint::dynamics::{Fault, System};
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription, HingeKind};
 use stillpoint::model::{Body, Joint, Model};
@@ -77,8 +76,7 @@ fn two_threads_give_the_bits_of_one() {
 /// A hinge that nothing resists is named in whatever half it is.
 #[test]
 fn a_singular_hinge_in_a_half_is_named() {
-    let description = tree();
-    let model = build(&description);
+    let model = build(&tree());
     let halves = model.halves.clone().expect("halves");
     for half in &halves.links {
         let is_last = |body: &Body| {
@@ -86,10 +84,8 @@ fn a_singular_hinge_in_a_half_is_named() {
             half.contains(&body.link) && link.joint == Joint::Turn && link.subtree_end == body.link + 1
         };
         let name = &model.bodies.iter().find(|body| is_last(body)).expect("a last body that turns").name;
-        let mut description = description.clone();
-        let body = description.bodies.iter_mut().find(|body| body.name == *name).expect("the body");
-        (body.mass.center, body.mass.inertia) = (Vector3::zeros(), Matrix3::zeros());
-        let model = build(&description);
+        let mut model = model.clone();
+        take_inertia(&mut model, name);
         let mut a = vec![0.0; model.velocity_count()];
         let fault = System::new(&model).accelerations(&model.start_position, &model.start_velocity, &mut a);
         assert_eq!(fault, Err(Fault::Singular { body: name.clone(), pivot: 0.0 }));

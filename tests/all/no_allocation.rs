@@ -1,6 +1,7 @@
 //! What a time step calls over and over asks for no memory: all of it belongs to the `System`.
 
-use crate::common::{Options, build, random_scene};
+use crate::accelerations::neck;
+use crate::common::{Options, build, random_scene, relative_difference};
 use crate::scenarios::shipped;
 use std::collections::{BTreeSet, HashSet};
 use std::mem::discriminant;
@@ -33,6 +34,19 @@ fn evaluating_a_system_allocates_nothing() {
     count("residual", &mut |system| system.residual(q, v, v, &mut residual).unwrap());
     count("energies", &mut |system| assert!(system.energies(q, v).kinetic > 0.0));
     count("powers", &mut |system| assert!(system.powers(q, v).dissipated > 0.0));
+}
+
+/// Nor where accelerations have lost digits and are refined.
+#[test]
+fn refining_allocates_nothing() {
+    let (description, exact) = neck(1e-4);
+    let model = build(&description);
+    let (mut system, mut a) = (System::new(&model), [0.0; 2]);
+    let counted = allocation_counter::measure(|| {
+        system.accelerations(&model.start_position, &model.start_velocity, &mut a).unwrap();
+    });
+    assert_eq!(counted.count_total, 0, "{counted:?}");
+    assert!(relative_difference(&a, &exact) < 1e-11, "refined");
 }
 
 /// The Jacobians neither, once their matrices are there: in a scene without force elements.

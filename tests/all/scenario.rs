@@ -117,7 +117,7 @@ fn copies_hang_on_the_copy_before() {
 fn next_says_where_copies_hang() {
     let chain = |next_in_body: &str, next_in_hinge: &str| {
         let text = format!(
-            "[[body]]\nname = \"a\"\nrepeat = 2\nmass = 1\nmarkers.tip = [0, 0, 1]\n{next_in_body}\n\
+            "[[body]]\nname = \"a\"\nrepeat = 2\nmass = 1\ninertia = [1, 1, 1]\nmarkers.tip = [0, 0, 1]\n{next_in_body}\n\
              hinge = {{ type = \"spherical\", at = [5, 0, 0]{next_in_hinge} }}"
         );
         read(&text).description.bodies.into_iter().map(|body| body.hinge.at).collect::<Vec<_>>()
@@ -136,11 +136,13 @@ fn lists_give_one_value_per_copy() {
         name = "a"
         repeat = 2
         mass = [1, 2]
+        inertia = [1, 1, 1]
         hinge = { type = "revolute", axis = [0, 1, 0], position = [0.1, 0.2], stiffness = 7 }
         [[body]]
         name = "b"
         repeat = 2
         mass = 1
+        inertia = [1, 1, 1]
         hinge = { type = "planar", position = [[1, 2, 3], [4, 5, 6]], velocity = [7, 8, 9], damping = 0.5 }
         "#,
     );
@@ -177,7 +179,8 @@ fn density_fills_the_shapes() {
 
 #[test]
 fn rpy_turns_as_in_urdf() {
-    let text = "[[body]]\nname = \"a\"\nmass = 1\nhinge = { type = \"free\", rpy = [0.3, -0.4, 1.1] }";
+    let text =
+        "[[body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\nhinge = { type = \"free\", rpy = [0.3, -0.4, 1.1] }";
     let turn = read(text).description.bodies[0].hinge.frame.to_rotation_matrix();
     let about = |axis, angle| Rotation3::from_axis_angle(&axis, angle);
     let expected = about(Vector3::z_axis(), 1.1) * about(Vector3::y_axis(), -0.4) * about(Vector3::x_axis(), 0.3);
@@ -189,7 +192,7 @@ fn rpy_turns_as_in_urdf() {
 fn bushings_take_six_numbers_or_two_kinds() {
     let six = |stiffness: &str| {
         let text = format!(
-            "[[body]]\nname = \"a\"\nmass = 1\nhinge = {{ type = \"free\" }}\n\
+            "[[body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\nhinge = {{ type = \"free\" }}\n\
              [[force]]\ntype = \"bushing\"\nbetween = [\"a\", \"ground\"]\nstiffness = {stiffness}"
         );
         match read(&text).description.forces.remove(0).kind {
@@ -233,7 +236,7 @@ fn overrides_reach_every_part_of_a_scene() {
 #[test]
 fn long_chains_are_short_files() {
     let scenario = read(
-        "[[body]]\nname = \"link\"\nrepeat = 100_000\nmass = 0.1\nmarkers.tip = [0, 0, -0.1]\n\
+        "[[body]]\nname = \"link\"\nrepeat = 100_000\nmass = 0.1\ninertia = [1, 1, 1]\nmarkers.tip = [0, 0, -0.1]\n\
          hinge = { type = \"spherical\", next = \"tip\" }",
     );
     assert_eq!(scenario.description.bodies[99_999].hinge.parent, "link[99998]");
@@ -287,7 +290,9 @@ fn large_files_load_and_huge_ones_are_refused_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("large.toml");
     let body = |index: usize| {
-        format!("[[body]]\nname = \"b{index}\"\nmass = 1.0\nhinge = {{ type = \"free\", at = [{index}, 0, 0] }}\n\n")
+        format!(
+            "[[body]]\nname = \"b{index}\"\nmass = 1.0\ninertia = [1, 1, 1]\nhinge = {{ type = \"free\", at = [{index}, 0, 0] }}\n\n"
+        )
     };
     let text: String = (0..20_000).map(body).collect();
     fs::write(&path, &text).expect("a file");

@@ -5,7 +5,8 @@
 Newton's and Euler's equations of every link with 50 digits (package `mpmath`), from the decimals of the URDF, at the states
 of compare_urdf.py, the root fixed; without a robot the iCub of `example-robot-data`. For robots whose joints turn, without
 mimics. Prints for every state the condition of the mass matrix, the largest errors relative to the largest acceleration,
-and the largest residuals of the exact equations (N m). Not run by the tests.
+and the largest residuals of the exact equations (N m). compare_urdf.py asks it where Pinocchio's accelerations are not
+known well enough to compare with, the root fixed or free.
 """
 
 import pathlib
@@ -13,7 +14,6 @@ import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
 
-import compare_urdf as urdf
 import numpy as np
 import pinocchio as pin
 from mpmath import cos, lu_solve, matrix, mp, mpf, sin, sqrt
@@ -83,6 +83,34 @@ class Link:
         self.inertia = product(product(turn, own), transposed(turn))
 
 
+class Base:
+    """Where the root stands and how it moves: not at all, or as a free body (`turn` by a quaternion w, x, y, z)."""
+
+    def __init__(self, position=None, velocity=None):
+        self.free = position is not None
+        self.turn = [[mpf(i == j) for j in range(3)] for i in range(3)]
+        self.rate = ZERO
+        if self.free:
+            w, *axis = [mpf(x) for x in position[3:]]
+            size = sqrt(w * w + dot(axis, axis))
+            (x, y, z), w = times(1 / size, axis), w / size
+            self.turn = [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+            self.rate = turned(self.turn, [mpf(x) for x in velocity[3:]])
+
+    def still(self):
+        base = Base()
+        base.free, base.turn = self.free, self.turn
+        return base
+
+
+# What a free root has: the acceleration of its place, inertial axes, then of its turn, root axes.
+LINEAR, ANGULAR = (tuple(f"root {part} {axis}" for axis in "xyz") for part in ["linear", "angular"])
+
+
 class Joint:
     def __init__(self, element, parent):
         origin, axis, dynamics = (element.find(key) for key in ["origin", "axis", "dynamics"])
@@ -114,12 +142,24 @@ class Robot:
             self.joints.append(Joint(element, parent))
             self.grow(of_parent, self.joints[-1].child, len(self.joints) - 1)
 
-    def torques(self, q, v, a, gravity):
-        """What every joint has to push for these accelerations."""
-        base = ([[mpf(i == j) for j in range(3)] for i in range(3)], ZERO, ZERO, times(-1, gravity))
+    def needs(self, link, turn, rate, spin, lift):
+        """The force and the moment about its origin that a link needs for its acceleration."""
+        if link.mass == 0:
+            return ZERO, ZERO
+        center = turned(turn, link.center)
+        inertia = product(product(turn, link.inertia), transposed(turn))
+        force = times(link.mass, add(lift, cross(spin, center), cross(rate, cross(rate, center))))
+        return force, add(cross(center, force), turned(inertia, spin), cross(rate, turned(inertia, rate)))
+
+    def torques(self, q, v, a, gravity, base=Base()):
+        """What every joint, and the root where it is free, has to push for these accelerations."""
+        spin = turned(base.turn, [a[name] for name in ANGULAR]) if base.free else ZERO
+        lift = add([a[name] for name in LINEAR] if base.free else ZERO, times(-1, gravity))
+        root = (base.turn, base.rate, spin, lift)
+        at_root = self.needs(self.links[self.root], *root)
         frames, forces, moments = [], [], []
         for joint in self.joints:
-            turn, rate, spin, lift = base if joint.parent is None else frames[joint.parent][:4]
+            turn, rate, spin, lift = root if joint.parent is None else frames[joint.parent][:4]
             arm = turned(turn, joint.place)
             lift = add(lift, cross(spin, arm), cross(rate, cross(rate, arm)))
             turn = product(turn, joint.turn)
@@ -130,12 +170,7 @@ class Robot:
                 spin = add(spin, times(a[joint.name], axis), cross(rate, own))
                 rate = add(rate, own)
             frames.append((turn, rate, spin, lift, arm, axis))
-            link, force, moment = self.links[joint.child], ZERO, ZERO
-            if link.mass > 0:
-                center = turned(turn, link.center)
-                inertia = product(product(turn, link.inertia), transposed(turn))
-                force = times(link.mass, add(lift, cross(spin, center), cross(rate, cross(rate, center))))
-                moment = add(cross(center, force), turned(inertia, spin), cross(rate, turned(inertia, rate)))
+            force, moment = self.needs(self.links[joint.child], turn, rate, spin, lift)
             forces.append(force)
             moments.append(moment)
         torques = {}
@@ -143,23 +178,34 @@ class Robot:
             joint, arm, axis = self.joints[index], *frames[index][4:]
             if joint.moves:
                 torques[joint.name] = dot(axis, moments[index])
-            if joint.parent is not None:
+            moment = add(moments[index], cross(arm, forces[index]))
+            if joint.parent is None:
+                at_root = add(at_root[0], forces[index]), add(at_root[1], moment)
+            else:
                 forces[joint.parent] = add(forces[joint.parent], forces[index])
-                moments[joint.parent] = add(moments[joint.parent], moments[index], cross(arm, forces[index]))
+                moments[joint.parent] = add(moments[joint.parent], moment)
+        if base.free:
+            torques.update(zip(LINEAR, at_root[0]))
+            torques.update(zip(ANGULAR, turned(transposed(base.turn), at_root[1])))
         return torques
 
-    def accelerations(self, q, v, names, gravity):
+    def accelerations(self, q, v, names, gravity, base=Base()):
+        """Of the joints in the order of `names`; before them, where it is free, of the root."""
+        names = [*LINEAR, *ANGULAR, *names] if base.free else names
         rest = dict.fromkeys(names, mpf(0))
-        bias = self.torques(q, v, rest, gravity)
+        bias = self.torques(q, v, rest, gravity, base)
         mass = matrix(len(names))
         for column, name in enumerate(names):
-            unit = self.torques(q, rest, {**rest, name: mpf(1)}, ZERO)
+            unit = self.torques(q, rest, {**rest, name: mpf(1)}, ZERO, base.still())
             for row, other in enumerate(names):
                 mass[row, column] = unit[other]
-        return list(lu_solve(mass, matrix([-bias[name] - self.damping[name] * v[name] for name in names])))
+        damping = lambda name: self.damping[name] * v[name] if name in self.damping else 0
+        return list(lu_solve(mass, matrix([-bias[name] - damping(name) for name in names])))
 
 
 def main(program, path=None):
+    import compare_urdf as urdf
+
     path = pathlib.Path(path or urdf.folder_of_robots() / "icub_description/robots/icub.urdf").resolve()
     model, robot = pin.buildModelFromUrdf(str(path)), Robot(path)
     model.gravity.linear = np.array(urdf.GRAVITY)

@@ -1,11 +1,11 @@
 //! Plots of a comparison: residual against iteration of one scene, time against size of several.
 
+use super::super::frame;
 use super::super::palette::{BLUE, GREEN, PURPLE, VERMILION};
 use super::{Row, Run};
 use crate::statics::Method;
 use plotters::prelude::*;
 
-const SIZE: (u32, u32) = (960, 640);
 /// Residuals below this are drawn there: round-off.
 const LEAST: f64 = 1e-18;
 
@@ -77,34 +77,14 @@ pub(super) fn times(runs: &[Run], title: &str) -> anyhow::Result<String> {
 
 fn draw(lines: Vec<Line>, title: &str, axes: [&str; 2], legend: SeriesLabelPosition) -> anyhow::Result<String> {
     let all = || lines.iter().flat_map(|line| line.points.iter().copied());
-    let (across, up) = (decades(all().map(|(x, _)| x)), decades(all().map(|(_, y)| y)));
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&root)
-            .caption(title, ("sans-serif", 22))
-            .margin(16)
-            .x_label_area_size(52)
-            .y_label_area_size(78)
-            .build_cartesian_2d((across.0..across.1).log_scale(), (up.0..up.1).log_scale())?;
-        chart
-            .configure_mesh()
-            .x_desc(axes[0])
-            .y_desc(axes[1])
-            .x_label_formatter(&|x| format!("{x:.0e}"))
-            .y_label_formatter(&|y| format!("{y:.0e}"))
-            .label_style(("sans-serif", 15))
-            .axis_desc_style(("sans-serif", 16))
-            .bold_line_style(BLACK.mix(0.25))
-            .light_line_style(BLACK.mix(0.07))
-            .draw()?;
-        for Line { label, color, points, failed } in lines.into_iter().filter(|line| !line.points.is_empty()) {
+    frame::svg(|root| {
+        let mut chart = frame::logarithmic(root, title, all(), axes)?;
+        for Line { label, color, points, failed } in lines.iter().filter(|line| !line.points.is_empty()) {
             let style = color.stroke_width(2);
             chart
                 .draw_series(LineSeries::new(points.iter().copied(), style))?
                 .label(if failed.is_empty() {
-                    label.to_owned()
+                    (*label).to_owned()
                 } else {
                     format!("{label} (crossed: not what was wanted)")
                 })
@@ -114,26 +94,6 @@ fn draw(lines: Vec<Line>, title: &str, axes: [&str; 2], legend: SeriesLabelPosit
             )?;
             chart.draw_series(failed.iter().map(|at| Cross::new(*at, 6, style)))?;
         }
-        chart
-            .configure_series_labels()
-            .position(legend)
-            .legend_area_size(32)
-            .margin(12)
-            .label_font(("sans-serif", 16))
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.5))
-            .draw()?;
-        root.present()?;
-    }
-    Ok(svg)
-}
-
-/// The range of whole decades around positive numbers.
-fn decades(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = numbers.fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(x), high.max(x)));
-    if !(low > 0.0 && high.is_finite()) {
-        return (1.0, 10.0);
-    }
-    let (low, high) = (low.log10().floor(), high.log10().ceil());
-    (10.0_f64.powf(low), 10.0_f64.powf(high.max(low + 1.0)))
+        frame::legend(&mut chart, legend)
+    })
 }

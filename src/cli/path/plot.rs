@@ -1,12 +1,11 @@
 //! The plot of a path: parameter against coordinate.
 
+use super::super::frame;
 use super::super::palette::{BLUE, GREEN, VERMILION, range, tick};
 use super::Followed;
 use crate::statics::Verdict;
 use crate::statics::path::{EventKind, PathPoint};
 use plotters::prelude::*;
-
-const SIZE: (u32, u32) = (960, 640);
 
 fn color(verdict: Verdict) -> RGBColor {
     match verdict {
@@ -25,28 +24,15 @@ pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
     let place = |point: &PathPoint| (followed.drawn(point), point.parameter);
     let across = range(points().map(|point| place(point).0));
     let up = range(points().map(|point| place(point).1));
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&root)
-            .caption(format!("{title}: equilibria"), ("sans-serif", 22))
-            .margin(16)
-            .x_label_area_size(52)
-            .y_label_area_size(78)
-            .build_cartesian_2d(across.0..across.1, up.0..up.1)?;
-        let coordinate = &followed.coordinate;
-        chart
-            .configure_mesh()
-            .x_desc(format!("{} ({})", coordinate.name, coordinate.unit))
-            .y_desc(format!("{} ({})", followed.settings.parameter, followed.unit()))
-            .x_label_formatter(&|x| tick(*x, across))
-            .y_label_formatter(&|y| tick(*y, up))
-            .label_style(("sans-serif", 15))
-            .axis_desc_style(("sans-serif", 16))
-            .bold_line_style(BLACK.mix(0.2))
-            .light_line_style(BLACK.mix(0.05))
-            .draw()?;
+    let coordinate = &followed.coordinate;
+    let names = [
+        format!("{} ({})", coordinate.name, coordinate.unit),
+        format!("{} ({})", followed.settings.parameter, followed.unit()),
+    ];
+    let title = format!("{title}: equilibria");
+    frame::svg(|root| {
+        let axes: [frame::Axis<'_>; 2] = [(&names[0], &|x| tick(*x, across)), (&names[1], &|y| tick(*y, up))];
+        let mut chart = frame::linear(root, &title, (across, up), axes)?;
         for verdict in [Verdict::Stable, Verdict::Unstable, Verdict::Neutral] {
             let style = color(verdict).stroke_width(2);
             let mut named = false;
@@ -96,18 +82,8 @@ pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
                 EventKind::Lift => Circle::new((x + 12, y), 5, BLUE.stroke_width(2)).into_dyn(),
             });
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .legend_area_size(32)
-            .margin(12)
-            .label_font(("sans-serif", 16))
-            .background_style(WHITE.mix(0.85))
-            .border_style(BLACK.mix(0.5))
-            .draw()?;
-        root.present()?;
-    }
-    Ok(svg)
+        frame::legend(&mut chart, SeriesLabelPosition::UpperRight)
+    })
 }
 
 /// Stretches of neighbouring points of one kind; where the kind changes, both stretches reach the point between.

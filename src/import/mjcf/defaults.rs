@@ -15,7 +15,8 @@ pub(super) struct Defaults<'a> {
 }
 
 struct Class<'a> {
-    parent: Option<usize>,
+    /// And how many of its elements stood there when this class was declared: later ones are not inherited.
+    parent: Option<(usize, usize)>,
     elements: Vec<Element<'a>>,
 }
 
@@ -52,19 +53,21 @@ impl<'a> Defaults<'a> {
     }
 
     fn fill(&mut self, tree: &Tree<'a>, element: &Element<'a>, class: usize) {
-        for child in tree.children(element) {
-            if child.name() != "default" {
-                child.see();
-                self.classes[class].elements.push(child);
-                continue;
-            }
+        // Classes in an element inherit all of it, also what follows them; not what further elements of the same class say.
+        let is_class = |child: &Element<'a>| child.name() == "default";
+        for child in tree.children(element).into_iter().filter(|child| !is_class(child)) {
+            child.see();
+            self.classes[class].elements.push(child);
+        }
+        for child in tree.children(element).into_iter().filter(is_class) {
             child.see();
             let Some(name) = child.required("class") else { continue };
             let index = self.classes.len();
             if self.names.insert(name.value, index).is_some() {
                 child.refuse(name.wrong(&format!("is \"{}\", and so is another class", name.value)));
             }
-            self.classes.push(Class { parent: Some(class), elements: Vec::new() });
+            let inherited = self.classes[class].elements.len();
+            self.classes.push(Class { parent: Some((class, inherited)), elements: Vec::new() });
             self.fill(tree, &child, index);
         }
     }
@@ -94,12 +97,14 @@ impl<'a> Defaults<'a> {
         element.see();
         let own = element.attribute("class").and_then(|class| self.class(&class));
         let mut behind = Vec::new();
-        let mut class = own.or(around).or((!self.classes.is_empty()).then_some(MAIN));
-        while let Some(index) = class {
+        let mut class = own.or(around).or((!self.classes.is_empty()).then_some(MAIN)).map(|class| (class, usize::MAX));
+        while let Some((index, inherited)) = class {
             let alike = |other: &&Element<'a>| {
                 other.name() == tag || ACTUATORS.contains(&tag) && ACTUATORS.contains(&other.name())
             };
-            behind.extend(self.classes[index].elements.iter().rev().filter(alike).copied());
+            let elements = &self.classes[index].elements;
+            let there = &elements[..inherited.min(elements.len())];
+            behind.extend(there.iter().rev().filter(alike).copied());
             class = self.classes[index].parent;
         }
         Settled { element: *element, behind }

@@ -132,6 +132,11 @@ pub const SHAPE: Table = Table {
             "Red, green, blue and perhaps opacity, each 0 … 1; or \"#rrggbb\".",
         )
         .example("[0.8, 0.2, 0.1]"),
+        Key::new(
+            "density",
+            Kind::Refused("`density` stands beside `shape`, in the body: all its solids have it"),
+            "Of the body.",
+        ),
     ],
 };
 

@@ -1,6 +1,6 @@
 //! A ball, eliminated.
 
-use super::{LinkAcceleration, SINGULAR};
+use super::{LOST_BY_BALL, LinkAcceleration, SINGULAR};
 use crate::model::{Link, Model};
 use crate::motion::LinkMotion;
 use crate::spatial::quad::Columns;
@@ -29,8 +29,8 @@ pub(super) enum Pivot {
     OfBody,
 }
 
-/// Eq. (5) for a ball: what is left of it and `S'`; on failure the pivot that is not positive. Without armature
-/// `S' H = 0` holds identically, so those blocks are set, not computed.
+/// Eq. (5) for a ball: what is left of it and `S'`, and whether digits were lost; on failure the pivot that is not positive.
+/// Without armature `S' H = 0` holds identically, so those blocks are set, not computed.
 #[inline]
 pub(super) fn eliminate(
     model: &Model,
@@ -38,6 +38,7 @@ pub(super) fn eliminate(
     at: &LinkMotion,
     S: &Reduced,
     pivot: Pivot,
+    lost: &mut bool,
 ) -> Result<(Ball, Reduced), f64> {
     let armature = [0, 1, 2].map(|i| model.coordinates[link.velocity + i].armature);
     let rotor = match armature {
@@ -50,8 +51,11 @@ pub(super) fn eliminate(
     };
     let (in_its_axes, pivots) = D.inverse().ok_or(0.0)?;
     let least = pivots.min();
-    if !(least > SINGULAR * D.trace()) {
-        return Err(least);
+    if !(least > LOST_BY_BALL * D.trace()) {
+        if !(least > SINGULAR * D.trace()) {
+            return Err(least);
+        }
+        *lost |= pivot == Pivot::OfTree;
     }
     let inverse = match pivot {
         Pivot::OfTree => in_its_axes,
@@ -114,6 +118,11 @@ impl Ball {
         let mut ball = *self;
         let passed = ball.load(at, &Vector3::zeros(), e, || at.turn.tr_mul(&e.moment));
         (ball.u, ball.inverse * ball.u, passed)
+    }
+
+    /// `uᵀ D⁻¹ u` of the last solution.
+    pub(super) fn resisted(&self) -> f64 {
+        self.u.dot(&(self.inverse * self.u))
     }
 
     /// The moments of inertia it sees about the link's axes.

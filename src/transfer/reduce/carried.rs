@@ -1,6 +1,6 @@
 //! What a link passes on to its parent, in registers.
 
-use super::{One, SINGULAR};
+use super::{LOST, One, SINGULAR};
 use crate::model::Link;
 use crate::motion::LinkMotion;
 use crate::spatial::Wrench;
@@ -83,6 +83,16 @@ impl Carried {
         let n = Quad::of(axis);
         let (force, moment) = (self.fm.times(axis), self.mm.times(axis));
         Left::of(force, moment, n.dot(moment) + armature, self.mm.trace(), tau - n.dot(self.moment))
+    }
+
+    /// The same for one below which bodies may resist hardly anything: notes where digits are lost. The elimination
+    /// multiplies what is known of the rest by the square of `|S H|/D`.
+    #[inline(always)]
+    pub(super) fn delicate(&self, axis: &Vector3<f64>, armature: f64, tau: f64, lost: &mut bool) -> Result<Left, f64> {
+        let left = self.turn(axis, armature, tau)?;
+        let D = 1.0 / left.inverse;
+        *lost |= D < LOST * self.mm.trace() && D * D < LOST * left.moment.dot(left.moment);
+        Ok(left)
     }
 
     /// The same for a last link that is slender, by its numbers in its own axes: there `S H` and `D` are a column of its

@@ -37,11 +37,14 @@ pub(super) struct Part<'a> {
     pub(super) joins: &'a mut [Carried],
 }
 
-/// What a half passes to the link outside that carries it: from the child right after that link, and from all others.
+/// What a half passes to the link outside that carries it: from the child right after that link, and from all others; and
+/// what any part says of itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Passed {
     pub(super) first: Carried,
     pub(super) others: Carried,
+    /// Whether digits were lost in it.
+    pub(super) lost: bool,
 }
 
 impl<'a> Part<'a> {
@@ -67,7 +70,7 @@ impl<'a> Part<'a> {
         let Scene { model, motion, plan } = *scene;
         let (first, joins, balls) = (self.first, &mut *self.joins, &mut *self.balls);
         let hinges = &mut self.hinges[range.start - first.link..range.end - first.link];
-        let mut others = Carried::default();
+        let (mut others, mut lost) = (Carried::default(), false);
         let mut meet = |to: To, joins: &mut [Carried], carried: &Carried| {
             if let To::Join(join) = to {
                 match joins.get_mut((join as usize).wrapping_sub(first.join)) {
@@ -102,7 +105,10 @@ impl<'a> Part<'a> {
                 Kind::Turn | Kind::Slide => {
                     let (armature, tau) = (place.armature, load.tau[velocity]);
                     let one = match place.kind {
-                        Kind::Turn if place.is_slender => {
+                        Kind::Turn if place.is_delicate && !place.is_slender => {
+                            here.delicate(&at.axis, armature, tau, &mut lost)
+                        }
+                        Kind::Turn if place.is_delicate => {
                             let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
                             let axial = moment_in_link_axes(link, &model.gravity, at).z - given;
                             let (straight, one) = here.slender(link, at, armature, (tau, axial));
@@ -123,7 +129,7 @@ impl<'a> Part<'a> {
                     let ball = &mut balls[place.ball as usize - first.ball];
                     let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
                     let (eliminated, across) =
-                        ball::eliminate(model, link, at, &here.matrix(), pivot).map_err(failed)?;
+                        ball::eliminate(model, link, at, &here.matrix(), pivot, &mut lost).map_err(failed)?;
                     *ball = eliminated;
                     let tau = three(load.tau, velocity);
                     let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
@@ -137,7 +143,7 @@ impl<'a> Part<'a> {
             };
             meet(place.to, joins, &carried);
         }
-        Ok(Passed { first: carried, others })
+        Ok(Passed { first: carried, others, lost })
     }
 }
 

@@ -8,14 +8,13 @@ use crate::transfer::LinkAcceleration;
 use nalgebra::Vector3;
 
 impl Reduction {
-    /// The factorization alone, for [`Reduction::solve`] and [`Reduction::pass`]; `tau` and `hinge` are scratch, one
-    /// number per velocity.
+    /// The factorization alone, for [`Reduction::solve`] and [`Reduction::pass`]; `tau` is any number per velocity.
     ///
     /// # Errors
     /// A hinge that nothing with inertia resists, or a number that is not finite.
     #[inline(never)]
-    pub fn prepare(&mut self, model: &Model, motion: &Motion, tau: &[f64], hinge: &mut [f64]) -> Result<(), Singular> {
-        self.accelerations(model, motion, &Load { applied: &[], tau }, hinge)
+    pub fn prepare(&mut self, model: &Model, motion: &Motion, tau: &[f64]) -> Result<(), Singular> {
+        self.factorize(model, motion, &Load { applied: &[], tau }).map(|_| ())
     }
 
     /// Eq. (6) at one hinge for a load without velocity terms: takes `e` across it and gives `u` and `D⁻¹ u` (of a ball

@@ -119,3 +119,42 @@ fn hinges_on_which_no_mass_hangs_need_armature() {
     welded.bodies[1].hinge.kind = HingeKind::Fixed;
     assert!(Model::build(&welded).is_ok(), "a weld leaves nothing undetermined");
 }
+
+/// What turns about a line through all of its mass, in every position: the last body of a branch.
+#[test]
+fn point_masses_that_turn_about_themselves_are_named() {
+    let point = |d: &mut Description, index: usize, at: Vector3<f64>| {
+        d.bodies[index].mass.center = at;
+        d.bodies[index].mass.inertia = Matrix3::zeros();
+    };
+    let words = ["`hand` has no inertia about a line", "point mass on its own axis", "hand.armature=1e-6", "density"];
+    let (axial, beside) = (Vector3::new(0.0, 0.3, 0.0), Vector3::new(0.3, 0.3, 0.0));
+    assert_problem(HAND, "inertia", &words, |d| point(d, 1, axial));
+    for kind in [HingeKind::Free, HingeKind::Spherical] {
+        for at in [Vector3::zeros(), beside] {
+            assert_problem(HAND, "inertia", &words, |d| {
+                point(d, 1, at);
+                d.bodies[1].hinge.kind = kind;
+            });
+        }
+    }
+    let fine = |change: &dyn Fn(&mut Description)| {
+        let mut description = sound();
+        change(&mut description);
+        Model::build(&description).map(|_| ()).map_err(|problems| format!("{problems:?}"))
+    };
+    assert_eq!(fine(&|d| point(d, 1, beside)), Ok(()), "off its axis");
+    assert_eq!(fine(&|d| point(d, 0, axial)), Ok(()), "it carries the hand");
+    let slides = HingeKind::Prismatic { axis: Vector3::x() };
+    let slide = |d: &mut Description| {
+        point(d, 1, Vector3::zeros());
+        d.bodies[1].hinge.kind = slides;
+    };
+    assert_eq!(fine(&slide), Ok(()), "a slide turns nothing");
+    let rotor = |d: &mut Description| {
+        point(d, 1, beside);
+        d.bodies[1].hinge.kind = HingeKind::Spherical;
+        d.bodies[1].hinge.armature = vec![1e-6; 3];
+    };
+    assert_eq!(fine(&rotor), Ok(()), "a rotor has inertia of its own");
+}

@@ -36,6 +36,38 @@ fn a_robot_is_a_scenario_of_its_own() {
     assert_eq!(bench.names(), ["arm.mcap", "arm.urdf"]);
 }
 
+/// Whoever converts again after going on from the file finds what was there; what stands there already is no other file.
+#[test]
+fn converting_again_keeps_what_was_there() {
+    let bench = Bench::new();
+    let (arm, _) = ARM.split_once("  <joint name=\"grip\"").expect("a finger");
+    bench.write("arm.urdf", format!("{arm}</robot>\n"));
+    let convert = |out: &str| bench.call(&["convert", "arm.urdf", "-o", out]).code(0);
+    let text = || std::fs::read_to_string(bench.path().join("my.toml")).expect("a file");
+    convert("my.toml");
+    let written = text();
+    assert!(!convert("my.toml").err.contains('~'), "the same again");
+    assert_eq!(bench.names(), ["arm.urdf", "my.toml"]);
+    bench.write("my.toml", "# mine\n");
+    let answer = convert("my.toml");
+    assert!(answer.err.contains("`my.toml` was there already, and is kept as `my.toml~`"), "{answer:#?}");
+    assert_eq!(std::fs::read_to_string(bench.path().join("my.toml~")).expect("a file"), "# mine\n");
+    assert_eq!(text(), written);
+    // An empty file, as one that was made for a name, is nothing to keep.
+    bench.write("empty.toml", "");
+    convert("empty.toml");
+    assert_eq!(convert("-").out, written, "standard output");
+    assert_eq!(bench.names(), ["arm.urdf", "empty.toml", "my.toml", "my.toml~"]);
+    if cfg!(unix) {
+        bench.write("my.toml", "# mine again\n");
+        std::fs::remove_file(bench.path().join("my.toml~")).expect("removed");
+        std::fs::create_dir(bench.path().join("my.toml~")).expect("a folder");
+        let refused = bench.call(&["convert", "arm.urdf", "-o", "my.toml"]).code(2);
+        assert!(refused.err.contains("cannot be kept as `my.toml~`: it is left as it is"), "{refused:#?}");
+        assert_eq!(text(), "# mine again\n");
+    }
+}
+
 /// Meshes of a model are found from its folder, and standard input has none.
 #[test]
 fn a_model_from_standard_input_is_told_in_one_message() {

@@ -52,6 +52,8 @@ fn the_schema_takes_every_scenario_and_refuses_broken_ones() {
         ("range", format!("{}\n[record]\nrate = -1.0\n", pendulum.replace("[record]", "[ignored]"))),
         ("list", format!("gravity = [0.0, -9.81]\n{pendulum}")),
         ("bodies", "body = 3\n".to_owned()),
+        ("model", "[model]\nfile = \"arm.urdf\"\nflie = 3\n".to_owned()),
+        ("model hinge", "[model]\nfile = \"arm.urdf\"\nhinges = { elbow = { stifness = 3 } }\n".to_owned()),
     ];
     for (name, text) in &broken {
         assert_ne!(*text, pendulum, "{name}");
@@ -67,6 +69,10 @@ fn the_schema_takes_every_scenario_and_refuses_broken_ones() {
     assert_eq!(answers.len(), count + 4 + broken.len());
     for (name, error) in answers {
         assert_eq!(error.is_null(), !name.starts_with("broken"), "{name}: {error}");
+    }
+    // The key is named, not only that nothing fits.
+    for (name, key) in [("broken model.toml", "'flie'"), ("broken model hinge.toml", "'stifness'")] {
+        assert!(answers[name].as_str().expect("a message").contains(key), "{}", answers[name]);
     }
 }
 

@@ -169,6 +169,11 @@ fn a_plot_has_the_names_and_units_of_its_lines() {
     assert!(hint(&["plot", "a.mcap", "rate"]).contains("upper.rate, lower.rate, upper.rate_dot"));
     assert!(hint(&["plot", "a.mcap"]).contains("there are upper.angle, lower.angle"));
     assert!(hint(&["plot", "upper.angle"]).contains("`upper.angle` is no recording"));
+    // Cut in its only chunk: there is nothing to draw, and no empty picture of it.
+    let whole = std::fs::read(bench.path().join("a.mcap")).expect("read");
+    bench.write("cut.mcap", &whole[..whole.len() / 2]);
+    assert!(hint(&["plot", "cut.mcap", "upper.angle"]).contains("there are no samples in it"));
+    assert!(!bench.names().contains(&"cut.svg".to_owned()));
 }
 
 #[test]

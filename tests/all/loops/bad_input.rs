@@ -95,7 +95,7 @@ fn drives_that_contradict() {
     refused(&apart, &["loop `coupler-rocker` cannot be closed", "or the drive `motor`, `second` does not fit"]);
     refused(&with(&drive("motor", "crnk")), &["there is no body `crnk`", "did you mean `crank`?"]);
     let ball =
-        "[[body]]\nname = \"bob\"\nmass = 1\nhinge = { type = \"spherical\", at = [0, 0, 1] }\ncenter = [0, 0, -1]\n"
+        "[[body]]\nname = \"bob\"\nmass = 1\nhinge = { type = \"spherical\", at = [0, 0, 1] }\ncenter = [0, 0, -1]\ninertia = [1, 1, 1]\n"
             .to_owned();
     refused(&(ball + &drive("motor", "bob")), &["the spherical hinge of `bob` has no coordinate 0"]);
     let formula = with("[[drive]]\nhinge = \"crank\"\ntype = \"expression\"\nexpression = \"sin(omega*t)\"\n");

@@ -1,0 +1,175 @@
+//! Accelerations of trees in which digits were lost: refined by what they leave unbalanced.
+//!
+//! An articulated inertia about an axis that everything outboard hardly resists (a point mass on two axes that nearly meet
+//! in a plane with it, a rod about itself) is the difference of numbers as large as the others. The factorization is good
+//! for the digits that are left of it, and so is what it solves; its own residual, taken without that difference, has all
+//! of them. A round gains as many digits as the factorization has.
+//!
+//! No pivot need be tiny for that: four of a hundredth of what they are the difference of, one after the other, make 10⁻⁸.
+//! So such pivots only ask for a look at what has come out: motions that hardly anything resists are the ones that the
+//! lost digits are in.
+//!
+//! Without it: forces at the centres of mass, where a fast turn about a line through a mass cancels before it is multiplied,
+//! and moments in the axes in which bodies are given, where it meets the small moment of inertia alone.
+
+use super::{Load, Reduction};
+use crate::model::{Body, Joint, Model};
+use crate::motion::{LinkMotion, Motion};
+use crate::spatial::{Sym3, Wrench};
+use crate::transfer::element::gyroscopic;
+use crate::transfer::{LinkAcceleration, accelerate, along, inboard};
+use nalgebra::{Matrix3, Point3, Vector3};
+
+/// Accelerations are wrong by about a third of a unit in the last place over this part, and by no more than 10⁻¹¹ of
+/// themselves above it: what the links resist of their accelerations, of what those would be resisted if they were about any axis.
+const SOFT: f64 = 1e-5;
+
+/// A correction below this part of the accelerations ends it: the next one would be smaller by as much again as this
+/// was, and is not worth a round.
+const SMALL: f64 = 1e-6;
+
+/// Of a hinge with a pivot just above round-off few digits are right; from a handful of rounds on it is the states that are
+/// not known well enough.
+const MOST_ROUNDS: usize = 3;
+
+/// Scratch of [`Reduction::refine`].
+#[derive(Debug, Clone, Default)]
+pub(super) struct Refinement {
+    /// The bodies in the order of their links.
+    bodies: Vec<usize>,
+    /// Hinge forces that are left over, and what they accelerate; one per velocity.
+    left: Vec<f64>,
+    step: Vec<f64>,
+}
+
+/// A named body on its link: several may be welded to one.
+struct Rigid {
+    mass: f64,
+    /// From the link's root marker, link axes (m).
+    center: Vector3<f64>,
+    /// About the centre of mass, body axes (kg m²).
+    inertia: Sym3,
+    link_from_body: Matrix3<f64>,
+}
+
+impl Refinement {
+    pub(super) fn new(model: &Model) -> Self {
+        let mut bodies: Vec<usize> = (0..model.bodies.len()).filter(|body| model.bodies[*body].link != 0).collect();
+        bodies.sort_by_key(|body| model.bodies[*body].link);
+        let count = model.velocity_count();
+        Self { bodies, left: vec![0.0; count], step: vec![0.0; count] }
+    }
+}
+
+impl Rigid {
+    fn of(body: &Body) -> Self {
+        Self {
+            mass: body.mass.mass,
+            center: (body.link_from_body * Point3::from(body.mass.center)).coords,
+            inertia: Sym3::symmetric_part(&body.mass.inertia),
+            link_from_body: *body.link_from_body.rotation.to_rotation_matrix().matrix(),
+        }
+    }
+
+    /// `M a + b` with the weight: the force in inertial axes, the moment about the link's root marker in link axes.
+    fn needs(&self, gravity: &Vector3<f64>, at: &LinkMotion, a: &LinkAcceleration) -> Wrench {
+        let (w, c) = (at.angular_velocity, at.turn * self.center);
+        let swing = w.cross(&w.cross(&c)) - gravity;
+        let force = self.mass * (a.linear + a.angular.cross(&c) + swing);
+        let in_body_axes = |v: &Vector3<f64>| self.link_from_body.tr_mul(&at.turn.tr_mul(v));
+        let turning = self.inertia * in_body_axes(&a.angular) + gyroscopic(&self.inertia, &in_body_axes(&w));
+        let moment = self.link_from_body * turning + self.center.cross(&at.turn.tr_mul(&force));
+        Wrench { force, moment }
+    }
+}
+
+impl Reduction {
+    /// Corrects the accelerations of the last factorization by what they leave unbalanced.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn refine(&mut self, model: &Model, motion: &Motion, load: &Load<'_>, hinge: &mut [f64]) {
+        if !self.is_soft(model) {
+            return;
+        }
+        let mut refinement = std::mem::take(&mut self.refinement);
+        let largest = |list: &[f64]| list.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        for _ in 0..MOST_ROUNDS {
+            self.unbalanced(model, motion, load, hinge, &mut refinement);
+            let Refinement { left, step, .. } = &mut refinement;
+            self.solve(model, motion, &Load { applied: &[], tau: left }, step);
+            hinge.iter_mut().zip(&*step).for_each(|(hinge, step)| *hinge += step);
+            if !(largest(step) > SMALL * largest(hinge)) {
+                break;
+            }
+        }
+        self.follow(model, motion, hinge);
+        self.refinement = refinement;
+    }
+
+    /// Whether the last solution moves links in a way that hardly anything resists: `q̈ᵀ M q̈`, but for velocities the sum of
+    /// `uᵀ D⁻¹ u`, beside the same of links that resist every turn as they do that about their worst axis.
+    fn is_soft(&self, model: &Model) -> bool {
+        let (mut resisted, mut seen) = (0.0, 0.0);
+        for (index, link) in model.links.iter().enumerate().skip(1) {
+            resisted += match link.joint {
+                Joint::None => 0.0,
+                Joint::Turn | Joint::Slide { .. } => self.hinges[index].u.powi(2) * self.hinges[index].inverse,
+                Joint::Ball { .. } => self.balls[self.plan[index].ball as usize].resisted(),
+            };
+            seen += link.inertia.trace() * self.a[index].angular.norm_squared();
+        }
+        resisted < SOFT * seen
+    }
+
+    /// Eq. (2) for given accelerations of the hinges.
+    fn follow(&mut self, model: &Model, motion: &Motion, hinge: &[f64]) {
+        for (index, (link, at)) in model.links.iter().zip(&motion.links).enumerate().skip(1) {
+            let mut a = inboard(at, &self.a[link.parent], true);
+            accelerate(link, at, hinge, &mut a);
+            self.a[index] = a;
+        }
+    }
+
+    /// `τ − A q̈ − Hᵀ f` by eqs. (1) to (3).
+    fn unbalanced(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        load: &Load<'_>,
+        hinge: &[f64],
+        refinement: &mut Refinement,
+    ) {
+        self.follow(model, motion, hinge);
+        let Self { e, a, .. } = self;
+        match load.applied.is_empty() {
+            true => e.fill(Wrench::ZERO),
+            false => e.iter_mut().zip(load.applied).for_each(|(e, applied)| *e = Wrench::ZERO - *applied),
+        }
+        let Refinement { bodies, left, .. } = refinement;
+        let mut bodies = bodies.iter().rev().peekable();
+        for index in (1..model.links.len()).rev() {
+            let (link, at) = (&model.links[index], &motion.links[index]);
+            let mut own = Wrench::ZERO;
+            while let Some(body) = bodies.next_if(|body| model.bodies[**body].link == index) {
+                own += Rigid::of(&model.bodies[*body]).needs(&model.gravity, at, &a[index]);
+            }
+            let passed = e[index];
+            let (to, tau) = (link.velocity, load.tau);
+            let rotor = |i: usize| tau[i] - model.coordinates[i].armature * hinge[i];
+            match link.joint {
+                Joint::None => {}
+                // The axis of a turn is the link's z.
+                Joint::Turn => left[to] = rotor(to) - (along(&link.joint, &at.axis, &passed) + own.moment.z),
+                Joint::Slide { .. } => {
+                    left[to] = rotor(to) - along(&link.joint, &at.axis, &passed) - at.axis.dot(&own.force);
+                }
+                Joint::Ball { .. } => {
+                    let moment = at.turn.tr_mul(&passed.moment) + own.moment;
+                    (0..3).for_each(|i| left[to + i] = rotor(to + i) - moment[i]);
+                }
+            }
+            let whole = passed + Wrench { force: own.force, moment: at.turn * own.moment };
+            e[link.parent] += whole.shifted(at.arm);
+        }
+    }
+}
