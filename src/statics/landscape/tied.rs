@@ -34,8 +34,8 @@ use faer::Mat;
 /// Largest turn (rad), and part of the scene's length, of one step.
 const LONGEST_STEP: f64 = 0.6;
 
-/// What is left of forces at an equilibrium is at most so many times the error that is expected of their sum: in scissors,
-/// chains and rows of four-bars of up to 200 links, at every angle, it was 0.9.
+/// What is left of forces at an equilibrium is at most so many times the error that is expected of their sum: of scissors of
+/// 3 to 40 stages it was 1.0.
 const ERRORS: f64 = 4.0;
 
 /// Sweeps are the faster way in scenes of more than [`MOST_MODES`] free coordinates, where a factorization needs no more
