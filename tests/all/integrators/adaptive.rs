@@ -33,13 +33,13 @@ fn state<P: ImplicitProblem>(stepper: &dyn Stepper<P>) -> Vec<f64> {
     [stepper.position(), stepper.velocity()].concat()
 }
 
-/// The error of a run with `tolerance` is at most 10 times that. It is not below 3·10⁻⁴ of it, which would be work wasted:
+/// The error of a run with `tolerance` is at most 10 times that. It is not below 10⁻⁴ of it, which would be work wasted:
 /// an estimate is that of the poorer rule of a pair, Radau's that of states between the ends, which are of order 4 and 6
 /// where the ends are of 5 and 9. What is left of the references is 10⁻¹³.
 fn assert_follows(method: Method, tolerance: f64, error: f64) {
     let ratio = error / tolerance;
     assert!(
-        ratio < 10.0 && (ratio > 0.0003 || error < 1e-13),
+        ratio < 10.0 && (ratio > 0.0001 || error < 1e-13),
         "{method:?}: error {error:e} at tolerance {tolerance:e}"
     );
 }
@@ -178,9 +178,9 @@ fn runs_cost_what_they_did() {
     Sdirk4 oscillator: steps 212, rejected 0, accelerations 2, residuals 1484, jacobians 6, solves 1484, iterations 1272
     Sdirk4 body: steps 180, rejected 0, accelerations 2, residuals 1991, jacobians 44, solves 1991, iterations 1811
     Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 963, jacobians 18, solves 963, iterations 867
-    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1033, jacobians 75, solves 1033, iterations 930
-    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 390, jacobians 35, solves 390, iterations 370
-    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 628, jacobians 95, solves 628, iterations 600
+    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1072, jacobians 75, solves 1072, iterations 969
+    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 460, jacobians 35, solves 460, iterations 440
+    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 678, jacobians 95, solves 678, iterations 650
     GeneralizedAlpha oscillator: steps 10081, rejected 0, accelerations 2, residuals 40325, jacobians 856, solves 40325, iterations 20163
     GeneralizedAlpha body: steps 9033, rejected 3, accelerations 2, residuals 36155, jacobians 1177, solves 36155, iterations 18083
     Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 2406, jacobians 3, solves 2406, iterations 2406
