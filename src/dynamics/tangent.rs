@@ -142,11 +142,6 @@ impl System<'_> {
         Ok(self.factorize_shifted(solver, a, with).is_ok())
     }
 
-    /// The residual at the point of the last [`System::factorize_tangent`].
-    pub fn tangent_residual(&self) -> &[f64] {
-        &self.scratch
-    }
-
     /// Factorizes again with another shift; positions, velocities, forces and `c₁`, `c₂` as in the last call of
     /// [`System::factorize_tangent`] or [`System::residual`].
     ///

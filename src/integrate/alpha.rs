@@ -60,7 +60,6 @@ const ACCURACY: Accuracy = Accuracy { left: 0.01, stalled: 0.1, least_contractio
 const SLOW: f64 = 0.3;
 /// A step that would grow by less is kept, and with it the factorization.
 const HOLD_BELOW: f64 = 1.2;
-const SLOT: usize = 0;
 const MAX_ITERATIONS: u32 = 10;
 /// A factorization serves steps that differ from its own by this fraction: the rounding of time, no more.
 const STEP_BAND: f64 = 1e-3;
@@ -132,7 +131,7 @@ impl GeneralizedAlpha {
     /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         options.validate()?;
-        problem.reserve(SLOT + 1);
+        problem.reserve();
         let mut progress = Progress::new(problem, start)?;
         let mut norm = ErrorNorm::shared(problem, options, &start, 0.0);
         let mut rate = vec![0.0; progress.state.len()];
@@ -173,7 +172,7 @@ impl GeneralizedAlpha {
             evaluate(problem, trial.time, &self.next, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
             statistics.solves += 1;
-            problem.solve(SLOT, &mut self.correction);
+            problem.solve(&mut self.correction);
             let (of_position, of_velocity) = self.displacement.split_at_mut(position_count);
             problem.position_rate(&self.next[..position_count], &self.correction, of_position);
             of_velocity.iter_mut().zip(&self.correction).for_each(|(by, x)| *by = c1 * x);
@@ -183,7 +182,7 @@ impl GeneralizedAlpha {
             self.place(problem, trial.step);
             let done = iteration.converged(size, rounding);
             if let Some(tangent) = &mut self.tangent {
-                tangent.slow |= iteration.contraction() > SLOW;
+                tangent.slow |= iteration.contraction().is_some_and(|contraction| contraction > SLOW);
             }
             if done? {
                 return Ok(());
@@ -238,7 +237,7 @@ impl GeneralizedAlpha {
                 self.displaced[i] = then + c2 * error;
             }
             evaluate(problem, trial.time, &self.next, &self.displaced, &mut self.correction, statistics)?;
-            problem.solve(SLOT, &mut self.correction);
+            problem.solve(&mut self.correction);
             statistics.solves += 1;
             match pass {
                 Pass::Velocity => of_velocity.copy_from_slice(&self.correction),
@@ -274,7 +273,7 @@ impl<P: ImplicitProblem> Implicit<P> for GeneralizedAlpha {
             let (q, v) = self.next.split_at(position_count);
             let at = Point { time: trial.time, q, v, a: &self.next_rate[position_count..] };
             self.progress.statistics.jacobian_evaluations += 1;
-            problem.factorize(SLOT, at, c1, c2).map_err(Limit::Failure)?;
+            problem.factorize(at, c1, c2).map_err(Limit::Failure)?;
             self.tangent = Some(Tangent { step: trial.step, fresh: true, slow: false });
         }
         self.iterate(problem, trial)?;

@@ -15,9 +15,6 @@
 //!
 //! with the Legendre polynomials `P` shifted to (0, 1). Both have stage order `s`: stages and (2) are of local order
 //! `h^{s+1}`. Hairer, Wanner, *Solving ODEs II*, IV.5.
-//!
-//! **Splitting**: `A = L U`, `U` with a unit diagonal. The stage equations are solved by an iteration that keeps `L`
-//! alone implicit (see `stages.rs`).
 
 /// Intervals of (−1, 1) that are searched for a zero each. Up to ten stages the closest two zeros are three apart.
 /// Odd: the zero in the middle is then at the end of none.
@@ -34,8 +31,6 @@ pub(crate) struct Collocation {
     pub(crate) rows: Vec<Vec<f64>>,
     /// `b_j`.
     pub(crate) weights: Vec<f64>,
-    /// `L`, full rows.
-    pub(crate) lower: Vec<Vec<f64>>,
     /// What (2) has beyond a line, in the nested form of `dense.rs`: weights of `r₂, …, r_s`.
     pub(crate) nested: Vec<Vec<f64>>,
 }
@@ -62,9 +57,8 @@ impl Collocation {
         };
         let rows: Vec<Vec<f64>> = nodes.iter().map(|c| integral(*c)).collect();
         let weights = integral(1.0);
-        let lower = lower_factor(&rows);
         let nested = nested_weights(&nodes, &weights);
-        Self { nodes, rows, weights, lower, nested }
+        Self { nodes, rows, weights, nested }
     }
 
     /// Number of stages.
@@ -124,24 +118,6 @@ fn integrate(nodes: &[f64], end: f64, f: impl Fn(f64) -> f64) -> f64 {
         (1.0 - x * x) / (n as f64 * legendre(n, x).1).powi(2)
     };
     gauss_nodes(nodes.len()).into_iter().map(|c| end * weight(c) * f(end * c)).sum()
-}
-
-/// `L` of `A = L U` with a unit diagonal of `U`.
-fn lower_factor(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let n = rows.len();
-    let (mut lower, mut upper) = (vec![vec![0.0; n]; n], vec![vec![0.0; n]; n]);
-    for j in 0..n {
-        let rest = |i: usize, k: usize, lower: &[Vec<f64>], upper: &[Vec<f64>]| -> f64 {
-            rows[i][k] - (0..j).map(|m| lower[i][m] * upper[m][k]).sum::<f64>()
-        };
-        for i in j..n {
-            lower[i][j] = rest(i, j, &lower, &upper);
-        }
-        for k in j + 1..n {
-            upper[j][k] = rest(j, k, &lower, &upper) / lower[j][j];
-        }
-    }
-    lower
 }
 
 /// The weights of `r₂, …, r_s` in `∫₀^θ ℓ_j = θ (r₁ + (1 − θ) (r₂ + θ (r₃ + …)))`, by division.
@@ -245,24 +221,6 @@ mod tests {
             assert!(row.iter().zip(published).all(|(a, b)| (a - b).abs() < 1e-15), "{row:?}");
         }
         assert!((Collocation::gauss(2).nodes[0] - (0.5 - 3.0_f64.sqrt() / 6.0)).abs() < 1e-15);
-    }
-
-    #[test]
-    fn the_lower_factor_leaves_a_unit_upper_one() {
-        for stages in STAGES {
-            let method = Collocation::radau(stages);
-            // U = L⁻¹ A column by column.
-            for k in 0..stages {
-                let mut column: Vec<f64> = Vec::new();
-                for i in 0..stages {
-                    let known: f64 = column.iter().zip(&method.lower[i]).map(|(u, l)| u * l).sum();
-                    column.push((method.rows[i][k] - known) / method.lower[i][i]);
-                }
-                assert!((column[k] - 1.0).abs() < 1e-12);
-                assert!(column[k + 1..].iter().all(|u| u.abs() < 1e-12), "{column:?}");
-                assert!(method.lower[k][k] > 0.0 && method.lower[k][k + 1..].iter().all(|l| *l == 0.0));
-            }
-        }
     }
 
     #[test]

@@ -14,11 +14,9 @@
 
 use crate::integrate::{error::Limit, newton::evaluate, problem::ImplicitProblem, statistics::Statistics};
 
-/// The end of a step, where the residual vanishes.
+/// The end of a step, where the residual vanishes; `K` is factorized.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct End<'a> {
-    /// Where the factorization of `K` is.
-    pub(crate) slot: usize,
     pub(crate) time: f64,
     /// `g`.
     pub(crate) step: f64,
@@ -41,7 +39,7 @@ pub(crate) fn filter<P: ImplicitProblem>(
     displaced.iter_mut().zip(&*error_q).for_each(|(q, error)| *q -= error);
     acceleration.iter_mut().zip(&*error_v).for_each(|(a, error)| *a += error / end.step);
     evaluate(problem, end.time, displaced, acceleration, filtered, statistics)?;
-    problem.solve(end.slot, filtered);
+    problem.solve(filtered);
     statistics.solves += 1;
 
     let turned = &mut displaced[..position_count];

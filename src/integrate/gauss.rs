@@ -36,7 +36,8 @@ use crate::integrate::{
     problem::ImplicitProblem,
     progress::Progress,
     rates::{require_finite, settle, state_rate},
-    stages::Stages,
+    splitting::GAUSS_3,
+    stages::{Solution, Stages},
     stepper::Stepper,
 };
 
@@ -45,6 +46,8 @@ const STAGES: usize = 3;
 const UNIT: f64 = 1e-13;
 /// The iteration aims at rounding, and may stall at what rounding of the residual leaves on stiff systems.
 const ACCURACY: Accuracy = Accuracy { left: 1e-2, stalled: 1e2, least_contraction: 0.0 };
+/// Steps are equal, so two of them predict the next with rates of twice the order.
+const SOLUTION: Solution = Solution { splitting: GAUSS_3, accuracy: ACCURACY, steps: 2, most: 6 };
 const ADVICE: &str = "shorten the step";
 
 /// Gauss collocation, order 6, symmetric, fixed step.
@@ -54,8 +57,6 @@ pub struct Gauss {
     control: Controller,
     norm: ErrorNorm,
     stages: Stages,
-    /// `(N(q) v, a)` at the start of the run, to predict the first stages from.
-    rate: Vec<f64>,
     /// State at the end of the step tried.
     next: Vec<f64>,
     /// What rounding took from the sum of all steps, and what it will have taken.
@@ -81,11 +82,10 @@ impl Gauss {
         Ok(Self {
             control: Controller::new(&options, 2 * STAGES as u8, step, &progress, ADVICE),
             norm: ErrorNorm::new(problem, UNIT, UNIT),
-            stages: Stages::new(problem, Collocation::gauss(STAGES), ACCURACY),
+            stages: Stages::new(problem, Collocation::gauss(STAGES), SOLUTION, &rate),
             next: rate.clone(),
             lost: vec![0.0; rate.len()],
             next_lost: vec![0.0; rate.len()],
-            rate,
             progress,
         })
     }
@@ -93,8 +93,7 @@ impl Gauss {
     /// Solves the stages and sums them up.
     fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
         let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
-        let start = (*time, &state[..], &self.rate[..]);
-        self.stages.solve(problem, &self.norm, start, trial.step, statistics)?;
+        self.stages.solve(problem, &self.norm, (*time, state), trial.step, statistics)?;
         let Stages { method, rates, .. } = &self.stages;
         for i in 0..state.len() {
             let sum: f64 = method.weights.iter().zip(rates).map(|(weight, rate)| weight * rate[i]).sum();

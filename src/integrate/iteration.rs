@@ -29,6 +29,8 @@ pub(crate) struct Iteration {
     accuracy: Accuracy,
     /// Changes of the last iteration and of the one before.
     before: [Option<f64>; 2],
+    /// The change of the first iteration.
+    first: f64,
     done: u32,
     /// Iterations in which changes may grow.
     patience: u32,
@@ -39,7 +41,7 @@ pub(crate) struct Iteration {
 impl Iteration {
     /// At most `most` iterations.
     pub(crate) fn new(accuracy: Accuracy, most: u32) -> Self {
-        Self { accuracy, before: [None; 2], done: 0, patience: 0, most, contraction: 0.0 }
+        Self { accuracy, before: [None; 2], first: 0.0, done: 0, patience: 0, most, contraction: 0.0 }
     }
 
     /// Neither gives up nor takes changes for rounding in the first `iterations`: of coupled stages in a stiff system they may
@@ -48,14 +50,20 @@ impl Iteration {
         Self { patience: iterations, ..self }
     }
 
-    /// Iterations so far.
-    pub(crate) fn count(&self) -> u32 {
-        self.done
+    /// The contraction last seen; `None` before the second iteration.
+    pub(crate) fn contraction(&self) -> Option<f64> {
+        (self.done > 1).then_some(self.contraction)
     }
 
-    /// The contraction last seen; 0 before the second iteration.
-    pub(crate) fn contraction(&self) -> f64 {
-        self.contraction
+    /// Whether so many iterations or more ended with a contraction poorer than this.
+    pub(crate) fn is_slow(&self, (iterations, contraction): (u32, f64)) -> bool {
+        self.done >= iterations && self.contraction > contraction
+    }
+
+    /// About how many more iterations there are with this contraction; infinite where it is none.
+    pub(crate) fn left(&self, contraction: f64) -> f64 {
+        let to_go = self.before[0].map_or(0.0, |size| (self.accuracy.left / size).ln());
+        if contraction < 1.0 { (to_go / contraction.ln()).max(0.0) } else { f64::INFINITY }
     }
 
     /// Whether the iteration may stop after a change of norm `size`, `rounding` being that of rounding.
@@ -66,6 +74,9 @@ impl Iteration {
         self.done += 1;
         let before = self.before;
         self.before = [Some(size), before[0]];
+        if self.done == 1 {
+            self.first = size;
+        }
         if size <= rounding {
             return Ok(true);
         }
@@ -77,7 +88,9 @@ impl Iteration {
         if self.contraction < 1.0 {
             let contraction = self.contraction.max(self.accuracy.least_contraction);
             let remaining = contraction / (1.0 - contraction) * size;
-            let reachable = remaining * self.contraction.powi((self.most - self.done) as i32) <= self.accuracy.left;
+            // Coupled stages of a stiff system turn as they shrink: of a slow stretch and the whole way the faster is believed.
+            let fastest = self.contraction.min((size / self.first).powf(1.0 / f64::from(self.done - 1)));
+            let reachable = remaining * fastest.powi((self.most - self.done) as i32) <= self.accuracy.left;
             // The first quotient is too poor a witness to give up on.
             return match reachable || second.is_none() || self.done <= self.patience {
                 true => Ok(remaining <= self.accuracy.left),

@@ -34,8 +34,6 @@ use crate::integrate::{
 
 /// Largest κ.
 const LARGEST_FRACTION: f64 = 0.005;
-/// All stages share one factorization.
-pub(crate) const SLOT: usize = 0;
 const MAX_ITERATIONS: u32 = 12;
 /// A factorization that contracts worse is renewed.
 const SLOW: f64 = 0.3;
@@ -111,7 +109,7 @@ impl Newton {
         self.factorization = None;
         let c1 = 1.0 / step;
         statistics.jacobian_evaluations += 1;
-        problem.factorize(SLOT, point, c1, c1 * c1).map_err(Limit::Failure)?;
+        problem.factorize(point, c1, c1 * c1).map_err(Limit::Failure)?;
         self.factorization = Some(Factorization { step, fresh: true, contraction: None, slow: false });
         Ok(())
     }
@@ -154,7 +152,7 @@ impl Newton {
             evaluate(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
             statistics.solves += 1;
-            problem.solve(SLOT, &mut self.correction);
+            problem.solve(&mut self.correction);
             displace(problem, state, &self.correction, factorization.step, &mut self.displacement);
             let size = norm.measure(&self.displacement, stage.start, state).value;
 
@@ -249,29 +247,6 @@ pub(crate) fn evaluate<P: ImplicitProblem>(
     let (q, v) = state.split_at(problem.position_count());
     statistics.residual_evaluations += 1;
     problem.residual(time, q, v, acceleration, residual).map_err(Limit::Failure)?;
-    require_finite_residual(residual)
-}
-
-/// As [`evaluate`], and factorizes the stage's tangent there.
-pub(crate) fn linearize<P: ImplicitProblem>(
-    problem: &mut P,
-    slot: usize,
-    stage: Stage<'_>,
-    state: &[f64],
-    acceleration: &[f64],
-    residual: &mut [f64],
-    statistics: &mut Statistics,
-) -> Result<(), Limit> {
-    let (q, v) = state.split_at(problem.position_count());
-    let at = Point { time: stage.time, q, v, a: acceleration };
-    let c1 = 1.0 / stage.step;
-    statistics.jacobian_evaluations += 1;
-    statistics.residual_evaluations += 1;
-    problem.linearize(slot, at, c1, c1 * c1, residual).map_err(Limit::Failure)?;
-    require_finite_residual(residual)
-}
-
-fn require_finite_residual(residual: &[f64]) -> Result<(), Limit> {
     match residual.iter().position(|r| !r.is_finite()) {
         Some(index) => Err(Limit::NotFinite(Component::Velocity(index))),
         None => Ok(()),

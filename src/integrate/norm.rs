@@ -138,6 +138,19 @@ impl ErrorNorm {
     }
 }
 
+/// The largest component of `x − y`, each multiplied with its weight; infinite where one is not a number.
+pub(crate) fn largest_difference(x: &[f64], y: &[f64], weights: &[f64]) -> f64 {
+    let (mut largest, mut undefined) = ([0.0_f64; 4], false);
+    for ((x, y), weights) in x.chunks(4).zip(y.chunks(4)).zip(weights.chunks(4)) {
+        for (((largest, x), y), weight) in largest.iter_mut().zip(x).zip(y).zip(weights) {
+            let size = (x - y).abs() * weight;
+            undefined |= size.is_nan();
+            *largest = largest.max(size);
+        }
+    }
+    if undefined { f64::INFINITY } else { largest.into_iter().fold(0.0, f64::max) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,6 +186,14 @@ mod tests {
         let measured = norm().measure(&[0.31, -0.24], &[3.0, 1.0], &[-2.0, 0.5]);
         assert_eq!(measured.worst, 1);
         assert!((measured.value - 2.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_largest_difference_is_that_of_the_norm() {
+        let (from, to) = ([3.0, 1.0, -2.0, 0.5, 7.0], [2.0, 1.5, -2.0, 0.4, 7.5]);
+        let weights = [1.0, 2.0, 3.0, 4.0, 5.0];
+        assert_eq!(largest_difference(&from, &to, &weights), 2.5);
+        assert_eq!(largest_difference(&from, &[f64::NAN, 1.5, -2.0, 0.4, 7.5], &weights), f64::INFINITY);
     }
 
     #[test]

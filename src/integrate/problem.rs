@@ -54,23 +54,15 @@ pub trait ImplicitProblem: Problem {
     /// # Errors
     /// Where a number is not finite.
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure>;
-    /// Makes room for factorizations in the slots `0..slots`; asked once, when a method starts.
-    fn reserve(&mut self, slots: usize);
-    /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates) and keeps it in `slot`.
+    /// Makes room for a factorization; asked once, when a method starts.
+    fn reserve(&mut self);
+    /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates).
     ///
     /// # Errors
     /// Where it is singular.
-    fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure>;
-    /// As [`factorize`](Self::factorize), and `r ←` the residual at that point, which most tangents start from.
-    ///
-    /// # Errors
-    /// As those two.
-    fn linearize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64, r: &mut [f64]) -> Result<(), Failure> {
-        self.factorize(slot, at, c1, c2)?;
-        self.residual(at.time, at.q, at.v, at.a, r)
-    }
-    /// Solves with the factorization last made in `slot`, in place.
-    fn solve(&mut self, slot: usize, rhs: &mut [f64]);
+    fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure>;
+    /// Solves with the factorization last made, in place.
+    fn solve(&mut self, rhs: &mut [f64]);
 }
 
 /// A point at which to linearise.

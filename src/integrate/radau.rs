@@ -4,23 +4,22 @@
 //! (1)  X_i = x + h Σ_j a_ij k_j,   k_i = (N(q_i) v_i, a_i),   r(t + c_i h, q_i, v_i, a_i) = 0,   x' = X_s
 //! ```
 //!
-//! with the coefficients of `collocation.rs`. The stages are coupled; `stages.rs` solves them with tangents of real
-//! shifts, each an O(n) sweep.
+//! with the coefficients of `collocation.rs`. The stages are coupled; `stages.rs` solves them with one tangent of a real
+//! shift, an O(n) sweep.
 //!
 //! **Stability**: L-stable and stiffly accurate, as `sdirk4`. Unlike there every stage is itself of order `s`, so a
 //! strong damper or a stiff spring that moves leaves an error `O(h^s)` and not `O(h)`: tight tolerances stay cheap.
 //!
 //! **Error**: `O(h^{2s})` per step where the step resolves the system.
 //!
-//! **Error estimate**: how far the polynomial of the step misses the rate `k_0` at its start, with the last tangent's
-//! shift `g = h l_ss`,
+//! **Error estimate**: how far the polynomial of the step misses the rate `k_0` at its start,
 //!
 //! ```text
-//! (2)  e = g (k_0 − Σ_i ℓ_i(0) k_i) = O(h^{s+1}),
+//! (2)  e = κ h (k_0 − Σ_i ℓ_i(0) k_i) = O(h^{s+1}),
 //! ```
 //!
-//! filtered (see `filter.rs`). It is the difference to an embedded rule of order `s` (*Solving ODEs II*, IV.8, with `g`
-//! in place of the real eigenvalue), and also of the order of the error between the ends, so a sample is as good as the
+//! filtered with the tangent's shift (see `filter.rs`). It is the difference to an embedded rule of order `s` (*Solving
+//! ODEs II*, IV.8, with `κ` in place of the real eigenvalue), and also of the order of the error between the ends, so a sample is as good as the
 //! tolerance while the ends of steps are better: so much better that the errors of all steps add up to less than the
 //! tolerance, and every step is allowed the whole of it, not a share (`norm.rs`). The last stage of a step is the first rate of the next.
 //!
@@ -46,17 +45,24 @@ use crate::integrate::{
     problem::ImplicitProblem,
     progress::Progress,
     rates::{settle, state_rate},
-    stages::Stages,
+    splitting::{RADAU_3, RADAU_5, Splitting},
+    stages::{Solution, Stages},
     start::first_step,
     stepper::Stepper,
 };
 
-/// Part of the tolerance that the iteration of the stages may leave. A larger one spoils the prediction of the next
-/// stages, and three times as much leaves 2·10⁻⁸ of Kapitza's pendulum at a tolerance of 10⁻¹⁰ (`docs/hard_cases.md`).
-/// At tolerances close to rounding it may stall earlier.
-const ACCURACY: Accuracy = Accuracy { left: 0.001, stalled: 0.1, least_contraction: 0.2 };
+/// At a tolerance of 10⁻¹⁰. A larger part left spoils the prediction of the next stages, and three times as much leaves
+/// 2·10⁻⁸ of Kapitza's pendulum (`docs/hard_cases.md`). At tolerances close to rounding the iteration may stall earlier.
+const ACCURACY: Accuracy = Accuracy { left: 0.001, stalled: 0.1, least_contraction: 0.1 };
+const TIGHT: f64 = 1e-10;
+/// What the iterations of all steps leave adds up. Looser tolerances make fewer steps, each of which may leave more, but no
+/// more than so many times that.
+const MOST_LEFT: f64 = 5.0;
 /// A step that would grow by less is kept, and with it the tangents.
 const HOLD_BELOW: f64 = 1.2;
+/// `κ`. Larger ones only make steps shorter whose ends are more exact than the tolerance anyway.
+const ESTIMATE_3: f64 = 1.0 / 5.0;
+const ESTIMATE_5: f64 = 1.0 / 13.0;
 const ADVICE: &str = "shorten the step, or let the method choose it";
 
 /// Radau IIA of 3 or 5 stages: order 5 or 9, L-stable, adaptive.
@@ -66,8 +72,9 @@ pub struct Radau {
     control: Controller,
     norm: ErrorNorm,
     stages: Stages,
-    /// `ℓ_i(0)`.
+    /// `κ ℓ_i(0)`, and `κ`.
     at_start: Vec<f64>,
+    estimate: f64,
     /// `k_0`: `(N(q) v, a)` at the start of the step.
     rate: Vec<f64>,
     /// State at the end of the step tried.
@@ -89,7 +96,7 @@ impl Radau {
         options: &Options,
         start: Start<'_>,
     ) -> Result<Self, StepError> {
-        Self::new(problem, 3, options, start)
+        Self::new(problem, (3, RADAU_3, ESTIMATE_3), options, start)
     }
 
     /// Starts a run of order 9.
@@ -101,12 +108,12 @@ impl Radau {
         options: &Options,
         start: Start<'_>,
     ) -> Result<Self, StepError> {
-        Self::new(problem, 5, options, start)
+        Self::new(problem, (5, RADAU_5, ESTIMATE_5), options, start)
     }
 
     fn new<P: ImplicitProblem>(
         problem: &mut P,
-        stages: usize,
+        (stages, splitting, estimate): (usize, Splitting, f64),
         options: &Options,
         start: Start<'_>,
     ) -> Result<Self, StepError> {
@@ -123,11 +130,15 @@ impl Radau {
             None => first_step(problem, &mut norm, &mut progress, &rate, estimate_order),
         };
         let method = Collocation::radau(stages);
+        let steps_fewer = (norm.tolerance() / TIGHT).powf(1.0 / f64::from(estimate_order)).clamp(1.0, MOST_LEFT);
+        let accuracy = Accuracy { left: steps_fewer * ACCURACY.left, ..ACCURACY };
+        let solution = Solution { splitting, accuracy, steps: 2, most: stages + 1 };
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
             control: Controller::new(options, estimate_order, step, &progress, ADVICE).holding_below(HOLD_BELOW),
-            at_start: (0..stages).map(|j| method.lagrange(j, 0.0)).collect(),
-            stages: Stages::new(problem, method, ACCURACY),
+            at_start: (0..stages).map(|j| estimate * method.lagrange(j, 0.0)).collect(),
+            estimate,
+            stages: Stages::new(problem, method, solution, &rate),
             next: rate.clone(),
             error: rate.clone(),
             displaced: rate.clone(),
@@ -143,14 +154,14 @@ impl Radau {
     fn estimate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         let Progress { state, position_count, statistics, .. } = &mut self.progress;
         let last = self.at_start.len() - 1;
-        let step = trial.step * self.stages.method.lower[last][last];
-        self.error.copy_from_slice(&self.rate);
+        self.error.iter_mut().zip(&self.rate).for_each(|(error, rate)| *error = self.estimate * rate);
         for (weight, rate) in self.at_start.iter().zip(&self.stages.rates) {
             self.error.iter_mut().zip(rate).for_each(|(error, rate)| *error -= weight * rate);
         }
-        self.error.iter_mut().for_each(|error| *error *= step);
+        self.error.iter_mut().for_each(|error| *error *= trial.step);
         self.acceleration.copy_from_slice(&self.stages.rates[last][*position_count..]);
-        let end = End { slot: last, time: trial.time, step, state: &self.next };
+        let step = trial.step * self.stages.diagonal;
+        let end = End { time: trial.time, step, state: &self.next };
         let scratch = (&mut self.displaced[..], &mut self.acceleration[..]);
         filter(problem, end, &mut self.error, scratch, &mut self.filtered, statistics)?;
         Ok(self.norm.measure(&self.error, state, &self.next))
@@ -164,8 +175,7 @@ impl<P: ImplicitProblem> Implicit<P> for Radau {
 
     fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         let Progress { time, state, statistics, .. } = &mut self.progress;
-        let start = (*time, &state[..], &self.rate[..]);
-        self.stages.solve(problem, &self.norm, start, trial.step, statistics)?;
+        self.stages.solve(problem, &self.norm, (*time, state), trial.step, statistics)?;
         self.next.copy_from_slice(&self.stages.states[self.at_start.len() - 1]);
         if self.control.is_fixed() {
             return Ok(Measured { value: 0.0, worst: 0 });

@@ -31,7 +31,7 @@ use crate::integrate::{
     error::{Limit, StepError},
     filter::{End, filter},
     implicit::{self, Implicit},
-    newton::{Newton, SLOT, Stage},
+    newton::{Newton, Stage},
     norm::{ErrorNorm, Measured},
     options::{Options, Start},
     predict::Predictor,
@@ -80,7 +80,7 @@ impl Sdirk4 {
     /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         options.validate()?;
-        problem.reserve(SLOT + 1);
+        problem.reserve();
         let mut progress = Progress::new(problem, start)?;
         let mut norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
         let mut rate = vec![0.0; progress.state.len()];
@@ -111,7 +111,7 @@ impl Sdirk4 {
         let Progress { state, statistics, .. } = &mut self.progress;
         let gamma_step = GAMMA * trial.step;
         weighted_sum(&mut self.error, trial.step, &E, &self.rates);
-        let end = End { slot: SLOT, time: trial.time, step: gamma_step, state: &self.next };
+        let end = End { time: trial.time, step: gamma_step, state: &self.next };
         // The known part and the last acceleration are free now.
         let scratch = (&mut self.known[..], &mut self.acceleration[..]);
         filter(problem, end, &mut self.error, scratch, &mut self.filter, statistics)?;

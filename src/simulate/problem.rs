@@ -8,6 +8,7 @@ use crate::model::{End, Joint, Model};
 use crate::simulate::run::State;
 use crate::simulate::stops::{Side, Stops};
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// [`System`] with what integrators ask for: this and a [`Method`](crate::integrate::Method) step a model by hand.
 ///
@@ -35,6 +36,7 @@ use nalgebra::Vector3;
 /// [`simulate::run`](super::run)'s.
 pub struct Motion<'m> {
     system: System<'m>,
+    runs: Vec<Run>,
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
     tangent: Tangent,
@@ -47,14 +49,41 @@ pub struct Motion<'m> {
     balance: Vec<f64>,
 }
 
-/// The factorized tangents of an implicit step, one per slot.
+/// Coordinates one after the other.
+enum Run {
+    /// Of turns and slides, whose rates are the velocities.
+    Plain { positions: Range<usize>, velocities: Range<usize> },
+    /// The numbers of a quaternion and the angular velocities, from these places on.
+    Ball(usize, usize),
+}
+
+/// The coordinates of a model; a long chain of turns is one run.
+fn runs(model: &Model) -> Vec<Run> {
+    let mut runs = Vec::new();
+    for link in &model.links {
+        let (at, from) = (link.position, link.velocity);
+        match (link.joint, runs.last_mut()) {
+            (Joint::None, _) => {}
+            (Joint::Ball { .. }, _) => runs.push(Run::Ball(at, from)),
+            (_, Some(Run::Plain { positions, velocities })) if positions.end == at && velocities.end == from => {
+                (positions.end, velocities.end) = (at + 1, from + 1);
+            }
+            _ => runs.push(Run::Plain { positions: at..at + 1, velocities: from..from + 1 }),
+        }
+    }
+    runs
+}
+
+/// The factorized tangent of an implicit step.
 enum Tangent {
+    /// Not asked for yet.
+    None,
     /// In O(n), by sweeps.
-    Sweep(Vec<TangentSolver>),
+    Sweep(Box<TangentSolver>),
     /// Dense: where more forces reach across the tree than it has coordinates.
-    Dense(Vec<DenseTangent>),
+    Dense(Box<DenseTangent>),
     /// With loops, drives or gears: bordered by their rows.
-    Bordered(Vec<Bordered>),
+    Bordered(Box<Bordered>),
 }
 
 impl From<Fault> for Failure {
@@ -78,15 +107,11 @@ impl<'m> Motion<'m> {
         let mut system = System::new(model);
         let sizes = velocity_scales.iter().map(|scale| scale * time).collect();
         let passage = model.is_constrained().then(|| Passage::new(model, &mut system, sizes));
-        let tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
-            (true, _) => Tangent::Bordered(Vec::new()),
-            (false, false) => Tangent::Sweep(Vec::new()),
-            (false, true) => Tangent::Dense(Vec::new()),
-        };
+        let tangent = Tangent::None;
         let stops = Stops::new(model);
         let scratch = vec![0.0; if passage.is_some() { model.velocity_count() } else { 0 }];
         let (allowed, balance) = (scratch.clone(), scratch);
-        Self { system, position_scales, velocity_scales, tangent, stops, passage, allowed, balance }
+        Self { system, runs: runs(model), position_scales, velocity_scales, tangent, stops, passage, allowed, balance }
     }
 
     /// The system at a time (s), for what is recorded between steps.
@@ -192,9 +217,8 @@ impl<'m> Motion<'m> {
         let system = at_time(&mut self.system, time);
         stops.counts = Some(system.hold(position, velocity, &stops.rows())?);
         passage.start(system, position, velocity);
-        if let Tangent::Bordered(factors) = &mut self.tangent {
-            factors.clear();
-        }
+        // It has other rows now.
+        self.tangent = Tangent::None;
         Ok(())
     }
 
@@ -319,22 +343,20 @@ impl Problem for Motion<'_> {
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
-        for link in &self.system.model().links {
-            let (at, from) = (link.position, link.velocity);
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => rate[at] = v[from],
-                Joint::Ball { .. } => {
-                    rate[at..at + 4].copy_from_slice(&half_product(&q[at..at + 4], &v[from..from + 3]));
+        for run in &self.runs {
+            match run {
+                Run::Plain { positions, velocities } => rate[positions.clone()].copy_from_slice(&v[velocities.clone()]),
+                Run::Ball(at, from) => {
+                    rate[*at..at + 4].copy_from_slice(&half_product(&q[*at..at + 4], &v[*from..from + 3]));
                 }
             }
         }
     }
 
     fn normalize(&self, q: &mut [f64]) {
-        for link in &self.system.model().links {
-            if matches!(link.joint, Joint::Ball { .. }) {
-                let p = &mut q[link.position..link.position + 4];
+        for run in &self.runs {
+            if let Run::Ball(at, _) = run {
+                let p = &mut q[*at..at + 4];
                 let norm = p.iter().map(|x| x * x).sum::<f64>().sqrt();
                 p.iter_mut().for_each(|x| *x /= norm);
             }
@@ -355,12 +377,14 @@ impl Problem for Motion<'_> {
 
 impl ImplicitProblem for Motion<'_> {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
-        for link in &self.system.model().links {
-            let (at, from) = (link.position, link.velocity);
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => q[at] = start[at] + step * v[from],
-                Joint::Ball { .. } => {
+        for run in &self.runs {
+            match run {
+                Run::Plain { positions, velocities } => {
+                    let known = start[positions.clone()].iter().zip(&v[velocities.clone()]);
+                    q[positions.clone()].iter_mut().zip(known).for_each(|(q, (start, v))| *q = start + step * v);
+                }
+                Run::Ball(at, from) => {
+                    let (at, from) = (*at, *from);
                     // (1 − ½ h Ω) p = p*, with Ω skew and Ω² = −|ω|²: p = (p* + ½ h Ω p*) / (1 + ¼ h² |ω|²)
                     let (p, w) = (&start[at..at + 4], &v[from..from + 3]);
                     let turned = half_product(p, w);
@@ -405,34 +429,35 @@ impl ImplicitProblem for Motion<'_> {
         Ok(())
     }
 
-    fn reserve(&mut self, slots: usize) {
+    fn reserve(&mut self) {
         let model = self.system.model();
-        match &mut self.tangent {
-            Tangent::Sweep(solvers) if solvers.len() < slots => {
-                solvers.resize_with(slots, || TangentSolver::new(model))
-            }
-            Tangent::Dense(factors) if factors.len() < slots => factors.resize_with(slots, || DenseTangent::new(model)),
-            Tangent::Bordered(factors) if factors.len() < slots => {
-                let system = &self.system;
-                factors.resize_with(slots, || Bordered::new(system));
-            }
-            Tangent::Sweep(_) | Tangent::Dense(_) | Tangent::Bordered(_) => {}
+        if matches!(self.tangent, Tangent::None) {
+            self.tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
+                (true, _) => Tangent::Bordered(Box::new(Bordered::new(&self.system))),
+                (false, false) => Tangent::Sweep(Box::new(TangentSolver::new(model))),
+                (false, true) => Tangent::Dense(Box::new(DenseTangent::new(model))),
+            };
         }
     }
 
-    fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
+    fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let Point { time, q, v, a } = at;
         let system = at_time(&mut self.system, time);
+        // Compliant stops push, as they do on the residual.
+        if let Some(stops) = &self.stops {
+            stops.press(q, v, system.outside());
+        }
         let shift = self.stops.as_mut().map_or(&[][..], |stops| stops.diagonal(c1));
         let regular = match &mut self.tangent {
-            Tangent::Sweep(solvers) => {
+            Tangent::None => false,
+            Tangent::Sweep(solver) => {
                 let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
-                system.factorize_tangent(&mut solvers[slot], q, v, a, &with)?
+                system.factorize_tangent(solver, q, v, a, &with)?
             }
-            Tangent::Dense(factors) => system.factorize_dense(&mut factors[slot], q, v, a, [c1, c2], shift)?,
+            Tangent::Dense(factors) => system.factorize_dense(factors, q, v, a, [c1, c2], shift)?,
             Tangent::Bordered(factors) => {
                 let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
-                factors[slot].factorize(system, at, [c1, c2], shift, weak)?
+                factors.factorize(system, at, [c1, c2], shift, weak)?
             }
         };
         match regular {
@@ -441,28 +466,12 @@ impl ImplicitProblem for Motion<'_> {
         }
     }
 
-    fn linearize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64, r: &mut [f64]) -> Result<(), Failure> {
-        if !matches!(self.tangent, Tangent::Sweep(_)) {
-            self.factorize(slot, at, c1, c2)?;
-            return self.residual(at.time, at.q, at.v, at.a, r);
-        }
-        // Compliant stops push, as they do on the residual.
-        if let Some(stops) = &self.stops {
-            stops.press(at.q, at.v, at_time(&mut self.system, at.time).outside());
-        }
-        self.factorize(slot, at, c1, c2)?;
-        r.copy_from_slice(self.system.tangent_residual());
-        if let Some(stops) = &self.stops {
-            stops.balance(r);
-        }
-        Ok(())
-    }
-
-    fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
+    fn solve(&mut self, rhs: &mut [f64]) {
         match &mut self.tangent {
-            Tangent::Sweep(solvers) => solvers[slot].solve(rhs),
-            Tangent::Dense(factors) => factors[slot].solve(rhs),
-            Tangent::Bordered(factors) => factors[slot].solve(&mut self.system, rhs),
+            Tangent::None => {}
+            Tangent::Sweep(solver) => solver.solve(rhs),
+            Tangent::Dense(factors) => factors.solve(rhs),
+            Tangent::Bordered(factors) => factors.solve(&mut self.system, rhs),
         }
     }
 }

@@ -123,11 +123,11 @@ impl ImplicitProblem for Blocked {
         r.copy_from_slice(a);
         Self::check(q)
     }
-    fn reserve(&mut self, _slots: usize) {}
-    fn factorize(&mut self, _slot: usize, _at: Point<'_>, _c1: f64, _c2: f64) -> Result<(), Failure> {
+    fn reserve(&mut self) {}
+    fn factorize(&mut self, _at: Point<'_>, _c1: f64, _c2: f64) -> Result<(), Failure> {
         Ok(())
     }
-    fn solve(&mut self, _slot: usize, _rhs: &mut [f64]) {}
+    fn solve(&mut self, _rhs: &mut [f64]) {}
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use stillpoint::integrate::{ImplicitProblem, Method, Options, Point, Problem, Start};
+use stillpoint::integrate::{Method, Options, Problem, Start};
 use stillpoint::model::Model;
 use stillpoint::simulate::problem::Motion;
 
@@ -170,25 +170,6 @@ fn the_energy_error_of_gauss_does_not_grow() {
 fn the_energy_error_of_gauss_does_not_grow_in_a_million_steps() {
     assert_bounded(SWING, 0.05, 1_000_000);
     assert_bounded(TOP, 0.02, 1_000_000);
-}
-
-/// Integrators make a tangent where they need the residual as well and ask for both at once.
-#[test]
-fn a_tangent_comes_with_the_residual_of_its_point() {
-    let far = "[[force]]\nname = \"far\"\ntype = \"spring\"\nbetween = [{ body = \"lower\" }, { body = \"ground\", at = [0.3, 0.0, 0.2] }]\nstiffness = 9.0\nlength = 0.1\n";
-    for text in [CHAIN.to_owned(), format!("{CHAIN}\n{far}")] {
-        let model = model(&text);
-        let mut motion = Motion::new(&model);
-        let (q, v) = (&model.start_position, &model.start_velocity);
-        let a: Vec<f64> = (0..v.len()).map(|i| 1.0 - 0.3 * i as f64).collect();
-        let (mut balance, mut with_tangent) = (vec![0.0; a.len()], vec![0.0; a.len()]);
-        motion.reserve(1);
-        motion.residual(0.1, q, v, &a, &mut balance).expect("a balance");
-        let point = Point { time: 0.1, q, v, a: &a };
-        motion.linearize(0, point, 40.0, 1600.0, &mut with_tangent).expect("a tangent");
-        assert!(balance.iter().any(|r| r.abs() > 0.1));
-        assert_eq!(balance, with_tangent);
-    }
 }
 
 /// A hundred links let go straight out, where steps resolve the motion they find: force balances per step.

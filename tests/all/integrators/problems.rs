@@ -11,7 +11,7 @@ pub(super) struct Scalar {
     law: Law,
     /// `(∂f/∂q, ∂f/∂q̇)`.
     slopes: Slopes,
-    pivots: Vec<f64>,
+    pivot: f64,
 }
 
 impl Scalar {
@@ -19,7 +19,7 @@ impl Scalar {
         law: impl Fn(f64, f64, f64) -> f64 + 'static,
         slopes: impl Fn(f64, f64, f64) -> (f64, f64) + 'static,
     ) -> Self {
-        Self { law: Box::new(law), slopes: Box::new(slopes), pivots: Vec::new() }
+        Self { law: Box::new(law), slopes: Box::new(slopes), pivot: 1.0 }
     }
 
     /// `q̈ + damping q̇ + stiffness q = force(t)`.
@@ -72,16 +72,14 @@ impl ImplicitProblem for Scalar {
         r[0] = a[0] - (self.law)(time, q[0], v[0]);
         Ok(())
     }
-    fn reserve(&mut self, slots: usize) {
-        self.pivots.resize(slots, 1.0);
-    }
-    fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
+    fn reserve(&mut self) {}
+    fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let (by_q, by_v) = (self.slopes)(at.time, at.q[0], at.v[0]);
-        self.pivots[slot] = c2 - c1 * by_v - by_q;
+        self.pivot = c2 - c1 * by_v - by_q;
         Ok(())
     }
-    fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
-        rhs[0] /= self.pivots[slot];
+    fn solve(&mut self, rhs: &mut [f64]) {
+        rhs[0] /= self.pivot;
     }
 }
 
@@ -90,12 +88,12 @@ pub(super) struct Body {
     inertia: Matrix3<f64>,
     /// The weight's moment arm, in body axes, times the weight: torque `arm × (−up)`.
     arm: Vector3<f64>,
-    inverses: Vec<Matrix3<f64>>,
+    inverse: Matrix3<f64>,
 }
 
 impl Body {
     pub(super) fn new(moments: [f64; 3], arm: [f64; 3]) -> Self {
-        Self { inertia: Matrix3::from_diagonal(&moments.into()), arm: arm.into(), inverses: Vec::new() }
+        Self { inertia: Matrix3::from_diagonal(&moments.into()), arm: arm.into(), inverse: Matrix3::identity() }
     }
 
     /// The attitude at `time` of a torque-free body with moments `(a, a, c)`, from the identity with `spin`:
@@ -168,19 +166,17 @@ impl ImplicitProblem for Body {
         r.copy_from_slice((self.inertia * Vector3::from_column_slice(a) - self.torque(q, v)).as_slice());
         Ok(())
     }
-    fn reserve(&mut self, slots: usize) {
-        self.inverses.resize(slots, Matrix3::identity());
-    }
-    fn factorize(&mut self, slot: usize, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
+    fn reserve(&mut self) {}
+    fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let spin = Vector3::from_column_slice(at.v);
         let by_v = spin.cross_matrix() * self.inertia - (self.inertia * spin).cross_matrix();
         let by_q = self.arm.cross_matrix() * Self::up(at.q).cross_matrix();
         let matrix = self.inertia * c2 + by_v * c1 + by_q;
-        self.inverses[slot] = matrix.try_inverse().ok_or_else(|| Failure { message: "the body is singular".into() })?;
+        self.inverse = matrix.try_inverse().ok_or_else(|| Failure { message: "the body is singular".into() })?;
         Ok(())
     }
-    fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
-        let solution = self.inverses[slot] * Vector3::from_column_slice(rhs);
+    fn solve(&mut self, rhs: &mut [f64]) {
+        let solution = self.inverse * Vector3::from_column_slice(rhs);
         rhs.copy_from_slice(solution.as_slice());
     }
 }

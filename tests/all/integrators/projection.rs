@@ -8,7 +8,7 @@ use super::{METHODS, distance, fixed, run};
 #[derive(Default)]
 struct Circle {
     projections: u64,
-    pivots: Vec<f64>,
+    pivot: f64,
 }
 
 impl Problem for Circle {
@@ -50,15 +50,13 @@ impl ImplicitProblem for Circle {
         r.copy_from_slice(&[a[0] + q[0], a[1] + q[1]]);
         Ok(())
     }
-    fn reserve(&mut self, slots: usize) {
-        self.pivots.resize(slots, 1.0);
-    }
-    fn factorize(&mut self, slot: usize, _at: Point<'_>, _c1: f64, c2: f64) -> Result<(), Failure> {
-        self.pivots[slot] = c2 + 1.0;
+    fn reserve(&mut self) {}
+    fn factorize(&mut self, _at: Point<'_>, _c1: f64, c2: f64) -> Result<(), Failure> {
+        self.pivot = c2 + 1.0;
         Ok(())
     }
-    fn solve(&mut self, slot: usize, rhs: &mut [f64]) {
-        rhs.iter_mut().for_each(|x| *x /= self.pivots[slot]);
+    fn solve(&mut self, rhs: &mut [f64]) {
+        rhs.iter_mut().for_each(|x| *x /= self.pivot);
     }
 }
 
