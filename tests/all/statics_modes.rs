@@ -138,3 +138,31 @@ fn a_long_chain_of_balls_swings_like_one_of_universal_hinges() {
         }
     }
 }
+
+/// A chain that floats costs nothing to move as a whole, however long it is, and nothing else is free. Its frequencies are
+/// those of a free beam, `22.373 √(EI/m) / L²`, where links are many.
+#[test]
+fn a_long_chain_that_floats_has_six_motions_that_cost_nothing() {
+    for links in [40, 100, 1000] {
+        for hinge in ["type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]]", "type = \"revolute\", axis = [0, 1, 0]"] {
+            let h = 10.0 / (links as f64 + 1.0);
+            let body = format!(
+                "mass = {h}\ncenter = [0, 0, {}]\ninertia = [{1}, {1}, {1}]\nmarkers = {{ tip = [0, 0, {h}] }}\n",
+                h / 2.0,
+                h * h * h / 12.0
+            );
+            let (_, found) = rest(&format!(
+                "gravity = [0, 0, 0]\n[[body]]\nname = \"base\"\n{body}hinge = {{ type = \"free\" }}\n[[body]]\nname = \
+                 \"link\"\nrepeat = {links}\n{body}hinge = {{ {hinge}, parent = \"base\", at = \"tip\", next = \"tip\", \
+                 stiffness = {} }}\n",
+                100.0 / h
+            ));
+            let stability = found.stability.expect("a verdict");
+            assert_eq!((stability.unstable_directions, stability.neutral_directions), (0, 6), "{links} links");
+            let lowest = stability.modes.iter().map(|mode| mode.frequency_hz).find(|hertz| *hertz > 0.0);
+            let beam = 22.373_285 * 10.0 / (100.0 * std::f64::consts::TAU);
+            let lowest = lowest.expect("a frequency");
+            assert!((lowest / beam - 1.0).abs() < 1.0 / links as f64, "{links} links: {lowest} Hz instead of {beam}");
+        }
+    }
+}
