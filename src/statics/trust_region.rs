@@ -11,6 +11,7 @@
 //! one of them.
 
 use super::landscape::Landscape;
+use super::saddle::{WayOut, way_out};
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
 
@@ -164,6 +165,11 @@ impl Search<'_, '_, '_> {
             // A position that cannot be evaluated is outside the region.
             Err(_) => return Ok(None),
         };
+        // Along motions that cost nothing the model can be wrong and the potential cannot tell: the forces can.
+        if tiny && next.residual().0 > self.outcome.place.residual().0 {
+            self.radius = 0.3 * trial.size.min(self.radius);
+            return Ok(None);
+        }
         self.outcome.shifted |= trial.shift > 0.0;
         self.outcome.place = next;
         self.potential = potential;
@@ -248,27 +254,10 @@ impl Search<'_, '_, '_> {
     fn leave_saddle(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
         let place = &self.outcome.place;
         self.landscape.look(&place.q)?;
-        // What is within round-off of zero stiffness is neutral: it leads nowhere.
-        let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| super::stability::NEUTRAL * k).collect();
-        let Some(direction) = self.landscape.negative_direction(&slack) else { return Ok(false) };
-        let size = self.landscape.size(&direction);
-        // No further than loops close again.
-        let whole: Vec<f64> = direction.iter().map(|d| self.radius / size * d).collect();
-        let radius = self.radius / self.landscape.stretch(&whole).max(1.0);
-        let mut best: Option<(f64, Vec<f64>, f64)> = None;
-        for sign in [1.0, -1.0] {
-            let mut part = 1e-3;
-            while part <= 1.0 {
-                let x: Vec<f64> = direction.iter().map(|d| sign * part * radius / size * d).collect();
-                let q = self.landscape.moved(&self.outcome.place.q, &x);
-                let potential = self.landscape.potential(&q);
-                if potential < best.as_ref().map_or(self.potential, |b| b.0) {
-                    best = Some((potential, x, part * radius));
-                }
-                part *= 4.0;
-            }
-        }
-        let Some((potential, x, step)) = best else { return Ok(false) };
+        let Some(WayOut { step: x, potential }) = way_out(self.landscape, place, self.potential, self.radius) else {
+            return Ok(false);
+        };
+        let step = self.landscape.size(&x);
         let q = self.landscape.moved(&self.outcome.place.q, &x);
         self.outcome.place = Place::at(self.landscape, q)?;
         self.potential = potential;
