@@ -34,6 +34,8 @@ pub(crate) struct Iteration {
     done: u32,
     /// Iterations in which changes may grow.
     patience: u32,
+    /// Iterations in which it is not given up.
+    grace: u32,
     most: u32,
     contraction: f64,
 }
@@ -41,13 +43,13 @@ pub(crate) struct Iteration {
 impl Iteration {
     /// At most `most` iterations.
     pub(crate) fn new(accuracy: Accuracy, most: u32) -> Self {
-        Self { accuracy, before: [None; 2], first: 0.0, done: 0, patience: 0, most, contraction: 0.0 }
+        Self { accuracy, before: [None; 2], first: 0.0, done: 0, patience: 0, grace: 0, most, contraction: 0.0 }
     }
 
     /// Neither gives up nor takes changes for rounding in the first `iterations`: of coupled stages in a stiff system they may
-    /// grow before they vanish.
-    pub(crate) fn patient(self, iterations: u32) -> Self {
-        Self { patience: iterations, ..self }
+    /// grow before they vanish. Nor does it give up in so many `more`.
+    pub(crate) fn patient(self, iterations: u32, more: u32) -> Self {
+        Self { patience: iterations, grace: iterations + more, ..self }
     }
 
     /// The contraction last seen; `None` before the second iteration.
@@ -88,21 +90,28 @@ impl Iteration {
         if self.contraction < 1.0 {
             let contraction = self.contraction.max(self.accuracy.least_contraction);
             let remaining = contraction / (1.0 - contraction) * size;
-            // Coupled stages of a stiff system turn as they shrink: of a slow stretch and the whole way the faster is believed.
-            let fastest = self.contraction.min((size / self.first).powf(1.0 / f64::from(self.done - 1)));
-            let reachable = remaining * fastest.powi((self.most - self.done) as i32) <= self.accuracy.left;
+            let left = self.accuracy.left;
+            let reachable = |contraction: f64| remaining * contraction.powi((self.most - self.done) as i32) <= left;
             // The first quotient is too poor a witness to give up on.
-            return match reachable || second.is_none() || self.done <= self.patience {
-                true => Ok(remaining <= self.accuracy.left),
-                // Hardly shrinking is as good as not shrinking.
-                false if size <= self.accuracy.stalled => Ok(true),
-                false => Err(Limit::Newton),
-            };
+            if reachable(self.contraction) || second.is_none() || self.done <= self.patience {
+                return Ok(remaining <= left);
+            }
+            // Hardly shrinking is as good as not shrinking.
+            if size <= self.accuracy.stalled {
+                return Ok(true);
+            }
+            if self.done <= self.grace {
+                return Ok(false);
+            }
+            // Coupled stages of a stiff system turn as they shrink: of a slow stretch and the whole way the faster is believed.
+            let whole = (size / self.first).powf(1.0 / f64::from(self.done - 1));
+            return if reachable(whole) { Ok(false) } else { Err(Limit::Newton) };
         }
         match second {
             Some(_) if self.done <= self.patience && size <= HOPELESS * last => Ok(false),
-            Some(_) if size > self.accuracy.stalled => Err(Limit::Newton),
-            Some(_) => Ok(true),
+            Some(_) if size <= self.accuracy.stalled => Ok(true),
+            Some(_) if self.done <= self.grace && size <= HOPELESS * last => Ok(false),
+            Some(_) => Err(Limit::Newton),
             None if size > HOPELESS * last => Err(Limit::Newton),
             None => Ok(false),
         }

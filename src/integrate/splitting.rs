@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Any `L` does. Of equal diagonal entries `γ` all stages share one tangent, and two `L` of the same `γ` share it too: so
-//! there are two, one for what the step resolves and one for stiff systems (`stages.rs` changes over where the first is slow).
+//! there are two, one for what the step resolves and one for stiff systems.
 //! `γ` is such that `γ^s = det A`: then `1 − L⁻¹ A`, which is left for `z → −∞`, can be nilpotent, as with triangular factors
 //! `A = L U` (P.J. van der Houwen, J.J.B. de Swart, *Triangularly implicit iteration methods for ODE-IVP solvers*, SIAM J. Sci.
 //! Comput. 18, 1997). The other entries are found by search: those that make the mean of `log ‖G³‖^{1/3}` least

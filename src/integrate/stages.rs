@@ -22,6 +22,9 @@
 //! sweeps). It is kept while it serves, and where it costs half a sweep more than a new one would it is renewed at once:
 //! that takes a third of one or less. Where it did not even serve the step after its own, sixteen steps renew it without trying.
 //!
+//! **Stiff systems**: a step that is still slow after some sweeps goes on with the other `L` of `splitting.rs`, and so do the
+//! next 64. The tangent stays: both have the same `γ`.
+//!
 //! **Stopping**: by the largest change of a stage in an iteration (see `iteration.rs`).
 
 use crate::integrate::{
@@ -96,7 +99,7 @@ pub(crate) struct Stages {
 struct Tangent {
     /// `h` it was made for.
     step: f64,
-    /// Made for the step now tried.
+    /// Made for the step now tried, from its prediction.
     fresh: bool,
     /// The best contraction when it was new.
     contraction: f64,
@@ -171,7 +174,7 @@ impl Stages {
         let end = &self.states[s - 1];
         norm.inverse_weights(start, end, &mut self.weights);
         let rounding = ROUNDINGS * norm.rounding(end);
-        let mut iteration = Iteration::new(self.accuracy, MAX_ITERATIONS).patient(s as u32);
+        let mut iteration = Iteration::new(self.accuracy, MAX_ITERATIONS).patient(s as u32, SLOW.0);
         loop {
             let mut size = 0.0_f64;
             for i in 0..s {
@@ -185,7 +188,8 @@ impl Stages {
             if !self.serves(&iteration) && !done {
                 let stage = s / 2;
                 self.before.copy_from_slice(&self.states[stage]);
-                self.renew(problem, (time, stage), step, statistics)?;
+                // Not fresh: from a stage that an old tangent led astray it may be a poor one.
+                self.renew(problem, (time, stage, false), step, statistics)?;
             }
             if done {
                 return require_finite(&self.states[s - 1], problem.position_count());
@@ -243,14 +247,14 @@ impl Stages {
         combine(&mut self.known, start, step, &self.rows[0][middle][..s], &self.rates);
         let stage = Stage { time, step: step * self.diagonal, known: &self.known, start };
         place(problem, stage, &self.rates[middle][problem.position_count()..], &mut self.before);
-        self.renew(problem, (time, middle), step, statistics)
+        self.renew(problem, (time, middle, true), step, statistics)
     }
 
     /// A new tangent, at a stage whose state is in `before`.
     fn renew<P: ImplicitProblem>(
         &mut self,
         problem: &mut P,
-        (time, stage): (f64, usize),
+        (time, stage, fresh): (f64, usize, bool),
         step: f64,
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
@@ -262,7 +266,7 @@ impl Stages {
         statistics.jacobian_evaluations += 1;
         let at = Point { time: time + self.method.nodes[stage] * step, q, v, a };
         problem.factorize(at, c1, c1 * c1).map_err(Limit::Failure)?;
-        self.tangent = Some(Tangent { step, fresh: true, contraction, served: 0 });
+        self.tangent = Some(Tangent { step, fresh, contraction, served: 0 });
         Ok(())
     }
 

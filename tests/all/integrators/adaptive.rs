@@ -177,14 +177,14 @@ fn runs_cost_what_they_did() {
     Adams body: steps 222, rejected 0, accelerations 224, residuals 0, jacobians 0, solves 0, iterations 0
     Sdirk4 oscillator: steps 212, rejected 0, accelerations 2, residuals 1484, jacobians 6, solves 1484, iterations 1272
     Sdirk4 body: steps 180, rejected 0, accelerations 2, residuals 1991, jacobians 44, solves 1991, iterations 1811
-    Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 963, jacobians 18, solves 963, iterations 867
-    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1072, jacobians 75, solves 1072, iterations 969
-    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 460, jacobians 35, solves 460, iterations 440
-    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 678, jacobians 95, solves 678, iterations 650
+    Radau5 oscillator: steps 96, rejected 0, accelerations 2, residuals 960, jacobians 6, solves 960, iterations 864
+    Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1030, jacobians 25, solves 1030, iterations 927
+    Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 395, jacobians 20, solves 395, iterations 375
+    Radau9 body: steps 26, rejected 2, accelerations 2, residuals 558, jacobians 27, solves 558, iterations 530
     GeneralizedAlpha oscillator: steps 10081, rejected 0, accelerations 2, residuals 40325, jacobians 856, solves 40325, iterations 20163
     GeneralizedAlpha body: steps 9033, rejected 3, accelerations 2, residuals 36155, jacobians 1177, solves 36155, iterations 18083
-    Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 2406, jacobians 3, solves 2406, iterations 2406
-    Gauss body: steps 200, rejected 0, accelerations 1, residuals 2484, jacobians 3, solves 2484, iterations 2484
+    Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 1812, jacobians 1, solves 1812, iterations 1812
+    Gauss body: steps 200, rejected 0, accelerations 1, residuals 2184, jacobians 1, solves 2184, iterations 2184
     ");
 }
 

@@ -89,6 +89,16 @@ fn radau_has_its_stage_order_in_the_velocity_held_by_a_strong_damper() {
     }
 }
 
+/// What converges fast where steps resolve the motion is slow here: the stages change over to what is fast on stiff systems.
+#[test]
+fn the_stages_of_a_stiff_system_take_few_sweeps() {
+    let reached = run(Method::Radau9, &mut damped(1e3), &adaptive(1e-10), ON_THE_SOLUTION);
+    let counters = reached.statistics();
+    let per_step = counters.residual_evaluations as f64 / counters.steps as f64;
+    // Five for each sweep: 34, and 67 with the other splitting.
+    assert!(per_step < 40.0, "{per_step}");
+}
+
 #[test]
 fn van_der_pol_at_a_tight_tolerance_takes_radau_a_third_of_the_steps() {
     let published = [1.706167732170483, -0.8928097010247975e-3];
