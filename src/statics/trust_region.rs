@@ -14,12 +14,18 @@ use super::landscape::Landscape;
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
 
-/// Steps, and sweeps over one link: a large scene that fails says so in some tens of seconds.
-const MOST_ITERATIONS: usize = 4000;
-const MOST_SWEEPS: usize = 4_000_000;
-const LEAST_ITERATIONS: usize = 400;
+/// Steps, and sweeps over one link (or entries of a matrix, where there is one): what fails says so in seconds, a large scene
+/// in some tens of them. Beside springs of 10⁹ N/m, or bodies a million times heavier than others, twenty thousand steps may
+/// be the way along a valley.
+const MOST_ITERATIONS: usize = 40_000;
+const MOST_WORK: usize = 16_000_000;
+/// Even so, as many as this, and sweeps.
+const LEAST_ITERATIONS: [usize; 2] = [400, 4000];
+const LEAST_SWEEPS: usize = 4_000_000;
 /// A search of more steps goes along a valley that bends.
 const BENT: usize = 40;
+/// Part of a step over which its bend is differenced.
+const PART: f64 = 1e-2;
 /// Trials for one step's shift.
 const MOST_SHIFTS: usize = 40;
 /// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
@@ -69,7 +75,9 @@ pub(super) fn run(
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
     let mut search = Search { landscape, radius, potential, shift: 0.0, bent: false, outcome };
     let mut travelled = 0.0;
-    let most = (MOST_SWEEPS / search.landscape.model().links.len()).clamp(LEAST_ITERATIONS, MOST_ITERATIONS);
+    let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
+    let least = (LEAST_SWEEPS / links).clamp(LEAST_ITERATIONS[0], LEAST_ITERATIONS[1]);
+    let most = (MOST_WORK / work).clamp(least, MOST_ITERATIONS);
     for iteration in 0..most {
         search.bent = iteration >= BENT;
         if search.outcome.place.is_balanced() {
@@ -141,10 +149,13 @@ impl Search<'_, '_, '_> {
         // Below the round-off of the potential only the model can tell.
         let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
-        let mut ratio = if tiny { 1.0 } else { (self.potential - potential) / predicted };
+        let mut ratio = match tiny {
+            true => self.worth_by_forces(trial, linear, &q)? / predicted,
+            false => (self.potential - potential) / predicted,
+        };
         if self.bent
             && !(ratio > 0.75)
-            && let Some((corrected, lower)) = self.corrected(trial, &q)
+            && let Some((corrected, lower)) = self.corrected(trial)?
         {
             let better = (self.potential - lower) / predicted;
             if better > WORTH && !(better <= ratio) {
@@ -172,23 +183,45 @@ impl Search<'_, '_, '_> {
         Ok(Some(trial.size))
     }
 
-    /// Where a valley bends (a stiff spring beside soft ones) the step leaves its floor. Back to it by one step with the
-    /// stiffness there, `(K + σB) y = f − σ B x`: the position, and its potential.
-    fn corrected(&mut self, trial: &Trial, q: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let force = self.landscape.force(q).ok()?;
-        self.landscape.look(q).ok()?;
+    /// How far the potential falls along a step, from the forces at both ends: where it is so little that the potential's
+    /// own round-off hides it.
+    fn worth_by_forces(&mut self, trial: &Trial, linear: f64, q: &[f64]) -> Result<f64, Fault> {
+        let Ok(force) = self.landscape.force(q) else { return Ok(f64::NAN) };
+        let there: f64 = force.iter().zip(&trial.x).map(|(f, x)| f * x).sum();
+        Ok(0.5 * (linear + there))
+    }
+
+    /// Where a valley bends (a stiff spring beside soft ones, a heavy body among light ones) the step leaves its floor. The
+    /// step along the parabola of the floor, from what the forces do around the place where it begins: its position and potential.
+    ///
+    /// ```text
+    /// f(q ⊞ s x) = f₀ − s K x + s² f₂ + …,      (K + σB) y = f₂:      q ⊞ (x + y)
+    /// ```
+    ///
+    /// Forces and stiffness at the end of the straight step would not do: far from the floor stiff springs have another force,
+    /// and with it another, often a negative, stiffness of the soft directions.
+    fn corrected(&mut self, trial: &Trial) -> Result<Option<(Vec<f64>, f64)>, Fault> {
+        let place = &self.outcome.place;
+        self.landscape.look(&place.q)?;
         if !self.landscape.factorize(trial.shift) {
-            return None;
+            return Ok(None);
         }
-        let held = |(i, f): (usize, &f64)| f - trial.shift * self.landscape.metric[i] * trial.x[i];
-        let rhs: Vec<f64> = force.iter().enumerate().map(held).collect();
-        let back = self.landscape.solve(&rhs);
-        if !(self.landscape.size(&back) <= trial.size) {
-            return None;
+        let mut bend: Vec<f64> = place.force.iter().map(|f| -2.0 * f).collect();
+        for part in [PART, -PART] {
+            let x: Vec<f64> = trial.x.iter().map(|x| part * x).collect();
+            let q = self.landscape.moved(&place.q, &x);
+            let Ok(force) = self.landscape.force(&q) else { return Ok(None) };
+            bend.iter_mut().zip(&force).for_each(|(bend, f)| *bend += f);
         }
-        let q = self.landscape.moved(q, &back);
+        bend.iter_mut().for_each(|bend| *bend /= 2.0 * PART * PART);
+        let y = self.landscape.solve(&bend);
+        let x: Vec<f64> = trial.x.iter().zip(&y).map(|(x, y)| x + y).collect();
+        if !(self.landscape.stretch(&x) <= 1.0) {
+            return Ok(None);
+        }
+        let q = self.landscape.moved(&place.q, &x);
         let potential = self.landscape.potential(&q);
-        potential.is_finite().then_some((q, potential))
+        Ok(potential.is_finite().then_some((q, potential)))
     }
 
     /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
