@@ -111,15 +111,22 @@ fn run(value: String, scenario: &Scenario, model: &Model) -> Run {
     Run { value, degrees_of_freedom: model.velocity_count(), rows }
 }
 
+/// What `--out` gets.
+const ENDINGS: [&str; 3] = [".csv", ".svg", ".json"];
+
 fn write_all(prefix: &Path, csv: &str, svg: &str, table: &Value) -> anyhow::Result<()> {
+    // `table.svg` stands for `table` as well.
+    let named = |ending: &str| prefix.extension().is_some_and(|given| given == &ending[1..]);
+    let stem = if ENDINGS.into_iter().any(named) { prefix.with_extension("") } else { prefix.to_owned() };
     let with = |ending: &str| {
-        let mut name = prefix.as_os_str().to_owned();
+        let mut name = stem.as_os_str().to_owned();
         name.push(ending);
         PathBuf::from(name)
     };
-    statics::write(&with(".csv"), csv)?;
-    statics::write(&with(".svg"), svg)?;
-    statics::write(&with(".json"), &format!("{table:#}\n"))
+    let [sheet, plot, all] = ENDINGS.map(with);
+    statics::write(&sheet, csv)?;
+    statics::write(&plot, svg)?;
+    statics::write(&all, &format!("{table:#}\n"))
 }
 
 /// The cascade has to find what was wanted, everywhere.

@@ -81,14 +81,25 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         let outlets = (arguments.iterates.as_deref(), &sinks[..]);
         result["iterates"] = poses::iterates(common, &scenario, &model, &found, trail, outlets)?.into();
     }
-    if let Some(path) = arguments.modes.as_deref().filter(|_| found.balanced) {
+    let moves = found.stability.as_ref().is_some_and(|stability| !stability.modes.is_empty());
+    if let Some(path) = arguments.modes.as_deref()
+        && !(found.balanced && moves)
+    {
+        let why = if found.balanced { "nothing is free to move" } else { "there is no equilibrium" };
+        output::warning(&format!("no modes to record in `{}`: {why}", path.display()));
+    } else if let Some(path) = arguments.modes.as_deref() {
         let shown = poses::modes(common, &scenario, &model, &found, path)?;
         if !common.json && !common.quiet {
             let modes = text::count(shown, "mode", "modes");
             output::print(&format!("  recording    {} ({modes}, two seconds each)", path.display()))?;
         }
     }
-    if let Some(path) = arguments.save.as_deref().filter(|_| found.converged) {
+    if let Some(path) = arguments.save.as_deref().filter(|_| !found.converged) {
+        output::warning(&format!(
+            "`{}` is not written: this is not the equilibrium that was asked for",
+            path.display()
+        ));
+    } else if let Some(path) = arguments.save.as_deref() {
         let inputs = inputs(&scenario.description, &found);
         write(path, &start::text(&model, &found.position, &found.velocity, &inputs, &found.carried))?;
     }

@@ -142,6 +142,11 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
             } else if !(low < high) || (low.is_infinite() && high.is_infinite()) {
                 add(format!("the limits of the hinge of `{name}` from {low} to {high} are none"), "low comes first");
             }
+            let held = hinge.position.get(coordinate).copied().unwrap_or(0.0);
+            if hinge.lock && matches!(law, StopLaw::Rigid { .. }) && (held < low || held > high) {
+                let message = format!("`{name}` is locked at {held}, beyond its limits from {low} to {high}");
+                add(message, "take off the lock, move the position or the limits, or give the stop a `stiffness`");
+            }
             let fine = match law {
                 StopLaw::Rigid { restitution } => (0.0..=1.0).contains(&restitution),
                 StopLaw::Compliant { stiffness, damping } => {

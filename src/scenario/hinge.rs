@@ -100,7 +100,7 @@ fn next(body: &Reader<'_>, hinge: &Reader<'_>, owner: &str, repeat: Option<usize
 fn limits(table: &Reader<'_>, owner: &str) -> Vec<LimitDescription> {
     let Some(value) = table.value("limits") else { return Vec::new() };
     if let Some(inner) = table.open(value) {
-        return vec![limit(&inner, owner)];
+        return limit(&inner, owner).into_iter().collect();
     }
     let pairs = rows(value.get_ref()).or_else(|| numbers(value.get_ref()).map(|pair| vec![pair])).unwrap_or_default();
     let mut limits = Vec::new();
@@ -116,7 +116,7 @@ fn limits(table: &Reader<'_>, owner: &str) -> Vec<LimitDescription> {
     limits
 }
 
-fn limit(table: &Reader<'_>, owner: &str) -> LimitDescription {
+fn limit(table: &Reader<'_>, owner: &str) -> Option<LimitDescription> {
     let compliant = table.has("stiffness");
     for (key, other) in [("restitution", true), ("damping", false)] {
         if table.has(key) && compliant == other {
@@ -136,12 +136,14 @@ fn limit(table: &Reader<'_>, owner: &str) -> LimitDescription {
         Some(stiffness) => StopLaw::Compliant { stiffness, damping: table.number("damping").unwrap_or(0.0) },
         None => StopLaw::Rigid { restitution: table.number("restitution").unwrap_or(0.0) },
     };
-    LimitDescription {
-        coordinate: table.count("coordinate").unwrap_or(0),
-        low: table.number("low").unwrap_or(f64::NEG_INFINITY),
-        high: table.number("high").unwrap_or(f64::INFINITY),
+    let coordinate = table.count("coordinate").unwrap_or(0);
+    let (low, high) = (table.number("low"), table.number("high"));
+    (low.is_some() || high.is_some()).then(|| LimitDescription {
+        coordinate,
+        low: low.unwrap_or(f64::NEG_INFINITY),
+        high: high.unwrap_or(f64::INFINITY),
         law,
-    }
+    })
 }
 
 /// A value for all copies or one for each.

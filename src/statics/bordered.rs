@@ -11,6 +11,7 @@
 //! the rows, each of which makes one positive and one negative.
 
 use crate::dynamics::{Coefficients, System, TangentSolver};
+use crate::model::Model;
 use faer::{Mat, Side};
 
 /// The rows, and what (1) needs of one factorization.
@@ -84,11 +85,11 @@ pub(super) struct Bordered {
 
 impl Bordered {
     /// Room for a model whose `free` coordinates may move.
-    pub(super) fn new(system: &System<'_>, free: &[usize]) -> Self {
-        let n = system.model().velocity_count();
+    pub(super) fn new(model: &Model, free: &[usize]) -> Self {
+        let n = model.velocity_count();
         let mut shift = vec![f64::INFINITY; n];
         free.iter().for_each(|i| shift[*i] = 0.0);
-        let solver = Box::new(TangentSolver::new(system.model()));
+        let solver = Box::new(TangentSolver::new(model));
         let (free, rest, full) = (free.to_vec(), vec![0.0; n], vec![0.0; n]);
         Self { solver, free, shift, rest, full, rows: Rows::new(Vec::new()) }
     }

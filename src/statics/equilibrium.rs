@@ -319,11 +319,15 @@ fn certify(
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
     let relative = place.residual().0;
     if balanced && relative > BALANCED {
-        notes.push(format!(
-            "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: large \
-             lengths, or loops that are nearly taut, do not let them be known better than to {:.1e} here",
-            place.round_off()
-        ));
+        let known = place.round_off();
+        notes.push(match known < 1.0 {
+            true => format!(
+                "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: large \
+                 lengths, or loops that are nearly taut, do not let them be known better than to {known:.1e} here"
+            ),
+            false => "nothing carries a load here that would be above round-off: what is left of the forces is round-off too"
+                .to_owned(),
+        });
     }
     let verdict = stability.as_ref().map(|s| s.verdict);
     if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {

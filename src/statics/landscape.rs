@@ -8,8 +8,8 @@ use super::stiffness::Stiffness;
 use crate::dynamics::{Fault, System};
 use crate::model::{Joint, Model};
 use faer::Mat;
-pub(super) use tied::Branch;
 use tied::Ties;
+pub(super) use tied::{Branch, by_sweeps};
 
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
@@ -72,11 +72,12 @@ impl<'s, 'm> Landscape<'s, 'm> {
             false => (rest.clone(), None),
             true => {
                 let (steady, frozen) = tied::steady(system, q);
-                let sweeps = conservative && tied::by_sweeps(model, &free, &steady);
+                let sweeps = conservative && by_sweeps(model, &free, &steady);
                 (steady, Some(Box::new(Ties::new(model, frozen, sweeps))))
             }
         };
-        let stiffness = Stiffness::new(model, &free);
+        let bordered = conservative && ties.is_none() && by_sweeps(model, &free, &steady);
+        let stiffness = Stiffness::new(model, &free, bordered);
         let (residuals, stiffnesses, factorizations) = (0, 0, 0);
         Ok(Self {
             system,

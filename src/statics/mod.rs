@@ -28,6 +28,7 @@ mod newton;
 pub mod path;
 mod relaxation;
 mod release;
+mod saddle;
 pub mod search;
 pub mod settings;
 pub mod stability;

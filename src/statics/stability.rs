@@ -5,6 +5,7 @@
 //! zero is round-off, not stiffness. Without a potential the eigenvalues of the linearized motion decide.
 
 use super::damped::{self, DampedMode};
+use super::landscape::by_sweeps;
 use crate::dynamics::{Fault, Linearization, System, TangentSolver};
 use crate::model::Model;
 use faer::{Mat, Side};
@@ -86,7 +87,8 @@ pub fn classify(
     conservative: bool,
 ) -> Result<Stability, Fault> {
     let model = system.model();
-    if !by_matrices(model, free.len()) && conservative && TangentSolver::covers(model) {
+    let sweeps = || TangentSolver::covers(model) || (!model.is_constrained() && by_sweeps(model, free, &[]));
+    if !by_matrices(model, free.len()) && conservative && sweeps() {
         return classify_by_sweeps(system, q, free, magnitude, Vec::new());
     }
     let rest = vec![0.0; model.velocity_count()];

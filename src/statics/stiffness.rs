@@ -1,5 +1,5 @@
 //! The stiffness of the free coordinates, factorized: by the O(n) tangent sweep where that covers the forces or few rows
-//! border it, else dense.
+//! or forces that reach far border it, else dense.
 
 use super::bordered::Bordered;
 use super::linear::{self, Definite};
@@ -43,9 +43,13 @@ impl Factor {
 }
 
 impl Stiffness {
-    pub(super) fn new(model: &Model, free: &[usize]) -> Self {
+    /// Of a model without loops, drives and gears; with `bordered` forces that reach far border the sweep.
+    pub(super) fn new(model: &Model, free: &[usize], bordered: bool) -> Self {
         if !TangentSolver::covers(model) {
-            return Self::Dense { matrix: Mat::zeros(0, 0), factor: None };
+            return match bordered {
+                true => Self::Bordered(Bordered::new(model, free)),
+                false => Self::Dense { matrix: Mat::zeros(0, 0), factor: None },
+            };
         }
         let n = model.velocity_count();
         let mut shift = vec![f64::INFINITY; n];
@@ -70,7 +74,11 @@ impl Stiffness {
         rest: &[f64],
         symmetric: bool,
     ) -> Result<(), Fault> {
-        let Self::Sweep { solver, shift, .. } = self else { return Ok(()) };
+        let (solver, shift) = match self {
+            Self::Sweep { solver, shift, .. } => (solver, shift),
+            Self::Bordered(bordered) => return bordered.look(system, q, Vec::new()),
+            Self::Closed { .. } | Self::Dense { .. } => return Ok(()),
+        };
         let with = Coefficients { shift, symmetric, ..Coefficients::default() };
         system.factorize_tangent(solver, q, rest, rest, &with)?;
         Ok(())

@@ -107,8 +107,8 @@ impl Sweeps<'_, '_> {
 
     /// Factorizes `K + sM`; false where it is not definite.
     fn factorize(&mut self, s: f64) -> Result<bool, Fault> {
-        // With rows the sweep alone need not be definite.
-        let definite = self.rows.is_empty();
+        // Beside rows and forces that reach far the sweep alone need not be definite.
+        let definite = self.rows.is_empty() && TangentSolver::further_sides(self.system.model()) == 0;
         let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
         let regular = self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
         Ok(regular && (definite || (self.border() && self.solver.negatives() == self.rows.negatives())))

@@ -11,6 +11,7 @@
 //! one of them.
 
 use super::landscape::Landscape;
+use super::saddle::{WayOut, way_out};
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
 
@@ -146,7 +147,7 @@ impl Search<'_, '_, '_> {
         let predicted = 0.5 * (linear + trial.shift * trial.size * trial.size);
         let mut q = self.landscape.moved(&place.q, &trial.x);
         let mut potential = self.landscape.potential(&q);
-        // Below the round-off of the potential only the model can tell.
+        // Below the round-off of the potential, and along motions that cost nothing, the forces can tell.
         let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
         let mut ratio = match tiny {
@@ -154,6 +155,7 @@ impl Search<'_, '_, '_> {
             false => (self.potential - potential) / predicted,
         };
         if self.bent
+            && !tiny
             && !(ratio > 0.75)
             && let Some((corrected, lower)) = self.corrected(trial)?
         {
@@ -281,27 +283,10 @@ impl Search<'_, '_, '_> {
     fn leave_saddle(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
         let place = &self.outcome.place;
         self.landscape.look(&place.q)?;
-        // What is within round-off of zero stiffness is neutral: it leads nowhere.
-        let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| super::stability::NEUTRAL * k).collect();
-        let Some(direction) = self.landscape.negative_direction(&slack) else { return Ok(false) };
-        let size = self.landscape.size(&direction);
-        // No further than loops close again.
-        let whole: Vec<f64> = direction.iter().map(|d| self.radius / size * d).collect();
-        let radius = self.radius / self.landscape.stretch(&whole).max(1.0);
-        let mut best: Option<(f64, Vec<f64>, f64)> = None;
-        for sign in [1.0, -1.0] {
-            let mut part = 1e-3;
-            while part <= 1.0 {
-                let x: Vec<f64> = direction.iter().map(|d| sign * part * radius / size * d).collect();
-                let q = self.landscape.moved(&self.outcome.place.q, &x);
-                let potential = self.landscape.potential(&q);
-                if potential < best.as_ref().map_or(self.potential, |b| b.0) {
-                    best = Some((potential, x, part * radius));
-                }
-                part *= 4.0;
-            }
-        }
-        let Some((potential, x, step)) = best else { return Ok(false) };
+        let Some(WayOut { step: x, potential }) = way_out(self.landscape, place, self.potential, self.radius) else {
+            return Ok(false);
+        };
+        let step = self.landscape.size(&x);
         let q = self.landscape.moved(&self.outcome.place.q, &x);
         self.outcome.place = Place::at(self.landscape, q)?;
         self.potential = potential;

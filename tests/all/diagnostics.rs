@@ -775,3 +775,50 @@ fn a_density_in_a_shape() {
     let text = "[[body]]\nname = \"bob\"\nshape = { sphere = 0.1, density = 7.0 }\nhinge = { type = \"free\" }\n";
     assert!(said(text, &[]).contains("shape of body `bob`: `density` stands beside `shape`, in the body"));
 }
+
+/// One mistake, one error; and a lock that a rigid stop forbids.
+#[test]
+fn limits_that_limit_nothing_and_locks_beyond_them() {
+    let text = r#"
+[[body]]
+name = "arm"
+mass = 1.0
+hinge = { type = "prismatic", axis = [0, 0, 1], limits = { lower = -1, stiffness = 3 } }
+
+[[body]]
+name = "tray"
+mass = 1.0
+hinge = { type = "prismatic", axis = [0, 0, 1], lock = true, position = 0.3, limits = [-0.1, 0.1] }
+
+[[body]]
+name = "pad"
+mass = 1.0
+hinge = { type = "prismatic", axis = [0, 0, 1], lock = true, position = 0.3, limits = { low = -0.1, high = 0.1, stiffness = 1e4 } }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: hinge of body `arm`: `limits` without `low` and `high` limit nothing
+     --> scene.toml:4:58
+      |
+    4 | hinge = { type = "prismatic", axis = [0, 0, 1], limits = { lower = -1, stiffness = 3 } }
+      |                                                          ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+
+    error: limits of hinge of body `arm`: unknown key `lower`
+     --> scene.toml:4:60
+      |
+    4 | hinge = { type = "prismatic", axis = [0, 0, 1], limits = { lower = -1, stiffness = 3 } }
+      |                                                            ^^^^^
+      |
+      = help: allowed: `low`, `high`, `coordinate`, `restitution`, `stiffness`, `damping`
+
+    error: `tray` is locked at 0.3, beyond its limits from -0.1 to 0.1
+     --> scene.toml:9:87
+      |
+    9 | hinge = { type = "prismatic", axis = [0, 0, 1], lock = true, position = 0.3, limits = [-0.1, 0.1] }
+      |                                                                                       ^^^^^^^^^^^
+      |
+      = help: take off the lock, move the position or the limits, or give the stop a `stiffness`
+
+    scene.toml: 3 errors
+    "#);
+}

@@ -162,3 +162,40 @@ fn loops_and_springs_between_distant_links_are_what_matrices_say() {
     assert!(unstable > 100, "{unstable}");
     assert_eq!((stability.unstable_directions, stability.verdict), (unstable, Verdict::Unstable));
 }
+
+/// Springs between distant links of a tree, without a loop: four chains of balls tied to each other halfway and to the wall.
+/// They hang, they stand upside down with most directions running away, and from there they come to hang again.
+#[test]
+fn springs_that_reach_far_are_what_matrices_say() {
+    let chain = |i: usize| {
+        format!(
+            "[[body]]\nname = \"c{i}\"\nrepeat = 25\nmass = 0.05\ncenter = [0, 0, -0.05]\ninertia = [4.2e-5, 4.2e-5, 1e-6]\n\
+             markers = {{ end = [0, 0, -0.1] }}\nnext = \"end\"\n\
+             hinge = {{ type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]], at = [{i}, 0, 0], stiffness = 0.01 }}\n"
+        )
+    };
+    let spring = |from: &str, to: &str, length: f64| {
+        format!("[[force]]\ntype = \"spring\"\nstiffness = 3\nlength = {length}\nbetween = [{from}, {to}]\n")
+    };
+    let scene = [
+        (0..4).map(chain).collect::<String>(),
+        spring("\"c0[12].end\"", "\"c1[12].end\"", 0.7),
+        spring("\"c1[20].end\"", "\"c3[20].end\"", 1.8),
+        spring("\"c2[24].end\"", "{ body = \"ground\", at = [2, 1, -2] }", 0.5),
+        spring("\"c0[3].end\"", "\"c0[24].end\"", 1.5),
+    ];
+    let model = read(&scene.concat());
+    assert_eq!(model.velocity_count(), 200);
+    let hanging = found(&model, Want::Stable);
+    assert_as_by_matrices("tied chains", &model, &hanging);
+    let mut standing = read(&scene.concat());
+    standing.gravity = -standing.gravity;
+    let up = found(&standing, Want::Any);
+    let unstable = up.stability.as_ref().expect("an equilibrium").unstable_directions;
+    assert!(unstable > 10, "{unstable}");
+    assert_eq!(by_matrices(&standing, &up).0, unstable);
+    standing.start_position = up.position;
+    let fallen = found(&standing, Want::Stable);
+    assert!(fallen.notes.iter().any(|note| note.contains("left an unstable equilibrium")), "{:?}", fallen.notes);
+    assert_as_by_matrices("fallen chains", &standing, &fallen);
+}

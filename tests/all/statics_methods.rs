@@ -201,6 +201,9 @@ fn compare_prints_and_writes_one_line_per_method() {
             .expect("JSON");
     let plot = std::fs::read_to_string(folder.path().join("table.svg")).expect("a plot");
     assert!(plot.contains("residual against iteration") && plot.contains("lagrange"), "residuals are drawn");
+    // A name with one of the endings stands for all three.
+    call(&["statics", "--compare", scene, "--out", "again.svg"]);
+    assert!(["csv", "svg", "json"].iter().all(|ending| folder.path().join("again").with_extension(ending).exists()));
     let (_, printed) = call(&["statics", "--compare", scene, "--json"]);
     let printed: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
     assert_eq!(printed["methods"].as_array().map(Vec::len), Some(Method::ALL.len()));

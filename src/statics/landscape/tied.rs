@@ -151,7 +151,7 @@ impl Landscape<'_, '_> {
         let rows = self.rows_across(q)?;
         self.step_from_view();
         if !matches!(self.stiffness, Stiffness::Bordered(_)) {
-            self.stiffness = Stiffness::Bordered(Bordered::new(self.system, &self.free));
+            self.stiffness = Stiffness::Bordered(Bordered::new(self.model(), &self.free));
         }
         let Stiffness::Bordered(bordered) = &mut self.stiffness else { return Ok(()) };
         bordered.look(self.system, q, rows)
@@ -264,8 +264,9 @@ fn row_sizes(rows: &Mat<f64>, units: &[f64]) -> Vec<f64> {
     sizes.into_iter().map(|size| if size > NEARLY * largest { size } else { largest }).collect()
 }
 
-/// Whether the rows of a scene border the sweep of its tree: few of them across a large scene that is at rest.
-pub(super) fn by_sweeps(model: &Model, free: &[usize], steady: &[f64]) -> bool {
+/// Whether the rows of a scene and its forces that reach far border the sweep of its tree: few of them across a large
+/// scene that is at rest.
+pub(in super::super) fn by_sweeps(model: &Model, free: &[usize], steady: &[f64]) -> bool {
     let sides = || TangentSolver::further_sides(model) + Constraints::new(model).map_or(0, |rows| rows.rank());
     free.len() > MOST_MODES && steady.iter().all(|v| *v == 0.0) && FEW * sides() <= free.len()
 }

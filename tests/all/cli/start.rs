@@ -80,3 +80,21 @@ fn a_start_that_does_not_hold_itself_is_said() {
     let answer = bench.call(&["run", &shipped("pendulum"), "--start", "start.toml", "--set", "simulate.duration=0.1"]);
     assert!(answer.code(0).err.contains("the start does not hold itself"), "a swinging start is said to swing");
 }
+
+/// What is asked for and cannot be written is not left out in silence.
+#[test]
+fn files_that_are_not_written_are_told() {
+    let bench = Bench::new();
+    bench.write(
+        "rock.toml",
+        "[[body]]\nname = \"rock\"\nmass = 2\nhinge = { type = \"prismatic\", axis = [0, 0, 1] }\n",
+    );
+    let answer =
+        bench.call(&["statics", "rock.toml", "--quiet", "--save", "start.toml", "--modes", "modes.mcap"]).code(1);
+    let told = ["`start.toml` is not written", "no modes to record in `modes.mcap`: there is no equilibrium"];
+    assert!(told.iter().all(|words| answer.err.contains(words)), "{}", answer.err);
+    assert!(["start.toml", "modes.mcap"].iter().all(|name| !bench.path().join(name).exists()));
+    let held = ["--set", "rock.lock=true", "--modes", "modes.mcap"];
+    let answer = bench.call(&[&["statics", "rock.toml", "--quiet"], &held[..]].concat()).code(0);
+    assert!(answer.err.contains("nothing is free to move"), "{}", answer.err);
+}
