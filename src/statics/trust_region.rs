@@ -115,6 +115,12 @@ struct Trial {
     shift: f64,
 }
 
+/// Where a corrected step ends.
+struct Lower {
+    q: Vec<f64>,
+    potential: f64,
+}
+
 impl Search<'_, '_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
@@ -157,11 +163,11 @@ impl Search<'_, '_, '_> {
         if self.bent
             && !tiny
             && !(ratio > 0.75)
-            && let Some((corrected, lower)) = self.corrected(trial)?
+            && let Some(lower) = self.corrected(trial, &q, 0.75 * predicted)?
         {
-            let better = (self.potential - lower) / predicted;
+            let better = (self.potential - lower.potential) / predicted;
             if better > WORTH && !(better <= ratio) {
-                (ratio, q, potential) = (better, corrected, lower);
+                (ratio, q, potential) = (better, lower.q, lower.potential);
             }
         }
         if !(ratio >= 0.25) {
@@ -193,37 +199,66 @@ impl Search<'_, '_, '_> {
         Ok(0.5 * (linear + there))
     }
 
-    /// Where a valley bends (a stiff spring beside soft ones, a heavy body among light ones) the step leaves its floor. The
-    /// step along the parabola of the floor, from what the forces do around the place where it begins: its position and potential.
+    /// Where a valley bends (a stiff spring beside soft ones, a heavy body among light ones) the step leaves its floor: back
+    /// to it from the end of the step, from the end of the parabola of the floor, or that end itself, whichever is lowest.
+    fn corrected(&mut self, trial: &Trial, q: &[f64], enough: f64) -> Result<Option<Lower>, Fault> {
+        let back = self.back(trial, &trial.x, q);
+        if back.as_ref().is_some_and(|back| self.potential - back.potential > enough) {
+            return Ok(back);
+        }
+        let Some((x, bent)) = self.along_parabola(trial)? else { return Ok(back) };
+        let again = self.back(trial, &x, &bent.q);
+        let all = [back, Some(bent), again].into_iter().flatten();
+        Ok(all.min_by(|a, b| a.potential.total_cmp(&b.potential)))
+    }
+
+    /// One step back, `(K + σB) y = f − σ B x`, with the stiffness at the end of `x`. In the metric it may be longer than the
+    /// step itself: a heavy body moves back by little. Far from the floor stiff springs have another force, and with it another,
+    /// often a negative, stiffness of the soft directions: then there is none.
+    fn back(&mut self, trial: &Trial, x: &[f64], q: &[f64]) -> Option<Lower> {
+        let force = self.landscape.force(q).ok()?;
+        self.landscape.look(q).ok()?;
+        if !self.landscape.factorize(trial.shift) {
+            return None;
+        }
+        let held = |(i, f): (usize, &f64)| f - trial.shift * self.landscape.metric[i] * x[i];
+        let rhs: Vec<f64> = force.iter().enumerate().map(held).collect();
+        let y = self.landscape.solve(&rhs);
+        self.lower(q, &y)
+    }
+
+    /// The step along the parabola of the floor, from what the forces do around the place where it begins:
     ///
     /// ```text
     /// f(q ⊞ s x) = f₀ − s K x + s² f₂ + …,      (K + σB) y = f₂:      q ⊞ (x + y)
     /// ```
-    ///
-    /// Forces and stiffness at the end of the straight step would not do: far from the floor stiff springs have another force,
-    /// and with it another, often a negative, stiffness of the soft directions.
-    fn corrected(&mut self, trial: &Trial) -> Result<Option<(Vec<f64>, f64)>, Fault> {
-        let place = &self.outcome.place;
-        self.landscape.look(&place.q)?;
+    fn along_parabola(&mut self, trial: &Trial) -> Result<Option<(Vec<f64>, Lower)>, Fault> {
+        let from = self.outcome.place.q.clone();
+        self.landscape.look(&from)?;
         if !self.landscape.factorize(trial.shift) {
             return Ok(None);
         }
-        let mut bend: Vec<f64> = place.force.iter().map(|f| -2.0 * f).collect();
+        let mut bend: Vec<f64> = self.outcome.place.force.iter().map(|f| -2.0 * f).collect();
         for part in [PART, -PART] {
             let x: Vec<f64> = trial.x.iter().map(|x| part * x).collect();
-            let q = self.landscape.moved(&place.q, &x);
+            let q = self.landscape.moved(&from, &x);
             let Ok(force) = self.landscape.force(&q) else { return Ok(None) };
             bend.iter_mut().zip(&force).for_each(|(bend, f)| *bend += f);
         }
         bend.iter_mut().for_each(|bend| *bend /= 2.0 * PART * PART);
         let y = self.landscape.solve(&bend);
         let x: Vec<f64> = trial.x.iter().zip(&y).map(|(x, y)| x + y).collect();
-        if !(self.landscape.stretch(&x) <= 1.0) {
-            return Ok(None);
+        Ok(self.lower(&from, &x).map(|end| (x, end)))
+    }
+
+    /// A place and its potential; none from where loops might close otherwise.
+    fn lower(&mut self, q: &[f64], step: &[f64]) -> Option<Lower> {
+        if !(self.landscape.stretch(step) <= 1.0) {
+            return None;
         }
-        let q = self.landscape.moved(&place.q, &x);
+        let q = self.landscape.moved(q, step);
         let potential = self.landscape.potential(&q);
-        Ok(potential.is_finite().then_some((q, potential)))
+        potential.is_finite().then_some(Lower { q, potential })
     }
 
     /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
