@@ -8,12 +8,14 @@ pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
 use crate::simulate::events::Kind;
 use crate::simulate::verify::Verified;
-use crate::statics::Equilibrium;
+use crate::statics::{Equilibrium, Mode};
 use std::fmt::Write;
 use std::time::Duration;
 
 /// Long lists stop here; `--json` has all.
 const MOST_LINES: usize = 8;
+/// Motions that cost nothing among them.
+const MOST_IDLE: usize = 3;
 /// What is left of a sum of numbers of size one that should cancel.
 const ROUND_OFF: f64 = 1e-12;
 /// A smaller part of critical damping is round-off.
@@ -117,7 +119,17 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
             let motions = count(stability.neutral_directions, "motion costs", "motions cost");
             let _ = writeln!(out, "  neutral      {motions} nothing");
         }
-        for (line, mode) in stability.modes.iter().take(MOST_LINES).enumerate() {
+        // Of motions that cost nothing a few will do: their number is above.
+        let idle = |mode: &Mode| mode.frequency_hz == 0.0 && mode.growth_rate == 0.0;
+        let mut seen = 0;
+        let told: Vec<&Mode> = (stability.modes.iter())
+            .filter(|mode| {
+                seen += usize::from(idle(mode));
+                !idle(mode) || seen <= MOST_IDLE
+            })
+            .take(MOST_LINES)
+            .collect();
+        for (line, mode) in told.iter().enumerate() {
             let what = match mode.growth_rate > 0.0 {
                 true => format!("grows {} per second", number(mode.growth_rate)),
                 false if mode.frequency_hz == 0.0 => "costs nothing".to_owned(),
@@ -126,7 +138,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
             let head = if line == 0 { "modes" } else { "" };
             let _ = writeln!(out, "  {head:<12} {what:<24} {}", carriers(&mode.shares));
         }
-        more(&mut out, stability.modes.len());
+        left_out(&mut out, stability.modes.len() - told.len());
         for (line, mode) in stability.damped.iter().take(MOST_LINES).enumerate() {
             let decay = match mode.decay_rate {
                 _ if mode.damping_ratio.abs() < UNDAMPED => "undamped".to_owned(),
@@ -223,8 +235,12 @@ fn carriers(shares: &[(String, f64)]) -> String {
 }
 
 fn more(out: &mut String, total: usize) {
-    if total > MOST_LINES {
-        let _ = writeln!(out, "  {:<12} … and {} more (--json has all)", "", total - MOST_LINES);
+    left_out(out, total.saturating_sub(MOST_LINES));
+}
+
+fn left_out(out: &mut String, count: usize) {
+    if count > 0 {
+        let _ = writeln!(out, "  {:<12} … and {count} more (--json has all)", "");
     }
 }
 

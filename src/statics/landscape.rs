@@ -11,6 +11,8 @@ use faer::Mat;
 use tied::Ties;
 pub(super) use tied::{Branch, by_sweeps};
 
+/// Least part of the largest inertia of a ball's three turns that any of them counts with.
+const ROUND: f64 = 0.1;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
@@ -19,7 +21,7 @@ pub struct Landscape<'s, 'm> {
     system: &'s mut System<'m>,
     /// Indices of the velocity coordinates that may move.
     pub free: Vec<usize>,
-    /// `B`: the inertia each free coordinate sees (kg, kg m²); makes radians and metres comparable.
+    /// `B`: the inertia each free coordinate sees (kg, kg m²), of a ball's turns evened out; makes radians and metres comparable.
     pub metric: Vec<f64>,
     /// Whether loads have a potential: then the stiffness is a Hessian and equilibria are its stationary points.
     pub conservative: bool,
@@ -66,6 +68,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
         system.accelerations(q, &rest, &mut full)?;
         system.articulated_inertia(&mut full);
         let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
+        even_out_balls(model, &mut full);
         let metric = free.iter().map(|i| full[*i]).collect();
         let conservative = model.is_conservative();
         let (steady, ties) = match model.is_constrained() {
@@ -325,4 +328,14 @@ pub(super) fn slides(model: &Model) -> Vec<bool> {
         }
     }
     slides
+}
+
+/// Away from balance a ball's three turns are coupled by the moment that is left there: one about an axis of next to no
+/// inertia (a rod about itself) would need a shift so large that nothing else moves.
+fn even_out_balls(model: &Model, inertia: &mut [f64]) {
+    for link in model.links.iter().filter(|link| matches!(link.joint, Joint::Ball { .. })) {
+        let turns = &mut inertia[link.velocity..link.velocity + 3];
+        let largest = turns.iter().fold(0.0_f64, |m, x| m.max(*x));
+        turns.iter_mut().for_each(|x| *x = x.max(ROUND * largest));
+    }
 }

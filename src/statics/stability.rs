@@ -137,7 +137,7 @@ pub(super) fn classify_by_sweeps(
     };
     let modes = found.modes.into_iter().zip(&found.momenta).enumerate();
     let modes = modes.map(|(i, ((value, shape), momentum))| {
-        let (frequency_hz, growth_rate) = rates_of(value, i, unstable, neutral);
+        let (frequency_hz, growth_rate) = rates_of(value, i, unstable, found.neutral_modes);
         let shares = shares(model, free, momentum, &shape);
         Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
     });

@@ -17,8 +17,11 @@ use super::stability::NEUTRAL;
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
 use faer::{Mat, Side};
 
-/// Modes that are wanted.
+/// Modes that are wanted beside those that cost nothing, and of these.
 const WANTED: usize = 8;
+/// Shifts that are tried beside motions that cost nothing, and the size of a space that should have shown one.
+const SHIFTS: usize = 6;
+const HOPELESS: usize = 64;
 /// The space grows from so many vectors, to this size at most.
 const STARTS: usize = 2;
 const MOST_VECTORS: usize = 240;
@@ -37,10 +40,21 @@ const BETWEEN: usize = 4;
 pub(super) struct Lowest {
     pub unstable: usize,
     pub neutral: usize,
-    /// Eigenvalues of `K x = λ M x`, ascending, and their vectors in free coordinates.
+    /// How many of the neutral motions are among the modes.
+    pub neutral_modes: usize,
+    /// Eigenvalues of `K x = λ M x`, ascending, and their vectors in free coordinates: those that run away, some of those
+    /// that cost nothing, the lowest of all others.
     pub modes: Vec<(f64, Vec<f64>)>,
     /// Momentum `M x` of each.
     pub momenta: Vec<Vec<f64>>,
+}
+
+/// Modes and how many of them cost nothing, as in [`Lowest`].
+#[derive(Default)]
+struct Modes {
+    neutral: usize,
+    modes: Vec<(f64, Vec<f64>)>,
+    momenta: Vec<Vec<f64>>,
 }
 
 struct Sweeps<'s, 'm> {
@@ -72,10 +86,14 @@ pub(super) fn lowest(
     let (zero, mass) = (vec![0.0; n], MassAction::new(model));
     let (rest, full, rows) = (zero.clone(), zero.clone(), Rows::new(rows));
     let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows };
+    // A coordinate without any stiffness, as of a body that floats, is neutral beside the stiffness of the others.
+    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
+    let magnitude: &Vec<f64> = &magnitude.iter().map(|x| if *x > 0.0 { *x } else { largest }).collect();
     let unstable = sweeps.negative(magnitude, NEUTRAL)?;
     let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
-    let (modes, momenta) = sweeps.iterate(neutral)?;
-    Ok(Lowest { unstable, neutral, modes, momenta })
+    let found = sweeps.iterate(magnitude, neutral)?.unwrap_or_default();
+    let Modes { neutral: neutral_modes, modes, momenta } = found;
+    Ok(Lowest { unstable, neutral, neutral_modes, modes, momenta })
 }
 
 impl Sweeps<'_, '_> {
@@ -130,17 +148,29 @@ impl Sweeps<'_, '_> {
         self.free.iter().map(|i| self.product[*i]).collect()
     }
 
-    #[allow(clippy::type_complexity)]
-    fn iterate(&mut self, neutral: usize) -> Result<(Vec<(f64, Vec<f64>)>, Vec<Vec<f64>>), Fault> {
+    /// The modes, with a shift that lets them be told from `neutral` motions; none where none does.
+    fn iterate(&mut self, magnitude: &[f64], neutral: usize) -> Result<Option<Modes>, Fault> {
         let unit = 1.0 / self.system.model().time_scale().powi(2);
         // Neutral motions make K itself singular: a shift well below the wanted eigenvalues takes care of them.
         let mut s = if neutral > 0 { 1e-3 * unit } else { 0.0 };
-        while !self.factorize(s)? {
-            if s > 1e30 * unit {
-                return Ok((Vec::new(), Vec::new()));
+        for _ in 0..if neutral > 0 { SHIFTS } else { 1 } {
+            while !self.factorize(s)? {
+                if s > 1e30 * unit {
+                    return Ok(None);
+                }
+                s = if s == 0.0 { 1e-3 * unit } else { 4.0 * s };
             }
-            s = if s == 0.0 { 1e-3 * unit } else { 4.0 * s };
+            let found = self.with_shift(s, magnitude, neutral)?;
+            if found.is_some() {
+                return Ok(found);
+            }
+            s *= 64.0;
         }
+        Ok(None)
+    }
+
+    /// The same with one shift; none where round-off of the stiffness is too large beside it.
+    fn with_shift(&mut self, s: f64, magnitude: &[f64], neutral: usize) -> Result<Option<Modes>, Fault> {
         let mut space = Space::new(self.free.len());
         (0..STARTS).for_each(|_| self.let_in(&mut space));
         let mut next_look = 2 * WANTED;
@@ -154,27 +184,47 @@ impl Sweeps<'_, '_> {
             }
             let full = !grown || space.columns.len() >= MOST_VECTORS;
             next_look = space.columns.len() + BETWEEN;
-            let Some((found, known)) = space.modes() else { return Ok((Vec::new(), Vec::new())) };
-            let wanted = WANTED.min(known);
-            if !full && wanted < WANTED {
-                continue;
+            let Some((found, known)) = space.modes(WANTED + neutral) else { return Ok(None) };
+            if known == 0 && neutral > 0 && (full || space.columns.len() >= HOPELESS) {
+                return Ok(None);
             }
             let value = |theta: f64| 1.0 / theta - s;
-            if !full {
-                let last = value(found[wanted - 1].0);
+            let costs_nothing = |(theta, u): &(f64, Vec<f64>)| {
+                let size = |x: &[f64]| x.iter().zip(magnitude).map(|(x, n)| n * x * x).sum::<f64>();
+                neutral > 0 && value(*theta).abs() <= NEUTRAL * size(&combined(&space.vectors, u))
+            };
+            let (mut picked, mut idle, mut others) = (Vec::new(), 0, 0);
+            for mode in &found[..known] {
+                if others == WANTED {
+                    break;
+                }
+                let neutral = costs_nothing(mode);
+                *if neutral { &mut idle } else { &mut others } += 1;
+                if !neutral || idle <= WANTED {
+                    picked.push(mode);
+                }
+            }
+            if !full && others < WANTED {
+                continue;
+            }
+            if let Some(last) = picked.last().map(|mode| value(mode.0)).filter(|_| !full) {
                 let limit = last + ABOVE * (last.abs() + s);
                 let there = self.below(limit)?;
                 if !self.factorize(s)? {
-                    return Ok((Vec::new(), Vec::new()));
+                    return Ok(None);
                 }
-                if there > found.iter().filter(|(theta, _)| value(*theta) <= limit).count() {
+                // Of motions that cost nothing a few will do.
+                let below = found.iter().filter(|(theta, _)| value(*theta) <= limit).count();
+                if there > below + if limit > 0.0 { neutral.saturating_sub(idle) } else { 0 } {
                     self.let_in(&mut space);
                     continue;
                 }
             }
-            let wanted = &found[..wanted];
-            let modes = wanted.iter().map(|(theta, u)| (value(*theta), combined(&space.vectors, u))).collect();
-            return Ok((modes, wanted.iter().map(|(_, u)| combined(&space.momenta, u)).collect()));
+            return Ok(Some(Modes {
+                neutral: idle.min(WANTED),
+                modes: picked.iter().map(|(theta, u)| (value(*theta), combined(&space.vectors, u))).collect(),
+                momenta: picked.iter().map(|(_, u)| combined(&space.momenta, u)).collect(),
+            }));
         }
     }
 
@@ -247,8 +297,8 @@ impl Space {
         Self { vectors: room(), momenta: room(), columns: room(), starts: 0 }
     }
 
-    /// Eigenvalues and vectors of T; none where it is not finite.
-    fn modes(&self) -> Option<Found> {
+    /// Eigenvalues and vectors of T, of which as many are looked at as asked for; none where it is not finite.
+    fn modes(&self, looked_at: usize) -> Option<Found> {
         let m = self.columns.len();
         let entry = |i: usize, j: usize| self.columns[j].get(i).copied().unwrap_or(0.0);
         let eigen =
@@ -260,7 +310,7 @@ impl Space {
             let outside = (m..self.vectors.len()).map(|i| row(i).powi(2)).sum::<f64>().sqrt();
             outside <= OUTSIDE * theta + ROUND_OFF * found[0].0
         };
-        let known = found.iter().take(WANTED).take_while(|mode| is_known(mode)).count();
+        let known = found.iter().take(looked_at).take_while(|mode| is_known(mode)).count();
         found.iter().all(|(theta, _)| theta.is_finite()).then_some((found, known))
     }
 }

@@ -311,3 +311,30 @@ fn twists_of_a_prism(relaxed: f64) -> Vec<f64> {
     let twist = |(a, b): &(_, _)| off_axis(a - low).angle(&off_axis(b - high)).to_degrees();
     ends.iter().map(twist).collect()
 }
+
+/// Rods on balls that stand on each other, next to no inertia about themselves: they come down hanging, in some steps. The
+/// moment that is left on the way couples a rod's turns; one of an inertia of 1e-12 kg m² must not hold up the others.
+#[test]
+fn thin_rods_on_balls_come_down() {
+    for thin in [1e-3, 1e-9, 1e-12] {
+        for across in [thin, 0.02] {
+            let text = format!(
+                "[[body]]\nname = \"rod\"\nrepeat = 20\nmass = 1\ncenter = [0, 0, 0.25]\ninertia = [{across}, {across}, {thin}]\n\
+                 markers = {{ tip = [0, 0, 0.5] }}\nhinge = {{ type = \"spherical\", next = \"tip\" }}\n"
+            );
+            let scenario = scenario::parse("rods.toml", &text, &[]).expect("a scene");
+            let model = build(&scenario.description);
+            let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");
+            assert!(
+                found.converged && found.iterations < 60,
+                "{across} {thin}: {} {:?}",
+                found.iterations,
+                found.notes
+            );
+            let stability = found.stability.expect("a verdict");
+            assert_eq!((stability.verdict, stability.neutral_directions), (Verdict::Neutral, 20));
+            let height = found.poses.last().expect("rods").translation.z;
+            assert!((height + 9.5).abs() < 1e-12, "{height}");
+        }
+    }
+}

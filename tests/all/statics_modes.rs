@@ -110,3 +110,59 @@ fn proportional_damping_of_a_long_chain() {
         assert!(nearest < 1e-6 * omega, "{omega}: {nearest:e}");
     }
 }
+
+/// A long chain of balls swings like the same chain of universal hinges, whatever its links do about themselves: all that cost
+/// nothing are counted, a few are shown, and none hides the frequencies. Each comes twice, in two planes.
+#[test]
+fn a_long_chain_of_balls_swings_like_one_of_universal_hinges() {
+    for links in [100, 1000] {
+        let chain = |hinge: &str| {
+            rest(&format!(
+                "[[body]]\nname = \"link\"\nrepeat = {links}\nmass = 1\ncenter = [0, 0, -0.25]\ninertia = [0.02, 0.02, 0.001]\n\
+                 markers = {{ tip = [0, 0, -0.5] }}\nhinge = {{ {hinge}, next = \"tip\" }}\n"
+            ))
+            .1
+            .stability
+            .expect("a verdict")
+        };
+        let balls = chain("type = \"spherical\"");
+        let universal = chain("type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]]");
+        assert_eq!((balls.neutral_directions, universal.neutral_directions), (links, 0));
+        let swings = |stability: &stillpoint::statics::Stability| -> Vec<f64> {
+            stability.modes.iter().map(|mode| mode.frequency_hz).filter(|hertz| *hertz > 0.0).collect()
+        };
+        let (balls, universal) = (swings(&balls), swings(&universal));
+        assert_eq!((balls.len(), universal.len()), (8, 8), "{links} links");
+        for (i, (a, b)) in balls.iter().zip(&universal).enumerate() {
+            assert!((a - b).abs() < 1e-9 * b && (b - universal[i - i % 2]).abs() < 1e-9 * b, "{links} links: {a} {b}");
+        }
+    }
+}
+
+/// A chain that floats costs nothing to move as a whole, however long it is, and nothing else is free. Its frequencies are
+/// those of a free beam, `22.373 √(EI/m) / L²`, where links are many.
+#[test]
+fn a_long_chain_that_floats_has_six_motions_that_cost_nothing() {
+    for links in [40, 100, 1000] {
+        for hinge in ["type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]]", "type = \"revolute\", axis = [0, 1, 0]"] {
+            let h = 10.0 / (links as f64 + 1.0);
+            let body = format!(
+                "mass = {h}\ncenter = [0, 0, {}]\ninertia = [{1}, {1}, {1}]\nmarkers = {{ tip = [0, 0, {h}] }}\n",
+                h / 2.0,
+                h * h * h / 12.0
+            );
+            let (_, found) = rest(&format!(
+                "gravity = [0, 0, 0]\n[[body]]\nname = \"base\"\n{body}hinge = {{ type = \"free\" }}\n[[body]]\nname = \
+                 \"link\"\nrepeat = {links}\n{body}hinge = {{ {hinge}, parent = \"base\", at = \"tip\", next = \"tip\", \
+                 stiffness = {} }}\n",
+                100.0 / h
+            ));
+            let stability = found.stability.expect("a verdict");
+            assert_eq!((stability.unstable_directions, stability.neutral_directions), (0, 6), "{links} links");
+            let lowest = stability.modes.iter().map(|mode| mode.frequency_hz).find(|hertz| *hertz > 0.0);
+            let beam = 22.373_285 * 10.0 / (100.0 * std::f64::consts::TAU);
+            let lowest = lowest.expect("a frequency");
+            assert!((lowest / beam - 1.0).abs() < 1.0 / links as f64, "{links} links: {lowest} Hz instead of {beam}");
+        }
+    }
+}
