@@ -1,7 +1,7 @@
 //! `check`: validate only.
 
 use super::{Exit, output};
-use crate::scenario::{LoadError, Override, load_with};
+use crate::scenario::{LoadError, Override, load_with, unreadable_meshes};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -32,6 +32,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             Ok(scenario) => {
                 if !arguments.quiet && !scenario.warnings.is_empty() {
                     output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
+                }
+                if !arguments.quiet {
+                    // Nothing but a picture needs them, so other commands do not look.
+                    for what in unreadable_meshes(&scenario.description) {
+                        output::warning(&format!("{name}: {what}; it is not drawn"));
+                    }
                 }
                 0
             }

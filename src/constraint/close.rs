@@ -27,6 +27,9 @@ const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-11;
 const MOST_DAMPING: f64 = 1e6;
 const MOST_STEPS: usize = 300;
+/// A short way back in the metric of the inertia takes a handful of steps. One that takes more is about a light body that
+/// cannot close the gap by itself, and whips about before a heavy one gives way: all coordinates are bent then.
+const SHORT_WAY: usize = 30;
 /// Largest turn (rad), and part of the scene's length, of one step.
 const LONGEST_STEP: f64 = 0.3;
 
@@ -53,8 +56,15 @@ impl<'m> Closer<'m> {
         if before <= ROUND_OFF * self.0.length {
             return true;
         }
+        let given = q.to_vec();
         let metric = self.0.nearby();
-        matches!(self.0.close(q, metric), Ok(gap) if gap <= LEFT_OPEN * self.0.length)
+        let most = if metric == Metric::Inertia { SHORT_WAY } else { MOST_STEPS };
+        let mut closed = self.0.close_within(q, metric, most);
+        if matches!(closed, Ok((_, true))) && metric == Metric::Inertia {
+            q.copy_from_slice(&given);
+            closed = self.0.close_within(q, Metric::Coordinates, MOST_STEPS);
+        }
+        matches!(closed, Ok((gap, _)) if gap <= LEFT_OPEN * self.0.length)
     }
 }
 
@@ -135,6 +145,11 @@ impl<'m> Closing<'m> {
 
     /// Closes the gaps from `q`, to round-off where that is possible; gives the widest gap left.
     pub(super) fn close(&mut self, q: &mut [f64], metric: Metric) -> Result<f64, Singular> {
+        self.close_within(q, metric, MOST_STEPS).map(|(gap, _)| gap)
+    }
+
+    /// The same in so many steps; also whether they were used up.
+    fn close_within(&mut self, q: &mut [f64], metric: Metric, most: usize) -> Result<(f64, bool), Singular> {
         let mut gap = self.gap(q);
         // Damping that falls with the gap converges quadratically, also where rows are redundant (Yamashita & Fukushima).
         let length = self.length;
@@ -142,8 +157,10 @@ impl<'m> Closing<'m> {
         let mut damping = damped(FIRST_DAMPING, gap);
         let mut size = self.squares();
         let mut trial = q.to_vec();
-        for _ in 0..MOST_STEPS {
+        let mut exhausted = true;
+        for _ in 0..most {
             if gap <= ROUND_OFF * self.length {
+                exhausted = false;
                 break;
             }
             self.gap(q);
@@ -166,16 +183,18 @@ impl<'m> Closing<'m> {
                 q.copy_from_slice(&trial);
                 damping = damped(0.1 * damping, gap);
                 if stalled && gap < 1e-12 * self.length {
+                    exhausted = false;
                     break;
                 }
             } else {
                 damping *= 10.0;
                 if damping > MOST_DAMPING || gap < 1e-13 * self.length {
+                    exhausted = false;
                     break;
                 }
             }
         }
-        Ok(self.gap(q))
+        Ok((self.gap(q), exhausted))
     }
 
     /// Closes velocities at a closed position; gives the largest rate left of the rows solved for (m/s; rad/s times the scene's length).

@@ -57,6 +57,7 @@ pub use model::{convert, convert_text};
 pub use overrides::{Override, OverrideError};
 pub use reference::reference;
 pub use schema::schema;
+pub use shape::unreadable_meshes;
 pub use start::{Started, load_start};
 
 use crate::import::{self, Imported};

@@ -3,6 +3,8 @@
 use super::fields::listed;
 use super::findings::Finding;
 use super::reader::Reader;
+use crate::mesh::Mesh;
+use crate::model::description::Description;
 use crate::model::shape::{Geometry, Shape};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use std::path::Path;
@@ -97,6 +99,22 @@ fn hex(text: &str) -> Option<[f64; 4]> {
         8 => Some([part(0)?, part(2)?, part(4)?, part(6)?]),
         _ => None,
     }
+}
+
+/// Mesh files that are there and cannot be read: what is wrong with each, and whose it is.
+pub fn unreadable_meshes(scene: &Description) -> Vec<String> {
+    let mut wrong = Vec::new();
+    for body in &scene.bodies {
+        for shape in &body.shapes {
+            if let Geometry::Mesh { file, .. } = &shape.geometry
+                && file.is_file()
+                && let Err(error) = Mesh::read(file)
+            {
+                wrong.push(format!("body `{}`: {error}", body.name));
+            }
+        }
+    }
+    wrong
 }
 
 #[cfg(test)]

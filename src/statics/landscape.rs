@@ -106,6 +106,15 @@ impl<'s, 'm> Landscape<'s, 'm> {
         self.system.model()
     }
 
+    /// What one factorization works: links of a sweep, entries of a matrix.
+    pub(super) fn work(&self) -> usize {
+        let dense = match &self.ties {
+            Some(ties) => !ties.sweeps,
+            None => self.stiffness.is_dense(),
+        };
+        if dense { self.free.len().pow(2).max(1) } else { self.model().links.len() }
+    }
+
     /// The system, for what comes after the search.
     pub fn system(&mut self) -> &mut System<'m> {
         self.system

@@ -125,8 +125,10 @@ pub(super) fn polish(
     Ok(place)
 }
 
-/// The place after a step, where that at least halves the residual.
+/// The place after a step, where that at least halves the residual. What balances up to round-off is not left for less in
+/// one coordinate and more than round-off in another.
 fn improved(landscape: &mut Landscape<'_, '_>, place: &Place, step: &[f64]) -> Result<Option<Place>, Fault> {
     let q = landscape.moved(&place.q, step);
-    Ok(Place::at(landscape, q).ok().filter(|next| next.residual().0 <= 0.5 * place.residual().0))
+    let kept = |next: &Place| next.is_balanced() || !place.is_balanced();
+    Ok(Place::at(landscape, q).ok().filter(|next| next.residual().0 <= 0.5 * place.residual().0 && kept(next)))
 }

@@ -15,12 +15,18 @@ use super::saddle::{WayOut, way_out};
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
 
-/// Steps, and sweeps over one link: a large scene that fails says so in some tens of seconds.
-const MOST_ITERATIONS: usize = 4000;
-const MOST_SWEEPS: usize = 4_000_000;
-const LEAST_ITERATIONS: usize = 400;
+/// Steps, and sweeps over one link (or entries of a matrix, where there is one): what fails says so in seconds, a large scene
+/// in some tens of them. Beside springs of 10⁹ N/m, or bodies a million times heavier than others, twenty thousand steps may
+/// be the way along a valley.
+const MOST_ITERATIONS: usize = 40_000;
+const MOST_WORK: usize = 16_000_000;
+/// Even so, as many as this, and sweeps.
+const LEAST_ITERATIONS: [usize; 2] = [400, 4000];
+const LEAST_SWEEPS: usize = 4_000_000;
 /// A search of more steps goes along a valley that bends.
 const BENT: usize = 40;
+/// Part of a step over which its bend is differenced.
+const PART: f64 = 1e-2;
 /// Trials for one step's shift.
 const MOST_SHIFTS: usize = 40;
 /// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
@@ -70,7 +76,9 @@ pub(super) fn run(
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
     let mut search = Search { landscape, radius, potential, shift: 0.0, bent: false, outcome };
     let mut travelled = 0.0;
-    let most = (MOST_SWEEPS / search.landscape.model().links.len()).clamp(LEAST_ITERATIONS, MOST_ITERATIONS);
+    let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
+    let least = (LEAST_SWEEPS / links).clamp(LEAST_ITERATIONS[0], LEAST_ITERATIONS[1]);
+    let most = (MOST_WORK / work).clamp(least, MOST_ITERATIONS);
     for iteration in 0..most {
         search.bent = iteration >= BENT;
         if search.outcome.place.is_balanced() {
@@ -107,6 +115,12 @@ struct Trial {
     shift: f64,
 }
 
+/// Where a corrected step ends.
+struct Lower {
+    q: Vec<f64>,
+    potential: f64,
+}
+
 impl Search<'_, '_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
@@ -139,17 +153,21 @@ impl Search<'_, '_, '_> {
         let predicted = 0.5 * (linear + trial.shift * trial.size * trial.size);
         let mut q = self.landscape.moved(&place.q, &trial.x);
         let mut potential = self.landscape.potential(&q);
-        // Below the round-off of the potential only the model can tell.
+        // Below the round-off of the potential, and along motions that cost nothing, the forces can tell.
         let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
-        let mut ratio = if tiny { 1.0 } else { (self.potential - potential) / predicted };
+        let mut ratio = match tiny {
+            true => self.worth_by_forces(trial, linear, &q)? / predicted,
+            false => (self.potential - potential) / predicted,
+        };
         if self.bent
+            && !tiny
             && !(ratio > 0.75)
-            && let Some((corrected, lower)) = self.corrected(trial, &q)
+            && let Some(lower) = self.corrected(trial, &q, 0.75 * predicted)?
         {
-            let better = (self.potential - lower) / predicted;
+            let better = (self.potential - lower.potential) / predicted;
             if better > WORTH && !(better <= ratio) {
-                (ratio, q, potential) = (better, corrected, lower);
+                (ratio, q, potential) = (better, lower.q, lower.potential);
             }
         }
         if !(ratio >= 0.25) {
@@ -165,11 +183,6 @@ impl Search<'_, '_, '_> {
             // A position that cannot be evaluated is outside the region.
             Err(_) => return Ok(None),
         };
-        // Along motions that cost nothing the model can be wrong and the potential cannot tell: the forces can.
-        if tiny && next.residual().0 > self.outcome.place.residual().0 {
-            self.radius = 0.3 * trial.size.min(self.radius);
-            return Ok(None);
-        }
         self.outcome.shifted |= trial.shift > 0.0;
         self.outcome.place = next;
         self.potential = potential;
@@ -178,23 +191,74 @@ impl Search<'_, '_, '_> {
         Ok(Some(trial.size))
     }
 
-    /// Where a valley bends (a stiff spring beside soft ones) the step leaves its floor. Back to it by one step with the
-    /// stiffness there, `(K + σB) y = f − σ B x`: the position, and its potential.
-    fn corrected(&mut self, trial: &Trial, q: &[f64]) -> Option<(Vec<f64>, f64)> {
+    /// How far the potential falls along a step, from the forces at both ends: where it is so little that the potential's
+    /// own round-off hides it.
+    fn worth_by_forces(&mut self, trial: &Trial, linear: f64, q: &[f64]) -> Result<f64, Fault> {
+        let Ok(force) = self.landscape.force(q) else { return Ok(f64::NAN) };
+        let there: f64 = force.iter().zip(&trial.x).map(|(f, x)| f * x).sum();
+        Ok(0.5 * (linear + there))
+    }
+
+    /// Where a valley bends (a stiff spring beside soft ones, a heavy body among light ones) the step leaves its floor: back
+    /// to it from the end of the step, from the end of the parabola of the floor, or that end itself, whichever is lowest.
+    fn corrected(&mut self, trial: &Trial, q: &[f64], enough: f64) -> Result<Option<Lower>, Fault> {
+        let back = self.back(trial, &trial.x, q);
+        if back.as_ref().is_some_and(|back| self.potential - back.potential > enough) {
+            return Ok(back);
+        }
+        let Some((x, bent)) = self.along_parabola(trial)? else { return Ok(back) };
+        let again = self.back(trial, &x, &bent.q);
+        let all = [back, Some(bent), again].into_iter().flatten();
+        Ok(all.min_by(|a, b| a.potential.total_cmp(&b.potential)))
+    }
+
+    /// One step back, `(K + σB) y = f − σ B x`, with the stiffness at the end of `x`. In the metric it may be longer than the
+    /// step itself: a heavy body moves back by little. Far from the floor stiff springs have another force, and with it another,
+    /// often a negative, stiffness of the soft directions: then there is none.
+    fn back(&mut self, trial: &Trial, x: &[f64], q: &[f64]) -> Option<Lower> {
         let force = self.landscape.force(q).ok()?;
         self.landscape.look(q).ok()?;
         if !self.landscape.factorize(trial.shift) {
             return None;
         }
-        let held = |(i, f): (usize, &f64)| f - trial.shift * self.landscape.metric[i] * trial.x[i];
+        let held = |(i, f): (usize, &f64)| f - trial.shift * self.landscape.metric[i] * x[i];
         let rhs: Vec<f64> = force.iter().enumerate().map(held).collect();
-        let back = self.landscape.solve(&rhs);
-        if !(self.landscape.size(&back) <= trial.size) {
+        let y = self.landscape.solve(&rhs);
+        self.lower(q, &y)
+    }
+
+    /// The step along the parabola of the floor, from what the forces do around the place where it begins:
+    ///
+    /// ```text
+    /// f(q ⊞ s x) = f₀ − s K x + s² f₂ + …,      (K + σB) y = f₂:      q ⊞ (x + y)
+    /// ```
+    fn along_parabola(&mut self, trial: &Trial) -> Result<Option<(Vec<f64>, Lower)>, Fault> {
+        let from = self.outcome.place.q.clone();
+        self.landscape.look(&from)?;
+        if !self.landscape.factorize(trial.shift) {
+            return Ok(None);
+        }
+        let mut bend: Vec<f64> = self.outcome.place.force.iter().map(|f| -2.0 * f).collect();
+        for part in [PART, -PART] {
+            let x: Vec<f64> = trial.x.iter().map(|x| part * x).collect();
+            let q = self.landscape.moved(&from, &x);
+            let Ok(force) = self.landscape.force(&q) else { return Ok(None) };
+            bend.iter_mut().zip(&force).for_each(|(bend, f)| *bend += f);
+        }
+        bend.iter_mut().for_each(|bend| *bend /= 2.0 * PART * PART);
+        let y = self.landscape.solve(&bend);
+        let x: Vec<f64> = trial.x.iter().zip(&y).map(|(x, y)| x + y).collect();
+        Ok(self.lower(&from, &x).map(|end| (x, end)))
+    }
+
+    /// A place and its potential; none from where loops might close otherwise.
+    fn lower(&mut self, q: &[f64], step: &[f64]) -> Option<Lower> {
+        if !(self.landscape.stretch(step) <= 1.0) {
             return None;
         }
-        let q = self.landscape.moved(q, &back);
+        let q = self.landscape.moved(q, step);
         let potential = self.landscape.potential(&q);
-        potential.is_finite().then_some((q, potential))
+        potential.is_finite().then_some(Lower { q, potential })
     }
 
     /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.

@@ -36,6 +36,7 @@ mod statics_loops;
 mod statics_methods;
 mod statics_modes;
 mod statics_path;
+mod statics_ratios;
 mod statics_start;
 mod statics_stops;
 mod units;

@@ -166,3 +166,68 @@ fn a_long_chain_that_floats_has_six_motions_that_cost_nothing() {
         }
     }
 }
+
+/// Large random trees without damping, every hinge on springs of its own, some springs between distant bodies; every third of
+/// them floats. Sweeps find, count and measure what matrices of the whole scene do.
+#[test]
+fn large_random_trees_swing_as_matrices_say() {
+    for seed in 0..24 {
+        let mut scene = random_scene(seed, &Options { bodies: 70, springs: true, welds: true });
+        let floats = seed % 3 == 0;
+        for (index, body) in scene.bodies.iter_mut().enumerate() {
+            let hinge = &mut body.hinge;
+            hinge.damping.clear();
+            hinge.force.clear();
+            hinge.rest.clear();
+            hinge.stiffness = vec![if seed % 2 == 0 { 400.0 } else { 40.0 }; hinge.kind.counts().1];
+            if floats && (index == 0 || hinge.parent == stillpoint::model::description::GROUND) {
+                hinge.kind = stillpoint::model::description::HingeKind::Free;
+                (hinge.stiffness, hinge.position) = (vec![0.0; 6], Vec::new());
+                (hinge.velocity, hinge.force, hinge.armature) = (Vec::new(), Vec::new(), Vec::new());
+            }
+        }
+        let roots =
+            scene.bodies.iter().filter(|body| body.hinge.parent == stillpoint::model::description::GROUND).count();
+        if floats {
+            scene.gravity = nalgebra::Vector3::zeros();
+        }
+        scene.forces.retain_mut(|force| match &mut force.kind {
+            stillpoint::model::description::ForceKind::Spring { damping, between, .. } => {
+                *damping = 0.0;
+                !floats || between.iter().all(|end| end.body != stillpoint::model::description::GROUND)
+            }
+            _ => false,
+        });
+        scene.forces.truncate(2);
+        if floats {
+            scene.forces.clear();
+        }
+        let model = build(&scene);
+        let found =
+            equilibrium(&model, &stillpoint::statics::Settings::default(), &model.start_position).expect("numbers");
+        assert!(found.converged, "{seed}: {:?}", found.notes);
+        let stability = found.stability.expect("a verdict");
+        let n = model.velocity_count();
+        assert!(n > 100 && stability.modes.len() < n, "{seed}: by sweeps");
+        let zero = vec![0.0; n];
+        let linear = System::new(&model).linearize(&found.position, &zero, &zero).expect("numbers");
+        let root = linear.mass.llt(faer::Side::Lower).expect("inertia");
+        let mut inverse = Mat::<f64>::identity(n, n);
+        faer::linalg::triangular_solve::solve_lower_triangular_in_place(root.L(), inverse.as_mut(), faer::Par::Seq);
+        let symmetric = 0.5 * (&linear.stiffness + linear.stiffness.transpose());
+        let values =
+            (&inverse * &symmetric * inverse.transpose()).self_adjoint_eigenvalues(faer::Side::Lower).expect("");
+        let round_off = 1e-13 * values[n - 1];
+        let count = |test: &dyn Fn(f64) -> bool| values.iter().filter(|x| test(**x)).count();
+        let expected = (count(&|x| x < -round_off), count(&|x| x.abs() <= round_off));
+        assert_eq!((stability.unstable_directions, stability.neutral_directions), expected, "{seed}");
+        assert_eq!(expected, (0, if floats { 6 * roots } else { 0 }), "{seed}");
+        let swinging: Vec<f64> =
+            stability.modes.iter().map(|mode| mode.frequency_hz).filter(|hertz| *hertz > 0.0).collect();
+        assert_eq!(swinging.len(), 8, "{seed}");
+        for (hertz, value) in swinging.iter().zip(&values[expected.1..]) {
+            let expected = value.sqrt() / std::f64::consts::TAU;
+            assert!((hertz - expected).abs() < 1e-8 * expected, "{seed}: {hertz} {expected}");
+        }
+    }
+}

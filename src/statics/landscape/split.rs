@@ -7,7 +7,8 @@
 //! Gᵀ = Q [R; 0]  the same from Q₂ and R⁻¹ Q₁ᵀ b where the rows are clearly independent: 1/|R⁻¹| tells
 //! ```
 //!
-//! The second costs a small part of the first; singular values are left to the places where rows hang on each other.
+//! The second costs a small part of the first; singular values are left to the places where rows hang on each other: there
+//! `S⁻¹ Uᵀ G` of those that count takes the place of `G`. Which count is asked without the masses.
 //!
 //! Few rows across a large scene are told by what they hold, `Q₁` or `V₁`, instead of by what they leave: `n × m` numbers
 //! instead of `n × (n − m)`. Where rows hang on each other the branch decides what is held beside `V₁`: of what was held
@@ -104,99 +105,104 @@ impl Motions {
 pub(super) struct Split {
     pub(super) motions: Motions,
     pub(super) multipliers: Vec<f64>,
-    /// The smallest singular value that counts, or a bound below it.
-    pub(super) least: f64,
     pub(super) singular: bool,
     /// The largest of the smallest singular values met.
     pub(super) regular: f64,
 }
 
-/// Splits at a position to which the search came along `branch`; `root` is the root of the metric. With `held` the motions
-/// are told by what holds the rest.
-pub(super) fn split(rows: &Mat<f64>, forces: &[f64], branch: Option<&Branch>, root: &[f64], held: bool) -> Split {
+/// The rows at one position, and the forces that they may take.
+pub(super) struct Given {
+    /// In the metric, each of about unit size.
+    pub(super) rows: Mat<f64>,
+    /// The same rows over turns and parts of the scene's length, of about unit size there: whether they hang on each other
+    /// is a matter of geometry. A body a million times heavier than its neighbours does not make rows dependent.
+    pub(super) plain: Mat<f64>,
+    /// In the metric.
+    pub(super) forces: Vec<f64>,
+    /// Root of the metric.
+    pub(super) root: Vec<f64>,
+    /// Size of each row of `plain` over that of the one in `rows`.
+    pub(super) sizes: Vec<f64>,
+}
+
+/// Splits at a position to which the search came along `branch`. With `held` the motions are told by what holds the rest.
+pub(super) fn split(given: &Given, branch: Option<&Branch>, held: bool) -> Split {
+    let Given { rows, plain, forces, root, sizes } = given;
     let met = branch.map_or(1.0, |branch| branch.regular);
-    if let Some(split) = independent(rows, forces, root, held).filter(|split| split.least >= NEARLY * met) {
-        let regular = branch.map_or(split.least, |branch| branch.regular.max(split.least));
-        return Split { regular, ..split };
+    if let Some(least) = clear(plain).filter(|least| *least >= NEARLY * met)
+        && let Some((columns, multipliers)) = independent(rows, forces, held)
+    {
+        let regular = branch.map_or(least, |branch| branch.regular.max(least));
+        return Split { motions: Motions::of(&columns, root, held), multipliers, singular: false, regular };
     }
     let n = rows.ncols();
-    let parts = Parts::of(rows, held);
+    let parts = Parts::of(plain);
     let smallest = parts.values.iter().copied().filter(|s| *s > DEPENDENT).fold(f64::INFINITY, f64::min);
     let regular = branch.map_or(smallest, |before| before.regular.max(smallest));
     let limit = if branch.is_some() { NEARLY * regular } else { DEPENDENT };
     let singular = parts.values.iter().any(|s| *s < NEARLY * regular);
     let rank = parts.values.iter().filter(|s| **s > limit).count();
-    let columns = match (held, branch.map(|branch| &branch.motions)) {
-        (true, before) => {
-            let taken = Mat::from_fn(n, rank, |i, j| parts.right[(i, j)]);
-            match before {
-                Some(Motions::Across(before)) if before.ncols() > rank => with_held(&taken, before, root),
-                _ => taken,
-            }
-        }
-        (false, before) => {
-            let null = Mat::from_fn(n, n - rank, |i, j| parts.right[(i, rank + j)]);
-            match before {
-                Some(Motions::Spanned(before)) if before.ncols() < null.ncols() => nearest(&null, before, root),
-                _ => null,
-            }
-        }
+    // The combinations of rows that stay, `S⁻¹ Uᵀ G`, in the metric.
+    let weights = Mat::from_fn(rank, rows.nrows(), |k, i| parts.left[(i, k)] / (parts.values[k] * sizes[i]));
+    let kept = &weights * rows;
+    let Some((columns, along)) = independent(&kept, forces, held) else {
+        let motions = Motions::of(&Mat::zeros(n, 0), root, held);
+        return Split { motions, multipliers: vec![0.0; rows.nrows()], singular: true, regular };
     };
-    let least = parts.values.get(rank.wrapping_sub(1)).map_or(1.0, |least| *least);
-    let motions = Motions::of(&columns, root, held);
-    Split { motions, multipliers: parts.solve(rank, forces), least, singular, regular }
+    let multipliers = (0..rows.nrows()).map(|i| (0..rank).map(|k| weights[(k, i)] * along[k]).sum()).collect();
+    let columns = match (held, branch.map(|branch| &branch.motions)) {
+        (true, Some(Motions::Across(before))) if before.ncols() > rank => with_held(&columns, before, root),
+        (false, Some(Motions::Spanned(before))) if before.ncols() < columns.ncols() => nearest(&columns, before, root),
+        _ => columns,
+    };
+    Split { motions: Motions::of(&columns, root, held), multipliers, singular, regular }
 }
 
-/// Where all rows are independent; `None` where there are more rows than coordinates.
-fn independent(rows: &Mat<f64>, forces: &[f64], root: &[f64], held: bool) -> Option<Split> {
+/// A bound below the smallest singular value; `None` where there are more rows than coordinates.
+fn clear(rows: &Mat<f64>) -> Option<f64> {
     let (m, n) = (rows.nrows(), rows.ncols());
     if m > n {
         return None;
     }
-    let qr = Qr::new(rows.transpose());
-    let (q, r) = (if held { qr.compute_thin_Q() } else { qr.compute_Q() }, qr.thin_R());
-    let mut inverse = Mat::<f64>::identity(m, m);
-    faer::linalg::triangular_solve::solve_upper_triangular_in_place(r, inverse.as_mut(), Par::Seq);
-    let least = if m == 0 { 1.0 } else { 1.0 / inverse.norm_l2() };
-    if !least.is_finite() {
-        return None;
+    if m == 0 {
+        return Some(1.0);
     }
-    let along: Vec<f64> = (0..m).map(|j| (0..n).map(|i| q[(i, j)] * forces[i]).sum()).collect();
-    let multipliers = (0..m).map(|i| (i..m).map(|j| inverse[(i, j)] * along[j]).sum()).collect();
-    let columns = if held { q } else { q.subcols(m, n - m).to_owned() };
-    let motions = Motions::of(&columns, root, held);
-    Some(Split { motions, multipliers, least, singular: false, regular: least })
+    let least = 1.0 / inverse(Qr::new(rows.transpose()).thin_R()).norm_l2();
+    least.is_finite().then_some(least)
 }
 
-/// Singular values and vectors of a wide matrix.
+/// What independent rows hold or leave, orthonormal columns in the metric, and their multipliers.
+fn independent(rows: &Mat<f64>, forces: &[f64], held: bool) -> Option<(Mat<f64>, Vec<f64>)> {
+    let (m, n) = (rows.nrows(), rows.ncols());
+    let qr = Qr::new(rows.transpose());
+    let q = if held { qr.compute_thin_Q() } else { qr.compute_Q() };
+    let inverse = inverse(qr.thin_R());
+    let along: Vec<f64> = (0..m).map(|j| (0..n).map(|i| q[(i, j)] * forces[i]).sum()).collect();
+    let multipliers: Vec<f64> = (0..m).map(|i| (i..m).map(|j| inverse[(i, j)] * along[j]).sum()).collect();
+    let columns = if held { q } else { q.subcols(m, n - m).to_owned() };
+    multipliers.iter().all(|x: &f64| x.is_finite()).then_some((columns, multipliers))
+}
+
+/// Of an upper triangle.
+fn inverse(upper: faer::MatRef<'_, f64>) -> Mat<f64> {
+    let mut inverse = Mat::<f64>::identity(upper.nrows(), upper.nrows());
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(upper, inverse.as_mut(), Par::Seq);
+    inverse
+}
+
+/// Singular values and the vectors on the side of the rows.
 struct Parts {
     left: Mat<f64>,
     values: Vec<f64>,
-    right: Mat<f64>,
 }
 
 impl Parts {
-    fn of(matrix: &Mat<f64>, thin: bool) -> Self {
+    fn of(matrix: &Mat<f64>) -> Self {
         let (m, n) = (matrix.nrows(), matrix.ncols());
-        match if thin { matrix.thin_svd() } else { matrix.svd() } {
-            Ok(svd) => {
-                let values = (0..m.min(n)).map(|i| svd.S()[i]).collect();
-                Self { left: svd.U().to_owned(), values, right: svd.V().to_owned() }
-            }
-            Err(_) => Self { left: Mat::identity(m, m), values: vec![0.0; m.min(n)], right: Mat::identity(n, n) },
+        match matrix.thin_svd() {
+            Ok(svd) => Self { left: svd.U().to_owned(), values: (0..m.min(n)).map(|i| svd.S()[i]).collect() },
+            Err(_) => Self { left: Mat::identity(m, m), values: vec![0.0; m.min(n)] },
         }
-    }
-
-    /// `U S⁻¹ Vᵀ x` with the first `rank` values.
-    fn solve(&self, rank: usize, x: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; self.left.nrows()];
-        for k in 0..rank {
-            let part: f64 = (0..x.len()).map(|i| self.right[(i, k)] * x[i]).sum::<f64>() / self.values[k];
-            for (i, out) in out.iter_mut().enumerate() {
-                *out += self.left[(i, k)] * part;
-            }
-        }
-        out
     }
 }
 

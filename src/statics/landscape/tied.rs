@@ -21,7 +21,7 @@
 //! **Singular positions**: where rows hang on each other that are independent elsewhere, the motions that only exist
 //! there do not count: the branch that the search came along is kept.
 
-use super::split::{Motions, NEARLY, Split, split};
+use super::split::{Given, Motions, NEARLY, Split, split};
 use super::{Landscape, Scales};
 use crate::constraint::{Closer, Constraints};
 use crate::dynamics::{Fault, System, TangentSolver};
@@ -199,17 +199,20 @@ impl Landscape<'_, '_> {
         let of_rows = self.system.constraint_matrix(q);
         let all = Mat::from_fn(rows, n, |i, j| of_rows[(i, free[j])]);
         let root: Vec<f64> = self.metric.iter().map(|b| b.sqrt()).collect();
-        // Rows of one size: a turn's beside a slide's.
-        let size = |i: usize| (0..n).map(|j| (all[(i, j)] / root[j]).powi(2)).sum::<f64>().sqrt();
-        let sizes: Vec<f64> = (0..rows).map(|i| size(i).max(f64::MIN_POSITIVE)).collect();
-        let largest = sizes.iter().fold(0.0_f64, |m, s| m.max(*s));
-        let weigh = |i: usize| if sizes[i] > NEARLY * largest { sizes[i] } else { largest };
-        let scaled = Mat::from_fn(rows, n, |i, j| all[(i, j)] / (root[j] * weigh(i)));
+        let per: Vec<f64> = free.iter().map(|i| if self.slides[*i] { 1.0 / self.length } else { 1.0 }).collect();
+        let sizes = row_sizes(&all, &root);
+        let plain = row_sizes(&all, &per);
+        let given = Given {
+            rows: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (root[j] * sizes[i])),
+            plain: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (per[j] * plain[i])),
+            forces: force.iter().zip(&root).map(|(f, root)| f / root).collect(),
+            sizes: plain.iter().zip(&sizes).map(|(plain, size)| plain / size).collect(),
+            root,
+        };
         let branch = self.ties.as_ref().and_then(|ties| ties.branch.as_ref());
-        let forces: Vec<f64> = force.iter().zip(&root).map(|(f, root)| f / root).collect();
         let sweeps = self.ties.as_ref().is_some_and(|ties| ties.sweeps);
-        let Split { motions, multipliers, singular, regular, .. } = split(&scaled, &forces, branch, &root, sweeps);
-        let multipliers: Vec<f64> = multipliers.iter().enumerate().map(|(i, x)| x / weigh(i)).collect();
+        let Split { motions, multipliers, singular, regular } = split(&given, branch, sweeps);
+        let multipliers: Vec<f64> = multipliers.iter().zip(&sizes).map(|(x, size)| x / size).collect();
         let left = motions.felt(&force, &self.metric);
         let scales = self.scales(&all, &multipliers, &motions, q);
         let force = left.iter().map(|r| -r).collect();
@@ -251,6 +254,14 @@ impl Landscape<'_, '_> {
             |(x, i): (&f64, &usize)| x.abs() / if self.slides[*i] { LONGEST_STEP * self.length } else { LONGEST_STEP };
         step.iter().zip(&self.free).map(of).fold(0.0, f64::max)
     }
+}
+
+/// What makes rows over coordinates in these units of one size (a turn's beside a slide's); nearly nothing stays that.
+fn row_sizes(rows: &Mat<f64>, units: &[f64]) -> Vec<f64> {
+    let size = |i: usize| units.iter().enumerate().map(|(j, unit)| (rows[(i, j)] / unit).powi(2)).sum::<f64>().sqrt();
+    let sizes: Vec<f64> = (0..rows.nrows()).map(|i| size(i).max(f64::MIN_POSITIVE)).collect();
+    let largest = sizes.iter().fold(0.0_f64, |m, s| m.max(*s));
+    sizes.into_iter().map(|size| if size > NEARLY * largest { size } else { largest }).collect()
 }
 
 /// Whether the rows of a scene and its forces that reach far border the sweep of its tree: few of them across a large

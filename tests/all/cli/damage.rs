@@ -83,3 +83,19 @@ fn files_that_are_no_scenes_are_answered_shortly() {
         assert_eq!(bench.names(), ["scene.toml"]);
     }
 }
+
+/// A picture that cannot be drawn stops nothing, and `check` tells of it.
+#[test]
+fn a_damaged_mesh_that_only_draws_is_told_by_check() {
+    let bench = Bench::new();
+    bench.write("bad.stl", "garbage");
+    bench.write("rod.toml", ROD.replace("center", "shape = { mesh = \"bad.stl\" }\ncenter"));
+    let answer = bench.call(&["check", "rod.toml"]).code(0);
+    assert!(
+        answer.err.contains("rod.toml: body `rod`: the mesh `") && answer.err.contains("is damaged"),
+        "{}",
+        answer.err
+    );
+    assert!(bench.call(&["check", "rod.toml", "--quiet"]).code(0).err.is_empty());
+    bench.call(&["inspect", "rod.toml"]).code(0);
+}
