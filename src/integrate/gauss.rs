@@ -115,7 +115,7 @@ impl<P: ImplicitProblem> Stepper<P> for Gauss {
         let trial = self.control.propose(&self.progress)?;
         while let Err(limit) = self.attempt(problem, trial) {
             // Old tangents are to blame first.
-            if !self.stages.discard_old() {
+            if !self.stages.discard_old() && !self.stages.take_care() {
                 return self.control.fail(trial, limit, &self.progress);
             }
         }

@@ -22,7 +22,8 @@ pub(crate) trait Implicit<P: ImplicitProblem> {
     /// Where it cannot be projected.
     fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit>;
 
-    /// Gives up tangents of an earlier step; false where there are none, so that new ones would not help.
+    /// Gives up tangents of an earlier step, or takes more of them where the step cannot be shortened; false where that would
+    /// not help any more.
     fn discard_old(&mut self) -> bool;
 }
 

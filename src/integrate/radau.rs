@@ -198,7 +198,7 @@ impl<P: ImplicitProblem> Implicit<P> for Radau {
     }
 
     fn discard_old(&mut self) -> bool {
-        self.stages.discard_old()
+        self.stages.discard_old() || (self.control.is_fixed() && self.stages.take_care())
     }
 }
 

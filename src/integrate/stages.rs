@@ -22,6 +22,9 @@
 //! sweeps). It is kept while it serves, and where it costs half a sweep more than a new one would it is renewed at once:
 //! that takes a third of one or less. Where it did not even serve the step after its own, sixteen steps renew it without trying.
 //!
+//! A step that may not be shortened, and that one tangent does not carry to its end, is tried again with a tangent at each
+//! stage in each sweep.
+//!
 //! **Stiff systems**: a step that is still slow after some sweeps goes on with the other `L` of `splitting.rs`, and so do the
 //! next 64. The tangent stays: both have the same `γ`.
 //!
@@ -92,6 +95,8 @@ pub(crate) struct Stages {
     tangent: Option<Tangent>,
     /// Steps that are to renew it unasked.
     renewals: u32,
+    /// Whether every correction takes a tangent of its own.
+    careful: bool,
 }
 
 /// What is known of the factorization.
@@ -146,6 +151,7 @@ impl Stages {
             accuracy,
             tangent: None,
             renewals: 0,
+            careful: false,
             method,
         }
     }
@@ -185,7 +191,7 @@ impl Stages {
             if self.stiff.is_none() && iteration.is_slow(SLOW) {
                 self.stiff = Some(STIFF);
             }
-            if !self.serves(&iteration) && !done {
+            if !self.careful && !self.serves(&iteration) && !done {
                 let stage = s / 2;
                 self.before.copy_from_slice(&self.states[stage]);
                 // Not fresh: from a stage that an old tangent led astray it may be a poor one.
@@ -202,6 +208,7 @@ impl Stages {
         let s = self.method.stages();
         self.history.advance(step, &self.method.nodes, &mut self.rates[..s]);
         self.stiff = self.stiff.and_then(|steps| steps.checked_sub(1));
+        self.careful = false;
         if let Some(tangent) = &mut self.tangent {
             tangent.served += u32::from(!tangent.fresh);
             tangent.fresh = false;
@@ -215,6 +222,11 @@ impl Stages {
             self.tangent = None;
         }
         old
+    }
+
+    /// Tries the step again with a tangent for each correction; false where that was tried.
+    pub(crate) fn take_care(&mut self) -> bool {
+        !std::mem::replace(&mut self.careful, true)
     }
 
     /// The rates of all stages but the first `found`, from the past and from those.
@@ -242,12 +254,24 @@ impl Stages {
         }
         self.tangent = None;
         self.renewals = self.renewals.saturating_sub(1);
-        let s = self.method.stages();
-        let middle = s / 2;
-        combine(&mut self.known, start, step, &self.rows[0][middle][..s], &self.rates);
+        let middle = self.method.stages() / 2;
+        self.renew_at(problem, (time, start), step, (middle, Pass::First), statistics)
+    }
+
+    /// A new tangent where a stage is as its row says.
+    fn renew_at<P: ImplicitProblem>(
+        &mut self,
+        problem: &mut P,
+        (time, start): (f64, &[f64]),
+        step: f64,
+        (i, pass): (usize, Pass),
+        statistics: &mut Statistics,
+    ) -> Result<(), Limit> {
+        let row = weights(&self.rows, self.stiff, (i, pass));
+        combine(&mut self.known, start, step, row, &self.rates);
         let stage = Stage { time, step: step * self.diagonal, known: &self.known, start };
-        place(problem, stage, &self.rates[middle][problem.position_count()..], &mut self.before);
-        self.renew(problem, (time, middle, true), step, statistics)
+        place(problem, stage, &self.rates[i][problem.position_count()..], &mut self.before);
+        self.renew(problem, (time, i, true), step, statistics)
     }
 
     /// A new tangent, at a stage whose state is in `before`.
@@ -294,9 +318,10 @@ impl Stages {
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
         let (s, position_count) = (self.method.stages(), problem.position_count());
-        let row = &self.rows[usize::from(self.stiff.is_some())][i];
-        let row = if pass == Pass::Later { &row[..] } else { &row[..s] };
-        combine(&mut self.known, start, step, row, &self.rates);
+        if self.careful {
+            self.renew_at(problem, (time, start), step, (i, pass), statistics)?;
+        }
+        combine(&mut self.known, start, step, weights(&self.rows, self.stiff, (i, pass)), &self.rates);
         let g = step * self.diagonal;
         let stage = Stage { time: time + self.method.nodes[i] * step, step: g, known: &self.known, start };
         std::mem::swap(&mut self.before, &mut self.states[i]);
@@ -321,5 +346,14 @@ impl Stages {
         acceleration.copy_from_slice(&self.acceleration);
         change.iter_mut().zip(rate).for_each(|(change, now)| *change = *now - *change);
         Ok(())
+    }
+}
+
+/// The weights of row `i` of (1) in a sweep.
+fn weights(rows: &[Vec<Vec<f64>>; 2], stiff: Option<u32>, (i, pass): (usize, Pass)) -> &[f64] {
+    let rows = &rows[usize::from(stiff.is_some())];
+    match pass {
+        Pass::First => &rows[i][..rows.len()],
+        Pass::Later => &rows[i],
     }
 }
