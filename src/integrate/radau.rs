@@ -57,7 +57,7 @@ const ACCURACY: Accuracy = Accuracy { left: 0.001, stalled: 0.1, least_contracti
 const TIGHT: f64 = 1e-10;
 /// What the iterations of all steps leave adds up. Looser tolerances make fewer steps, each of which may leave more, but no
 /// more than so many times that.
-const MOST_LEFT: f64 = 5.0;
+const MOST_LEFT: f64 = 7.0;
 /// A step that would grow by less is kept, and with it the tangents.
 const HOLD_BELOW: f64 = 1.2;
 /// `κ`. Larger ones only make steps shorter whose ends are more exact than the tolerance anyway.
