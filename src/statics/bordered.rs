@@ -129,35 +129,10 @@ impl Bordered {
         x
     }
 
-    /// A direction along the rows in which `K + diag(by)` is negative, or none: by inverse iteration next to the lowest
-    /// eigenvalue in the metric `B`.
-    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64], metric: &[f64]) -> Option<Vec<f64>> {
-        if self.factorize(system, by)? == 0 {
-            return None;
-        }
-        let with = |sigma: f64| by.iter().zip(metric).map(|(by, b)| by + sigma * b).collect::<Vec<f64>>();
-        let least = by.iter().zip(metric).map(|(by, b)| by / b).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-        let (mut low, mut high) = (0.0, least);
-        while self.factorize(system, &with(high)) != Some(0) {
-            (low, high) = (high, 16.0 * high);
-            high.is_finite().then_some(())?;
-        }
-        while high > 1.2 * low && low > 0.0 {
-            let middle = (low * high).sqrt();
-            match self.factorize(system, &with(middle)) {
-                Some(0) => high = middle,
-                _ => low = middle,
-            }
-        }
-        self.factorize(system, &with(high))?;
-        let mut x: Vec<f64> = (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect();
-        for _ in 0..30 {
-            let rhs: Vec<f64> = x.iter().zip(metric).map(|(x, b)| b * x).collect();
-            x = self.solve(&rhs);
-            let size = x.iter().zip(metric).map(|(x, b)| b * x * x).sum::<f64>().sqrt();
-            x.iter_mut().for_each(|x| *x /= size);
-        }
-        x.iter().all(|x| x.is_finite()).then_some(x)
+    /// Where `K + diag(by)` is negative along the rows, a direction with a bit of everything to look for that from; else none.
+    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64]) -> Option<Vec<f64>> {
+        let some = self.factorize(system, by)? > 0;
+        some.then(|| (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect())
     }
 }
 

@@ -233,10 +233,11 @@ impl<'s, 'm> Landscape<'s, 'm> {
         self.size(&unit)
     }
 
-    /// A direction in which the stiffness is negative by more than `shift` (a diagonal), at the place last looked at.
+    /// Where the stiffness is negative by more than `shift` (a diagonal) at the place last looked at: a direction to look for
+    /// the most negative one from.
     pub fn negative_direction(&mut self, shift: &[f64]) -> Option<Vec<f64>> {
         self.factorizations += 1;
-        self.stiffness.negative_direction(self.system, shift, &self.metric)
+        self.stiffness.negative_direction(self.system, shift)
     }
 
     /// The dense stiffness matrix of the free coordinates; symmetric where loads have a potential.

@@ -1,12 +1,12 @@
 //! The way out of a saddle: along the motion that runs away fastest, downhill as far as it goes.
 //!
 //! ```text
-//! K x = λ B x,  λ lowest:   x ← (K + σB)⁻¹ B x,   −λ < σ ≤ −2λ          inverse iteration, at least one bit each
+//! K x = λ B x,  λ lowest:   x ← (K + σB)⁻¹ B x,   −λ < σ ≤ −1.2 λ       inverse iteration
 //! ```
 //!
 //! `K + σB` is definite where `σ` is above `−λ`, so the same factorizations that say so bracket `σ`. A direction from a
-//! single negative pivot will not do in its place: of a strut of 200 links it is a hundred times less steep, and leads
-//! uphill again after a thousandth of a radian.
+//! single negative pivot will not do in its place: of a strut of 200 links it is hundreds of times less steep, and
+//! leads uphill again within a hundredth of a radian.
 
 use super::landscape::Landscape;
 use super::search::Place;
@@ -15,7 +15,9 @@ use super::stability::NEUTRAL;
 /// Trials for a shift that is large enough, each sixteen times the one before.
 const MOST_TRIALS: usize = 20;
 /// Inverse iterations.
-const ITERATIONS: usize = 6;
+const ITERATIONS: usize = 12;
+/// How closely the shift is bracketed.
+const BRACKET: f64 = 1.2;
 /// The shortest step that is always tried, as part of one radian of every coordinate, and what the next one is longer by.
 const SHORT: f64 = 1e-3;
 const LONGER: f64 = 4.0;
@@ -68,7 +70,7 @@ fn lower(landscape: &mut Landscape<'_, '_>, place: &Place, whole: &[f64], part: 
     }
 }
 
-/// The motion of the lowest `λ` at the place last looked at, from a `first` one that is negative too; none where no
+/// The motion of the lowest `λ` at the place last looked at, from a `first` one; none where no
 /// shift makes the stiffness definite.
 fn fastest(landscape: &mut Landscape<'_, '_>, place: &Place, first: &[f64]) -> Option<Vec<f64>> {
     let metric = landscape.metric.clone();
@@ -84,7 +86,7 @@ fn fastest(landscape: &mut Landscape<'_, '_>, place: &Place, first: &[f64]) -> O
     if !enough {
         return None;
     }
-    while high > 2.0 * low {
+    while high > BRACKET * low {
         let between = (low * high).sqrt();
         if landscape.factorize(between) { high = between } else { low = between }
     }

@@ -164,11 +164,11 @@ impl Stiffness {
         Some(combined(tangent, &levenberg(matrix, &vec![1.0; count], &along, part)?))
     }
 
-    /// A direction in which `K + diag(by)` is negative, or none.
-    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64], metric: &[f64]) -> Option<Vec<f64>> {
+    /// Where `K + diag(by)` is negative somewhere, a direction to look for that from; else none.
+    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64]) -> Option<Vec<f64>> {
         match self {
             Self::Sweep { .. } => {}
-            Self::Bordered(bordered) => return bordered.negative_direction(system, by, metric),
+            Self::Bordered(bordered) => return bordered.negative_direction(system, by),
             Self::Closed { tangent, matrix, .. } => {
                 return lowest(&shifted_along(tangent, matrix, by)).map(|y| combined(tangent, &y));
             }

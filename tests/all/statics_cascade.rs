@@ -111,7 +111,7 @@ fn an_unstable_equilibrium_without_a_potential_is_left() {
 
 /// Euler's strut of many links, straight and pressed by `r` times its critical load: it buckles, to the elastica, whose end
 /// has turned by `α` with `K(sin α/2) = π/2 √r` (a chain of n links is off by `O(n⁻²)`). Directions that only few of the links
-/// take part in are uphill here after a thousandth of a radian.
+/// take part in are uphill here within a hundredth of a radian.
 #[test]
 fn struts_of_hundreds_of_links_leave_the_straight() {
     let quarter_period = |modulus: f64| {

@@ -5,11 +5,10 @@ use nalgebra::Vector3;
 use stillpoint::scenario;
 use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
 
-/// The loops closed, the equilibrium that the file wants.
+/// The equilibrium that the file wants.
 fn find(text: &str) -> Equilibrium {
     let scenario = scenario::parse("scene.toml", text, &[]).unwrap_or_else(|found| panic!("{found}"));
-    let mut model = build(&scenario.description);
-    stillpoint::constraint::assemble(&mut model).expect("closed loops");
+    let model = build(&scenario.description);
     equilibrium(&model, &scenario.statics, &model.start_position).expect("finite")
 }
 
