@@ -18,13 +18,13 @@
 //! (step), II.6 (dense output); Hairer, Wanner, *II*, IV.2 (stiffness).
 
 use crate::integrate::{
-    error::StepError,
-    explicit::{Estimate, Explicit, Pair},
-    options::{Options, Start},
+    method::explicit::{Estimate, Explicit, Pair},
+    method::tableau::dopri5::{A, C, DENSE, E},
     problem::Problem,
-    progress::Progress,
-    stepper::Stepper,
-    tableau::dopri5::{A, C, DENSE, E},
+    step::error::StepError,
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::stepper::Stepper,
 };
 
 const PAIR: Pair =

@@ -8,7 +8,7 @@
 //!            3/4: from −1/2, 0, 1/4                            1/2: from 1/4, 3/4, 11/20      1: from 1/4, 3/4, 1/2
 //! ```
 
-use crate::integrate::tableau::sdirk4::C;
+use crate::integrate::method::tableau::sdirk4::C;
 
 /// Slots of the known accelerations: start and middle of the last step, start of this one, then its stages.
 const LAST_START: usize = 0;

@@ -15,9 +15,9 @@
 //! - The last two steps before the end share the rest, so that none is a sliver.
 
 use crate::integrate::{
-    error::{Limit, StepError},
-    options::Options,
-    progress::Progress,
+    step::error::{Limit, StepError},
+    step::options::Options,
+    step::progress::Progress,
 };
 
 const SAFETY: f64 = 0.9;

@@ -10,7 +10,7 @@
 //! makes `d₁` and `d₂` small or zero and the rule boundless; `T/100` is the bound it lacks. The first step is then
 //! judged by its own error estimate as every other.
 
-use crate::integrate::{norm::ErrorNorm, problem::Problem, progress::Progress, rates::state_rate};
+use crate::integrate::{problem::Problem, step::norm::ErrorNorm, step::progress::Progress, step::rates::state_rate};
 
 /// Largest first step and step for looking ahead, as a fraction of the time scale.
 const TIME_FRACTION: f64 = 0.01;

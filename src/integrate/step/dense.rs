@@ -9,7 +9,7 @@
 //!
 //! with `r₀ = x₀` and `r₁ = x₁ − x₀`, so that both ends are met whatever the rest is.
 
-use crate::integrate::rates::weighted_sum;
+use crate::integrate::step::rates::weighted_sum;
 
 /// Coefficients of the last step's interpolant.
 #[derive(Debug)]

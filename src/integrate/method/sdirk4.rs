@@ -4,7 +4,7 @@
 //! X_i = x + h Σ_{j<i} a_ij k_j + h γ k_i,   k_i = (N(q_i) v_i, a_i),   γ = 1/4,   x' = X_5
 //! ```
 //!
-//! Each stage is solved for its acceleration `a_i` alone (see `newton.rs`); all stages share one iteration matrix.
+//! Each stage is solved for its acceleration `a_i` alone (see `implicit/stage.rs`); all stages share one iteration matrix.
 //!
 //! **Stability**: L-stable (`R(∞) = 0`) and stiffly accurate (the last stage is the result), so motions much faster than
 //! the step die out as they do in the system, and the step follows what is left. A fast motion that is *not* damped in
@@ -27,20 +27,20 @@
 //! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.6 (method), IV.8 (practice).
 
 use crate::integrate::{
-    control::{Controller, Trial},
-    error::{Limit, StepError},
-    filter::{End, filter},
+    implicit::filter::{End, filter},
+    implicit::stage::{Newton, Stage},
     implicit::{self, Implicit},
-    newton::{Newton, Stage},
-    norm::{ErrorNorm, Measured},
-    options::{Options, Start},
-    predict::Predictor,
+    method::predict::Predictor,
+    method::tableau::sdirk4::{A, C, CUBES, E, GAMMA, SQUARES},
     problem::{ImplicitProblem, Point},
-    progress::Progress,
-    rates::{combine, require_finite, settle, state_rate, weighted_sum},
-    start::first_step,
-    stepper::Stepper,
-    tableau::sdirk4::{A, C, CUBES, E, GAMMA, SQUARES},
+    step::control::{Controller, Trial},
+    step::error::{Limit, StepError},
+    step::norm::{ErrorNorm, Measured},
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{combine, require_finite, settle, state_rate, weighted_sum},
+    step::start::first_step,
+    step::stepper::Stepper,
 };
 
 /// Smallest share of the tolerance that a step is asked for (see `norm.rs`): its steps are better than their estimate, by an

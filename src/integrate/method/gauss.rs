@@ -27,18 +27,18 @@
 //! **Between the ends**: the polynomial of the step, error `O(h⁴)`: poorer than the ends.
 
 use crate::integrate::{
-    collocation::Collocation,
-    control::{Controller, Trial},
-    error::{Limit, StepError},
-    iteration::Accuracy,
-    norm::ErrorNorm,
-    options::{Options, Start},
+    implicit::collocation::Collocation,
+    implicit::contraction::Accuracy,
+    implicit::splitting::GAUSS_3,
+    implicit::stages::{Solution, Stages},
     problem::ImplicitProblem,
-    progress::Progress,
-    rates::{require_finite, settle, state_rate},
-    splitting::GAUSS_3,
-    stages::{Solution, Stages},
-    stepper::Stepper,
+    step::control::{Controller, Trial},
+    step::error::{Limit, StepError},
+    step::norm::ErrorNorm,
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{require_finite, settle, state_rate},
+    step::stepper::Stepper,
 };
 
 const STAGES: usize = 3;

@@ -1,11 +1,11 @@
-//! When an iteration for coupled or nonlinear stages may stop.
+//! When an iteration of an implicit method may stop: one rule for single stages, coupled ones and the generalized-α method.
 //!
 //! With the contraction `θ` the error left after a change of norm `‖Δ‖` is about `θ/(1−θ) ‖Δ‖`. `θ` is taken over the
 //! last two changes: a single quotient says little while the error's shape still changes. A change as small as rounding
 //! ends the iteration too, and so does one that no longer shrinks where it is harmless.
 //! Hairer, Wanner, *Solving ODEs II*, IV.8.
 
-use crate::integrate::error::Limit;
+use crate::integrate::step::error::Limit;
 
 /// A change of this size is given up: the contraction cannot be so poor at the first look that a thousandfold growth
 /// is followed by convergence.
@@ -38,12 +38,29 @@ pub(crate) struct Iteration {
     grace: u32,
     most: u32,
     contraction: f64,
+    /// The contraction expected before one is seen.
+    prior: Option<f64>,
 }
 
 impl Iteration {
     /// At most `most` iterations.
     pub(crate) fn new(accuracy: Accuracy, most: u32) -> Self {
-        Self { accuracy, before: [None; 2], first: 0.0, done: 0, patience: 0, grace: 0, most, contraction: 0.0 }
+        Self {
+            accuracy,
+            before: [None; 2],
+            first: 0.0,
+            done: 0,
+            patience: 0,
+            grace: 0,
+            most,
+            contraction: 0.0,
+            prior: None,
+        }
+    }
+
+    /// Judges the first change by a contraction seen elsewhere: of like stages with the same tangent.
+    pub(crate) fn expecting(self, contraction: Option<f64>) -> Self {
+        Self { prior: contraction, ..self }
     }
 
     /// Neither gives up nor takes changes for rounding in the first `iterations`: of coupled stages in a stiff system they may
@@ -68,6 +85,12 @@ impl Iteration {
         if contraction < 1.0 { (to_go / contraction.ln()).max(0.0) } else { f64::INFINITY }
     }
 
+    /// The error left after a change of this size.
+    fn remaining(&self, contraction: f64, size: f64) -> f64 {
+        let contraction = contraction.max(self.accuracy.least_contraction);
+        contraction / (1.0 - contraction) * size
+    }
+
     /// Whether the iteration may stop after a change of norm `size`, `rounding` being that of rounding.
     ///
     /// # Errors
@@ -79,17 +102,21 @@ impl Iteration {
         if self.done == 1 {
             self.first = size;
         }
+        if let [Some(last), second] = before {
+            self.contraction = second.map_or(size / last, |second| (size / second).sqrt());
+        }
         if size <= rounding {
             return Ok(true);
         }
         if !size.is_finite() || self.done >= self.most {
             return Err(Limit::Newton);
         }
-        let [Some(last), second] = before else { return Ok(false) };
-        self.contraction = second.map_or(size / last, |second| (size / second).sqrt());
+        let [Some(last), second] = before else {
+            let contraction = self.prior.filter(|prior| *prior < 1.0);
+            return Ok(contraction.is_some_and(|prior| self.remaining(prior, size) <= self.accuracy.left));
+        };
         if self.contraction < 1.0 {
-            let contraction = self.contraction.max(self.accuracy.least_contraction);
-            let remaining = contraction / (1.0 - contraction) * size;
+            let remaining = self.remaining(self.contraction, size);
             let left = self.accuracy.left;
             let reachable = |contraction: f64| remaining * contraction.powi((self.most - self.done) as i32) <= left;
             // The first quotient is too poor a witness to give up on.

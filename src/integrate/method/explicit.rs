@@ -18,14 +18,14 @@
 //! [`Explicit::stability_limited`] is raised; six quiet steps lower it. Hairer, Wanner, *Solving ODEs II*, IV.2.
 
 use crate::integrate::{
-    control::{Controller, Trial},
-    error::{Limit, StepError},
-    norm::{ErrorNorm, Measured},
-    options::{Options, Start},
     problem::Problem,
-    progress::Progress,
-    rates::{combine, require_finite, state_rate, weighted_sum},
-    start::first_step,
+    step::control::{Controller, Trial},
+    step::error::{Limit, StepError},
+    step::norm::{ErrorNorm, Measured},
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{combine, require_finite, state_rate, weighted_sum},
+    step::start::first_step,
 };
 
 /// Smallest share of the tolerance that a step is asked for: see `norm.rs`.

@@ -1,84 +1,35 @@
-//! What a time loop sees of a method.
+//! The methods: one file each, and the table of them.
+
+mod adams;
+mod differences;
+mod dop853;
+mod dopri5;
+mod explicit;
+mod gauss;
+mod generalized_alpha;
+mod predict;
+mod radau;
+mod rk4;
+mod sdirk4;
+mod tableau;
+
+pub use adams::Adams;
+pub use dop853::Dop853;
+pub use dopri5::Dopri5;
+pub use gauss::Gauss;
+pub use generalized_alpha::GeneralizedAlpha;
+pub use radau::Radau;
+pub use rk4::Rk4;
+pub use sdirk4::Sdirk4;
 
 use crate::integrate::{
-    adams::Adams,
-    alpha::GeneralizedAlpha,
-    dop853::Dop853,
-    dopri5::Dopri5,
-    error::StepError,
-    gauss::Gauss,
-    options::{Options, Start},
-    problem::{ImplicitProblem, Problem},
-    progress::Progress,
-    radau::Radau,
-    rk4::Rk4,
-    sdirk4::Sdirk4,
-    statistics::Statistics,
+    problem::ImplicitProblem,
+    step::{
+        error::StepError,
+        options::{Options, Start},
+        stepper::Stepper,
+    },
 };
-
-/// A method at work on one run.
-///
-/// ```text
-/// while !stepper.finished() { stepper.step(problem)?; … }
-/// ```
-pub trait Stepper<P: Problem> {
-    /// Makes one accepted step that does not pass the end time; does nothing at the end.
-    ///
-    /// # Errors
-    /// [`StepError::Underflow`] where no step is small enough, [`StepError::Fixed`] where a fixed step fails. The state
-    /// is then that of the last accepted step.
-    fn step(&mut self, problem: &mut P) -> Result<(), StepError>;
-
-    /// Where the run stands.
-    fn progress(&self) -> &Progress;
-
-    /// Whether the last steps were held by stability instead of accuracy: the system is stiff and an implicit method
-    /// would be faster. Always false for implicit methods.
-    fn stability_limited(&self) -> bool {
-        false
-    }
-
-    /// Whether the end is reached.
-    fn finished(&self) -> bool {
-        self.progress().finished()
-    }
-
-    /// The time reached, in s.
-    fn time(&self) -> f64 {
-        self.progress().time()
-    }
-
-    /// Where the last step started, in s.
-    fn previous_time(&self) -> f64 {
-        self.progress().previous_time()
-    }
-
-    /// The coordinates reached.
-    fn position(&self) -> &[f64] {
-        self.progress().position()
-    }
-
-    /// The velocities reached.
-    fn velocity(&self) -> &[f64] {
-        self.progress().velocity()
-    }
-
-    /// The state at `time` inside the last step; a time outside is taken as the nearer end.
-    ///
-    /// Quaternions come normalised. At both ends the result is the state itself.
-    ///
-    /// # Errors
-    /// [`StepError::Between`] where the method has to evaluate the system between the ends and cannot.
-    fn interpolate(&mut self, problem: &mut P, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {
-        self.progress().interpolate(problem, time, q, v);
-        Ok(())
-    }
-
-    /// What the run has cost so far.
-    fn statistics(&self) -> &Statistics {
-        self.progress().statistics()
-    }
-}
 
 /// The methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! What the user chooses: tolerances, steps, the start and the end.
 
-use crate::integrate::error::StepError;
+use crate::integrate::step::error::StepError;
 
 /// Tolerances and steps.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,11 +1,20 @@
 //! The step of an adaptive implicit method: tries, and what follows from each.
 
+pub(crate) mod collocation;
+pub(crate) mod contraction;
+pub(crate) mod filter;
+pub(crate) mod history;
+pub(crate) mod splitting;
+pub(crate) mod stage;
+pub(crate) mod stages;
+pub(crate) mod tangent;
+
 use crate::integrate::{
-    control::{Controller, Trial},
-    error::{Limit, StepError},
-    norm::Measured,
     problem::ImplicitProblem,
-    progress::Progress,
+    step::control::{Controller, Trial},
+    step::error::{Limit, StepError},
+    step::norm::Measured,
+    step::progress::Progress,
 };
 
 /// What such a method does in a step.

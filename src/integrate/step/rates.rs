@@ -1,9 +1,9 @@
 //! The rate of the state `x = (q, v)` and sums of such rates.
 
 use crate::integrate::{
-    error::{Component, Limit},
     problem::Problem,
-    statistics::Statistics,
+    step::error::{Component, Limit},
+    step::statistics::Statistics,
 };
 
 /// `rate ← (N(q) v, a(t, q, v))`.

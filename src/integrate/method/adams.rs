@@ -39,17 +39,17 @@
 //! III.7 (order and step); L.F. Shampine, M.K. Gordon, *Computer Solution of Ordinary Differential Equations* (1975).
 
 use crate::integrate::{
-    control::{Controller, Trial},
-    differences::{Differences, MOST_TERMS, Weights},
-    error::{Component, Limit, StepError},
-    explicit::ADVICE,
-    norm::ErrorNorm,
-    options::{Options, Start},
+    method::differences::{Differences, MOST_TERMS, Weights},
+    method::explicit::ADVICE,
     problem::Problem,
-    progress::Progress,
-    rates::{require_finite, state_rate},
-    start::first_step,
-    stepper::Stepper,
+    step::control::{Controller, Trial},
+    step::error::{Component, Limit, StepError},
+    step::norm::ErrorNorm,
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{require_finite, state_rate},
+    step::start::first_step,
+    step::stepper::Stepper,
 };
 
 /// Highest order: above it rounding of the differences and poor stability cost more than is gained.

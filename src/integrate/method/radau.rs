@@ -34,21 +34,21 @@
 //! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.5, IV.8.
 
 use crate::integrate::{
-    collocation::Collocation,
-    control::{Controller, Trial},
-    error::{Limit, StepError},
-    filter::{End, filter},
+    implicit::collocation::Collocation,
+    implicit::contraction::Accuracy,
+    implicit::filter::{End, filter},
+    implicit::splitting::{RADAU_3, RADAU_5, Splitting},
+    implicit::stages::{Solution, Stages},
     implicit::{self, Implicit},
-    iteration::Accuracy,
-    norm::{ErrorNorm, Measured},
-    options::{Options, Start},
     problem::ImplicitProblem,
-    progress::Progress,
-    rates::{settle, state_rate},
-    splitting::{RADAU_3, RADAU_5, Splitting},
-    stages::{Solution, Stages},
-    start::first_step,
-    stepper::Stepper,
+    step::control::{Controller, Trial},
+    step::error::{Limit, StepError},
+    step::norm::{ErrorNorm, Measured},
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{settle, state_rate},
+    step::start::first_step,
+    step::stepper::Stepper,
 };
 
 /// At a tolerance of 10⁻¹⁰. A larger part left spoils the prediction of the next stages, and three times as much leaves

@@ -12,7 +12,9 @@
 //! `r` is affine in `a` and zero at the end of the step, so the right side is `r(t', q' − e_q, v', a' + e_v / g)`: the
 //! filter costs one residual and one solve.
 
-use crate::integrate::{error::Limit, newton::evaluate, problem::ImplicitProblem, statistics::Statistics};
+use crate::integrate::{
+    implicit::stage::evaluate, problem::ImplicitProblem, step::error::Limit, step::statistics::Statistics,
+};
 
 /// The end of a step, where the residual vanishes; `K` is factorized.
 #[derive(Debug, Clone, Copy)]

@@ -26,8 +26,8 @@
 //! tolerance, whatever else the scene contains.
 
 use crate::integrate::{
-    options::{Options, Start},
     problem::Problem,
+    step::options::{Options, Start},
 };
 
 /// Tolerances and scales of a run.

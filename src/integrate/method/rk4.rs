@@ -20,15 +20,15 @@
 //! **Reference**: Hairer, Nørsett, Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., II.1.
 
 use crate::integrate::{
-    control::{Controller, Trial},
-    error::{Limit, StepError},
-    explicit::ADVICE,
-    options::{Options, Start},
+    method::explicit::ADVICE,
+    method::tableau::rk4::{A, B, C},
     problem::Problem,
-    progress::Progress,
-    rates::{combine, require_finite, settle, state_rate},
-    stepper::Stepper,
-    tableau::rk4::{A, B, C},
+    step::control::{Controller, Trial},
+    step::error::{Limit, StepError},
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{combine, require_finite, settle, state_rate},
+    step::stepper::Stepper,
 };
 
 /// The classical Runge–Kutta method, order 4, fixed step. Four evaluations per step and one for the start.

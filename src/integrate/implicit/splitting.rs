@@ -57,7 +57,7 @@ pub(crate) const RADAU_5: Splitting = Splitting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrate::collocation::Collocation;
+    use crate::integrate::implicit::collocation::Collocation;
 
     type Complex = [f64; 2];
 

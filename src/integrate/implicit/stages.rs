@@ -8,7 +8,7 @@
 //! ```
 //!
 //! of which every row, taken in order, is the equation of a diagonally implicit stage with `g = h γ` (see
-//! `newton.rs`). It is not solved but corrected once: a residual and a solve with the tangent
+//! `implicit/stage.rs`). It is not solved but corrected once: a residual and a solve with the tangent
 //! `K = c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q`, `c₁ = 1/g`, `c₂ = 1/g²`. The shift is real and the same for all stages, so one O(n) sweep
 //! factorizes for all of them: no complex arithmetic, no matrix of `s n` unknowns, and of a long chain one tangent stays
 //! in the cache where one for each stage would not.
@@ -28,25 +28,24 @@
 //! **Stiff systems**: a step that is still slow after some sweeps goes on with the other `L` of `splitting.rs`, and so do the
 //! next 64. The tangent stays: both have the same `γ`.
 //!
-//! **Stopping**: by the largest change of a stage in an iteration (see `iteration.rs`).
+//! **Stopping**: by the largest change of a stage in an iteration (see `contraction.rs`).
 
 use crate::integrate::{
-    collocation::Collocation,
-    error::Limit,
-    history::History,
-    iteration::{Accuracy, Iteration},
-    newton::{ROUNDINGS, Stage, evaluate, place},
-    norm::{ErrorNorm, largest_difference},
+    implicit::collocation::Collocation,
+    implicit::contraction::{Accuracy, Iteration},
+    implicit::history::History,
+    implicit::splitting::Splitting,
+    implicit::stage::{ROUNDINGS, Stage, evaluate, place},
+    implicit::tangent::{Shift, TangentCache},
     problem::{ImplicitProblem, Point},
-    rates::{combine, require_finite},
-    splitting::Splitting,
-    statistics::Statistics,
+    step::error::Limit,
+    step::norm::{ErrorNorm, largest_difference},
+    step::rates::{combine, require_finite},
+    step::statistics::Statistics,
 };
 
 /// With the poorest contraction, six digits are gained in 33.
 const MAX_ITERATIONS: u32 = 40;
-/// A factorization serves steps that differ from its own by this fraction: the rounding of time, no more.
-const STEP_BAND: f64 = 1e-3;
 /// An old tangent is renewed where that saves so many sweeps.
 const WORTH: f64 = 0.5;
 /// The splitting for stiff systems is taken where so many iterations end with a contraction poorer than this,
@@ -92,24 +91,13 @@ pub(crate) struct Stages {
     correction: Vec<f64>,
     acceleration: Vec<f64>,
     accuracy: Accuracy,
-    tangent: Option<Tangent>,
+    tangent: TangentCache,
+    /// The best contraction with a new tangent.
+    best: f64,
     /// Steps that are to renew it unasked.
     renewals: u32,
     /// Whether every correction takes a tangent of its own.
     careful: bool,
-}
-
-/// What is known of the factorization.
-#[derive(Debug, Clone, Copy)]
-struct Tangent {
-    /// `h` it was made for.
-    step: f64,
-    /// Made for the step now tried, from its prediction.
-    fresh: bool,
-    /// The best contraction when it was new.
-    contraction: f64,
-    /// Steps since that it served.
-    served: u32,
 }
 
 /// Which sweep over the stages it is.
@@ -149,7 +137,8 @@ impl Stages {
             correction: acceleration.clone(),
             acceleration,
             accuracy,
-            tangent: None,
+            tangent: TangentCache::default(),
+            best: 1.0,
             renewals: 0,
             careful: false,
             method,
@@ -194,8 +183,9 @@ impl Stages {
             if !self.careful && !self.serves(&iteration) && !done {
                 let stage = s / 2;
                 self.before.copy_from_slice(&self.states[stage]);
-                // Not fresh: from a stage that an old tangent led astray it may be a poor one.
-                self.renew(problem, (time, stage, false), step, statistics)?;
+                self.renew(problem, (time, stage), step, statistics)?;
+                // A stage that an old tangent led astray may have made it a poor one.
+                self.tangent.doubt();
             }
             if done {
                 return require_finite(&self.states[s - 1], problem.position_count());
@@ -209,19 +199,12 @@ impl Stages {
         self.history.advance(step, &self.method.nodes, &mut self.rates[..s]);
         self.stiff = self.stiff.and_then(|steps| steps.checked_sub(1));
         self.careful = false;
-        if let Some(tangent) = &mut self.tangent {
-            tangent.served += u32::from(!tangent.fresh);
-            tangent.fresh = false;
-        }
+        self.tangent.advance();
     }
 
     /// Gives up the tangent where it is old; false where it is of this very step.
     pub(crate) fn discard_old(&mut self) -> bool {
-        let old = self.tangent.as_ref().is_some_and(|tangent| !tangent.fresh);
-        if old {
-            self.tangent = None;
-        }
-        old
+        self.tangent.discard_old()
     }
 
     /// Tries the step again with a tangent for each correction; false where that was tried.
@@ -246,13 +229,11 @@ impl Stages {
         step: f64,
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
-        let serves = |last: &Tangent| (step / last.step - 1.0).abs() <= STEP_BAND;
         // What this very step is tried again with is as good as new.
-        let wanted = self.tangent.as_ref().is_some_and(|last| last.fresh || self.renewals == 0);
-        if wanted && self.tangent.as_ref().is_some_and(serves) {
+        if self.tangent.serves(step) && (self.tangent.is_fresh() || self.renewals == 0) {
             return Ok(());
         }
-        self.tangent = None;
+        self.best = 1.0;
         self.renewals = self.renewals.saturating_sub(1);
         let middle = self.method.stages() / 2;
         self.renew_at(problem, (time, start), step, (middle, Pass::First), statistics)
@@ -271,38 +252,34 @@ impl Stages {
         combine(&mut self.known, start, step, row, &self.rates);
         let stage = Stage { time, step: step * self.diagonal, known: &self.known, start };
         place(problem, stage, &self.rates[i][problem.position_count()..], &mut self.before);
-        self.renew(problem, (time, i, true), step, statistics)
+        self.renew(problem, (time, i), step, statistics)
     }
 
     /// A new tangent, at a stage whose state is in `before`.
     fn renew<P: ImplicitProblem>(
         &mut self,
         problem: &mut P,
-        (time, stage, fresh): (f64, usize, bool),
+        (time, stage): (f64, usize),
         step: f64,
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
-        let contraction = self.tangent.take().map_or(1.0, |tangent| tangent.contraction);
         let position_count = problem.position_count();
         let (q, v) = self.before.split_at(position_count);
         let a = &self.rates[stage][position_count..];
         let c1 = 1.0 / (step * self.diagonal);
-        statistics.jacobian_evaluations += 1;
         let at = Point { time: time + self.method.nodes[stage] * step, q, v, a };
-        problem.factorize(at, c1, c1 * c1).map_err(Limit::Failure)?;
-        self.tangent = Some(Tangent { step, fresh, contraction, served: 0 });
-        Ok(())
+        self.tangent.renew(problem, at, Shift { step, c1, c2: c1 * c1 }, statistics)
     }
 
     /// Takes note of how well the tangent serves; false where a new one would do better.
     fn serves(&mut self, iteration: &Iteration) -> bool {
-        let (Some(tangent), Some(contraction)) = (&mut self.tangent, iteration.contraction()) else { return true };
-        if tangent.fresh {
-            tangent.contraction = tangent.contraction.min(contraction);
+        let Some(contraction) = iteration.contraction() else { return true };
+        if self.tangent.is_fresh() {
+            self.best = self.best.min(contraction);
             return true;
         }
-        let serves = iteration.left(contraction) - iteration.left(tangent.contraction) < WORTH;
-        if !serves && tangent.served == 0 {
+        let serves = iteration.left(contraction) - iteration.left(self.best) < WORTH;
+        if !serves && self.tangent.served_none() {
             self.renewals = RENEWALS;
         }
         serves
@@ -334,7 +311,7 @@ impl Stages {
         statistics.newton_iterations += 1;
         statistics.solves += 1;
         problem.solve(&mut self.correction);
-        let c2 = 1.0 / (g * g);
+        let Shift { c2, .. } = self.tangent.shift()?;
         self.acceleration.iter_mut().zip(&self.correction).for_each(|(a, correction)| *a -= c2 * correction);
         place(problem, stage, &self.acceleration, state);
 

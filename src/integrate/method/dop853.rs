@@ -26,14 +26,14 @@
 //! (dense output), II.10 (practice); Hairer, Wanner, *II*, IV.2 (stiffness).
 
 use crate::integrate::{
-    error::StepError,
-    explicit::{Estimate, Explicit, Pair},
-    options::{Options, Start},
+    method::explicit::{Estimate, Explicit, Pair},
+    method::tableau::dop853::{A, C, DENSE, E3, E5},
     problem::Problem,
-    progress::Progress,
-    rates::{combine, state_rate},
-    stepper::Stepper,
-    tableau::dop853::{A, C, DENSE, E3, E5},
+    step::error::StepError,
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{combine, state_rate},
+    step::stepper::Stepper,
 };
 
 const LAST: usize = 12;

@@ -1,12 +1,12 @@
 //! Where a run stands: time, state, the last step, and what it cost.
 
 use crate::integrate::{
-    dense::Dense,
-    error::{Component, Limit, StepError},
-    options::Start,
     problem::Problem,
-    rates::require_finite,
-    statistics::Statistics,
+    step::dense::Dense,
+    step::error::{Component, Limit, StepError},
+    step::options::Start,
+    step::rates::require_finite,
+    step::statistics::Statistics,
 };
 
 /// The part of a run that all methods share.

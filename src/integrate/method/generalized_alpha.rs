@@ -14,8 +14,8 @@
 //! none), of motions that the step resolves nearly all. Order 2 whatever `ρ∞`.
 //!
 //! **Newton**: the unknown is `v̇'`. With `x` the correction of the position in velocity coordinates,
-//! `δv̇' = c₂ x`, `δv' = c₁ x` with `c₁ = γ/(β h)`, `c₂ = (1 − α_m)/((1 − α_f) β h²)`: one sweep of the tangent. Newton stops as in
-//! `newton.rs`, at a fixed part of the tolerance.
+//! `δv̇' = c₂ x`, `δv' = c₁ x` with `c₁ = γ/(β h)`, `c₂ = (1 − α_m)/((1 − α_f) β h²)`: one sweep of the tangent. Newton stops by the
+//! rule of `implicit/contraction.rs`, at a fixed part of the tolerance.
 //!
 //! **Change of step**: `a − v̇` is a delay proportional to the step and is scaled with it, else a change of step would cost
 //! the order.
@@ -38,31 +38,28 @@
 //! M. Arnold, Mech. Mach. Theory 48 (2012) for the manifold.
 
 use crate::integrate::{
-    control::{Controller, Trial},
-    error::{Limit, StepError},
+    implicit::contraction::{Accuracy, Iteration},
+    implicit::stage::evaluate,
+    implicit::tangent::{Shift, TangentCache},
     implicit::{self, Implicit},
-    iteration::{Accuracy, Iteration},
-    newton::evaluate,
-    norm::{ErrorNorm, Measured},
-    options::{Options, Start},
     problem::{ImplicitProblem, Point},
-    progress::Progress,
-    rates::{require_finite, settle, state_rate},
-    start::first_step,
-    stepper::Stepper,
+    step::control::{Controller, Trial},
+    step::error::{Limit, StepError},
+    step::norm::{ErrorNorm, Measured},
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::{require_finite, settle, state_rate},
+    step::start::first_step,
+    step::stepper::Stepper,
 };
 
 /// The error estimate is `O(h³)`, in shares of the tolerance it is `O(h²)`.
 const ESTIMATE_ORDER: u8 = 2;
 /// Newton may leave this part of the tolerance; at tolerances close to rounding it may stall earlier.
 const ACCURACY: Accuracy = Accuracy { left: 0.01, stalled: 0.1, least_contraction: 0.0 };
-/// A factorization that contracts worse is renewed.
-const SLOW: f64 = 0.3;
 /// A step that would grow by less is kept, and with it the factorization.
 const HOLD_BELOW: f64 = 1.2;
 const MAX_ITERATIONS: u32 = 10;
-/// A factorization serves steps that differ from its own by this fraction: the rounding of time, no more.
-const STEP_BAND: f64 = 1e-3;
 const ADVICE: &str = "shorten the step, or let the method choose it";
 
 /// Generalized-α on the manifold, order 2, adaptive.
@@ -90,15 +87,7 @@ pub struct GeneralizedAlpha {
     displacement: Vec<f64>,
     /// Accelerations with an error added, for the filter.
     displaced: Vec<f64>,
-    /// The step the tangent was made for.
-    tangent: Option<Tangent>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Tangent {
-    step: f64,
-    fresh: bool,
-    slow: bool,
+    tangent: TangentCache,
 }
 
 /// α_m, α_f, β, γ.
@@ -155,7 +144,7 @@ impl GeneralizedAlpha {
             correction: acceleration.clone(),
             displacement: rate.clone(),
             displaced: acceleration,
-            tangent: None,
+            tangent: TangentCache::default(),
             rate,
             norm,
             progress,
@@ -164,7 +153,7 @@ impl GeneralizedAlpha {
 
     fn iterate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
         let position_count = self.progress.position_count;
-        let (c1, c2) = self.weights.shifts(trial.step);
+        let Shift { c1, c2, .. } = self.tangent.shift()?;
         let mut iteration = Iteration::new(ACCURACY, MAX_ITERATIONS);
         loop {
             let Progress { state, statistics, .. } = &mut self.progress;
@@ -181,8 +170,8 @@ impl GeneralizedAlpha {
             let rounding = self.norm.rounding(&self.next);
             self.place(problem, trial.step);
             let done = iteration.converged(size, rounding);
-            if let Some(tangent) = &mut self.tangent {
-                tangent.slow |= iteration.contraction().is_some_and(|contraction| contraction > SLOW);
+            if let Some(contraction) = iteration.contraction().filter(|_| size > rounding) {
+                self.tangent.see(contraction);
             }
             if done? {
                 return Ok(());
@@ -267,14 +256,11 @@ impl<P: ImplicitProblem> Implicit<P> for GeneralizedAlpha {
         // First guess: the acceleration stays.
         self.next_rate[position_count..].copy_from_slice(&self.rate[position_count..]);
         self.place(problem, trial.step);
-        let serves = |last: &Tangent| !last.slow && (trial.step / last.step - 1.0).abs() <= STEP_BAND;
-        if !self.tangent.as_ref().is_some_and(serves) {
-            self.tangent = None;
+        if !self.tangent.serves(trial.step) {
             let (q, v) = self.next.split_at(position_count);
             let at = Point { time: trial.time, q, v, a: &self.next_rate[position_count..] };
-            self.progress.statistics.jacobian_evaluations += 1;
-            problem.factorize(at, c1, c2).map_err(Limit::Failure)?;
-            self.tangent = Some(Tangent { step: trial.step, fresh: true, slow: false });
+            let shift = Shift { step: trial.step, c1, c2 };
+            self.tangent.renew(problem, at, shift, &mut self.progress.statistics)?;
         }
         self.iterate(problem, trial)?;
         let (q, v) = self.next.split_at(position_count);
@@ -297,19 +283,13 @@ impl<P: ImplicitProblem> Implicit<P> for GeneralizedAlpha {
         self.last_step = Some(trial.step);
         std::mem::swap(&mut self.rate, &mut self.next_rate);
         std::mem::swap(&mut self.delayed, &mut self.next_delayed);
-        if let Some(tangent) = &mut self.tangent {
-            tangent.fresh = false;
-        }
+        self.tangent.advance();
         self.progress.advance(trial.time, &mut self.next);
         Ok(())
     }
 
     fn discard_old(&mut self) -> bool {
-        let old = self.tangent.as_ref().is_some_and(|tangent| !tangent.fresh);
-        if old {
-            self.tangent = None;
-        }
-        old
+        self.tangent.discard_old()
     }
 }
 
