@@ -12,7 +12,7 @@
 //! A run from an equilibrium starts with the implicit method: what rests has only its fastest vibrations left, and a
 //! method that need not follow them takes long steps. A run from a given state starts with the explicit one.
 //!
-//! **From explicit to implicit** where the step is held by stability (`explicit.rs`), and the fastest rate bears that out:
+//! **From explicit to implicit** where the step is held by stability (`integrate/method/explicit.rs`), and the fastest rate bears that out:
 //! `h ρ > `[`HELD`]. (`adams` tells by its low order, and rounding lowers it too.)
 //!
 //! **Back** where the implicit method takes steps so short that the explicit one would be stable with the same: every
