@@ -14,6 +14,10 @@ pub const FORCE: Table = Table {
             "bushing",
             "Six-degree spring and damper; without a preload relaxed where both points coincide and both bodies' axes are parallel.",
         ),
+        (
+            "curve",
+            "A spring and damper by tables of points, along the line between two points; what is positive pulls them together.",
+        ),
         ("load", "A constant force and torque on a body."),
     ],
     keys: &[
@@ -41,9 +45,9 @@ pub const FORCE: Table = Table {
             .default("[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]")
             .only(&["bushing"])
             .example("[0.0, 0.0, 400.0, 0.0, 0.0, 0.0]"),
-        Key::new("length", NOT_NEGATIVE, "Unstretched length; must be said where `stiffness` is not zero.")
+        Key::new("length", NOT_NEGATIVE, "Unstretched length; must be said where `stiffness` is not zero, and with a curve against the extension.")
             .unit("m")
-            .only(&["spring"])
+            .only(&["spring", "curve"])
             .example("1.2"),
         Key::new("rpy", VECTOR, "Turn of the bushing's axes in the first body: roll, pitch, yaw as in URDF.")
             .unit("rad")
@@ -55,6 +59,15 @@ pub const FORCE: Table = Table {
             .default("[0.0, 0.0, 0.0]")
             .only(&["load"])
             .example("[0.0, 0.0, 1.0]"),
+        Key::new("force", CURVE, "Pull by points `[extension, force]`, the extension beyond `length` increasing [m]; or `{ extension = …, rate = … }` with one table against the extension and one against its rate [m/s], which add.")
+            .unit("N")
+            .required()
+            .only(&["curve"])
+            .example("[[-0.05, -2000.0], [0.0, 0.0], [0.1, 1500.0]]"),
+        Key::new("interpolation", Kind::Choice(INTERPOLATIONS), "Between the points; beyond its ends a curve goes on with its slope.")
+            .default("\"smooth\"")
+            .only(&["curve"])
+            .example("\"linear\""),
         Key::new("torque", VECTOR, "Torque.")
             .unit("N m")
             .default("[0.0, 0.0, 0.0]")
@@ -67,7 +80,32 @@ pub const FORCE: Table = Table {
     ],
 };
 
-const LINKS: &[&str] = &["spring", "bushing"];
+const LINKS: &[&str] = &["spring", "bushing", "curve"];
+
+const CURVE: Kind = Kind::Either(&[POINTS, Kind::Table(&CURVE_VALUES)]);
+
+/// Points of a table.
+pub(super) const POINTS: Kind = Kind::List(&Kind::List(&NUMBER, &[2]), &[]);
+
+pub(super) const INTERPOLATIONS: &[(&str, &str)] = &[
+    ("smooth", "With a continuous slope; rises and falls with the points and nowhere else (PCHIP)."),
+    ("linear", "Straight from point to point; the slope jumps there."),
+];
+
+/// The tables of a curve.
+pub const CURVE_VALUES: Table = Table {
+    name: "curve value",
+    doc: "Pull by tables of points; both add.",
+    types: &[],
+    keys: &[
+        Key::new("extension", POINTS, "Points `[extension, force]`, the extension beyond `length` increasing [m].")
+            .unit("N")
+            .example("[[-0.05, -2000.0], [0.0, 0.0], [0.1, 1500.0]]"),
+        Key::new("rate", POINTS, "Points `[rate, force]`, the rate of the extension increasing [m/s].")
+            .unit("N")
+            .example("[[-1.0, -800.0], [0.0, 0.0], [1.0, 2500.0]]"),
+    ],
+};
 
 pub(super) const END: Kind = Kind::Either(&[Kind::Text, Kind::Table(&ATTACHMENT)]);
 

@@ -2,7 +2,7 @@
 
 use super::place::{Placed, attached};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use stillpoint::model::description::{Description, ForceKind, LoadAxes};
+use stillpoint::model::description::{Bushing, Description, ForceKind, Load, LoadAxes, Spring};
 
 /// A force at a point and a torque on one body, inertial axes.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,7 @@ pub(crate) fn pushes(description: &Description, placed: &[Placed]) -> Vec<Push> 
 
 fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Vec<Push> {
     match kind {
-        ForceKind::Spring { between, stiffness, length, damping } => {
+        ForceKind::Spring(Spring { between, stiffness, length, damping }) => {
             let [(first, a, xa), (second, b, xb)] = [0, 1].map(|i| attached(description, placed, &between[i]));
             let distance = (xb - xa).norm();
             let direction = (xb - xa) / distance;
@@ -32,7 +32,7 @@ fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Ve
                 Push { body: second, at: xb, force: -tension, torque: Vector3::zeros() },
             ]
         }
-        ForceKind::Bushing { between, frame, stiffness, damping, preload } => {
+        ForceKind::Bushing(Bushing { between, frame, stiffness, damping, preload }) => {
             let [(first, a, xa), (second, b, xb)] = [0, 1].map(|i| attached(description, placed, &between[i]));
             let (mut force, mut torque) = bushing_on_second(&a, &b, &xa, &xb, frame, stiffness, damping);
             let axes = [a.turn, b.turn].map(|turn| turn * frame.to_rotation_matrix().into_inner());
@@ -46,7 +46,8 @@ fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Ve
                 Push { body: second, at: xb, force, torque },
             ]
         }
-        ForceKind::Load { on, force, torque, axes } => {
+        ForceKind::Curve(_) => unreachable!("no random scene has one"),
+        ForceKind::Load(Load { on, force, torque, axes }) => {
             let (body, at, point) = attached(description, placed, on);
             let turn = if *axes == LoadAxes::Body { at.turn } else { Matrix3::identity() };
             vec![Push { body, at: point, force: turn * force, torque: turn * torque }]
