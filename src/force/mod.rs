@@ -156,6 +156,8 @@ kinds! {
     Bushing in bushing,
     /// A constant force and torque.
     Load in load,
+    /// Pulls along a path through points.
+    Rope in rope,
     /// By tables along the line between two points.
     Curve in curve,
 }

@@ -32,7 +32,7 @@ use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 pub use crate::force::load::LoadAxes;
 pub use crate::force::table::Interpolation;
-pub use crate::force::{Attachment, Bushing, Curve, ForceDescription, ForceKind, GROUND, Load, Point, Spring};
+pub use crate::force::{Attachment, Bushing, Curve, ForceDescription, ForceKind, GROUND, Load, Point, Rope, Spring};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
 

@@ -1,10 +1,12 @@
-//! `[[force]]`: springs, bushings, curves and loads.
+//! `[[force]]`: springs, bushings, ropes, curves and loads.
 
 use super::body::Names;
 use super::curve::{interpolation, points};
 use super::findings::Finding;
 use super::reader::{Reader, Value};
-use crate::model::description::{Attachment, Bushing, Curve, ForceDescription, ForceKind, Load, LoadAxes, Spring};
+use crate::model::description::{
+    Attachment, Bushing, Curve, ForceDescription, ForceKind, Load, LoadAxes, Rope, Spring,
+};
 use toml::de::DeValue;
 
 /// What a force without a name is called.
@@ -23,6 +25,13 @@ pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Opt
             stiffness: six(table, "stiffness"),
             damping: six(table, "damping"),
             preload: six(table, "preload"),
+        }
+        .into(),
+        "rope" => Rope {
+            through: path(table, "through", bodies)?,
+            stiffness: table.number("stiffness")?,
+            length: table.number("length")?,
+            damping: table.number("damping").unwrap_or(0.0),
         }
         .into(),
         "curve" => curve(table, &name, bodies)?,
@@ -91,6 +100,11 @@ pub(super) fn between(table: &Reader<'_>, bodies: &Names<'_>) -> Option<[Attachm
         [first, second] => Some([end(table, first, bodies)?, end(table, second, bodies)?]),
         _ => None,
     }
+}
+
+/// A list of points; `None` where one of them cannot be read.
+fn path(table: &Reader<'_>, key: &str, bodies: &Names<'_>) -> Option<Vec<Attachment>> {
+    table.value(key)?.get_ref().as_array()?.iter().map(|item| end(table, item, bodies)).collect()
 }
 
 fn end(table: &Reader<'_>, value: Value<'_>, bodies: &Names<'_>) -> Option<Attachment> {

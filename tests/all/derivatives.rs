@@ -35,7 +35,12 @@ fn accelerations_balance_the_forces() {
 }
 
 /// Central differences of `f(q, v)` along every velocity coordinate; `of_position` picks what is varied.
-fn difference(model: &Model, of_position: bool, j: usize, mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>) -> Vec<f64> {
+pub(crate) fn difference(
+    model: &Model,
+    of_position: bool,
+    j: usize,
+    mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>,
+) -> Vec<f64> {
     let step = 1e-5;
     let mut at = |sign: f64| {
         let (mut q, mut v) = (model.start_position.clone(), model.start_velocity.clone());

@@ -2,7 +2,7 @@
 
 use super::super::fields::{Key, Kind, Table};
 use super::body::ATTACHMENT;
-use super::{NOT_NEGATIVE, NUMBER, VECTOR};
+use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 
 /// `[[force]]`
 pub const FORCE: Table = Table {
@@ -13,6 +13,10 @@ pub const FORCE: Table = Table {
         (
             "bushing",
             "Six-degree spring and damper; without a preload relaxed where both points coincide and both bodies' axes are parallel.",
+        ),
+        (
+            "rope",
+            "Pulls and never pushes: tension max(0, k (path − length) + c d(path)/dt) along the path through its points.",
         ),
         (
             "curve",
@@ -27,9 +31,15 @@ pub const FORCE: Table = Table {
             .required()
             .only(LINKS)
             .example("[\"link[2].tip\", { body = \"ground\", at = [1.0, 0.0, 0.5] }]"),
+        Key::new("through", Kind::List(&END, &[]), "Its points, two or more; it slides through the inner ones without friction.")
+            .required()
+            .only(&["rope"])
+            .example("[\"link[0].tip\", { body = \"ground\", at = [0.0, 0.0, 1.0] }, \"link[1].tip\"]"),
         Key::new("on", END, "Where it acts.").required().only(&["load"]).example("\"link[2].tip\""),
         Key::new("stiffness", NOT_NEGATIVE, "Stiffness.").unit("N/m").default("0.0").only(&["spring"]).example("40.0"),
-        Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring"]).example("0.5"),
+        Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring", "rope"]).example("0.5"),
+        Key::new("stiffness", POSITIVE, "Stiffness along the whole path.").unit("N/m").required().only(&["rope"]).example("4e4"),
+        Key::new("length", POSITIVE, "Unstretched length of the whole path.").unit("m").required().only(&["rope"]).example("2.5"),
         Key::new("stiffness", SIX, "Stiffness along x, y, z [N/m], then about x, y, z [N m/rad], bushing axes.")
             .unit("N/m and N m/rad")
             .default("{ translation = 0.0, rotation = 0.0 }")

@@ -65,6 +65,11 @@ fn halved(description: &Description, index: usize, random: &mut Random) -> Descr
                     share_out(end);
                 }
             }
+            ForceKind::Rope(Rope { through, .. }) => {
+                for end in through {
+                    share_out(end);
+                }
+            }
             ForceKind::Load(Load { on, force, torque, axes }) => {
                 if share_out(on) && *axes == LoadAxes::Body {
                     *force = weld.rotation.inverse() * *force;

@@ -33,6 +33,9 @@ fn in_another_world(description: &Description, world: &Pose) -> Description {
     for force in &mut moved.forces {
         match &mut force.kind {
             // A bushing is relaxed where the axes of its ends are parallel: the ground's axes must turn too.
+            ForceKind::Rope(Rope { through, .. }) => {
+                through.iter_mut().filter(|end| end.body == GROUND).for_each(|end| end.body = "laboratory".to_owned());
+            }
             ForceKind::Spring(Spring { between, .. })
             | ForceKind::Bushing(Bushing { between, .. })
             | ForceKind::Curve(Curve { between, .. }) => {
