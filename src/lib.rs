@@ -74,7 +74,8 @@
 //! | [`spatial`] | mechanics of one rigid body: wrenches, symmetric tensors, rotation vectors |
 //! | [`model`] | what is simulated: a plain description, checked and compiled into a tree of links |
 //! | [`motion`] | where every link is and how fast it moves |
-//! | [`forces`] | springs, bushings, loads, hinge springs |
+//! | [`force`] | the kinds of force between points of bodies: springs, bushings, ropes, curves, loads |
+//! | [`forces`] | what force elements, hinge springs and motors do together |
 //! | [`transfer`] | the core: accelerations, reactions and tangents in O(n) |
 //! | [`constraint`] | closed loops, drives and gears: rows solved with the core's factorization |
 //! | [`dynamics`] | `System`, a model with its forces: the one place where those two meet |
@@ -96,6 +97,7 @@
 pub mod cli;
 pub mod constraint;
 pub mod dynamics;
+pub mod force;
 pub mod forces;
 pub mod import;
 pub mod integrate;

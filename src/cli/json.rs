@@ -1,8 +1,9 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
 use crate::constraint::LoopReaction;
+use crate::dynamics::System;
 use crate::model::Model;
-use crate::simulate::events::Occurrence;
+use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::verify::{Verified, quaternion_error};
 use crate::simulate::{State, Summary};
 use crate::spatial::{Pose, Wrench};
@@ -69,6 +70,13 @@ pub(super) fn motors(model: &Model, q: &[f64], v: &[f64]) -> Vec<(String, f64)> 
     model.motors.iter().map(push).collect()
 }
 
+/// What every rope and curve pulls with (N).
+fn pulls(model: &Model, q: &[f64], v: &[f64]) -> Value {
+    let mut system = System::new(model);
+    system.energies(q, v);
+    Value::Object(system.pulls().map(|(name, pull)| (name.to_owned(), json!(pull))).collect())
+}
+
 pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
     let of_body = |(body, pose): (&crate::model::Body, &Pose)| {
         let (p, q) = (pose.translation.vector, pose.rotation);
@@ -120,6 +128,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> 
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "drives": pushes(&found.drive_forces),
         "motors": pushes(&motors(model, &found.position, &found.velocity)),
+        "pulls": pulls(model, &found.position, &found.velocity),
         "multipliers": lists(&found.carried),
         "redundant": redundant(&found.redundant),
         "loop_reactions": loops(model, &found.loops),
@@ -177,7 +186,11 @@ pub(super) fn verified(verified: &Verified) -> Value {
 
 fn event(event: &Occurrence) -> Value {
     let Occurrence { time, kind, name, value, speed } = event;
-    json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed })
+    let mut event = json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed });
+    if let Kind::Force(_) = kind {
+        event["force"] = json!(name);
+    }
+    event
 }
 
 pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {

@@ -2,8 +2,8 @@
 //! system (bordering, Woodbury).
 //!
 //! ```text
-//! T x = rhs + W y,   y = A z(x)          T: the tangent without what one end feels when the other moves
-//! x = x₀ + X y,      (1 − A Z) y = A z₀   X, Z: responses to unit wrenches at the ends, six of them each
+//! T x = rhs + W y,   y = A z(x)          T: the tangent without what one link feels when another moves
+//! x = x₀ + X y,      (1 − A Z) y = A z₀   X, Z: responses to unit wrenches on the links, six of them each
 //! ```
 //!
 //! With `z = Wᵀ x` and the wrenches `y` as unknowns beside `x` the matrix of the whole, `K = T − W A Wᵀ`, has by Sylvester's
@@ -19,17 +19,22 @@ use crate::spatial::Wrench;
 use crate::transfer::tangent::{Applied, Tangent};
 use faer::{Mat, Side};
 use nalgebra::Vector3;
+use std::ops::Range;
 
-/// Unknowns of one element: a wrench at each end.
-pub(super) const UNKNOWNS: usize = 12;
+/// Unknowns for each link that a far element acts on: a wrench.
+pub(super) const PER_LINK: usize = 6;
 
 /// The far elements of a model, and the small system that joins them to the sweep.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Border {
-    /// Links of both ends, by element.
-    pub(super) links: Vec<[usize; 2]>,
-    /// What each end feels when the other moves, by element.
-    pub(super) felt: Vec<[Applied; 2]>,
+    /// The links that far elements act on, one element after the other.
+    links: Vec<usize>,
+    /// Which of them belong to the element that acts on each.
+    together: Vec<Range<usize>>,
+    /// Where each element begins among them.
+    first: Vec<usize>,
+    /// What each link feels when another of the same element moves: for each link a row of all links.
+    felt: Vec<Vec<Applied>>,
     /// `X`, one row of velocities for each unknown.
     responses: Vec<f64>,
     /// `Z`, by columns: shifts and turns of the ends.
@@ -41,12 +46,24 @@ pub(super) struct Border {
 }
 
 impl Border {
-    /// Room for the elements between the given links.
-    pub(super) fn new(model: &Model, links: Vec<[usize; 2]>) -> Self {
-        let m = UNKNOWNS * links.len();
+    /// Room for elements that act on the given links.
+    pub(super) fn new(model: &Model, elements: &[Vec<usize>]) -> Self {
+        let links: Vec<usize> = elements.iter().flatten().copied().collect();
+        let (mut together, mut felt, mut first) = (Vec::new(), Vec::new(), Vec::new());
+        for element in elements {
+            let range = together.len()..together.len() + element.len();
+            first.push(range.start);
+            for _ in element {
+                together.push(range.clone());
+                felt.push(vec![Applied::default(); range.len()]);
+            }
+        }
+        let m = PER_LINK * links.len();
         Self {
-            felt: vec![<[Applied; 2]>::default(); links.len()],
             links,
+            together,
+            first,
+            felt,
             responses: vec![0.0; m * model.velocity_count()],
             moves: vec![0.0; m * m],
             small: Dense::new(m),
@@ -54,21 +71,30 @@ impl Border {
         }
     }
 
+    /// Whether there are no far elements.
+    pub(super) fn is_empty(&self) -> bool {
+        self.links.is_empty()
+    }
+
+    /// What one link of an element feels when another moves.
+    pub(super) fn felt(&mut self, element: usize, feels: usize, moves: usize) -> &mut Applied {
+        &mut self.felt[self.first[element] + feels][moves]
+    }
+
     fn len(&self) -> usize {
-        UNKNOWNS * self.links.len()
+        PER_LINK * self.links.len()
     }
 
     /// After a factorization of the sweep: responses to unit wrenches, and the small system. False where it is singular.
     pub(super) fn factorize(&mut self, model: &Model, tangent: &mut Tangent) -> bool {
         let (m, n) = (self.len(), model.velocity_count());
         for column in 0..m {
-            let (element, end, axis) = (column / UNKNOWNS, column % UNKNOWNS / 6, column % 6);
+            let (place, axis) = (column / PER_LINK, column % PER_LINK);
             let response = &mut self.responses[column * n..(column + 1) * n];
             response.fill(0.0);
-            tangent.solve_loaded(Some((self.links[element][end], unit(axis))), response);
+            tangent.solve_loaded(Some((self.links[place], unit(axis))), response);
             self.feel(tangent);
-            let ends = self.links.iter().flatten();
-            for (link, moves) in ends.zip(self.moves[column * m..(column + 1) * m].chunks_exact_mut(6)) {
+            for (link, moves) in self.links.iter().zip(self.moves[column * m..(column + 1) * m].chunks_exact_mut(6)) {
                 let [turn, place, ..] = tangent.variation(*link);
                 moves[..3].copy_from_slice(place.as_slice());
                 moves[3..].copy_from_slice(turn.as_slice());
@@ -91,12 +117,12 @@ impl Border {
         let largest = unit.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
         let unit = |i: usize| unit[i].max(1e-6 * largest);
         let felt = |i: usize, j: usize| {
-            let (element, end, axis) = (i / UNKNOWNS, i % UNKNOWNS / 6, i % 6);
-            if j / UNKNOWNS != element || j % UNKNOWNS / 6 == end {
+            let (feels, moves, axis) = (i / PER_LINK, j / PER_LINK, i % PER_LINK);
+            if feels == moves || !self.together[feels].contains(&moves) {
                 return 0.0;
             }
             // Shifts are the second block, turns the first.
-            let block = &self.felt[element][end][usize::from(j % 6 < 3)];
+            let block = &self.felt[feels][moves - self.together[feels].start][usize::from(j % PER_LINK < 3)];
             let rows = if axis < 3 { block.force } else { block.moment };
             rows[(axis % 3, j % 3)]
         };
@@ -115,13 +141,14 @@ impl Border {
 
     /// `y ← A z` of the last solution.
     fn feel(&mut self, tangent: &Tangent) {
-        for (element, (links, felt)) in self.links.iter().zip(&self.felt).enumerate() {
-            for end in 0..2 {
-                let wrench = times(&felt[end], tangent.variation(links[1 - end]));
-                let at = UNKNOWNS * element + 6 * end;
-                self.y[at..at + 3].copy_from_slice(wrench.force.as_slice());
-                self.y[at + 3..at + 6].copy_from_slice(wrench.moment.as_slice());
+        let wrenches = self.y.chunks_exact_mut(PER_LINK).zip(self.together.iter().zip(&self.felt));
+        for (place, (wrench, (together, felt))) in wrenches.enumerate() {
+            let mut sum = Wrench::ZERO;
+            for (other, felt) in together.clone().zip(felt).filter(|(other, _)| *other != place) {
+                sum += times(felt, tangent.variation(self.links[other]));
             }
+            wrench[..3].copy_from_slice(sum.force.as_slice());
+            wrench[3..].copy_from_slice(sum.moment.as_slice());
         }
     }
 

@@ -79,7 +79,7 @@ impl System<'_> {
         if self.constraints.is_some() {
             return self.jacobians_with_rows(q, v, out);
         }
-        match self.model.forces.is_empty() && self.model.motors.is_empty() {
+        match self.model.forces.is_empty() && self.pushes.is_empty() {
             true => self.jacobians_by_sweeps(q, v, out),
             false => {
                 self.jacobians_by_columns(q, out);

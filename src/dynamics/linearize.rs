@@ -2,8 +2,8 @@
 //! differentiated column by column).
 
 use super::{Fault, System};
+use crate::force::{Act, Law};
 use crate::forces;
-use crate::model::Law;
 use crate::motion::variation::Direction;
 use faer::Mat;
 use std::ops::Range;
@@ -143,8 +143,5 @@ impl System<'_> {
 
 /// Whether a force element can load a link that does not move itself.
 fn reaches_far(law: &Law) -> bool {
-    match law {
-        Law::Spring { ends, .. } | Law::Bushing { ends, .. } => ends[0].link != 0 && ends[1].link != 0,
-        Law::DeadLoad { .. } | Law::FollowerLoad { .. } => false,
-    }
+    law.ends().iter().filter(|end| end.link != 0).count() > 1
 }

@@ -2,7 +2,7 @@
 //! round-off from one that is not.
 
 use super::System;
-use crate::forces;
+use crate::force::Act;
 use crate::model::Joint;
 
 /// Magnitudes per velocity coordinate.
@@ -54,8 +54,8 @@ impl System<'_> {
             };
         }
         for force in &model.forces {
-            let parts = forces::magnitude(&force.law, &self.motion);
-            for (end, part) in force.law.ends().iter().zip(parts) {
+            let part = force.law.magnitude(&self.motion.links);
+            for end in force.law.ends() {
                 let size = &mut sizes[end.link];
                 let arm = (self.motion.links[end.link].turn * end.point).norm();
                 size.force += part.force;
@@ -97,8 +97,8 @@ impl System<'_> {
             parent.stiffness += size.stiffness;
             parent.turn_stiffness += size.turn_stiffness + arm * arm * size.stiffness;
         }
-        for (motor, push) in model.motors.iter().zip(&self.pushes) {
-            let (i, at) = (motor.coordinate.velocity, motor.coordinate.position);
+        for (coordinate, push) in model.pushed().zip(&self.pushes) {
+            let (i, at) = (coordinate.velocity, coordinate.position);
             let size = push.force.abs() + (push.by_position * q[at]).abs();
             out.force[i] += size;
             out.noise[i] += size;

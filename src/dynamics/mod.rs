@@ -16,6 +16,7 @@ pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};
 
+use crate::force::Act;
 use crate::forces;
 use crate::model::Model;
 use crate::model::motor::Push;
@@ -45,7 +46,7 @@ pub struct System<'m> {
     scratch: Vec<f64>,
     /// Hinge forces from outside of the model; empty where none can come.
     outside: Vec<f64>,
-    /// What motors push with, of the last evaluation.
+    /// What motors and curves push with, of the last evaluation, in the order of [`Model::pushed`].
     pushes: Vec<Push>,
     /// The time at which drives and motors are looked at (s).
     time: f64,
@@ -134,7 +135,7 @@ impl<'m> System<'m> {
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
             outside: vec![0.0; if model.stops.is_empty() { 0 } else { model.velocity_count() }],
-            pushes: vec![Push::default(); model.motors.len()],
+            pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
             constraints: Constrained::new(model),
         }
@@ -331,7 +332,12 @@ impl<'m> System<'m> {
 
     /// The same without the names, in the order of the model.
     pub(crate) fn motor_pushes(&self) -> impl Iterator<Item = f64> {
-        self.pushes.iter().map(|push| push.force)
+        self.pushes.iter().take(self.model.motors.len()).map(|push| push.force)
+    }
+
+    /// The ropes and curves and what each pulls with at the last evaluation (N).
+    pub fn pulls(&self) -> impl Iterator<Item = (&str, f64)> {
+        self.model.pulls().map(|(force, _)| (force.name.as_str(), force.law.pull(&self.motion.links)))
     }
 
     /// Powers of a state that no potential stands for.
@@ -365,8 +371,8 @@ impl<'m> System<'m> {
         if let Some(fault) = self.not_finite_state(q, v) {
             return Err(fault);
         }
-        if let Some(element) = forces::not_finite(self.model, &self.motion) {
-            return Err(Fault::NotFinite { what: "the force", element: self.model.forces[element].name.clone() });
+        if let Some((force, what)) = forces::not_finite(self.model, &self.motion) {
+            return Err(Fault::NotFinite { what, element: force.name.clone() });
         }
         Err(Fault::NotFinite { what, element: self.model.owner(bad).to_owned() })
     }

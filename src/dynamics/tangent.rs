@@ -1,14 +1,16 @@
 //! The tangent of a system with its forces: gathers what the sweep of [`crate::transfer::tangent`] needs.
 
-use super::border::{Border, UNKNOWNS};
+use super::border::{Border, PER_LINK};
 use super::{Fault, System};
+use crate::force::Act;
 use crate::forces;
 use crate::model::{End, Joint, Model};
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
-use crate::transfer::tangent::{Applied, At, Breakdown, Coupling, Tangent};
+use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Tangent};
 use nalgebra::{Matrix3, Vector3};
+use std::ops::AddAssign;
 
 /// A factorized tangent: solves `(c₂ M + c₁ C + K) x = rhs` in O(n). Valid until the next factorization, whatever the
 /// system evaluates in between.
@@ -24,9 +26,45 @@ pub struct TangentSolver {
     balls: Vec<usize>,
     springs: Vec<f64>,
     unit: Vec<LinkVariation>,
-    /// Elements that reach further, by their index among the forces and then the loops.
-    far: Vec<Option<usize>>,
+    /// Forces, then loops.
+    elements: Vec<Reach>,
+    /// What the links of one element feel when one of them moves.
+    blocks: Vec<Applied>,
     border: Border,
+}
+
+/// The links that an element acts on.
+#[derive(Debug, Clone)]
+struct Reach {
+    /// Each once, without the ground.
+    links: Vec<usize>,
+    /// Of each end its place among them; none for the ground.
+    places: Vec<Option<usize>>,
+    /// Of an element that reaches further than from a link to its parent its index in the border.
+    far: Option<usize>,
+}
+
+impl Reach {
+    fn of(ends: &[End]) -> Self {
+        let mut links = Vec::new();
+        for end in ends {
+            if end.link != 0 && !links.contains(&end.link) {
+                links.push(end.link);
+            }
+        }
+        let places = ends.iter().map(|end| links.iter().position(|link| *link == end.link)).collect();
+        Self { links, places, far: None }
+    }
+
+    /// Whether it acts on the ground, on one link, or on a link and its parent.
+    fn is_near(&self, model: &Model) -> bool {
+        let parent = |link: usize| model.links[link].parent;
+        match self.links[..] {
+            [] | [_] => true,
+            [a, b] => parent(a) == b || parent(b) == a,
+            _ => false,
+        }
+    }
 }
 
 /// Coefficients of a tangent.
@@ -47,17 +85,14 @@ pub struct Coefficients<'a> {
 impl TangentSolver {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
-        let mut links = Vec::new();
-        let mut far = Vec::with_capacity(model.forces.len());
-        for ends in elements(model) {
-            far.push(match ends {
-                [a, b] if !is_near(model, ends) => {
-                    links.push([a.link, b.link]);
-                    Some(links.len() - 1)
-                }
-                _ => None,
-            });
+        let mut elements: Vec<Reach> = reaches(model).collect();
+        let mut further = Vec::new();
+        for element in elements.iter_mut().filter(|element| !element.is_near(model)) {
+            element.far = Some(further.len());
+            further.push(element.links.clone());
         }
+        let most = elements.iter().map(|element| element.links.len()).max().unwrap_or(0);
+        let moved = elements.iter().map(|element| element.links.len()).sum();
         let is_ball = |index: &usize| matches!(model.links[*index].joint, Joint::Ball { .. });
         let balls: Vec<usize> = (0..model.links.len()).filter(is_ball).collect();
         let mut springs: Vec<f64> = model.coordinates.iter().map(|coordinate| coordinate.stiffness).collect();
@@ -66,21 +101,23 @@ impl TangentSolver {
             tangent: Tangent::new(model),
             diagonal: vec![0.0; model.velocity_count()],
             shifted: vec![0.0; model.velocity_count()],
-            applied: Vec::with_capacity(2 * far.len()),
-            coupled: Vec::with_capacity(2 * far.len()),
+            applied: Vec::with_capacity(moved),
+            coupled: Vec::with_capacity(moved),
             ball_springs: Vec::with_capacity(balls.len()),
             balls,
             springs,
             unit: vec![LinkVariation::default(); model.links.len()],
-            far,
-            border: Border::new(model, links),
+            elements,
+            blocks: vec![Applied::default(); most],
+            border: Border::new(model, &further),
         }
     }
 
     /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent, and no
-    /// loop, drive or gear ties coordinates together. Forces that reach further cost a dozen more right sides each.
+    /// loop, drive or gear ties coordinates together. Forces that reach further cost six more right sides for each link
+    /// that they act on.
     pub fn covers(model: &Model) -> bool {
-        !model.is_constrained() && elements(model).all(|ends| is_near(model, ends))
+        !model.is_constrained() && reaches(model).all(|element| element.is_near(model))
     }
 
     /// Whether the dense tangent has to do: far elements, loops among them, bring more unknowns than the scene has.
@@ -91,7 +128,7 @@ impl TangentSolver {
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
     pub fn solve(&mut self, x: &mut [f64]) {
         self.tangent.solve(x);
-        if !self.border.links.is_empty() {
+        if !self.border.is_empty() {
             self.border.complete(&self.tangent, x);
         }
     }
@@ -103,7 +140,8 @@ impl TangentSolver {
 
     /// Number of right sides that elements which reach far cost a factorization.
     pub fn further_sides(model: &Model) -> usize {
-        UNKNOWNS * elements(model).filter(|ends| !is_near(model, ends)).count()
+        let far = reaches(model).filter(|element| !element.is_near(model));
+        PER_LINK * far.map(|element| element.links.len()).sum::<usize>()
     }
 
     /// Negative eigenvalues of the matrix that was factorized last, where that is symmetric; elements that reach far
@@ -134,8 +172,8 @@ impl System<'_> {
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature + solver.springs[i];
         }
-        for (motor, push) in model.motors.iter().zip(&self.pushes) {
-            solver.diagonal[motor.coordinate.velocity] -= push.by_position + with.c1 * push.by_velocity;
+        for (coordinate, push) in model.pushed().zip(&self.pushes) {
+            solver.diagonal[coordinate.velocity] -= push.by_position + with.c1 * push.by_velocity;
         }
         self.gather_springs(solver, q, with.symmetric);
         self.gather_forces(solver);
@@ -170,7 +208,7 @@ impl System<'_> {
             ball_springs: &solver.ball_springs,
         };
         solver.tangent.factorize(self.model, &at, with.definite)?;
-        let regular = solver.border.links.is_empty() || solver.border.factorize(self.model, &mut solver.tangent);
+        let regular = solver.border.is_empty() || solver.border.factorize(self.model, &mut solver.tangent);
         if regular { Ok(()) } else { Err(Breakdown { link: 0, axis: None }) }
     }
 
@@ -196,28 +234,20 @@ impl System<'_> {
     fn gather_forces(&self, solver: &mut TangentSolver) {
         solver.applied.clear();
         solver.coupled.clear();
-        for (index, ends) in elements(self.model).enumerate() {
-            let far = solver.far[index];
-            for (end, link) in ends.iter().map(|end| end.link).enumerate() {
-                if link == 0 || (end == 1 && link == ends[0].link) {
-                    continue;
-                }
-                let blocks = self.blocks(index, link, &mut solver.unit);
-                let mut own = Applied::default();
-                for (other, (felt, block)) in ends.iter().zip(&blocks).enumerate() {
-                    match (felt.link, far) {
-                        (0, _) => {}
-                        (at, _) if at == link => add(&mut own, block),
-                        (_, Some(element)) => solver.border.felt[element][other] = *block,
-                        (parent, None) if parent < link => {
+        for (index, element) in solver.elements.iter().enumerate() {
+            for (moved, link) in element.links.iter().copied().enumerate() {
+                let blocks = &mut solver.blocks[..element.links.len()];
+                self.blocks(index, element, link, &mut solver.unit, blocks);
+                for (felt, (at, block)) in element.links.iter().copied().zip(blocks).enumerate() {
+                    match element.far {
+                        _ if felt == moved => solver.applied.push((link, *block)),
+                        Some(far) => *solver.border.felt(far, felt, moved) = *block,
+                        None if at < link => {
                             solver.coupled.push((link, Coupling { on_parent: *block, ..Coupling::default() }));
                         }
-                        (child, None) => {
-                            solver.coupled.push((child, Coupling { by_parent: *block, ..Coupling::default() }));
-                        }
+                        None => solver.coupled.push((at, Coupling { by_parent: *block, ..Coupling::default() })),
                     }
                 }
-                solver.applied.push((link, own));
             }
         }
         solver.applied.sort_unstable_by_key(|(link, _)| *link);
@@ -232,26 +262,33 @@ impl System<'_> {
         });
     }
 
-    /// What both ends of a force element feel when one link moves.
-    fn blocks(&self, index: usize, link: usize, unit: &mut [LinkVariation]) -> [Applied; 2] {
-        let vary = |unit: &[LinkVariation]| match (self.model.forces.get(index), &self.constraints) {
-            (Some(force), _) => forces::vary_law(&force.law, &self.motion, unit),
-            (None, Some(_)) => self.vary_loop(index - self.model.forces.len(), unit),
-            (None, None) => [Wrench::ZERO; 2],
-        };
-        let mut blocks = [Applied::default(); 2];
-        for block in 0..blocks[0].len() {
+    /// What the links of an element feel when one link moves.
+    fn blocks(&self, index: usize, element: &Reach, link: usize, unit: &mut [LinkVariation], blocks: &mut [Applied]) {
+        blocks.fill(Applied::default());
+        for block in 0..4 {
             for axis in 0..3 {
                 unit[link] = unit_variation(block, axis, &self.motion.links[link]);
-                let wrenches = vary(unit);
-                for (end, wrench) in wrenches.iter().enumerate() {
-                    blocks[end][block].force.set_column(axis, &wrench.force);
-                    blocks[end][block].moment.set_column(axis, &wrench.moment);
-                }
+                self.vary_element(index, unit, &mut |end, wrench| {
+                    if let Some(place) = element.places[end] {
+                        let Column { force, moment } = &mut blocks[place][block];
+                        force.column_mut(axis).add_assign(&wrench.force);
+                        moment.column_mut(axis).add_assign(&wrench.moment);
+                    }
+                });
             }
         }
         unit[link] = LinkVariation::default();
-        blocks
+    }
+
+    /// The variation of the wrenches of an element, by its index among the forces and then the loops.
+    fn vary_element(&self, index: usize, by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
+        match self.model.forces.get(index) {
+            Some(force) => force.law.vary(&self.motion.links, by, give),
+            None => {
+                let wrenches = self.vary_loop(index - self.model.forces.len(), by);
+                wrenches.into_iter().enumerate().for_each(|(end, wrench)| give(end, wrench));
+            }
+        }
     }
 }
 
@@ -263,22 +300,10 @@ fn add(sum: &mut Applied, more: &Applied) {
     }
 }
 
-/// The ends of every element that pushes on links: forces, then loops.
-fn elements(model: &Model) -> impl Iterator<Item = &[End]> {
+/// What every element that pushes on links acts on: forces, then loops.
+fn reaches(model: &Model) -> impl Iterator<Item = Reach> {
     let forces = model.forces.iter().map(|force| force.law.ends());
-    forces.chain(model.loops.iter().map(|closed| &closed.ends[..]))
-}
-
-/// Whether an element acts on the ground, on one link, or on a link and its parent.
-fn is_near(model: &Model, ends: &[End]) -> bool {
-    let parent = |link: usize| model.links[link].parent;
-    match ends {
-        [a, b] => {
-            let (a, b) = (a.link, b.link);
-            a == 0 || b == 0 || a == b || parent(a) == b || parent(b) == a
-        }
-        _ => true,
-    }
+    forces.chain(model.loops.iter().map(|closed| &closed.ends[..])).map(Reach::of)
 }
 
 /// One small turn, shift, or change of velocity, in the order of [`Applied`]. What a link turns with turns with it.

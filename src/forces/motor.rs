@@ -1,28 +1,33 @@
-//! Motors with laws, in hinge coordinates (the laws themselves: [`crate::model::motor`]).
+//! What pushes single hinge coordinates: motors with laws (the laws themselves: [`crate::model::motor`]), then springs and
+//! dampers by tables.
 
 use crate::model::Model;
 use crate::model::motor::Push;
 
-/// What every motor pushes with at a state, in the order of the model.
+/// What everything that pushes a single coordinate does at a state, in the order of [`Model::pushed`].
 pub fn pushes(model: &Model, time: f64, q: &[f64], v: &[f64], out: &mut [Push]) {
-    for (push, motor) in out.iter_mut().zip(&model.motors) {
+    let (motors, curves) = out.split_at_mut(model.motors.len());
+    for (push, motor) in motors.iter_mut().zip(&model.motors) {
         let at = motor.coordinate;
         *push = motor.at(time, q[at.position], v[at.velocity]);
+    }
+    for (push, curve) in curves.iter_mut().zip(&model.curves) {
+        *push = super::curve::push(curve, q, v);
     }
 }
 
 /// Adds their forces to the hinge forces.
 pub fn apply(model: &Model, pushes: &[Push], tau: &mut [f64]) {
-    for (push, motor) in pushes.iter().zip(&model.motors) {
-        tau[motor.coordinate.velocity] += push.force;
+    for (push, coordinate) in pushes.iter().zip(model.pushed()) {
+        tau[coordinate.velocity] += push.force;
     }
 }
 
 /// Adds the variation of the hinge forces with `dq` and `dv`; an empty list is zero.
 pub fn vary(model: &Model, pushes: &[Push], dq: &[f64], dv: &[f64], out: &mut [f64]) {
     let of = |list: &[f64], at: usize| list.get(at).copied().unwrap_or(0.0);
-    for (push, motor) in pushes.iter().zip(&model.motors) {
-        let at = motor.coordinate.velocity;
+    for (push, coordinate) in pushes.iter().zip(model.pushed()) {
+        let at = coordinate.velocity;
         out[at] += push.by_position * of(dq, at) + push.by_velocity * of(dv, at);
     }
 }

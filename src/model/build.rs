@@ -1,10 +1,11 @@
 //! From a description to a model: names resolved, every problem collected.
 
 use super::couple::loop_places;
-use super::description::{Attachment, BodyDescription, Description, ForceKind, GROUND, Point};
+use super::description::{Attachment, BodyDescription, Description, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check, couple, motor, watch};
+use super::{Model, check, couple, hinge_curve, motor, watch};
+use crate::force::{Describe, Report};
 use crate::suggest;
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -14,6 +15,7 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     couple::check(description, &mut problems);
     motor::check(description, &mut problems);
     problems.extend(watch::check(description));
+    problems.extend(hinge_curve::check(description));
     let names = index_names(description, &mut problems);
     let parents = resolve_parents(description, &names, &mut problems);
     let order = depth_first(description, &parents, &mut problems);
@@ -232,14 +234,16 @@ impl Places<'_> {
 
 fn force_places(description: &Description, places: &mut Places<'_>) -> Vec<Vec<Place>> {
     let of_force = |(index, force): (usize, &super::description::ForceDescription)| {
-        let element = Element::Force(index);
-        match &force.kind {
-            ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } => vec![
-                places.resolve(&between[0], element, "between[0]"),
-                places.resolve(&between[1], element, "between[1]"),
-            ],
-            ForceKind::Load { on, .. } => vec![places.resolve(on, element, "on")],
+        let attachments = force.kind.attachments().into_iter();
+        let resolved: Vec<Place> =
+            attachments.map(|(key, on)| places.resolve(on, Element::Force(index), &key)).collect();
+        let known = places.problems.iter().all(|problem| problem.element != Element::Force(index));
+        if known {
+            let mut report = Report { name: &force.name, found: Vec::new() };
+            force.kind.check_places(&resolved, &mut report);
+            places.problems.extend(report.found.into_iter().map(|flaw| Problem::of_force(index, flaw)));
         }
+        resolved
     };
     description.forces.iter().enumerate().map(of_force).collect()
 }

@@ -1,9 +1,8 @@
 //! What a description must satisfy element by element. Names and the tree are checked where they are resolved.
 
-use super::description::{
-    BodyDescription, Description, ForceDescription, ForceKind, GROUND, HingeKind, MassProperties, Point,
-};
+use super::description::{BodyDescription, Description, ForceDescription, GROUND, HingeKind, MassProperties, Point};
 use super::problem::{Element, Problem, number};
+use crate::force::{Describe, Report};
 use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
 
 /// How far principal moments may break the triangle inequality, and a matrix symmetry, by rounding: one part in 10⁹.
@@ -172,54 +171,9 @@ fn check_quaternion(found: &mut Findings, element: Element, name: &str, path: &s
 }
 
 fn check_force(found: &mut Findings, index: usize, force: &ForceDescription) {
-    let element = Element::Force(index);
-    let name = &force.name;
-    let mut number = |field: &str, value: f64, unit: &str| {
-        if !value.is_finite() || value < 0.0 {
-            let message = format!("`{field}` of `{name}` is {value}");
-            found.add(element, field, message, &format!("allowed: a finite number ≥ 0 {unit}"));
-        }
-    };
-    match &force.kind {
-        ForceKind::Spring { stiffness, length, damping, between } => {
-            number("stiffness", *stiffness, "N/m");
-            number("length", *length, "m");
-            number("damping", *damping, "N s/m");
-            if between[0].body == between[1].body {
-                let message = format!("both ends of `{name}` are on `{}`", between[0].body);
-                found.add(element, "between", message, "a spring within one rigid body does nothing");
-            }
-        }
-        ForceKind::Bushing { stiffness, damping, between, frame, preload } => {
-            stiffness.iter().for_each(|k| number("stiffness", *k, "N/m or N m/rad"));
-            damping.iter().for_each(|c| number("damping", *c, "N s/m or N m s/rad"));
-            if between[0].body == between[1].body {
-                let message = format!("both ends of `{name}` are on `{}`", between[0].body);
-                found.add(element, "between", message, "a bushing within one rigid body does nothing");
-            }
-            if let Some(p) = preload.iter().find(|p| !p.is_finite()) {
-                found.add(element, "preload", format!("`preload` of `{name}` is {p}"), "give finite N, N m");
-            }
-            if !is_turn(frame) {
-                found.add(element, "rpy", format!("the axes of `{name}` are not a turn"), "give finite angles");
-            }
-        }
-        ForceKind::Load { on, force, torque, .. } => {
-            for (field, vector) in [("force", force), ("torque", torque)] {
-                if !finite(vector) {
-                    found.add(
-                        element,
-                        field,
-                        format!("`{field}` of `{name}` is {}", list(vector)),
-                        "give finite N, N m",
-                    );
-                }
-            }
-            if on.body == GROUND {
-                found.add(element, "on", format!("`{name}` loads the ground"), "a load acts on a body");
-            }
-        }
-    }
+    let mut report = Report { name: &force.name, found: Vec::new() };
+    force.kind.check(&mut report);
+    found.problems.extend(report.found.into_iter().map(|flaw| Problem::of_force(index, flaw)));
 }
 
 fn is_turn(frame: &UnitQuaternion<f64>) -> bool {

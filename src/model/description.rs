@@ -26,14 +26,15 @@
 //! ```
 
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
+pub use super::hinge_curve::{CurveOver, HingeCurveDescription};
 use super::motor::MotorDescription;
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
+pub use crate::force::load::LoadAxes;
+pub use crate::force::table::Interpolation;
+pub use crate::force::{Attachment, Bushing, Curve, ForceDescription, ForceKind, GROUND, Load, Point, Rope, Spring};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
-
-/// The name of the inertial frame where a parent or a body is asked for.
-pub const GROUND: &str = "ground";
 
 /// A scene: bodies, each with the hinge that carries it, and what pushes them.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,6 +136,8 @@ pub struct HingeDescription {
     pub lock: bool,
     /// Stops of its coordinates.
     pub limits: Vec<LimitDescription>,
+    /// Springs and dampers by tables.
+    pub curves: Vec<HingeCurveDescription>,
 }
 
 impl HingeDescription {
@@ -154,6 +157,7 @@ impl HingeDescription {
             force: Vec::new(),
             lock: false,
             limits: Vec::new(),
+            curves: Vec::new(),
         }
     }
 }
@@ -237,81 +241,4 @@ impl HingeKind {
             Self::Free => (7, 6),
         }
     }
-}
-
-/// A point of a body or of the ground.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Point {
-    /// Coordinates from the root marker, body axes (m).
-    At(Vector3<f64>),
-    /// A marker's name.
-    Marker(String),
-}
-
-/// A point on a named body.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Attachment {
-    /// Body name or [`GROUND`].
-    pub body: String,
-    /// Where on it.
-    pub point: Point,
-}
-
-/// Something that pushes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ForceDescription {
-    /// Unique name; scenario files without one get `force[i]`.
-    pub name: String,
-    /// The law.
-    pub kind: ForceKind,
-}
-
-/// The laws of force.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ForceKind {
-    /// Along the line between two points: tension `k (distance − length) + c d(distance)/dt`.
-    Spring {
-        /// The two ends.
-        between: [Attachment; 2],
-        /// Stiffness (N/m), ≥ 0.
-        stiffness: f64,
-        /// Unstretched length (m), ≥ 0.
-        length: f64,
-        /// Damping (N s/m), ≥ 0.
-        damping: f64,
-    },
-    /// Six-degree spring and damper, without a preload relaxed where both points coincide and both bodies' axes are parallel.
-    Bushing {
-        /// The two ends; the bushing's axes are carried by the first.
-        between: [Attachment; 2],
-        /// Turn of the bushing's axes in the first body: `body_from_bushing`.
-        frame: UnitQuaternion<f64>,
-        /// Along x, y, z (N/m), then about x, y, z (N m/rad), bushing axes.
-        stiffness: [f64; 6],
-        /// Along (N s/m), then about (N m s/rad).
-        damping: [f64; 6],
-        /// What it pushes the second body with where both points coincide and both axes are parallel: along (N), then about (N m), bushing axes.
-        preload: [f64; 6],
-    },
-    /// A constant force and torque.
-    Load {
-        /// Where it acts.
-        on: Attachment,
-        /// Force (N).
-        force: Vector3<f64>,
-        /// Torque (N m).
-        torque: Vector3<f64>,
-        /// Constant in which axes.
-        axes: LoadAxes,
-    },
-}
-
-/// The axes in which a load is constant.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LoadAxes {
-    /// Keeps its direction in space.
-    #[default]
-    Inertial,
-    /// Turns with the body (a follower load: not conservative).
-    Body,
 }

@@ -12,6 +12,7 @@ pub mod couplings;
 mod describe;
 pub mod description;
 mod halves;
+mod hinge_curve;
 mod link;
 pub mod motor;
 pub mod parameter;
@@ -22,15 +23,18 @@ pub mod shape;
 mod tree;
 pub mod watch;
 
+pub use crate::force::{End, Force};
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use halves::Halves;
+pub use hinge_curve::{CurveOver, HingeCurve};
 pub use link::{Joint, Link};
 pub use motor::Motor;
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
 pub use watch::{Event, Stop, StopLaw, Watched};
 
+use crate::force::Act;
 use crate::pages::Pages;
 use crate::spatial::Pose;
 use description::{HingeKind, MassProperties};
@@ -62,6 +66,8 @@ pub struct Model {
     pub gears: Vec<Gear>,
     /// Forces in coordinates that follow a law.
     pub motors: Vec<Motor>,
+    /// Springs and dampers by tables in coordinates.
+    pub curves: Vec<HingeCurve>,
     /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by
     /// `constraint::assemble`).
     pub independent_rows: Option<Vec<bool>>,
@@ -130,89 +136,6 @@ pub struct Coordinate {
     pub lock: bool,
 }
 
-/// A point on a link.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct End {
-    /// Index into [`Model::links`]; 0 is the ground.
-    pub link: usize,
-    /// The named body, `None` for the ground.
-    pub body: Option<usize>,
-    /// From the link's root marker, link axes (m).
-    pub point: Vector3<f64>,
-}
-
-/// A force element, compiled. The laws are in [`crate::forces`].
-#[derive(Debug, Clone)]
-pub struct Force {
-    /// Name.
-    pub name: String,
-    /// Law and where it acts.
-    pub law: Law,
-}
-
-/// The laws of force on links.
-#[derive(Debug, Clone)]
-pub enum Law {
-    /// Along the line between two points.
-    Spring {
-        /// Both ends.
-        ends: [End; 2],
-        /// (N/m)
-        stiffness: f64,
-        /// (m)
-        length: f64,
-        /// (N s/m)
-        damping: f64,
-    },
-    /// Six-degree spring and damper.
-    Bushing {
-        /// Both ends.
-        ends: [End; 2],
-        /// The bushing's axes in both links: `link_from_bushing`.
-        frames: [nalgebra::UnitQuaternion<f64>; 2],
-        /// Along (N/m).
-        stiffness: Vector3<f64>,
-        /// About (N m/rad).
-        turn_stiffness: Vector3<f64>,
-        /// Along (N s/m).
-        damping: Vector3<f64>,
-        /// About (N m s/rad).
-        turn_damping: Vector3<f64>,
-        /// On the second body where the frames coincide (N).
-        preload: Vector3<f64>,
-        /// The same about the axes (N m).
-        turn_preload: Vector3<f64>,
-    },
-    /// Constant in inertial axes.
-    DeadLoad {
-        /// Where.
-        on: End,
-        /// (N), inertial axes.
-        force: Vector3<f64>,
-        /// (N m), inertial axes.
-        torque: Vector3<f64>,
-    },
-    /// Constant in the link's axes.
-    FollowerLoad {
-        /// Where.
-        on: End,
-        /// (N), link axes.
-        force: Vector3<f64>,
-        /// (N m), link axes.
-        torque: Vector3<f64>,
-    },
-}
-
-impl Law {
-    /// The points it acts on.
-    pub fn ends(&self) -> &[End] {
-        match self {
-            Self::Spring { ends, .. } | Self::Bushing { ends, .. } => ends,
-            Self::DeadLoad { on, .. } | Self::FollowerLoad { on, .. } => std::slice::from_ref(on),
-        }
-    }
-}
-
 impl Model {
     /// Checks a description and compiles it.
     ///
@@ -252,6 +175,22 @@ impl Model {
         self.velocity_count() - rank
     }
 
+    /// The coordinates that something pushes alone: of each motor, then of each curve.
+    pub fn pushed(&self) -> impl Iterator<Item = Scalar> {
+        self.motors.iter().map(|motor| motor.coordinate).chain(self.curves.iter().map(|curve| curve.coordinate))
+    }
+
+    /// The force elements whose pull is told, and what it is called.
+    pub fn pulls(&self) -> impl Iterator<Item = (&Force, &'static str)> {
+        self.forces.iter().filter_map(|force| Some((force, force.law.pull_name()?)))
+    }
+
+    /// The force elements that switch, by their index.
+    pub fn switching(&self) -> impl Iterator<Item = usize> {
+        let forces = self.forces.iter().enumerate();
+        forces.filter(|(_, force)| force.law.switches().is_some()).map(|(index, _)| index)
+    }
+
     /// Index of a body by name.
     pub fn body(&self, name: &str) -> Option<usize> {
         self.bodies.iter().position(|body| body.name == name)
@@ -280,12 +219,7 @@ impl Model {
     /// Whether every load has a potential: no follower loads, no torques fixed in space, no motors about balls or by
     /// formulas of their coordinate.
     pub fn is_conservative(&self) -> bool {
-        let loads = self.forces.iter().all(|force| match &force.law {
-            Law::FollowerLoad { .. } => false,
-            Law::DeadLoad { torque, .. } => *torque == Vector3::zeros(),
-            Law::Spring { .. } | Law::Bushing { .. } => true,
-        });
-        loads
+        self.forces.iter().all(|force| force.law.has_potential())
             && self.motors.iter().all(Motor::has_potential)
             && self.links.iter().all(|link| {
                 !matches!(link.joint, Joint::Ball { .. })
@@ -296,13 +230,8 @@ impl Model {
     /// Whether anything dissipates energy.
     pub fn has_damping(&self) -> bool {
         self.coordinates.iter().any(|c| c.damping != 0.0)
-            || self.forces.iter().any(|force| match &force.law {
-                Law::Spring { damping, .. } => *damping != 0.0,
-                Law::Bushing { damping, turn_damping, .. } => {
-                    *damping != Vector3::zeros() || *turn_damping != Vector3::zeros()
-                }
-                Law::DeadLoad { .. } | Law::FollowerLoad { .. } => false,
-            })
+            || self.curves.iter().any(|curve| curve.over == CurveOver::Velocity)
+            || self.forces.iter().any(|force| force.law.has_damping())
     }
 
     /// A length that is typical of the scene (m): the largest distance within one body or one hinge, 1 where all are

@@ -5,7 +5,7 @@
 //! | `gravity[2]` | a component of gravity |
 //! | `upper.mass` | a body's mass |
 //! | `upper.force`, `upper.stiffness`, `upper.rest`, `upper.position` | what acts in its hinge, and where that stands |
-//! | `strut.length`, `strut.stiffness` | a spring's free length and stiffness |
+//! | `strut.length`, `strut.stiffness` | a spring's or rope's free length and stiffness; of a curve its length |
 //! | `mount.stiffness[3]`, `mount.preload[2]` | one stiffness of a bushing, one part of what it is preloaded with |
 //! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
 //! | `left link.length`, `engine.rate` | a rod's length, the rate of a drive |
@@ -16,8 +16,9 @@
 mod value;
 
 use super::couplings::{Closure, MotionDescription};
-use super::description::{BodyDescription, Description, ForceDescription, ForceKind, HingeKind};
+use super::description::{BodyDescription, Description, ForceDescription, HingeKind};
 use super::problem::Element;
+use crate::force::Describe;
 use crate::suggest::closest;
 
 /// What a parameter measures.
@@ -46,6 +47,24 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    const ALL: [Self; 10] = [
+        Self::Force,
+        Self::Torque,
+        Self::Length,
+        Self::Angle,
+        Self::Stiffness,
+        Self::TurnStiffness,
+        Self::Mass,
+        Self::Acceleration,
+        Self::Speed,
+        Self::TurnRate,
+    ];
+
+    /// The quantity with this SI unit.
+    pub fn of_unit(unit: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|quantity| quantity.unit() == unit)
+    }
+
     /// SI unit.
     pub fn unit(self) -> &'static str {
         match self {
@@ -74,13 +93,13 @@ pub enum Field {
     Position,
     /// Coordinate at which a hinge's spring is relaxed.
     Rest,
-    /// Stiffness of a hinge's spring, of a spring or of a bushing.
+    /// Stiffness of a hinge's spring, of a spring, a rope or a bushing.
     Stiffness,
     /// Motor force of a hinge, force of a load.
     Force,
     /// Torque of a load.
     Torque,
-    /// Free length of a spring, length of a rod.
+    /// Free length of a spring, rope or curve, length of a rod.
     Length,
     /// What a bushing pushes with where its frames coincide.
     Preload,
@@ -297,17 +316,7 @@ fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
 }
 
 fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
-    match (&force.kind, field) {
-        (ForceKind::Spring { .. }, Field::Stiffness) => vec![Quantity::Stiffness],
-        (ForceKind::Spring { .. }, Field::Length) => vec![Quantity::Length],
-        (ForceKind::Bushing { .. }, Field::Stiffness) => {
-            [[Quantity::Stiffness; 3], [Quantity::TurnStiffness; 3]].concat()
-        }
-        (ForceKind::Bushing { .. }, Field::Preload) => [[Quantity::Force; 3], [Quantity::Torque; 3]].concat(),
-        (ForceKind::Load { .. }, Field::Force) => vec![Quantity::Force; 3],
-        (ForceKind::Load { .. }, Field::Torque) => vec![Quantity::Torque; 3],
-        _ => Vec::new(),
-    }
+    force.kind.numbers(field.name()).into_iter().filter_map(|(_, unit)| Quantity::of_unit(unit)).collect()
 }
 
 fn unknown_element(description: &Description, address: &str) -> UnknownAddress {
@@ -359,16 +368,16 @@ mod tests {
         let forces = vec![
             ForceDescription {
                 name: "a.b".to_owned(),
-                kind: ForceKind::Load {
+                kind: ForceKind::Load(Load {
                     on: end("a"),
                     force: Vector3::new(1.0, 2.0, 3.0),
                     torque: Vector3::zeros(),
                     axes: LoadAxes::Inertial,
-                },
+                }),
             },
             ForceDescription {
                 name: "strut".to_owned(),
-                kind: ForceKind::Spring { between: [end("a"), end(GROUND)], stiffness: 5.0, length: 0.5, damping: 0.0 },
+                kind: Spring { between: [end("a"), end(GROUND)], stiffness: 5.0, length: 0.5, damping: 0.0 }.into(),
             },
         ];
         let bodies = vec![

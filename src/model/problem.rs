@@ -1,5 +1,6 @@
 //! What is wrong with a description, said so that a scenario file can point at it.
 
+use crate::force::question::Flaw;
 use std::fmt;
 
 /// One problem of a description.
@@ -13,6 +14,13 @@ pub struct Problem {
     pub message: String,
     /// What to do about it.
     pub help: Option<String>,
+}
+
+impl Problem {
+    /// What is wrong with the numbers or points of a force.
+    pub(super) fn of_force(index: usize, flaw: Flaw) -> Self {
+        Self { element: Element::Force(index), field: flaw.key, message: flaw.message, help: Some(flaw.help) }
+    }
 }
 
 /// The element a problem belongs to.

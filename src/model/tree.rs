@@ -2,10 +2,11 @@
 
 use super::build::Place;
 use super::couple::couple;
-use super::description::{Description, ForceKind, HingeKind, LoadAxes, MassProperties};
+use super::description::{Description, HingeKind, MassProperties};
 use super::link::{Joint, Link};
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Halves, Hinge, Law, Model, watch};
+use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, hinge_curve, watch};
+use crate::force::{Carrier, Describe};
 use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
@@ -200,7 +201,9 @@ impl<'a> Tree<'a> {
         let turn = |place: &Place| self.carrier(place.0).1.rotation;
         let forces = self.description.forces.iter().zip(places).map(|(force, places)| Force {
             name: force.name.clone(),
-            law: compile_force(&force.kind, places, &end, &turn),
+            law: force
+                .kind
+                .compile(&places.iter().map(|at| Carrier { end: end(at), turn: turn(at) }).collect::<Vec<_>>()),
         });
         let forces = forces.collect();
         let bodies: Vec<Body> = self.bodies.iter().flatten().cloned().collect();
@@ -214,6 +217,7 @@ impl<'a> Tree<'a> {
             drives: Vec::new(),
             gears: Vec::new(),
             motors: Vec::new(),
+            curves: hinge_curve::compile(self.description, &bodies, &self.links),
             independent_rows: None,
             stops,
             events,
@@ -228,39 +232,6 @@ impl<'a> Tree<'a> {
         match couple(self.description, loops, &carrier, &mut model) {
             problems if problems.is_empty() => Ok(model),
             problems => Err(problems),
-        }
-    }
-}
-
-fn compile_force(
-    kind: &ForceKind,
-    places: &[Place],
-    end: &impl Fn(&Place) -> End,
-    turn: &impl Fn(&Place) -> UnitQuaternion<f64>,
-) -> Law {
-    match kind {
-        ForceKind::Spring { stiffness, length, damping, .. } => Law::Spring {
-            ends: [end(&places[0]), end(&places[1])],
-            stiffness: *stiffness,
-            length: *length,
-            damping: *damping,
-        },
-        ForceKind::Bushing { frame, stiffness: k, damping: c, preload: p, .. } => Law::Bushing {
-            ends: [end(&places[0]), end(&places[1])],
-            frames: [turn(&places[0]) * frame, turn(&places[1]) * frame],
-            stiffness: Vector3::new(k[0], k[1], k[2]),
-            turn_stiffness: Vector3::new(k[3], k[4], k[5]),
-            damping: Vector3::new(c[0], c[1], c[2]),
-            turn_damping: Vector3::new(c[3], c[4], c[5]),
-            preload: Vector3::new(p[0], p[1], p[2]),
-            turn_preload: Vector3::new(p[3], p[4], p[5]),
-        },
-        ForceKind::Load { force, torque, axes: LoadAxes::Inertial, .. } => {
-            Law::DeadLoad { on: end(&places[0]), force: *force, torque: *torque }
-        }
-        ForceKind::Load { force, torque, axes: LoadAxes::Body, .. } => {
-            let link_from_body = turn(&places[0]);
-            Law::FollowerLoad { on: end(&places[0]), force: link_from_body * force, torque: link_from_body * torque }
         }
     }
 }

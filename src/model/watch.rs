@@ -1,7 +1,7 @@
 //! What is watched for while a scene moves: stops of hinge coordinates, and crossings that the user asks for.
 
 use super::build::Place;
-use super::description::{Attachment, Description};
+use super::description::{Attachment, BodyDescription, Description};
 use super::problem::{Element, Problem};
 use super::{Body, End};
 use crate::suggest;
@@ -125,12 +125,13 @@ pub enum Watched {
 pub(super) fn check(description: &Description) -> Vec<Problem> {
     let mut problems = Vec::new();
     for (index, body) in description.bodies.iter().enumerate() {
+        let (name, hinge) = (&body.name, &body.hinge);
+        problems.extend(second_rigid_stops(index, body));
         let mut add = |message: String, help: &str| {
             let help = (!help.is_empty()).then(|| help.to_owned());
             let (element, field) = (Element::Body(index), "hinge.limits".to_owned());
             problems.push(Problem { element, field, message, help });
         };
-        let (name, hinge) = (&body.name, &body.hinge);
         for limit in &hinge.limits {
             let LimitDescription { coordinate, low, high, law } = *limit;
             if coordinate >= hinge.kind.plain_coordinates() {
@@ -196,9 +197,35 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
     problems
 }
 
+/// Rigid stops on a side of a coordinate that has one already: the one behind would never be reached.
+fn second_rigid_stops(index: usize, body: &BodyDescription) -> Vec<Problem> {
+    let sides = |limit: &LimitDescription| {
+        let rigid = matches!(limit.law, StopLaw::Rigid { .. });
+        [("low", limit.low), ("high", limit.high)]
+            .map(|(side, at)| (limit.coordinate, side, at, rigid && at.is_finite()))
+    };
+    let limits = &body.hinge.limits;
+    let mut problems = Vec::new();
+    for (place, limit) in limits.iter().enumerate() {
+        for (coordinate, side, at, _) in sides(limit).into_iter().filter(|(.., rigid)| *rigid) {
+            let same = |other: &&(usize, &str, f64, bool)| other.3 && (other.0, other.1) == (coordinate, side);
+            let Some(first) = limits[..place].iter().flat_map(sides).find(|other| same(&other)) else { continue };
+            let message = format!(
+                "coordinate {coordinate} of the hinge of `{}` has a second rigid stop on its {side} side, at {at}: the first is at {}",
+                body.name, first.2
+            );
+            let help =
+                "keep the one that is reached first, or give the other a `stiffness`: compliant stops may overlap";
+            let field = format!("hinge.limits[{place}]");
+            problems.push(Problem { element: Element::Body(index), field, message, help: Some(help.to_owned()) });
+        }
+    }
+    problems
+}
+
 /// The stops of a scene without problems.
 pub(super) fn stops(description: &Description, bodies: &[Body]) -> Vec<Stop> {
-    let of_body = |(body, (written, built)): (usize, (&super::description::BodyDescription, &Body))| {
+    let of_body = |(body, (written, built)): (usize, (&BodyDescription, &Body))| {
         let (position, velocity) = (built.hinge.position, built.hinge.velocity);
         let stop = move |limit: &LimitDescription| Stop {
             body,

@@ -5,24 +5,8 @@
 
 use super::{LinkMotion, Motion};
 use crate::model::{Joint, Link, Model};
+pub use crate::spatial::link::{LinkAcceleration, LinkVariation};
 use nalgebra::Vector3;
-
-/// Variation of one link's motion and acceleration.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct LinkVariation {
-    /// δθ: the small turn.
-    pub turn: Vector3<f64>,
-    /// δr of the root marker.
-    pub position: Vector3<f64>,
-    /// δω.
-    pub angular_velocity: Vector3<f64>,
-    /// δv.
-    pub velocity: Vector3<f64>,
-    /// δω̇.
-    pub angular_acceleration: Vector3<f64>,
-    /// δr̈.
-    pub acceleration: Vector3<f64>,
-}
 
 /// A direction in which hinge coordinates, velocities and accelerations vary. Turns of balls are given as small turns
 /// in link axes, so all three have one number per velocity. An empty list is zero.
@@ -34,15 +18,6 @@ pub struct Direction<'a> {
     pub velocity: &'a [f64],
     /// δq̈
     pub acceleration: &'a [f64],
-}
-
-/// Acceleration of one link's root marker.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct LinkAcceleration {
-    /// r̈ (m/s²).
-    pub linear: Vector3<f64>,
-    /// ω̇ (rad/s²).
-    pub angular: Vector3<f64>,
 }
 
 #[inline]

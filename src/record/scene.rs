@@ -10,7 +10,7 @@ pub struct Scene {
     pub title: String,
     /// Every named body, in the order of the samples' poses.
     pub bodies: Vec<BodyPicture>,
-    /// Springs, bushings and rigid rods: drawn as lines between two points.
+    /// Springs, bushings, ropes and rigid rods: drawn as lines through their points.
     pub lines: Vec<LinePicture>,
     /// Constant loads: drawn as arrows.
     #[serde(default)]
@@ -19,7 +19,7 @@ pub struct Scene {
     pub positions: Vec<Channel>,
     /// Names of the hinge velocities, in the order of `Sample::velocities` and `Sample::accelerations`.
     pub velocities: Vec<Channel>,
-    /// Names of what drives, motors, gears and loops push with, in the order of `Sample::couplings`; empty where there are
+    /// Names of what drives, motors, gears, loops, ropes and curves push with, in the order of `Sample::couplings`; empty where there are
     /// none, and where that is not recorded.
     #[serde(default)]
     pub couplings: Vec<Channel>,
@@ -73,16 +73,19 @@ pub struct ShapePicture {
     pub color: Option<[f64; 4]>,
 }
 
-/// A spring, bushing or rigid rod as it is drawn.
+/// A spring, bushing, rope or rigid rod as it is drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LinePicture {
     /// Name.
     pub name: String,
-    /// Ends: body index (`None`: ground) and point in its axes.
-    pub ends: [(Option<usize>, [f64; 3]); 2],
+    /// The points that it goes through, two or more: body index (`None`: ground) and point in its axes.
+    pub ends: Vec<(Option<usize>, [f64; 3])>,
     /// Of a spring its stiffness (N/m) and free length (m): what it pulls with follows from where its ends are.
     #[serde(default)]
     pub spring: Option<[f64; 2]>,
+    /// Whether it pulls only, as a rope, and is slack otherwise.
+    #[serde(default)]
+    pub pulls_only: bool,
 }
 
 /// A constant load as it is drawn.

@@ -203,8 +203,13 @@ impl Check<'_> {
 fn fits(kind: &Kind, value: &DeValue<'_>) -> bool {
     match (kind, value) {
         (Kind::List(of, _), DeValue::Array(items)) => {
-            let nested = items.first().is_some_and(|item| item.get_ref().is_array());
-            nested == matches!(of, Kind::List(..)) || matches!(of, Kind::Table(_))
+            let first = items.first().map(toml::Spanned::get_ref);
+            match of {
+                Kind::Table(_) => true,
+                Kind::List(..) => first.is_some_and(DeValue::is_array),
+                Kind::Number(_) => !first.is_some_and(|first| first.is_array() || first.is_table()),
+                _ => !first.is_some_and(DeValue::is_array),
+            }
         }
         (Kind::Number(_), DeValue::Float(_) | DeValue::Integer(_))
         | (Kind::Integer(_), DeValue::Integer(_))

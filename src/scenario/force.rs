@@ -1,9 +1,12 @@
-//! `[[force]]`: springs, bushings and loads.
+//! `[[force]]`: springs, bushings, ropes, curves and loads.
 
 use super::body::Names;
+use super::curve::{interpolation, points};
 use super::findings::Finding;
 use super::reader::{Reader, Value};
-use crate::model::description::{Attachment, ForceDescription, ForceKind, LoadAxes};
+use crate::model::description::{
+    Attachment, Bushing, Curve, ForceDescription, ForceKind, Load, LoadAxes, Rope, Spring,
+};
 use toml::de::DeValue;
 
 /// What a force without a name is called.
@@ -16,19 +19,29 @@ pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Opt
     let name = table.text("name").map_or_else(|| default_name(index), str::to_owned);
     let kind = match table.text("type")? {
         "spring" => spring(table, &name, bodies)?,
-        "bushing" => ForceKind::Bushing {
+        "bushing" => Bushing {
             between: between(table, bodies)?,
             frame: table.turn("rpy"),
             stiffness: six(table, "stiffness"),
             damping: six(table, "damping"),
             preload: six(table, "preload"),
-        },
-        "load" => ForceKind::Load {
+        }
+        .into(),
+        "rope" => Rope {
+            through: path(table, "through", bodies)?,
+            stiffness: table.number("stiffness")?,
+            length: table.number("length")?,
+            damping: table.number("damping").unwrap_or(0.0),
+        }
+        .into(),
+        "curve" => curve(table, &name, bodies)?,
+        "load" => Load {
             on: end(table, table.value("on")?, bodies)?,
             force: table.vector("force").unwrap_or_default(),
             torque: table.vector("torque").unwrap_or_default(),
             axes: if table.text("axes") == Some("body") { LoadAxes::Body } else { LoadAxes::Inertial },
-        },
+        }
+        .into(),
         _ => return None,
     };
     Some(ForceDescription { name, kind })
@@ -41,12 +54,45 @@ fn spring(table: &Reader<'_>, name: &str, bodies: &Names<'_>) -> Option<ForceKin
         let help = "without its unstretched length [m] the tension of a spring is not known; write `length = 0.0` if it is meant";
         table.findings.push(Finding::error(table.key_span("stiffness"), message).help(help));
     }
-    Some(ForceKind::Spring {
+    let spring = Spring {
         between: between(table, bodies)?,
         stiffness,
         length: table.number("length").unwrap_or(0.0),
         damping: table.number("damping").unwrap_or(0.0),
-    })
+    };
+    Some(spring.into())
+}
+
+fn curve(table: &Reader<'_>, name: &str, bodies: &Names<'_>) -> Option<ForceKind> {
+    let (mut extension, mut rate) = (None, None);
+    match table.table("force") {
+        None => extension = Some(points(table, "force", &format!("force `{name}`: its curve"))?),
+        Some(parts) => {
+            for (key, found) in [("extension", &mut extension), ("rate", &mut rate)] {
+                if parts.has(key) {
+                    *found = Some(points(&parts, key, &format!("force `{name}`: its curve against the {key}"))?);
+                }
+            }
+            if extension.is_none() && rate.is_none() {
+                let message = format!("force `{name}`: `force` has neither `extension` nor `rate`");
+                table.findings.push(Finding::error(parts.span, message));
+                return None;
+            }
+        }
+    }
+    if extension.is_some() && !table.has("length") {
+        let message = format!("force `{name}`: `length` is missing beside a curve against the extension");
+        let help = "extension is distance less `length` [m]; write `length = 0.0` if it is the distance itself";
+        table.findings.push(Finding::error(table.key_span("force"), message).help(help));
+    }
+    let curve = Curve {
+        between: between(table, bodies)?,
+        extension: extension.unwrap_or_default(),
+        rate: rate.unwrap_or_default(),
+        interpolation: interpolation(table),
+        length: table.number("length").unwrap_or(0.0),
+    };
+    Some(curve.into())
 }
 
 pub(super) fn between(table: &Reader<'_>, bodies: &Names<'_>) -> Option<[Attachment; 2]> {
@@ -54,6 +100,11 @@ pub(super) fn between(table: &Reader<'_>, bodies: &Names<'_>) -> Option<[Attachm
         [first, second] => Some([end(table, first, bodies)?, end(table, second, bodies)?]),
         _ => None,
     }
+}
+
+/// A list of points; `None` where one of them cannot be read.
+fn path(table: &Reader<'_>, key: &str, bodies: &Names<'_>) -> Option<Vec<Attachment>> {
+    table.value(key)?.get_ref().as_array()?.iter().map(|item| end(table, item, bodies)).collect()
 }
 
 fn end(table: &Reader<'_>, value: Value<'_>, bodies: &Names<'_>) -> Option<Attachment> {

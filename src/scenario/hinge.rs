@@ -49,6 +49,7 @@ pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hi
         }
     }
     description.limits = limits(&table, owner);
+    description.curves = super::curve::in_hinge(&table, owner);
     Hinge { description, next: next(body, &table, owner, repeat), each }
 }
 
@@ -96,11 +97,15 @@ fn next(body: &Reader<'_>, hinge: &Reader<'_>, owner: &str, repeat: Option<usize
     point(table, "next")
 }
 
-/// Stops: a pair, a pair per coordinate, or one in full.
+/// Stops: a pair, a pair per coordinate, one in full, or a list of those.
 fn limits(table: &Reader<'_>, owner: &str) -> Vec<LimitDescription> {
     let Some(value) = table.value("limits") else { return Vec::new() };
     if let Some(inner) = table.open(value) {
         return limit(&inner, owner).into_iter().collect();
+    }
+    let in_full = value.get_ref().as_array().filter(|items| items.iter().all(|item| item.get_ref().is_table()));
+    if let Some(items) = in_full {
+        return items.iter().filter_map(|item| limit(&table.open(item)?, owner)).collect();
     }
     let pairs = rows(value.get_ref()).or_else(|| numbers(value.get_ref()).map(|pair| vec![pair])).unwrap_or_default();
     let mut limits = Vec::new();

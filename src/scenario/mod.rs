@@ -31,6 +31,7 @@ mod schema;
 mod body;
 mod check;
 mod couplings;
+mod curve;
 mod event;
 mod findings;
 mod force;

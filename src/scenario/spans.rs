@@ -196,7 +196,7 @@ pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &F
 
 /// Whether a field names another body.
 fn is_reference(field: &str) -> bool {
-    matches!(field, "hinge.parent" | "hinge" | "on") || field.starts_with("between")
+    matches!(field, "hinge.parent" | "hinge" | "on") || field.starts_with("between") || field.starts_with("through")
 }
 
 /// A message without the numbers of copies: `link(12)` reads `link[]`.

@@ -1,4 +1,4 @@
-//! What drives, motors, gears and loops push with, as numbers with names: for recordings.
+//! What drives, motors, gears, loops, ropes and curves push with, as numbers with names: for recordings.
 
 use crate::dynamics::System;
 use crate::model::Model;
@@ -15,7 +15,7 @@ const WRENCH: [(&str, &str); 6] = [
     ("moment.z", "N m"),
 ];
 
-/// The names, in the order of [`fill`]: drives, motors, gears, loops, each in the order of the model.
+/// The names, in the order of [`fill`]: drives, motors, gears, loops, ropes and curves, each in the order of the model.
 pub(super) fn channels(model: &Model) -> Vec<Channel> {
     let channel = |owner: &str, name: &str, unit: &str| Channel {
         body: owner.to_owned(),
@@ -39,6 +39,7 @@ pub(super) fn channels(model: &Model) -> Vec<Channel> {
         }
         all.push(channel(&closed.name, "gap", "m"));
     }
+    all.extend(model.pulls().map(|(force, name)| channel(&force.name, name, "N")));
     all
 }
 
@@ -56,6 +57,7 @@ pub(super) fn fill(system: &System<'_>, out: &mut Vec<f64>) {
         }
         out.push(reaction.gap);
     }
+    out.extend(system.pulls().map(|(_, pull)| pull));
 }
 
 /// Loops whose reactions are not unique at the given start; none where that cannot be evaluated.

@@ -11,6 +11,7 @@ use super::error::{RunError, named};
 use super::problem::Motion;
 use super::run::State;
 use super::stops::Side;
+use crate::force::Act;
 use crate::integrate::Stepper;
 use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, Watched};
@@ -36,6 +37,8 @@ pub enum Kind {
     Separation,
     /// A crossing the user asked for.
     Crossing,
+    /// A force element switched; what it calls that.
+    Force(&'static str),
     /// Another integrator took over.
     Switch,
 }
@@ -50,6 +53,7 @@ impl Kind {
             Self::Contact => "contact",
             Self::Separation => "separation",
             Self::Crossing => "crossing",
+            Self::Force(name) => name,
             Self::Switch => "switch",
         }
     }
@@ -62,9 +66,9 @@ pub struct Occurrence {
     pub time: f64,
     /// What.
     pub kind: Kind,
-    /// The event's name, the body whose hinge it is, or the integrator that took over.
+    /// The name of the event or force, the body whose hinge it is, or the integrator that took over.
     pub name: String,
-    /// The value that was crossed (m or rad); of a switch the step that led there (s).
+    /// The value that was crossed (m or rad), of a rope the length of its path (m); of a switch the step that led there (s).
     pub value: f64,
     /// How fast the number changed before (per second); of a switch nothing.
     pub speed: f64,
@@ -92,6 +96,8 @@ enum Function {
     Pressure(usize),
     /// An event of the model.
     User(usize),
+    /// Where a force element switches.
+    Force(usize),
 }
 
 #[derive(Debug)]
@@ -110,6 +116,8 @@ pub(super) enum Turn {
     Release(usize),
     /// A compliant stop pushes from now on, or no longer.
     Push(Side, bool),
+    /// A force element switched: the step ends there, so that none goes across the kink of its force.
+    Switch,
     /// The run ends; index of the event.
     Stop(usize),
 }
@@ -130,9 +138,9 @@ pub(super) struct Events {
 }
 
 impl Events {
-    /// `None` for a model without stops and events.
+    /// `None` for a model without stops, events and force elements that switch.
     pub(super) fn new(model: &Model, start: &State) -> Option<Self> {
-        let any = !model.stops.is_empty() || !model.events.is_empty();
+        let any = !model.stops.is_empty() || !model.events.is_empty() || model.switching().next().is_some();
         any.then(|| Self { watches: Vec::new(), happened: Vec::new(), state: start.clone() })
     }
 
@@ -156,6 +164,7 @@ impl Events {
             }
         }
         functions.extend((0..model.events.len()).map(Function::User));
+        functions.extend(model.switching().map(Function::Force));
         let before = std::mem::take(&mut self.watches);
         for function in functions {
             let value = self.value(motion, function, time, state);
@@ -174,7 +183,7 @@ impl Events {
                 }
                 Function::Push(side) => motion.pushes(side) || value > 0.0,
                 Function::Pressure(_) => true,
-                Function::User(_) => {
+                Function::User(_) | Function::Force(_) => {
                     let old = before.iter().find(|watch| watch.function == function);
                     old.map_or(value > 0.0, |watch| watch.positive)
                 }
@@ -301,6 +310,14 @@ impl Events {
                 }
                 (counts && event_of.stops).then_some(Turn::Stop(event))
             }
+            Function::Force(index) => {
+                let force = &model.forces[index];
+                if let Some(names) = force.law.switches() {
+                    let kind = Kind::Force(names[usize::from(!positive)]);
+                    note(kind, &force.name, motion.switch(time, index, &self.state).at);
+                }
+                Some(Turn::Switch)
+            }
         })
     }
 
@@ -322,6 +339,7 @@ impl Events {
                 Watched::Position(index) => motion.position_speed(*index, &self.state),
                 Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
             },
+            Function::Force(index) => motion.switch(time, index, &self.state).rate,
         })
     }
 
@@ -357,6 +375,7 @@ impl Events {
                 };
                 number - event.value
             }
+            Function::Force(index) => motion.switch(time, index, state).value,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::bordered::Bordered;
 use super::passage::Passage;
 use crate::dynamics::{Coefficients, DenseTangent, Energies, Fault, Powers, System, TangentSolver};
+use crate::force::{Act, Switch};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Joint, Model};
 use crate::simulate::run::State;
@@ -297,6 +298,13 @@ impl<'m> Motion<'m> {
         system.energies(&state.position, &state.velocity);
         let link = &system.motion().links[end.link];
         link.position + link.turn * end.point
+    }
+
+    /// Where a force element stands with respect to its switching.
+    pub(super) fn switch(&mut self, time: f64, force: usize, state: &State) -> Switch {
+        let system = self.at(time);
+        system.energies(&state.position, &state.velocity);
+        system.model().forces[force].law.switch(&system.motion().links)
     }
 
     /// How fast a point moves (m/s).

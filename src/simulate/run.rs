@@ -365,6 +365,7 @@ impl<'m> Run<'m> {
                 motion.push(side, pushes);
                 self.ledger.lose(before - self.energy(motion, time));
             }
+            Turn::Switch => {}
             Turn::Stop(event) => self.stopped_by = Some(self.model.events[event].name.clone()),
             Turn::Release(held) => {
                 if motion.rests_with_others(held) {

@@ -1,9 +1,10 @@
 //! The still part of a recording, from a model.
 
+use crate::force::{Act, Picture};
 use crate::model::couplings::Closure;
 use crate::model::description::HingeKind;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Body, End, Law, Loop, Model};
+use crate::model::{Body, End, Loop, Model};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 
@@ -22,18 +23,18 @@ pub fn scene(model: &Model) -> Scene {
         };
         by_position.iter().flat_map(of_body).collect()
     };
-    let springs = model.forces.iter().filter_map(|force| line(model, &force.name, &force.law));
+    let springs = model.forces.iter().filter_map(|force| line(model, &force.name, force.law.picture()));
     let rods = model.loops.iter().filter_map(|closed| rod(model, closed));
     Scene {
         title: model.title.clone(),
         bodies: model.bodies.iter().map(picture).collect(),
         lines: springs.chain(rods).collect(),
-        loads: model.forces.iter().filter_map(|force| load(model, &force.name, &force.law)).collect(),
+        loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(Model::position_names),
         velocities: channels(Model::velocity_names),
         couplings: super::couplings::channels(model),
         not_unique: super::couplings::not_unique(model),
-        watched: !(model.stops.is_empty() && model.events.is_empty()),
+        watched: !(model.stops.is_empty() && model.events.is_empty()) || model.switching().next().is_some(),
     }
 }
 
@@ -82,31 +83,23 @@ fn shape(shape: &Shape) -> ShapePicture {
     }
 }
 
-/// Springs and bushings are drawn between the named bodies they are attached to.
-fn line(model: &Model, name: &str, law: &Law) -> Option<LinePicture> {
-    let (ends, spring) = match law {
-        Law::Spring { ends, stiffness, length, .. } => (ends, Some([*stiffness, *length])),
-        Law::Bushing { ends, .. } => (ends, None),
-        Law::DeadLoad { .. } | Law::FollowerLoad { .. } => return None,
-    };
-    let ends = [0, 1].map(|i| (ends[i].body, on_body(model, &ends[i])));
-    Some(LinePicture { name: name.to_owned(), ends, spring })
+/// Lines are drawn between the named bodies they are attached to.
+fn line(model: &Model, name: &str, picture: Picture<'_>) -> Option<LinePicture> {
+    let Picture::Line { through, spring, pulls_only } = picture else { return None };
+    let ends = through.iter().map(|end| (end.body, on_body(model, end))).collect();
+    Some(LinePicture { name: name.to_owned(), ends, spring, pulls_only })
 }
 
 /// Rigid rods that close loops have no body that could be drawn.
 fn rod(model: &Model, closed: &Loop) -> Option<LinePicture> {
     let Closure::Rod { .. } = closed.closure else { return None };
-    let ends = [0, 1].map(|i| (closed.ends[i].body, on_body(model, &closed.ends[i])));
-    Some(LinePicture { name: closed.name.clone(), ends, spring: None })
+    let ends = closed.ends.iter().map(|end| (end.body, on_body(model, end))).collect();
+    Some(LinePicture { name: closed.name.clone(), ends, spring: None, pulls_only: false })
 }
 
 /// A load on the ground moves nothing and is not drawn.
-fn load(model: &Model, name: &str, law: &Law) -> Option<LoadPicture> {
-    let (on, force, torque, turns) = match law {
-        Law::DeadLoad { on, force, torque } => (on, force, torque, false),
-        Law::FollowerLoad { on, force, torque } => (on, force, torque, true),
-        Law::Spring { .. } | Law::Bushing { .. } => return None,
-    };
+fn load(model: &Model, name: &str, picture: Picture<'_>) -> Option<LoadPicture> {
+    let Picture::Arrows { on, force, torque, turns } = picture else { return None };
     let body = on.body?;
     let turn = if turns { model.bodies[body].link_from_body.rotation.inverse() } else { UnitQuaternion::identity() };
     let (force, torque) = ((turn * force).into(), (turn * torque).into());

@@ -285,7 +285,7 @@ fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
     let tied: Vec<usize> = (model.drives.iter().map(|drive| drive.coordinate.velocity))
         .chain(model.gears.iter().flat_map(|gear| gear.coordinates.map(|coordinate| coordinate.velocity)))
-        .chain(model.motors.iter().map(|motor| motor.coordinate.velocity))
+        .chain(model.pushed().map(|coordinate| coordinate.velocity))
         .collect();
     for link in &model.links {
         let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;

@@ -12,19 +12,24 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("pages", &[]),
     ("spatial", &[]),
     ("integrate", &[]),
-    ("model", &["pages", "spatial", "suggest"]),
+    ("force", &["spatial"]),
+    ("model", &["force", "pages", "spatial", "suggest"]),
     ("motion", &["model", "pages", "spatial"]),
-    ("forces", &["model", "motion", "spatial"]),
+    ("forces", &["force", "model", "motion", "spatial"]),
     ("transfer", &["model", "motion", "pages", "spatial"]),
     ("constraint", &["model", "motion", "transfer", "spatial"]),
-    ("dynamics", &["model", "motion", "forces", "transfer", "constraint", "spatial"]),
+    ("dynamics", &["model", "motion", "force", "forces", "transfer", "constraint", "spatial"]),
     // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
-    ("statics", &["model", "motion", "forces", "constraint", "dynamics", "transfer", "spatial"]),
+    ("statics", &["model", "motion", "force", "forces", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["mesh", "spatial"]),
-    ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
+    ("simulate", &["force", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     // `model` for the mass properties of solids.
     ("import", &["mesh", "model", "suggest", "text_file"]),
-    ("scenario", &["import", "mesh", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"]),
+    // `force` for the tables of curves.
+    (
+        "scenario",
+        &["force", "import", "mesh", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"],
+    ),
     (
         "cli",
         &[

@@ -34,21 +34,21 @@ fn at_marker(body: &str, marker: &str) -> Attachment {
 }
 
 fn spring(between: [Attachment; 2]) -> ForceKind {
-    ForceKind::Spring { between, stiffness: 1.0, length: 1.0, damping: 0.0 }
+    ForceKind::Spring(Spring { between, stiffness: 1.0, length: 1.0, damping: 0.0 })
 }
 
 fn bushing(between: [Attachment; 2]) -> ForceKind {
-    ForceKind::Bushing {
+    ForceKind::Bushing(Bushing {
         between,
         frame: UnitQuaternion::identity(),
         stiffness: [1.0; 6],
         damping: [0.0; 6],
         preload: [0.0; 6],
-    }
+    })
 }
 
 fn load(on: Attachment) -> ForceKind {
-    ForceKind::Load { on, force: Vector3::x(), torque: Vector3::zeros(), axes: LoadAxes::Inertial }
+    ForceKind::Load(Load { on, force: Vector3::x(), torque: Vector3::zeros(), axes: LoadAxes::Inertial })
 }
 
 fn force(name: &str, kind: ForceKind) -> ForceDescription {

@@ -179,25 +179,25 @@ fn random_force(random: &mut Random, index: usize, bodies: &[BodyDescription]) -
     let partner = if other == first { GROUND } else { &bodies[other].name };
     let between = [attach(random, &bodies[first].name), attach(random, partner)];
     let kind = match random.below(4) {
-        0 => ForceKind::Spring {
+        0 => ForceKind::Spring(Spring {
             between,
             stiffness: random.between(1.0, 20.0),
             length: random.between(0.0, 1.0),
             damping: random.between(0.0, 1.0),
-        },
-        1 => ForceKind::Bushing {
+        }),
+        1 => ForceKind::Bushing(Bushing {
             between,
             frame: random.turn(),
             stiffness: [0; 6].map(|_| random.between(0.5, 5.0)),
             damping: [0; 6].map(|_| random.between(0.0, 0.5)),
             preload: [0.0; 6],
-        },
-        axes => ForceKind::Load {
+        }),
+        axes => ForceKind::Load(Load {
             on: attach(random, &bodies[first].name),
             force: random.vector(5.0),
             torque: random.vector(2.0),
             axes: if axes == 2 { LoadAxes::Inertial } else { LoadAxes::Body },
-        },
+        }),
     };
     ForceDescription { name: format!("f{index}"), kind }
 }
@@ -205,7 +205,7 @@ fn random_force(random: &mut Random, index: usize, bodies: &[BodyDescription]) -
 /// Preloads all bushings of a scene, in proportion to their stiffness.
 pub(crate) fn preload(description: &mut Description) {
     for force in &mut description.forces {
-        if let ForceKind::Bushing { stiffness, preload, .. } = &mut force.kind {
+        if let ForceKind::Bushing(Bushing { stiffness, preload, .. }) = &mut force.kind {
             (0..6).for_each(|i| preload[i] = [0.4, -0.7, 0.2, 0.9, -0.3, 0.6][i] * stiffness[i]);
         }
     }

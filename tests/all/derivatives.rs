@@ -3,9 +3,11 @@
 use crate::common::{Options, Random, build, position_of, preload, random_scene, relative_difference};
 use nalgebra::{Matrix3, Vector3};
 use stillpoint::dynamics::{AccelerationJacobians, System};
+use stillpoint::force::Act;
 use stillpoint::model::Model;
 use stillpoint::model::description::{
-    BodyDescription, Description, ForceKind, GROUND, HingeDescription, HingeKind, MassProperties, Point,
+    BodyDescription, Bushing, Description, ForceKind, GROUND, HingeDescription, HingeKind, MassProperties, Point,
+    Spring,
 };
 
 fn scenes() -> impl Iterator<Item = (u64, Options)> {
@@ -33,7 +35,12 @@ fn accelerations_balance_the_forces() {
 }
 
 /// Central differences of `f(q, v)` along every velocity coordinate; `of_position` picks what is varied.
-fn difference(model: &Model, of_position: bool, j: usize, mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>) -> Vec<f64> {
+pub(crate) fn difference(
+    model: &Model,
+    of_position: bool,
+    j: usize,
+    mut f: impl FnMut(&[f64], &[f64]) -> Vec<f64>,
+) -> Vec<f64> {
     let step = 1e-5;
     let mut at = |sign: f64| {
         let (mut q, mut v) = (model.start_position.clone(), model.start_velocity.clone());
@@ -292,7 +299,8 @@ fn neighbourly(seed: u64, options: &Options) -> Description {
     let parents: Vec<String> = description.bodies.iter().map(|body| body.hinge.parent.clone()).collect();
     let names: Vec<String> = description.bodies.iter().map(|body| body.name.clone()).collect();
     for (index, force) in description.forces.iter_mut().enumerate() {
-        if let ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } = &mut force.kind {
+        if let ForceKind::Spring(Spring { between, .. }) | ForceKind::Bushing(Bushing { between, .. }) = &mut force.kind
+        {
             let child = (index / 2) % names.len();
             let order = [index % 2, 1 - index % 2];
             between[order[0]].body.clone_from(&names[child]);
@@ -310,7 +318,7 @@ fn symmetric_tangent_counts_negative_eigenvalues() {
     use stillpoint::dynamics::{Coefficients, TangentSolver};
     for (seed, options) in scenes() {
         let mut description = neighbourly(seed, &options);
-        description.forces.retain(|force| matches!(force.kind, ForceKind::Spring { .. }));
+        description.forces.retain(|force| matches!(force.kind, ForceKind::Spring(_)));
         let model = build(&description);
         if !TangentSolver::covers(&model) {
             continue;

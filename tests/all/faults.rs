@@ -20,7 +20,7 @@ fn scene(length: f64) -> Description {
     };
     let end = |body: &str| Attachment { body: body.to_owned(), point: Point::At(Vector3::new(0.0, 0.3, 0.0)) };
     let between = [end(GROUND), end("hand")];
-    let kind = ForceKind::Spring { between, stiffness: 10.0, length, damping: 1.0 };
+    let kind = ForceKind::Spring(Spring { between, stiffness: 10.0, length, damping: 1.0 });
     let forces = vec![ForceDescription { name: "band".to_owned(), kind }];
     Description { bodies: vec![body("arm", GROUND), body("hand", "arm")], forces, ..Description::default() }
 }

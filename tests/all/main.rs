@@ -26,6 +26,7 @@ mod record;
 mod reference;
 mod rest;
 mod robust;
+mod ropes;
 mod scenario;
 mod scenarios;
 mod statics;

@@ -4,7 +4,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::fs;
 use std::path::Path;
 use stillpoint::integrate::Method as Stepping;
-use stillpoint::model::description::{Attachment, BodyDescription, ForceKind, HingeKind, LoadAxes, Point};
+use stillpoint::model::description::{
+    Attachment, BodyDescription, Bushing, ForceKind, HingeKind, Load, LoadAxes, Point, Spring,
+};
 use stillpoint::model::shape::Geometry;
 use stillpoint::scenario::{self, LoadError, Override, ReadError, Scenario};
 use stillpoint::simulate::settings::{Integrator, Start};
@@ -85,10 +87,11 @@ fn a_scene_arrives_as_it_is_written() {
     assert_eq!(upper.shapes[0].color, Some([1.0, 0.0, 0.0, 1.0]));
     let tip = Attachment { body: "link[2]".to_owned(), point: marker("tip") };
     let ground = Attachment { body: "ground".to_owned(), point: Point::At(Vector3::new(1.0, 0.0, 0.5)) };
-    let spring = ForceKind::Spring { between: [tip.clone(), ground], stiffness: 40.0, length: 1.2, damping: 0.5 };
+    let spring =
+        ForceKind::Spring(Spring { between: [tip.clone(), ground], stiffness: 40.0, length: 1.2, damping: 0.5 });
     assert_eq!((description.forces[0].name.as_str(), &description.forces[0].kind), ("force[0]", &spring));
     let zero = Vector3::zeros();
-    let load = ForceKind::Load { on: tip, force: zero, torque: zero, axes: LoadAxes::Inertial };
+    let load = ForceKind::Load(Load { on: tip, force: zero, torque: zero, axes: LoadAxes::Inertial });
     assert_eq!((description.forces[1].name.as_str(), &description.forces[1].kind), ("force[1]", &load));
 }
 
@@ -196,7 +199,7 @@ fn bushings_take_six_numbers_or_two_kinds() {
              [[force]]\ntype = \"bushing\"\nbetween = [\"a\", \"ground\"]\nstiffness = {stiffness}"
         );
         match read(&text).description.forces.remove(0).kind {
-            ForceKind::Bushing { stiffness, .. } => stiffness,
+            ForceKind::Bushing(Bushing { stiffness, .. }) => stiffness,
             other => panic!("{other:?}"),
         }
     };
@@ -230,7 +233,7 @@ fn overrides_reach_every_part_of_a_scene() {
     assert_eq!(upper.markers[0].1.z, -2.0);
     assert_eq!(description.bodies[2].hinge.stiffness, [2.0]);
     assert!(description.bodies.iter().all(|body| body.hinge.armature == [0.01]));
-    assert!(matches!(description.forces[0].kind, ForceKind::Spring { length: 2.0, .. }));
+    assert!(matches!(description.forces[0].kind, ForceKind::Spring(Spring { length: 2.0, .. })));
 }
 
 #[test]

@@ -872,3 +872,57 @@ fn strands_of_the_bead_curtain_swing_alike() {
     assert!(first.iter().zip(last).all(|(x, y)| (x - y).abs() < 1e-12));
     assert!(first[0] > 1e-3, "the rail swings back, the strands do not follow at once: {}", first[0]);
 }
+
+/// A rope has one tension: two equal parts carry the load, and what stretches it is the counterweight.
+#[test]
+fn load_hangs_in_the_bight_of_its_rope() {
+    let (scenario, model) = shipped("rope_over_pulleys", &[]);
+    let rest = found(&scenario, &model);
+    assert_eq!(rest.stability.as_ref().map(|stability| stability.verdict), Some(Verdict::Stable));
+    // sin = 36 / (2 · 30), so the hook hangs 0.75 m below pulleys that are 1 m to either side.
+    let [x, y, angle] = coordinates(&model, &rest.position, "load")[..] else { panic!("three coordinates") };
+    near(x, 0.0, 1e-9);
+    near(1.2 + y, 2.0 - 0.75, 1e-9);
+    near(angle, 0.0, 1e-9);
+    // The rest of the path is the counterweight's.
+    let path = 6.0 + 30.0 * G / 4e4;
+    near(coordinates(&model, &rest.position, "counterweight")[0], 1.35 + 2.5 + 2.0 - path, 1e-9);
+}
+
+/// Both strings go slack and taut in turns, and a slack string leaves the arm alone.
+#[test]
+fn strings_of_the_marionette_go_slack_in_turns() {
+    use stillpoint::simulate::events::Kind;
+    let (scenario, model) = shipped("marionette", &[]);
+    let (summary, _) = simulated(&scenario, &model);
+    for name in ["elbow string", "hand string"] {
+        let kinds: Vec<Kind> =
+            summary.events.iter().filter(|event| event.name == name).map(|event| event.kind).collect();
+        assert!(kinds.len() >= 4, "{name}: {kinds:?}");
+        for (index, kind) in kinds.iter().enumerate() {
+            assert_eq!(*kind, Kind::Force(["slack", "taut"][index % 2]), "{name}: {kinds:?}");
+        }
+    }
+    for event in summary.events.iter().filter(|event| event.kind == Kind::Force("taut")) {
+        // k e + c ė = 0: it begins to pull just before it is as long as it is.
+        near(500.0 * (event.value - 0.5) + 2.0 * event.speed, 0.0, 1e-6);
+        assert!(event.speed > 0.0, "{event}");
+    }
+}
+
+/// At rest the curves carry the weights; through the bump the damper takes out what the ledger says.
+#[test]
+fn quarter_car_sinks_by_its_curves() {
+    // Straight tables can be read by hand.
+    let (scenario, model) = shipped("quarter_car", &["car.spring.interpolation=linear", "tyre.interpolation=linear"]);
+    let rest = found(&scenario, &model);
+    near(coordinates(&model, &rest.position, "car")[0], -0.1 - (400.0 * G - 2100.0) / 21_000.0, 1e-9);
+    near(coordinates(&model, &rest.position, "wheel")[0], -0.01 - (440.0 * G - 2000.0) / 225_000.0, 1e-9);
+    let (scenario, model) = shipped("quarter_car", &[]);
+    let (summary, samples) = simulated(&scenario, &model);
+    assert!(summary.dissipated > 1.0, "{}", summary.dissipated);
+    let travel = samples.iter().map(|sample| coordinates(&model, &sample.positions, "car")[0]);
+    let deepest = travel.fold(0.0, f64::min);
+    // It meets the bump stop, and not its end.
+    assert!(deepest < -0.2 && deepest > -0.3, "{deepest}");
+}

@@ -192,7 +192,11 @@ fn large_random_trees_swing_as_matrices_say() {
             scene.gravity = nalgebra::Vector3::zeros();
         }
         scene.forces.retain_mut(|force| match &mut force.kind {
-            stillpoint::model::description::ForceKind::Spring { damping, between, .. } => {
+            stillpoint::model::description::ForceKind::Spring(stillpoint::model::description::Spring {
+                damping,
+                between,
+                ..
+            }) => {
                 *damping = 0.0;
                 !floats || between.iter().all(|end| end.body != stillpoint::model::description::GROUND)
             }

@@ -1,9 +1,10 @@
 //! Reading and setting the number that an address stands for.
 
 use super::super::couplings::{Closure, MotionDescription};
-use super::super::description::{Description, ForceKind};
+use super::super::description::Description;
 use super::super::problem::Element;
 use super::{Field, Parameter};
+use crate::force::Describe;
 
 impl Parameter {
     /// Its value.
@@ -23,14 +24,10 @@ impl Parameter {
                     _ => list(&body.hinge.force),
                 }
             }
-            Element::Force(force) => match (&description.forces[force].kind, self.field) {
-                (ForceKind::Spring { length, .. }, Field::Length) => *length,
-                (ForceKind::Spring { stiffness, .. }, _) => *stiffness,
-                (ForceKind::Bushing { preload, .. }, Field::Preload) => preload[self.index],
-                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index],
-                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index],
-                (ForceKind::Load { force, .. }, _) => force[self.index],
-            },
+            Element::Force(force) => {
+                let numbers = description.forces[force].kind.numbers(self.field.name());
+                numbers.get(self.index).map_or(f64::NAN, |(number, _)| *number)
+            }
             Element::Loop(index) => match description.loops[index].closure {
                 Closure::Rod { length } => length,
                 Closure::Hinge(_) => f64::NAN,
@@ -70,14 +67,7 @@ impl Parameter {
                 }
                 list[self.index] = value;
             }
-            Element::Force(force) => match (&mut description.forces[force].kind, self.field) {
-                (ForceKind::Spring { length, .. }, Field::Length) => *length = value,
-                (ForceKind::Spring { stiffness, .. }, _) => *stiffness = value,
-                (ForceKind::Bushing { preload, .. }, Field::Preload) => preload[self.index] = value,
-                (ForceKind::Bushing { stiffness, .. }, _) => stiffness[self.index] = value,
-                (ForceKind::Load { torque, .. }, Field::Torque) => torque[self.index] = value,
-                (ForceKind::Load { force, .. }, _) => force[self.index] = value,
-            },
+            Element::Force(force) => description.forces[force].kind.set(self.field.name(), self.index, value),
             Element::Loop(index) => {
                 if let Closure::Rod { length } = &mut description.loops[index].closure {
                     *length = value;

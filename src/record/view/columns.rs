@@ -3,7 +3,7 @@
 use super::crowd::Moves;
 use super::curves::curves;
 use super::forces::{
-    ends, load_paths, load_points, reaction_arrows, reactions_path, spring_color, spring_path, strip, tension,
+    load_paths, load_points, points, reaction_arrows, reactions_path, spring_color, spring_path, strip, tension,
 };
 use super::picture::{Picture, body_path, center_path, point};
 use super::survey::center_of_mass;
@@ -72,7 +72,7 @@ impl Columns {
             crowd.push(poses, &mut self.crowd);
         }
         for (((strips, colors), line), radius) in self.springs.iter_mut().zip(&scene.lines).zip(&picture.coils) {
-            strips.push(strip(ends(line, poses), *radius));
+            strips.push(strip(&points(line, poses), *radius));
             if line.spring.is_some() {
                 colors.push(spring_color(tension(line, poses), scales.tension));
             }

@@ -35,19 +35,21 @@ pub(super) struct Scales {
     pub(super) reaction: f64,
 }
 
-/// Where the ends of a spring are.
-pub(super) fn ends(line: &LinePicture, poses: &[Pose]) -> [Vector3<f64>; 2] {
-    line.ends.map(|(body, at)| {
+/// Where the points of a line are.
+pub(super) fn points(line: &LinePicture, poses: &[Pose]) -> Vec<Vector3<f64>> {
+    let place = |(body, at): &(Option<usize>, [f64; 3])| {
         let pose = body.and_then(|body| poses.get(body)).copied().unwrap_or_default();
-        (pose * Point3::from(at)).coords
-    })
+        (pose * Point3::from(*at)).coords
+    };
+    line.ends.iter().map(place).collect()
 }
 
-/// What a spring pulls with, without its damper (N); `None` for other lines.
+/// What a spring or rope pulls with, without its damper (N); `None` for other lines.
 pub(super) fn tension(line: &LinePicture, poses: &[Pose]) -> Option<f64> {
     let [stiffness, length] = line.spring?;
-    let [a, b] = ends(line, poses);
-    Some(stiffness * ((b - a).norm() - length))
+    let path: f64 = points(line, poses).windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
+    let pull = stiffness * (path - length);
+    Some(if line.pulls_only { pull.max(0.0) } else { pull })
 }
 
 /// From blue (pushes) over grey to red (pulls).
@@ -64,19 +66,21 @@ pub(super) fn spring_color(tension: Option<f64>, full: f64) -> Color {
 
 /// Radius of the coils of each spring (m); `None` for what is drawn as a line.
 pub(super) fn coil_radii(scene: &Scene, size: f64) -> Vec<Option<f64>> {
-    let springs = scene.lines.iter().filter(|line| line.spring.is_some()).count();
+    let coiled = |line: &LinePicture| line.spring.filter(|_| !line.pulls_only);
+    let springs = scene.lines.iter().filter(|line| coiled(line).is_some()).count();
     let radius = |line: &LinePicture| {
-        let [_, length] = line.spring?;
+        let [_, length] = coiled(line)?;
         let length = if length > 0.0 { length } else { 0.2 * size };
         (springs <= MOST_COILS).then(|| (0.05 * length).min(0.02 * size))
     };
     scene.lines.iter().map(radius).collect()
 }
 
-/// The line of a spring: straight, or as a coil.
-pub(super) fn strip([a, b]: [Vector3<f64>; 2], radius: Option<f64>) -> Vec<[f32; 3]> {
+/// A line through points; between two of them with a radius as a coil.
+pub(super) fn strip(points: &[Vector3<f64>], radius: Option<f64>) -> Vec<[f32; 3]> {
+    let (&[a, b], Some(radius)) = (points, radius) else { return points.iter().map(point).collect() };
     let along = b - a;
-    let (Some(radius), Some(axis)) = (radius, along.try_normalize(1e-12)) else { return vec![point(&a), point(&b)] };
+    let Some(axis) = along.try_normalize(1e-12) else { return vec![point(&a), point(&b)] };
     let side = if axis.x.abs() < 0.8 { Vector3::x() } else { Vector3::y() };
     let first = axis.cross(&side).normalize();
     let second = axis.cross(&first);
@@ -173,8 +177,9 @@ mod tests {
     fn spring(stiffness: f64, length: f64) -> LinePicture {
         LinePicture {
             name: String::new(),
-            ends: [(None, [0.0; 3]), (Some(0), [0.0, 0.0, 1.0])],
+            ends: vec![(None, [0.0; 3]), (Some(0), [0.0, 0.0, 1.0])],
             spring: Some([stiffness, length]),
+            pulls_only: false,
         }
     }
 
@@ -183,6 +188,12 @@ mod tests {
         let poses = [Pose::translation(0.0, 3.0, 3.0)];
         // Its ends are five metres apart.
         assert_eq!(tension(&spring(10.0, 2.0), &poses), Some(30.0));
+        // A rope of six metres is slack there, one through a third point is not.
+        let rope = LinePicture { pulls_only: true, ..spring(10.0, 6.0) };
+        assert_eq!(tension(&rope, &poses), Some(0.0));
+        let mut longer = rope.clone();
+        longer.ends.insert(1, (None, [0.0, -3.0, 0.0]));
+        assert_eq!(tension(&longer, &poses), Some(10.0 * (3.0 + 52.0_f64.sqrt() - 6.0)));
         assert_eq!(tension(&LinePicture { spring: None, ..spring(1.0, 1.0) }, &poses), None);
         let red = |part: f64| spring_color(Some(part), 1.0).0.to_array()[0];
         let blue = |part: f64| spring_color(Some(part), 1.0).0.to_array()[2];
@@ -194,11 +205,11 @@ mod tests {
     #[test]
     fn a_coil_meets_both_ends_and_stays_within_its_radius() {
         let (a, b) = (Vector3::new(1.0, 0.0, 0.0), Vector3::new(1.0, 2.0, 0.0));
-        let coil = strip([a, b], Some(0.1));
+        let coil = strip(&[a, b], Some(0.1));
         assert_eq!((coil.first(), coil.last()), (Some(&[1.0, 0.0, 0.0]), Some(&[1.0, 2.0, 0.0])));
         let off = |at: &[f32; 3]| ((at[0] - 1.0).powi(2) + at[2].powi(2)).sqrt();
         let widest = coil.iter().map(off).fold(0.0, f32::max);
         assert!((widest - 0.1).abs() < 1e-6, "{widest}");
-        assert_eq!(strip([a, a], Some(0.1)).len(), 2, "a spring without length is no coil");
+        assert_eq!(strip(&[a, a], Some(0.1)).len(), 2, "a spring without length is no coil");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::fields::{Key, Kind, Table};
 use super::body::ATTACHMENT;
-use super::{NOT_NEGATIVE, NUMBER, VECTOR};
+use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 
 /// `[[force]]`
 pub const FORCE: Table = Table {
@@ -14,6 +14,14 @@ pub const FORCE: Table = Table {
             "bushing",
             "Six-degree spring and damper; without a preload relaxed where both points coincide and both bodies' axes are parallel.",
         ),
+        (
+            "rope",
+            "Pulls and never pushes: tension max(0, k (path − length) + c d(path)/dt) along the path through its points.",
+        ),
+        (
+            "curve",
+            "A spring and damper by tables of points, along the line between two points; what is positive pulls them together.",
+        ),
         ("load", "A constant force and torque on a body."),
     ],
     keys: &[
@@ -23,9 +31,15 @@ pub const FORCE: Table = Table {
             .required()
             .only(LINKS)
             .example("[\"link[2].tip\", { body = \"ground\", at = [1.0, 0.0, 0.5] }]"),
+        Key::new("through", Kind::List(&END, &[]), "Its points, two or more; it slides through the inner ones without friction.")
+            .required()
+            .only(&["rope"])
+            .example("[\"link[0].tip\", { body = \"ground\", at = [0.0, 0.0, 1.0] }, \"link[1].tip\"]"),
         Key::new("on", END, "Where it acts.").required().only(&["load"]).example("\"link[2].tip\""),
         Key::new("stiffness", NOT_NEGATIVE, "Stiffness.").unit("N/m").default("0.0").only(&["spring"]).example("40.0"),
-        Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring"]).example("0.5"),
+        Key::new("damping", NOT_NEGATIVE, "Damping.").unit("N s/m").default("0.0").only(&["spring", "rope"]).example("0.5"),
+        Key::new("stiffness", POSITIVE, "Stiffness along the whole path.").unit("N/m").required().only(&["rope"]).example("4e4"),
+        Key::new("length", POSITIVE, "Unstretched length of the whole path.").unit("m").required().only(&["rope"]).example("2.5"),
         Key::new("stiffness", SIX, "Stiffness along x, y, z [N/m], then about x, y, z [N m/rad], bushing axes.")
             .unit("N/m and N m/rad")
             .default("{ translation = 0.0, rotation = 0.0 }")
@@ -41,9 +55,9 @@ pub const FORCE: Table = Table {
             .default("[0.0, 0.0, 0.0, 0.0, 0.0, 0.0]")
             .only(&["bushing"])
             .example("[0.0, 0.0, 400.0, 0.0, 0.0, 0.0]"),
-        Key::new("length", NOT_NEGATIVE, "Unstretched length; must be said where `stiffness` is not zero.")
+        Key::new("length", NOT_NEGATIVE, "Unstretched length; must be said where `stiffness` is not zero, and with a curve against the extension.")
             .unit("m")
-            .only(&["spring"])
+            .only(&["spring", "curve"])
             .example("1.2"),
         Key::new("rpy", VECTOR, "Turn of the bushing's axes in the first body: roll, pitch, yaw as in URDF.")
             .unit("rad")
@@ -55,6 +69,15 @@ pub const FORCE: Table = Table {
             .default("[0.0, 0.0, 0.0]")
             .only(&["load"])
             .example("[0.0, 0.0, 1.0]"),
+        Key::new("force", CURVE, "Pull by points `[extension, force]`, the extension beyond `length` increasing [m]; or `{ extension = …, rate = … }` with one table against the extension and one against its rate [m/s], which add.")
+            .unit("N")
+            .required()
+            .only(&["curve"])
+            .example("[[-0.05, -2000.0], [0.0, 0.0], [0.1, 1500.0]]"),
+        Key::new("interpolation", Kind::Choice(INTERPOLATIONS), "Between the points; beyond its ends a curve goes on with its slope.")
+            .default("\"smooth\"")
+            .only(&["curve"])
+            .example("\"linear\""),
         Key::new("torque", VECTOR, "Torque.")
             .unit("N m")
             .default("[0.0, 0.0, 0.0]")
@@ -67,7 +90,32 @@ pub const FORCE: Table = Table {
     ],
 };
 
-const LINKS: &[&str] = &["spring", "bushing"];
+const LINKS: &[&str] = &["spring", "bushing", "curve"];
+
+const CURVE: Kind = Kind::Either(&[POINTS, Kind::Table(&CURVE_VALUES)]);
+
+/// Points of a table.
+pub(super) const POINTS: Kind = Kind::List(&Kind::List(&NUMBER, &[2]), &[]);
+
+pub(super) const INTERPOLATIONS: &[(&str, &str)] = &[
+    ("smooth", "With a continuous slope; rises and falls with the points and nowhere else (PCHIP)."),
+    ("linear", "Straight from point to point; the slope jumps there."),
+];
+
+/// The tables of a curve.
+pub const CURVE_VALUES: Table = Table {
+    name: "curve value",
+    doc: "Pull by tables of points; both add.",
+    types: &[],
+    keys: &[
+        Key::new("extension", POINTS, "Points `[extension, force]`, the extension beyond `length` increasing [m].")
+            .unit("N")
+            .example("[[-0.05, -2000.0], [0.0, 0.0], [0.1, 1500.0]]"),
+        Key::new("rate", POINTS, "Points `[rate, force]`, the rate of the extension increasing [m/s].")
+            .unit("N")
+            .example("[[-1.0, -800.0], [0.0, 0.0], [1.0, 2500.0]]"),
+    ],
+};
 
 pub(super) const END: Kind = Kind::Either(&[Kind::Text, Kind::Table(&ATTACHMENT)]);
 

@@ -2,6 +2,7 @@
 
 use super::super::fields::{Key, Kind, Range, Table};
 use super::body::POINT;
+use super::force::{INTERPOLATIONS, POINTS};
 use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 
 /// `hinge = { … }`
@@ -105,11 +106,17 @@ pub const HINGE: Table = Table {
         Key::new(
             "limits",
             LIMITS,
-            "Lowest and highest coordinate, or a list of such pairs, of stops that hold; or one stop in full. Runs and statics heed them.",
+            "Lowest and highest coordinate, or a list of such pairs, of stops that hold; or one stop in full, or a list of those. Runs and statics heed them.",
         )
         .unit("m or rad")
         .only(MOVING)
         .example("[-1.0, 1.0]"),
+        Key::new("spring", CURVES, "A spring by a table of points, beside `stiffness`; or a list of such.")
+            .only(MOVING)
+            .example("{ curve = [[-0.1, -900.0], [0.0, 0.0], [0.1, 500.0]] }"),
+        Key::new("damper", CURVES, "A damper by a table of points, beside `damping`; or a list of such.")
+            .only(MOVING)
+            .example("{ curve = [[-1.0, -300.0], [0.0, 0.0], [1.0, 900.0]], interpolation = \"linear\" }"),
         Key::new("friction", Kind::Refused("`friction` is reserved for a later version"), "Dry friction."),
     ],
 };
@@ -126,7 +133,29 @@ const LIMITS: Kind = Kind::Either(&[
     Kind::List(&Kind::Number(Range::Any), &[2]),
     Kind::List(&Kind::List(&NUMBER, &[2]), &[]),
     Kind::Table(&LIMIT),
+    Kind::List(&Kind::Table(&LIMIT), &[]),
 ]);
+
+const CURVES: Kind = Kind::Either(&[Kind::Table(&HINGE_CURVE), Kind::List(&Kind::Table(&HINGE_CURVE), &[])]);
+
+/// A spring or damper of a hinge by a table of points.
+pub const HINGE_CURVE: Table = Table {
+    name: "hinge curve",
+    doc: "What a hinge opposes, by a table of points; beyond its ends it goes on with its slope.",
+    types: &[],
+    keys: &[
+        Key::new("curve", POINTS, "Points `[x, f]`, x increasing: of a spring the distance from `rest` [m or rad], of a damper the speed [m/s or rad/s]; f is what opposes it.")
+            .unit("N or N m")
+            .required()
+            .example("[[-0.1, -900.0], [0.0, 0.0], [0.1, 500.0]]"),
+        Key::new("interpolation", Kind::Choice(INTERPOLATIONS), "Between the points.")
+            .default("\"smooth\"")
+            .example("\"linear\""),
+        Key::new("coordinate", Kind::Integer(Range::AtLeast(0.0)), "Which of the hinge's coordinates, from 0.")
+            .default("0")
+            .example("0"),
+    ],
+};
 
 /// A stop in full.
 pub const LIMIT: Table = Table {

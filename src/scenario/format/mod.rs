@@ -13,8 +13,8 @@ mod start;
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use event::EVENT;
-pub use force::{BUSHING_VALUES, FORCE};
-pub use hinge::{HINGE, LIMIT};
+pub use force::{BUSHING_VALUES, CURVE_VALUES, FORCE};
+pub use hinge::{HINGE, HINGE_CURVE, LIMIT};
 pub use model::{MODEL, MODEL_HINGE};
 pub use motor::{MOTOR, TARGET};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
@@ -56,7 +56,7 @@ pub const SCENARIO: Table = Table {
             Kind::List(&Kind::Table(&BODY), &[]),
             "The bodies, in any order; without a `model` at least one.",
         ),
-        Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings and loads."),
+        Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings, ropes, curves and loads."),
         Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
         Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),

@@ -3,6 +3,7 @@
 use super::constraints::{Constraint, Gradient, axial};
 use super::entries::{Entries, Part};
 use super::poses::Poses;
+use crate::force::Act;
 use crate::forces;
 use crate::model::motor::Push;
 use crate::model::{Joint, Link, Model};
@@ -43,9 +44,9 @@ pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench;
     model.links.iter().enumerate().map(of_link).collect()
 }
 
-/// What motors push with at rest.
+/// What motors and curves push with at rest.
 fn motors(model: &Model, poses: &Poses) -> Vec<Push> {
-    let (rest, mut pushes) = (vec![0.0; model.velocity_count()], vec![Push::default(); model.motors.len()]);
+    let (rest, mut pushes) = (vec![0.0; model.velocity_count()], vec![Push::default(); model.pushed().count()]);
     forces::motor::pushes(model, 0.0, &poses.q, &rest, &mut pushes);
     pushes
 }
@@ -134,11 +135,10 @@ fn elements(model: &Model, poses: &Poses, entries: &mut Entries) {
                     Part::Place => by[end.link].position = unit,
                     Part::Turn => by[end.link].turn = unit,
                 }
-                let wrenches = forces::vary_law(&force.law, &poses.motion, &by);
+                force.law.vary(&poses.motion.links, &by, &mut |row, wrench| {
+                    entries.add_wrench(ends[row].link, (end.link, part), axis, &wrench);
+                });
                 by[end.link] = LinkVariation::default();
-                for (row, wrench) in ends.iter().zip(&wrenches) {
-                    entries.add_wrench(row.link, (end.link, part), axis, wrench);
-                }
             }
         }
     }
@@ -156,11 +156,11 @@ fn hinge(
     let link = &model.links[index];
     let parent = link.parent;
     let of = |i: usize| &model.coordinates[link.velocity + i];
-    let by_motors: f64 = (model.motors.iter().zip(motors(model, poses)))
-        .filter(|(motor, _)| motor.coordinate.link == index)
+    let by_motors: f64 = (model.pushed().zip(motors(model, poses)))
+        .filter(|(coordinate, _)| coordinate.link == index)
         .map(|(_, push)| push.by_position)
         .sum();
-    let motor = model.motors.iter().any(|motor| motor.coordinate.link == index);
+    let motor = model.pushed().any(|coordinate| coordinate.link == index);
     let active = |i: usize| {
         let own = of(i).stiffness != 0.0 || of(i).force != 0.0 || of(i).armature != 0.0;
         own || motor || pushed[link.velocity + i]

@@ -34,24 +34,24 @@ fn numbers_of_a_force_must_be_finite_and_those_of_springs_not_negative() {
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         for field in ["stiffness", "length", "damping"] {
             let value = |name: &str| if name == field { bad } else { 1.0 };
-            let kind = ForceKind::Spring {
+            let kind = ForceKind::Spring(Spring {
                 between: [on("arm"), on(GROUND)],
                 stiffness: value("stiffness"),
                 length: value("length"),
                 damping: value("damping"),
-            };
+            });
             let words = [&format!("`{field}` of `band` is {bad}"), "≥ 0"];
             assert_problem(first, field, &words, |d| d.forces = vec![force("band", kind)]);
         }
         for field in ["stiffness", "damping"] {
             let value = |name: &str| if name == field { [1.0, 1.0, 1.0, 1.0, bad, 1.0] } else { [1.0; 6] };
-            let kind = ForceKind::Bushing {
+            let kind = ForceKind::Bushing(Bushing {
                 between: [on("arm"), on(GROUND)],
                 frame: UnitQuaternion::identity(),
                 stiffness: value("stiffness"),
                 damping: value("damping"),
                 preload: [0.0; 6],
-            };
+            });
             let words = [&format!("`{field}` of `mount` is {bad}"), "≥ 0"];
             assert_problem(first, field, &words, |d| d.forces = vec![force("mount", kind)]);
         }
@@ -59,7 +59,7 @@ fn numbers_of_a_force_must_be_finite_and_those_of_springs_not_negative() {
     let bad = Vector3::new(0.0, f64::NAN, 0.0);
     for (field, pair) in [("force", [bad, Vector3::x()]), ("torque", [Vector3::x(), bad])] {
         let [push, twist] = pair;
-        let kind = ForceKind::Load { on: on("arm"), force: push, torque: twist, axes: LoadAxes::Body };
+        let kind = ForceKind::Load(Load { on: on("arm"), force: push, torque: twist, axes: LoadAxes::Body });
         assert_problem(first, field, &[&format!("`{field}` of `push` is [0, NaN, 0]")], |d| {
             d.forces = vec![force("push", kind)];
         });

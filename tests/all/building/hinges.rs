@@ -99,7 +99,7 @@ fn hinge_points_and_frames_must_be_finite() {
     });
     assert_problem(Element::Force(0), "rpy", &["the axes of `mount` are not a turn"], |d| {
         let mut kind = bushing([on("arm"), on(GROUND)]);
-        if let ForceKind::Bushing { frame, .. } = &mut kind {
+        if let ForceKind::Bushing(Bushing { frame, .. }) = &mut kind {
             *frame = not_a_turn;
         }
         d.forces = vec![force("mount", kind)];

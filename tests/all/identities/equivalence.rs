@@ -60,19 +60,24 @@ fn halved(description: &Description, index: usize, random: &mut Random) -> Descr
     };
     for force in &mut halved.forces {
         match &mut force.kind {
-            ForceKind::Spring { between, .. } => {
+            ForceKind::Spring(Spring { between, .. }) | ForceKind::Curve(Curve { between, .. }) => {
                 for end in between {
                     share_out(end);
                 }
             }
-            ForceKind::Load { on, force, torque, axes } => {
+            ForceKind::Rope(Rope { through, .. }) => {
+                for end in through {
+                    share_out(end);
+                }
+            }
+            ForceKind::Load(Load { on, force, torque, axes }) => {
                 if share_out(on) && *axes == LoadAxes::Body {
                     *force = weld.rotation.inverse() * *force;
                     *torque = weld.rotation.inverse() * *torque;
                 }
             }
             // Relaxed where the axes of both bodies are parallel: it stays where the axes are.
-            ForceKind::Bushing { .. } => {}
+            ForceKind::Bushing(_) => {}
         }
     }
     halved.bodies.push(BodyDescription {

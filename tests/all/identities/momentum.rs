@@ -7,6 +7,7 @@ use crate::oracle::force::{Push, pushes};
 use crate::oracle::place::{Placed, place};
 use nalgebra::Vector3;
 use stillpoint::dynamics::System;
+use stillpoint::force::Describe;
 use stillpoint::forces;
 use stillpoint::model::Description;
 use stillpoint::model::description::{Attachment, ForceKind, GROUND, HingeDescription, HingeKind};
@@ -97,7 +98,7 @@ fn total_momentum_grows_by_weights_loads_and_what_the_ground_gives() {
         for force in &description.forces {
             let alone = Description { forces: vec![force.clone()], ..description.clone() };
             for push in pushes(&alone, &placed) {
-                let load = matches!(force.kind, ForceKind::Load { .. });
+                let load = matches!(force.kind, ForceKind::Load(_));
                 let sign = if load { 1.0 } else { -1.0 };
                 if load || push.body.is_none() {
                     sum += about_origin(sign * push.force, sign * push.torque, &push.at);
@@ -113,7 +114,7 @@ fn total_momentum_grows_by_weights_loads_and_what_the_ground_gives() {
 #[test]
 fn springs_and_bushings_pull_both_ends_alike() {
     for (seed, mut description) in scenes() {
-        description.forces.retain(|force| !matches!(force.kind, ForceKind::Load { .. }));
+        description.forces.retain(|force| !matches!(force.kind, ForceKind::Load(_)));
         let start = Start::of(&description);
         let mut system = System::new(&start.model);
         system.energies(&start.model.start_position, &start.model.start_velocity);
@@ -154,8 +155,8 @@ fn adrift(seed: u64) -> Description {
     }
     let grounded = |end: &Attachment| end.body == GROUND;
     description.forces.retain(|force| match &force.kind {
-        ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } => !between.iter().any(grounded),
-        ForceKind::Load { .. } => false,
+        ForceKind::Load(_) => false,
+        kind => !kind.attachments().iter().any(|(_, end)| grounded(end)),
     });
     description
 }

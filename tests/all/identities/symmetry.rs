@@ -33,14 +33,19 @@ fn in_another_world(description: &Description, world: &Pose) -> Description {
     for force in &mut moved.forces {
         match &mut force.kind {
             // A bushing is relaxed where the axes of its ends are parallel: the ground's axes must turn too.
-            ForceKind::Spring { between, .. } | ForceKind::Bushing { between, .. } => {
+            ForceKind::Rope(Rope { through, .. }) => {
+                through.iter_mut().filter(|end| end.body == GROUND).for_each(|end| end.body = "laboratory".to_owned());
+            }
+            ForceKind::Spring(Spring { between, .. })
+            | ForceKind::Bushing(Bushing { between, .. })
+            | ForceKind::Curve(Curve { between, .. }) => {
                 between.iter_mut().filter(|end| end.body == GROUND).for_each(|end| end.body = "laboratory".to_owned());
             }
-            ForceKind::Load { force, torque, axes: LoadAxes::Inertial, .. } => {
+            ForceKind::Load(Load { force, torque, axes: LoadAxes::Inertial, .. }) => {
                 *force = world.rotation * *force;
                 *torque = world.rotation * *torque;
             }
-            ForceKind::Load { axes: LoadAxes::Body, .. } => {}
+            ForceKind::Load(Load { axes: LoadAxes::Body, .. }) => {}
         }
     }
     let at = Point::At(world.translation.vector);

@@ -2,7 +2,7 @@
 
 use super::place::{Placed, attached};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use stillpoint::model::description::{Description, ForceKind, LoadAxes};
+use stillpoint::model::description::{Bushing, Curve, Description, ForceKind, Load, LoadAxes, Rope, Spring};
 
 /// A force at a point and a torque on one body, inertial axes.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,7 @@ pub(crate) fn pushes(description: &Description, placed: &[Placed]) -> Vec<Push> 
 
 fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Vec<Push> {
     match kind {
-        ForceKind::Spring { between, stiffness, length, damping } => {
+        ForceKind::Spring(Spring { between, stiffness, length, damping }) => {
             let [(first, a, xa), (second, b, xb)] = [0, 1].map(|i| attached(description, placed, &between[i]));
             let distance = (xb - xa).norm();
             let direction = (xb - xa) / distance;
@@ -32,7 +32,7 @@ fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Ve
                 Push { body: second, at: xb, force: -tension, torque: Vector3::zeros() },
             ]
         }
-        ForceKind::Bushing { between, frame, stiffness, damping, preload } => {
+        ForceKind::Bushing(Bushing { between, frame, stiffness, damping, preload }) => {
             let [(first, a, xa), (second, b, xb)] = [0, 1].map(|i| attached(description, placed, &between[i]));
             let (mut force, mut torque) = bushing_on_second(&a, &b, &xa, &xb, frame, stiffness, damping);
             let axes = [a.turn, b.turn].map(|turn| turn * frame.to_rotation_matrix().into_inner());
@@ -46,12 +46,51 @@ fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Ve
                 Push { body: second, at: xb, force, torque },
             ]
         }
-        ForceKind::Load { on, force, torque, axes } => {
+        ForceKind::Rope(rope) => rope_pushes(description, placed, rope),
+        ForceKind::Curve(Curve { between, extension, rate: by_rate, length, .. }) => {
+            let [(first, a, xa), (second, b, xb)] = [0, 1].map(|i| attached(description, placed, &between[i]));
+            let distance = (xb - xa).norm();
+            let direction = (xb - xa) / distance;
+            let rate = direction.dot(&(b.velocity_at(&xb) - a.velocity_at(&xa)));
+            let pull = (straight(extension, distance - length) + straight(by_rate, rate)) * direction;
+            vec![
+                Push { body: first, at: xa, force: pull, torque: Vector3::zeros() },
+                Push { body: second, at: xb, force: -pull, torque: Vector3::zeros() },
+            ]
+        }
+        ForceKind::Load(Load { on, force, torque, axes }) => {
             let (body, at, point) = attached(description, placed, on);
             let turn = if *axes == LoadAxes::Body { at.turn } else { Matrix3::identity() };
             vec![Push { body, at: point, force: turn * force, torque: turn * torque }]
         }
     }
+}
+
+/// Every point is pulled towards those before and after it.
+fn rope_pushes(description: &Description, placed: &[Placed], rope: &Rope) -> Vec<Push> {
+    let points: Vec<_> = rope.through.iter().map(|at| attached(description, placed, at)).collect();
+    let to = |i: usize, j: usize| (points[j].2 - points[i].2).normalize();
+    let velocity = |i: usize| points[i].1.velocity_at(&points[i].2);
+    let (mut path, mut rate) = (0.0, 0.0);
+    for i in 1..points.len() {
+        path += (points[i].2 - points[i - 1].2).norm();
+        rate += to(i - 1, i).dot(&(velocity(i) - velocity(i - 1)));
+    }
+    let tension = (rope.stiffness * (path - rope.length) + rope.damping * rate).max(0.0);
+    let pull = |i: usize| {
+        let before = if i > 0 { to(i, i - 1) } else { Vector3::zeros() };
+        let after = if i + 1 < points.len() { to(i, i + 1) } else { Vector3::zeros() };
+        tension * (before + after)
+    };
+    (0..points.len())
+        .map(|i| Push { body: points[i].0, at: points[i].2, force: pull(i), torque: Vector3::zeros() })
+        .collect()
+}
+
+/// Straight from point to point, and on beyond the ends; zero without points.
+fn straight(points: &[[f64; 2]], x: f64) -> f64 {
+    let pair = points.windows(2).find(|pair| x <= pair[1][0]).or(points.windows(2).last());
+    pair.map_or(0.0, |pair| pair[0][1] + (x - pair[0][0]) * (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]))
 }
 
 /// Force at the second point and torque on the second body.

@@ -42,8 +42,9 @@ impl Motion {
         let rod = body("rod[0]", Some(1), [0.0, 0.0, -1.0], "spherical", &[]);
         let line = |name: &str, x: f64, from: [f64; 3]| LinePicture {
             name: name.into(),
-            ends: [(None, [x, 0.0, 2.2]), (Some(2), from)],
+            ends: vec![(None, [x, 0.0, 2.2]), (Some(2), from)],
             spring: Some([100.0, 0.3]),
+            pulls_only: false,
         };
         let load = |name: &str, turns| LoadPicture {
             name: name.into(),

@@ -1,0 +1,211 @@
+//! A spring and damper by tables, along the line between two points.
+//!
+//! ```text
+//! x = x_b − x_a,  L = |x|,  u = x / L
+//! pull  F = f(L − L₀) + g(L̇),   L̇ = u·(v_b − v_a)
+//! force on a: +F u,  on b: −F u;   potential ∫₀ f + g(0) (L − L₀),   dissipated (g(L̇) − g(0)) L̇
+//! ```
+//!
+//! What a damper's table pulls with at rest is a constant pull, which has a potential. The tables are read as
+//! [`super::table`] says; one read straight from point to point has kinks, at which the tangent is that of longer or faster.
+
+use super::end::Anchor;
+use super::table::{Interpolation, Table};
+use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report};
+use crate::spatial::Wrench;
+use crate::spatial::link::{LinkMotion, LinkVariation};
+use nalgebra::Vector3;
+
+/// Along the line between two points: pull by extension plus pull by its rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// The two ends.
+    pub between: [Attachment; 2],
+    /// Points of extension (m), increasing, and pull (N); empty for none.
+    pub extension: Vec<[f64; 2]>,
+    /// Points of the extension's rate (m/s), increasing, and pull (N); empty for none.
+    pub rate: Vec<[f64; 2]>,
+    /// Between the points.
+    pub interpolation: Interpolation,
+    /// The distance of the ends at which the extension is zero (m), ≥ 0.
+    pub length: f64,
+}
+
+/// A curve, compiled.
+#[derive(Debug, Clone)]
+pub struct CurveLaw {
+    ends: [End; 2],
+    extension: Option<Table>,
+    rate: Option<Table>,
+    length: f64,
+    /// What the table of the rate pulls with at rest.
+    at_rest: f64,
+}
+
+impl ForceDescription {
+    /// A spring by a table of extension (m) and pull (N) between two points, of this unstretched length (m); smooth.
+    pub fn curve(
+        name: &str,
+        from: impl Into<Attachment>,
+        to: impl Into<Attachment>,
+        extension: Vec<[f64; 2]>,
+        length: f64,
+    ) -> Self {
+        let (between, interpolation) = ([from.into(), to.into()], Interpolation::Smooth);
+        let kind = Curve { between, extension, rate: Vec::new(), interpolation, length };
+        Self { name: name.to_owned(), kind: kind.into() }
+    }
+}
+
+impl Describe for Curve {
+    type Law = CurveLaw;
+
+    fn attachments(&self) -> Vec<(String, &Attachment)> {
+        (0..2).map(|i| (format!("between[{i}]"), &self.between[i])).collect()
+    }
+
+    fn check(&self, report: &mut Report<'_>) {
+        let name = report.name;
+        for (what, points) in [("extension", &self.extension), ("rate", &self.rate)] {
+            if let Some(bad) = Table::check(points).filter(|_| !points.is_empty()) {
+                let key = bad.index.map_or(format!("force.{what}"), |index| format!("force.{what}[{index}]"));
+                report.add(&key, format!("the curve of `{name}` {}", bad.message), bad.help);
+            }
+        }
+        if self.extension.is_empty() && self.rate.is_empty() {
+            report.add("force", format!("`{name}` has no points"), "a curve needs two points or more");
+        }
+        report.not_negative("length", self.length, "m");
+        report.apart(&self.between, "a curve");
+    }
+
+    fn compile(&self, carriers: &[Carrier]) -> CurveLaw {
+        let table = |points: &[[f64; 2]]| (!points.is_empty()).then(|| Table::new(points, self.interpolation));
+        let (extension, rate) = (table(&self.extension), table(&self.rate));
+        let at_rest = rate.as_ref().map_or(0.0, |table| table.value(0.0)[0]);
+        CurveLaw { ends: [carriers[0].end, carriers[1].end], extension, rate, length: self.length, at_rest }
+    }
+
+    fn numbers(&self, key: &str) -> Vec<(f64, &'static str)> {
+        if key == "length" { vec![(self.length, "m")] } else { Vec::new() }
+    }
+
+    fn set(&mut self, _key: &str, _index: usize, value: f64) {
+        self.length = value;
+    }
+}
+
+impl Act for CurveLaw {
+    fn ends(&self) -> &[End] {
+        &self.ends
+    }
+
+    fn wrenches(&self, links: &[LinkMotion], give: &mut impl FnMut(usize, Wrench)) {
+        let state = State::of(self, links);
+        let force = state.pull() * state.direction;
+        give(0, Wrench::at_arm(force, state.points[0].arm));
+        give(1, Wrench::at_arm(-force, state.points[1].arm));
+    }
+
+    fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
+        let state = State::of(self, links);
+        let [a, b] = [0, 1].map(|i| state.points[i].vary(&links[self.ends[i].link], &by[self.ends[i].link]));
+        let (between, velocity) = (b.position - a.position, b.velocity - a.velocity);
+        let ([_, stiffness], [_, damping]) = (state.elastic, state.damper);
+        let total = state.pull() * state.direction;
+        let force = if state.distance == 0.0 {
+            stiffness * between
+        } else {
+            let longer = state.direction.dot(&between);
+            let turn = (between - longer * state.direction) / state.distance;
+            let faster = turn.dot(&state.velocity) + state.direction.dot(&velocity);
+            (stiffness * longer + damping * faster) * state.direction + state.pull() * turn
+        };
+        for (i, (varied, sign)) in [(a, 1.0), (b, -1.0)].into_iter().enumerate() {
+            let moment = sign * (state.points[i].arm.cross(&force) + varied.arm.cross(&total));
+            give(i, Wrench { force: sign * force, moment });
+        }
+    }
+
+    fn potential(&self, links: &[LinkMotion]) -> f64 {
+        let extension = State::of(self, links).distance - self.length;
+        self.extension.as_ref().map_or(0.0, |table| table.integral(extension)) + self.at_rest * extension
+    }
+
+    fn dissipated(&self, links: &[LinkMotion]) -> f64 {
+        State::of(self, links).damping_power().max(0.0)
+    }
+
+    fn input(&self, links: &[LinkMotion]) -> f64 {
+        (-State::of(self, links).damping_power()).max(0.0)
+    }
+
+    fn has_damping(&self) -> bool {
+        self.rate.is_some()
+    }
+
+    fn magnitude(&self, links: &[LinkMotion]) -> Magnitude {
+        let state = State::of(self, links);
+        let ([force, stiffness], [damper, _]) = (state.elastic, state.damper);
+        let reach = state.points[0].position.norm() + state.points[1].position.norm() + self.length;
+        Magnitude {
+            force: (force + damper).abs(),
+            noise: force.abs() + damper.abs() + stiffness.abs() * reach,
+            stiffness: stiffness.abs(),
+            ..Magnitude::default()
+        }
+    }
+
+    fn pull_name(&self) -> Option<&'static str> {
+        Some("pull")
+    }
+
+    fn pull(&self, links: &[LinkMotion]) -> f64 {
+        State::of(self, links).pull()
+    }
+
+    fn picture(&self) -> Picture<'_> {
+        Picture::Line { through: &self.ends, spring: None, pulls_only: false }
+    }
+}
+
+/// A curve at one instant.
+struct State<'a> {
+    law: &'a CurveLaw,
+    points: [Anchor; 2],
+    /// L, u
+    distance: f64,
+    direction: Vector3<f64>,
+    /// v_b − v_a and L̇
+    velocity: Vector3<f64>,
+    rate: f64,
+    /// f and g with their slopes.
+    elastic: [f64; 2],
+    damper: [f64; 2],
+}
+
+impl<'a> State<'a> {
+    fn of(law: &'a CurveLaw, links: &[LinkMotion]) -> Self {
+        let points = [Anchor::of(&law.ends[0], links), Anchor::of(&law.ends[1], links)];
+        let between = points[1].position - points[0].position;
+        let distance = between.norm();
+        let velocity = points[1].velocity - points[0].velocity;
+        let value = |table: &Option<Table>, x: f64| table.as_ref().map_or([0.0; 2], |table| table.value(x));
+        let elastic = value(&law.extension, distance - law.length);
+        // Without a pull a point that lies on the other is pulled nowhere.
+        let touching = distance == 0.0 && elastic[0] + law.at_rest == 0.0;
+        let direction = if touching { Vector3::zeros() } else { between / distance };
+        let rate = direction.dot(&velocity);
+        let damper = value(&law.rate, rate);
+        Self { law, points, distance, direction, velocity, rate, elastic, damper }
+    }
+
+    fn pull(&self) -> f64 {
+        self.elastic[0] + self.damper[0]
+    }
+
+    /// `(g(L̇) − g(0)) L̇`
+    fn damping_power(&self) -> f64 {
+        (self.damper[0] - self.law.at_rest) * self.rate
+    }
+}

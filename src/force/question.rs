@@ -1,0 +1,204 @@
+//! What every kind of force answers: as it is described, and as it is compiled.
+
+use super::end::{Attachment, Carrier, End};
+use crate::spatial::Wrench;
+use crate::spatial::link::{LinkMotion, LinkVariation};
+use nalgebra::Vector3;
+
+/// A kind of force as a user describes it.
+pub trait Describe {
+    /// What it is compiled into.
+    type Law: Act;
+
+    /// The points it acts on, each with its key in scenario files.
+    fn attachments(&self) -> Vec<(String, &Attachment)>;
+
+    /// Adds what is wrong with its numbers.
+    fn check(&self, report: &mut Report<'_>);
+
+    /// Adds what is wrong with where its points are, each on a body (`None`: the ground) in its axes.
+    fn check_places(&self, _places: &[(Option<usize>, Vector3<f64>)], _report: &mut Report<'_>) {}
+
+    /// Compiles what has passed the check; `carriers` has one entry for each of its attachments.
+    fn compile(&self, carriers: &[Carrier]) -> Self::Law;
+
+    /// The numbers under a key that an address can name, each with its SI unit; none where there is no such key.
+    fn numbers(&self, _key: &str) -> Vec<(f64, &'static str)> {
+        Vec::new()
+    }
+
+    /// Sets one of these numbers.
+    fn set(&mut self, _key: &str, _index: usize, _value: f64) {}
+}
+
+/// A kind of force, compiled. `links` and `by` have one entry per link of the model; wrenches are taken at the root markers
+/// of the links.
+pub trait Act {
+    /// The points it acts on.
+    fn ends(&self) -> &[End];
+
+    /// Gives the wrench on the link of each end, by the end's index; an end may come several times.
+    fn wrenches(&self, links: &[LinkMotion], give: &mut impl FnMut(usize, Wrench));
+
+    /// Gives the variation of these wrenches with the variation of the links.
+    fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench));
+
+    /// Potential energy (J); zero where it has none.
+    fn potential(&self, links: &[LinkMotion]) -> f64;
+
+    /// Power taken out (W), ≥ 0.
+    fn dissipated(&self, _links: &[LinkMotion]) -> f64 {
+        0.0
+    }
+
+    /// Power put in that has no potential (W).
+    fn input(&self, _links: &[LinkMotion]) -> f64 {
+        0.0
+    }
+
+    /// Whether its wrenches at rest follow from its potential.
+    fn has_potential(&self) -> bool {
+        true
+    }
+
+    /// Whether it takes out energy.
+    fn has_damping(&self) -> bool {
+        false
+    }
+
+    /// Sizes of its forces and stiffnesses at rest, the same at each end.
+    fn magnitude(&self, links: &[LinkMotion]) -> Magnitude;
+
+    /// What is not a finite number; `None` where all of it is finite.
+    fn not_finite(&self, links: &[LinkMotion]) -> Option<&'static str> {
+        let mut finite = true;
+        self.wrenches(links, &mut |_, wrench| finite &= wrench.is_finite());
+        (!finite).then_some("the force")
+    }
+
+    /// What the events are called when [`Act::switch`] becomes negative or zero, and positive; `None` for a kind that
+    /// never switches.
+    fn switches(&self) -> Option<[&'static str; 2]> {
+        None
+    }
+
+    /// A function whose change of sign is an event.
+    fn switch(&self, _links: &[LinkMotion]) -> Switch {
+        Switch::default()
+    }
+
+    /// What recordings and answers call the number of [`Act::pull`] (N); `None` where there is nothing to tell.
+    fn pull_name(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// What it pulls its points together with (N).
+    fn pull(&self, _links: &[LinkMotion]) -> f64 {
+        0.0
+    }
+
+    /// What is drawn.
+    fn picture(&self) -> Picture<'_>;
+}
+
+/// How large what one end of an element feels is.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Magnitude {
+    /// (N)
+    pub force: f64,
+    /// (N m)
+    pub moment: f64,
+    /// Stiffness times lengths: the sizes whose difference the force is (N).
+    pub noise: f64,
+    /// (N/m)
+    pub stiffness: f64,
+    /// (N m/rad)
+    pub turn_stiffness: f64,
+}
+
+/// A function whose change of sign is an event.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Switch {
+    /// Its value.
+    pub value: f64,
+    /// The number that an event says beside its name (m), and how fast it changes (m/s).
+    pub at: f64,
+    /// Of `at` (m/s).
+    pub rate: f64,
+}
+
+/// What a picture shows of a force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Picture<'a> {
+    /// A line through points.
+    Line {
+        /// The points.
+        through: &'a [End],
+        /// Of a spring its stiffness (N/m) and free length (m).
+        spring: Option<[f64; 2]>,
+        /// Whether it pulls only and is slack otherwise.
+        pulls_only: bool,
+    },
+    /// Arrows at a point.
+    Arrows {
+        /// The point.
+        on: &'a End,
+        /// (N)
+        force: Vector3<f64>,
+        /// (N m)
+        torque: Vector3<f64>,
+        /// Whether both are in the axes of the link and turn with it; else they are in inertial axes.
+        turns: bool,
+    },
+}
+
+/// What is wrong with the numbers of a described force.
+#[derive(Debug)]
+pub struct Report<'a> {
+    /// The name of the force.
+    pub name: &'a str,
+    /// What was found.
+    pub found: Vec<Flaw>,
+}
+
+/// One thing that is wrong.
+#[derive(Debug)]
+pub struct Flaw {
+    /// Key in scenario files.
+    pub key: String,
+    /// What is wrong, with the force's name, the value and what is allowed.
+    pub message: String,
+    /// What to do about it.
+    pub help: String,
+}
+
+impl Report<'_> {
+    /// Adds a flaw.
+    pub fn add(&mut self, key: &str, message: String, help: &str) {
+        self.found.push(Flaw { key: key.to_owned(), message, help: help.to_owned() });
+    }
+
+    /// A number that must be finite and ≥ 0.
+    pub fn not_negative(&mut self, key: &str, value: f64, unit: &str) {
+        if !value.is_finite() || value < 0.0 {
+            let message = format!("`{key}` of `{}` is {value}", self.name);
+            self.add(key, message, &format!("allowed: a finite number ≥ 0 {unit}"));
+        }
+    }
+
+    /// A number that must be finite and > 0.
+    pub fn positive(&mut self, key: &str, value: f64, unit: &str) {
+        if !value.is_finite() || value <= 0.0 {
+            let message = format!("`{key}` of `{}` is {value}", self.name);
+            self.add(key, message, &format!("allowed: a finite number > 0 {unit}"));
+        }
+    }
+
+    /// Two ends that must be on different bodies; `what` acts between them.
+    pub fn apart(&mut self, between: &[Attachment; 2], what: &str) {
+        if between[0].body == between[1].body {
+            let message = format!("both ends of `{}` are on `{}`", self.name, between[0].body);
+            self.add("between", message, &format!("{what} within one rigid body does nothing"));
+        }
+    }
+}

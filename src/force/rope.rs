@@ -1,0 +1,275 @@
+//! A rope: pulls, never pushes, along the path through its points, and slides through the inner ones without friction.
+//!
+//! ```text
+//! x_i = p_{i+1} − p_i,  d_i = |x_i|,  u_i = x_i / d_i            one segment from each point to the next
+//! (1) e = Σ d_i − L₀,   ė = Σ u_i · (v_{i+1} − v_i)
+//! (2) T = max(0, k e + c ė)                                      the same tension in every segment
+//! (3) force on point i:  T (u_i − u_{i−1})                       at the first and last point of one segment only
+//! (4) δT = k δe + c δė where T > 0, else 0,   δu_i = (1 − u_i u_iᵀ) δx_i / d_i
+//! (5) potential ½ k max(0, e)²;   dissipated T ė − k max(0, e) ė ≥ 0
+//! ```
+//!
+//! (2) is continuous: a damped rope that is pulled out fast begins to pull shortly before its path is as long as it is.
+//! A segment without length has no direction: then the force is not a number, which stops whoever asked.
+
+use super::end::{Anchor, AnchorVariation};
+use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report, Switch};
+use crate::spatial::Wrench;
+use crate::spatial::link::{LinkMotion, LinkVariation};
+use nalgebra::Vector3;
+
+/// Tension `max(0, k (path − length) + c d(path)/dt)` along the path through its points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rope {
+    /// Its points in their order, two or more.
+    pub through: Vec<Attachment>,
+    /// Stiffness (N/m), > 0.
+    pub stiffness: f64,
+    /// Unstretched length (m), > 0.
+    pub length: f64,
+    /// Damping (N s/m), ≥ 0.
+    pub damping: f64,
+}
+
+/// A rope, compiled.
+#[derive(Debug, Clone)]
+pub struct RopeLaw {
+    ends: Vec<End>,
+    stiffness: f64,
+    length: f64,
+    damping: f64,
+}
+
+impl ForceDescription {
+    /// A rope through two or more points: stiffness (N/m), unstretched length (m), damping (N s/m).
+    pub fn rope(name: &str, through: Vec<Attachment>, stiffness: f64, length: f64, damping: f64) -> Self {
+        Self { name: name.to_owned(), kind: Rope { through, stiffness, length, damping }.into() }
+    }
+}
+
+impl Describe for Rope {
+    type Law = RopeLaw;
+
+    fn attachments(&self) -> Vec<(String, &Attachment)> {
+        self.through.iter().enumerate().map(|(i, at)| (format!("through[{i}]"), at)).collect()
+    }
+
+    fn check(&self, report: &mut Report<'_>) {
+        let name = report.name;
+        report.positive("stiffness", self.stiffness, "N/m");
+        report.positive("length", self.length, "m");
+        report.not_negative("damping", self.damping, "N s/m");
+        match &self.through[..] {
+            [] | [_] => {
+                let message = format!("`{name}` goes through {} point", self.through.len());
+                report.add("through", message, "a rope needs two points or more");
+            }
+            [first, others @ ..] if others.iter().all(|at| at.body == first.body) => {
+                let message = format!("all points of `{name}` are on `{}`", first.body);
+                report.add("through", message, "a rope within one rigid body does nothing");
+            }
+            _ => {}
+        }
+    }
+
+    fn check_places(&self, places: &[(Option<usize>, Vector3<f64>)], report: &mut Report<'_>) {
+        for (i, pair) in places.windows(2).enumerate() {
+            if pair[0] == pair[1] {
+                let message = format!("`{}` goes through the same point twice in a row", report.name);
+                report.add(&format!("through[{}]", i + 1), message, "a segment without length has no direction");
+            }
+        }
+    }
+
+    fn compile(&self, carriers: &[Carrier]) -> RopeLaw {
+        let Self { stiffness, length, damping, .. } = *self;
+        RopeLaw { ends: carriers.iter().map(|carrier| carrier.end).collect(), stiffness, length, damping }
+    }
+
+    fn numbers(&self, key: &str) -> Vec<(f64, &'static str)> {
+        match key {
+            "stiffness" => vec![(self.stiffness, "N/m")],
+            "length" => vec![(self.length, "m")],
+            _ => Vec::new(),
+        }
+    }
+
+    fn set(&mut self, key: &str, _index: usize, value: f64) {
+        match key {
+            "stiffness" => self.stiffness = value,
+            _ => self.length = value,
+        }
+    }
+}
+
+impl Act for RopeLaw {
+    fn ends(&self) -> &[End] {
+        &self.ends
+    }
+
+    fn wrenches(&self, links: &[LinkMotion], give: &mut impl FnMut(usize, Wrench)) {
+        let tension = self.stretch(links).tension(self);
+        if tension == 0.0 {
+            return;
+        }
+        for (i, segment) in self.segments(links).enumerate() {
+            let force = tension * segment.direction;
+            give(i, Wrench::at_arm(force, segment.points[0].arm));
+            give(i + 1, Wrench::at_arm(-force, segment.points[1].arm));
+        }
+    }
+
+    fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
+        let tension = self.stretch(links).tension(self);
+        if tension == 0.0 {
+            return;
+        }
+        let varied = |(i, segment): (usize, Segment)| {
+            let vary = |side: usize| {
+                let link = self.ends[i + side].link;
+                segment.points[side].vary(&links[link], &by[link])
+            };
+            let varied = segment.vary([0, 1].map(vary));
+            (i, segment, varied)
+        };
+        let segments = || self.segments(links).enumerate().map(varied);
+        let change: f64 =
+            segments().map(|(.., varied)| self.stiffness * varied.distance + self.damping * varied.rate).sum();
+        for (i, segment, varied) in segments() {
+            let total = tension * segment.direction;
+            let force = change * segment.direction + tension * varied.direction;
+            for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
+                let (arm, turned) = (segment.points[side].arm, varied.points[side].arm);
+                let moment = sign * (arm.cross(&force) + turned.cross(&total));
+                give(i + side, Wrench { force: sign * force, moment });
+            }
+        }
+    }
+
+    fn potential(&self, links: &[LinkMotion]) -> f64 {
+        0.5 * self.stiffness * self.stretch(links).extension.max(0.0).powi(2)
+    }
+
+    fn dissipated(&self, links: &[LinkMotion]) -> f64 {
+        let stretch = self.stretch(links);
+        (stretch.tension(self) - self.stiffness * stretch.extension.max(0.0)) * stretch.rate
+    }
+
+    fn has_damping(&self) -> bool {
+        self.damping != 0.0
+    }
+
+    fn magnitude(&self, links: &[LinkMotion]) -> Magnitude {
+        let stretch = self.stretch(links);
+        let tension = stretch.tension(self);
+        let reach: f64 = self.ends.iter().map(|end| Anchor::of(end, links).position.norm()).sum();
+        Magnitude {
+            // Both segments at an inner point pull.
+            force: 2.0 * tension,
+            noise: if tension > 0.0 { self.stiffness * (2.0 * reach + self.length) } else { 0.0 },
+            stiffness: if tension > 0.0 { self.stiffness } else { 0.0 },
+            ..Magnitude::default()
+        }
+    }
+
+    fn not_finite(&self, links: &[LinkMotion]) -> Option<&'static str> {
+        match self.segments(links).any(|segment| segment.distance == 0.0) {
+            true => Some("the direction between two points in the same place, one after the other,"),
+            false => (!self.stretch(links).tension(self).is_finite()).then_some("the tension"),
+        }
+    }
+
+    fn switches(&self) -> Option<[&'static str; 2]> {
+        Some(["slack", "taut"])
+    }
+
+    fn switch(&self, links: &[LinkMotion]) -> Switch {
+        let stretch = self.stretch(links);
+        Switch { value: stretch.pull(self), at: self.length + stretch.extension, rate: stretch.rate }
+    }
+
+    fn pull_name(&self) -> Option<&'static str> {
+        Some("tension")
+    }
+
+    fn pull(&self, links: &[LinkMotion]) -> f64 {
+        self.stretch(links).tension(self)
+    }
+
+    fn picture(&self) -> Picture<'_> {
+        Picture::Line { through: &self.ends, spring: Some([self.stiffness, self.length]), pulls_only: true }
+    }
+}
+
+/// How long the path of a rope is, (1).
+#[derive(Debug, Clone, Copy, Default)]
+struct Stretch {
+    /// e
+    extension: f64,
+    /// ė
+    rate: f64,
+}
+
+impl Stretch {
+    /// `k e + c ė`
+    fn pull(&self, law: &RopeLaw) -> f64 {
+        law.stiffness * self.extension + law.damping * self.rate
+    }
+
+    /// (2); what is not a number stays so.
+    fn tension(&self, law: &RopeLaw) -> f64 {
+        let pull = self.pull(law);
+        if pull <= 0.0 { 0.0 } else { pull }
+    }
+}
+
+/// From one point of a rope to the next.
+struct Segment {
+    points: [Anchor; 2],
+    /// d, u
+    distance: f64,
+    direction: Vector3<f64>,
+    /// v_{i+1} − v_i
+    velocity: Vector3<f64>,
+}
+
+/// How a segment varies.
+struct SegmentVariation {
+    points: [AnchorVariation; 2],
+    /// δd, δḋ, δu
+    distance: f64,
+    rate: f64,
+    direction: Vector3<f64>,
+}
+
+impl RopeLaw {
+    fn segments(&self, links: &[LinkMotion]) -> impl Iterator<Item = Segment> {
+        self.ends.windows(2).map(|pair| {
+            let points = [Anchor::of(&pair[0], links), Anchor::of(&pair[1], links)];
+            let between = points[1].position - points[0].position;
+            let distance = between.norm();
+            let velocity = points[1].velocity - points[0].velocity;
+            Segment { points, distance, direction: between / distance, velocity }
+        })
+    }
+
+    fn stretch(&self, links: &[LinkMotion]) -> Stretch {
+        let start = Stretch { extension: -self.length, rate: 0.0 };
+        self.segments(links).fold(start, |sum, segment| Stretch {
+            extension: sum.extension + segment.distance,
+            rate: sum.rate + segment.direction.dot(&segment.velocity),
+        })
+    }
+}
+
+impl Segment {
+    /// (4)
+    fn vary(&self, points: [AnchorVariation; 2]) -> SegmentVariation {
+        let between = points[1].position - points[0].position;
+        let velocity = points[1].velocity - points[0].velocity;
+        let distance = self.direction.dot(&between);
+        let direction = (between - distance * self.direction) / self.distance;
+        let rate = direction.dot(&self.velocity) + self.direction.dot(&velocity);
+        SegmentVariation { points, distance, rate, direction }
+    }
+}
