@@ -86,6 +86,7 @@
 //! | [`import`] | models of other programs (URDF, MJCF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
+//! | [`formula`] | formulas in named variables with exact derivatives |
 //! | [`pages`] | lists in large pages of memory |
 //! | [`suggest`] | “did you mean …?” |
 //! | [`text_file`] | reading text, with a limit |
@@ -97,6 +98,7 @@ pub mod cli;
 pub mod constraint;
 pub mod dynamics;
 pub mod forces;
+pub mod formula;
 pub mod import;
 pub mod integrate;
 pub mod mesh;

@@ -12,7 +12,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("pages", &[]),
     ("spatial", &[]),
     ("integrate", &[]),
-    ("model", &["pages", "spatial", "suggest"]),
+    ("formula", &["suggest"]),
+    ("model", &["formula", "pages", "spatial", "suggest"]),
     ("motion", &["model", "pages", "spatial"]),
     ("forces", &["model", "motion", "spatial"]),
     ("transfer", &["model", "motion", "pages", "spatial"]),
@@ -24,7 +25,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("simulate", &["model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     // `model` for the mass properties of solids.
     ("import", &["mesh", "model", "suggest", "text_file"]),
-    ("scenario", &["import", "mesh", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"]),
+    (
+        "scenario",
+        &["formula", "import", "mesh", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"],
+    ),
     (
         "cli",
         &[
@@ -52,7 +56,6 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("roxmltree", &["import"]),
     ("toml_edit", &["import"]),
     ("toml", &["scenario"]),
-    ("exmex", &["model"]),
     ("annotate_snippets", &["scenario"]),
     ("mcap", &["record"]),
     ("foxglove", &["record"]),
