@@ -370,7 +370,7 @@ impl<'m> System<'m> {
     }
 
     /// The drive or motor whose formula has no finite value or derivative at this state.
-    fn not_finite_formula(&self) -> Option<Fault> {
+    pub(super) fn not_finite_formula(&self) -> Option<Fault> {
         let fault = |element: String, text: &str| Fault::Formula { element, text: text.to_owned(), time: self.time };
         let drive = self.model.drives.iter().find(|drive| !drive.motion.at(self.time).is_finite());
         if let Some((drive, text)) = drive.and_then(|drive| Some((drive, drive.motion.formula()?))) {

@@ -157,3 +157,21 @@ impl Formula {
         registers[0]
     }
 }
+
+/// The text with numbers in place of names; what is no formula stays as it is.
+pub fn with_numbers(text: &str, number: impl Fn(&str) -> Option<f64>) -> String {
+    let (mut out, mut done, mut tokens) = (String::new(), 0, token::Tokens::new(text));
+    while let Ok((token, span)) = tokens.next() {
+        let value = match token {
+            token::Token::Name(name) | token::Token::Braced(name) => number(name),
+            token::Token::End => break,
+            _ => None,
+        };
+        if let Some(value) = value {
+            out += &text[done..span.start];
+            out += &format!("({value:?})");
+            done = span.end;
+        }
+    }
+    out + &text[done..]
+}

@@ -13,7 +13,7 @@ pub(super) struct Finding {
     span: Option<Range<usize>>,
     /// The part of the text that is meant, if the value at `span` is a text: bytes of what it says, not of how it is
     /// written.
-    within: Option<Range<usize>>,
+    within: Option<Range<u32>>,
     message: String,
     label: String,
     help: Option<String>,
@@ -35,7 +35,8 @@ impl Finding {
 
     /// Points at a part of the text that the value is.
     pub(super) fn within(mut self, part: Range<usize>) -> Self {
-        self.within = Some(part);
+        // Files are far smaller than 4 GB.
+        self.within = Some(part.start as u32..part.end as u32);
         self
     }
 
@@ -102,7 +103,7 @@ impl Findings {
             severity: finding.severity,
             message: finding.message,
             place: finding.span.map(|span| match finding.within {
-                Some(part) => sources.place(&inside(sources, &span, &part)),
+                Some(part) => sources.place(&inside(sources, &span, &(part.start as usize..part.end as usize))),
                 None => sources.place(&span),
             }),
             label: finding.label,
