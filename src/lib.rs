@@ -87,6 +87,7 @@
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
 //! | [`formula`] | formulas in named variables with exact derivatives |
+//! | [`quantity`] | numbers with units |
 //! | [`pages`] | lists in large pages of memory |
 //! | [`suggest`] | “did you mean …?” |
 //! | [`text_file`] | reading text, with a limit |
@@ -105,6 +106,7 @@ pub mod mesh;
 pub mod model;
 pub mod motion;
 pub mod pages;
+pub mod quantity;
 pub mod record;
 pub mod scenario;
 pub mod simulate;

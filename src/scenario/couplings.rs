@@ -4,6 +4,7 @@ use super::body::Names;
 use super::findings::Finding;
 use super::force::between;
 use super::hinge::{axes, kind};
+use super::quantities::Parameters;
 use super::reader::{Reader, Value};
 use crate::formula::Formula;
 use crate::model::couplings::{
@@ -36,9 +37,9 @@ pub(super) fn closed_loop(table: &Reader<'_>, index: usize, bodies: &Names<'_>) 
 }
 
 /// Reads a `[[drive]]`; `None` where too little of it is readable.
-pub(super) fn drive(table: &Reader<'_>, index: usize) -> Option<DriveDescription> {
+pub(super) fn drive(table: &Reader<'_>, index: usize, parameters: &Parameters) -> Option<DriveDescription> {
     let name = name(table, "drive", index);
-    let motion = motion(table, &format!("drive `{name}`"))?;
+    let motion = motion(table, &format!("drive `{name}`"), parameters)?;
     Some(DriveDescription { name, coordinate: hinge_coordinate(table)?, motion })
 }
 
@@ -47,11 +48,13 @@ pub(super) fn hinge_coordinate(table: &Reader<'_>) -> Option<CoordinateName> {
     Some(CoordinateName { body: table.text("hinge")?.to_owned(), index: table.count("coordinate").unwrap_or(0) })
 }
 
-/// The text of a formula in these variables; what is wrong with it is said at its place.
-pub(super) fn formula(table: &Reader<'_>, owner: &str, variables: &[&str]) -> Option<String> {
+/// The text of a formula in these variables, with numbers in place of parameters; what is wrong with it is said at its
+/// place.
+pub(super) fn formula(table: &Reader<'_>, owner: &str, variables: &[&str], parameters: &Parameters) -> Option<String> {
     const KEY: &str = "expression";
     let text = table.text(KEY)?;
-    let Err(error) = Formula::parse(text, variables) else { return Some(text.to_owned()) };
+    let names: Vec<&str> = variables.iter().copied().chain(parameters.names()).collect();
+    let Err(error) = Formula::parse(text, &names) else { return Some(parameters.put_into(text, variables)) };
     let finding = Finding::error(table.span_of(KEY), format!("{owner}: {}", error.message));
     table.findings.push_value(finding.within(error.span).maybe_help(error.help));
     // Stands in for it, so that nothing else is found wrong because of it.
@@ -59,7 +62,7 @@ pub(super) fn formula(table: &Reader<'_>, owner: &str, variables: &[&str]) -> Op
 }
 
 /// A motion of a drive or a motor's target.
-pub(super) fn motion(table: &Reader<'_>, owner: &str) -> Option<MotionDescription> {
+pub(super) fn motion(table: &Reader<'_>, owner: &str, parameters: &Parameters) -> Option<MotionDescription> {
     Some(match table.text("type")? {
         "hold" => MotionDescription::Hold,
         "rate" => MotionDescription::Rate { rate: table.number("rate")? },
@@ -75,7 +78,9 @@ pub(super) fn motion(table: &Reader<'_>, owner: &str) -> Option<MotionDescriptio
             phase: table.number("phase").unwrap_or(0.0),
         },
         "table" => MotionDescription::Table { times: table.numbers("times")?, values: table.numbers("values")? },
-        "expression" => MotionDescription::Expression { text: formula(table, owner, &prescribed::VARIABLES)? },
+        "expression" => {
+            MotionDescription::Expression { text: formula(table, owner, &prescribed::VARIABLES, parameters)? }
+        }
         _ => return None,
     })
 }

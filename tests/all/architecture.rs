@@ -13,6 +13,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("spatial", &[]),
     ("integrate", &[]),
     ("formula", &["suggest"]),
+    ("quantity", &["suggest"]),
     ("model", &["formula", "pages", "spatial", "suggest"]),
     ("motion", &["model", "pages", "spatial"]),
     ("forces", &["model", "motion", "spatial"]),
@@ -27,7 +28,19 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("import", &["mesh", "model", "suggest", "text_file"]),
     (
         "scenario",
-        &["formula", "import", "mesh", "model", "constraint", "simulate", "statics", "record", "suggest", "text_file"],
+        &[
+            "formula",
+            "import",
+            "mesh",
+            "model",
+            "quantity",
+            "constraint",
+            "simulate",
+            "statics",
+            "record",
+            "suggest",
+            "text_file",
+        ],
     ),
     (
         "cli",
