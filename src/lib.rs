@@ -87,6 +87,8 @@
 //! | [`import`] | models of other programs (URDF, MJCF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`cli`] | the program: the only place that prints |
+//! | [`formula`] | formulas in named variables with exact derivatives |
+//! | [`quantity`] | numbers with units |
 //! | [`pages`] | lists in large pages of memory |
 //! | [`suggest`] | “did you mean …?” |
 //! | [`text_file`] | reading text, with a limit |
@@ -99,12 +101,14 @@ pub mod constraint;
 pub mod dynamics;
 pub mod force;
 pub mod forces;
+pub mod formula;
 pub mod import;
 pub mod integrate;
 pub mod mesh;
 pub mod model;
 pub mod motion;
 pub mod pages;
+pub mod quantity;
 pub mod record;
 pub mod scenario;
 pub mod simulate;

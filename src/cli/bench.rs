@@ -6,7 +6,7 @@ use crate::dynamics::{AccelerationJacobians, Coefficients, Fault, System, Tangen
 use crate::integrate::{Method, Options, Start};
 use crate::model::Model;
 use crate::simulate::problem::Motion;
-use crate::statics::equilibrium;
+use crate::statics::{equilibrium, hold};
 use anyhow::Context;
 use clap::Args;
 use serde_json::json;
@@ -170,7 +170,12 @@ fn measure(scenario: &crate::scenario::Scenario, model: &Model, memory: fn() -> 
     let acceleration = time(|| routines.call(Routine::Acceleration));
     let [jacobian, tangent_solve, static_step] =
         [Routine::Jacobian, Routine::TangentSolve, Routine::StaticStep].map(|routine| routines.cost(routine));
-    let statics = time(|| equilibrium(model, &scenario.statics, &model.start_position));
+    let statics = match scenario.unknown.is_empty() {
+        true => time(|| equilibrium(model, &scenario.statics, &model.start_position).map(drop)),
+        false => {
+            time(|| hold(&scenario.description, &scenario.unknown, &model.start_position, &scenario.statics).map(drop))
+        }
+    };
     Ok(Costs {
         acceleration,
         jacobian,

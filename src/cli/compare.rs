@@ -36,7 +36,14 @@ struct Run {
     rows: Vec<Row>,
 }
 
+/// There is one method for unknown inputs.
+fn ensure_comparable(scenario: &Scenario) -> anyhow::Result<()> {
+    anyhow::ensure!(scenario.unknown.is_empty(), "there is one method for `statics.unknown`: nothing to compare");
+    Ok(())
+}
+
 pub(super) fn main(scenario: &Scenario, model: &Model, common: &Common, out: Option<&Path>) -> anyhow::Result<Exit> {
+    ensure_comparable(scenario)?;
     let run = run(String::new(), scenario, model);
     let table = json!({ "scenario": scenario.name, "methods": methods(&run.rows) });
     let title = title(scenario, model);
@@ -69,6 +76,7 @@ pub(super) fn over(common: &Common, change: &str, out: Option<&Path>) -> anyhow:
             Ok(loaded) => loaded,
             Err(exit) => return Ok(exit),
         };
+        ensure_comparable(&scenario)?;
         let run = run(value.trim().to_owned(), &scenario, &model);
         if !common.json && !common.quiet {
             output::print(&format!("{path} = {value}\n{}", text::heading(&model, &scenario.name)))?;

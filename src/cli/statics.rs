@@ -57,7 +57,6 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         scenario.statics.method = named.unwrap_or_default();
     }
     if arguments.compare {
-        anyhow::ensure!(scenario.unknown.is_empty(), "there is one method for `statics.unknown`: nothing to compare");
         return compare::main(&scenario, &model, common, arguments.out.as_deref());
     }
     let sinks = arguments.viewers.sinks();

@@ -4,13 +4,13 @@ mod grid;
 
 use super::output::{self, Progress};
 use super::text::{count, number};
-use super::{Common, Exit};
+use super::{Common, Exit, statics};
 use crate::constraint;
 use crate::model::Model;
 use crate::record::Fanout;
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_with, parse};
 use crate::simulate::{self, Start, State};
-use crate::statics::equilibrium;
+use crate::statics::Equilibrium;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use grid::Axis;
@@ -142,11 +142,11 @@ impl Sweep<'_> {
         for (axis, value) in self.arguments.over.iter().zip(case) {
             changes.push(Override::parse(&format!("{}={value}", axis.path))?);
         }
-        let scenario = match parse(&self.scenario.name, &self.scenario.text, &changes) {
+        let mut scenario = match parse(&self.scenario.name, &self.scenario.text, &changes) {
             Ok(scenario) => scenario,
             Err(problems) => return Ok(Err(Failed::Refused(problems))),
         };
-        Ok(answer(&scenario, self.arguments.run).map_err(Failed::No))
+        Ok(answer(&mut scenario, self.arguments.run).map_err(Failed::No))
     }
 
     fn json(&self, case: &[&str], row: &Row) -> Value {
@@ -222,26 +222,19 @@ impl Sweep<'_> {
     }
 }
 
-/// Equilibrium and, where asked for, run of one case.
-fn answer(scenario: &Scenario, with_run: bool) -> Result<Found, String> {
+/// Equilibrium and, if it is asked for, run of one case.
+fn answer(scenario: &mut Scenario, with_run: bool) -> Result<Found, String> {
     let mut model = Model::build(&scenario.description).map_err(listed)?;
     constraint::assemble(&mut model).map_err(listed)?;
     let mut row = Found::new();
     let mut start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     if !with_run || scenario.simulate.start == Start::Equilibrium {
-        let found = equilibrium(&model, &scenario.statics, &model.start_position).map_err(|fault| fault.to_string())?;
+        let (found, _) = statics::find(scenario, &mut model).map_err(|error| format!("{error:#}"))?;
         if !found.converged {
             let why = found.notes.first().map(|note| format!(": {note}"));
             return Err(format!("no equilibrium found{}", why.unwrap_or_default()));
         }
-        let stability = found.stability.as_ref();
-        let frequency =
-            stability.and_then(|s| s.modes.iter().find(|mode| mode.growth_rate == 0.0)).map(|mode| mode.frequency_hz);
-        row.push(("stability".into(), json!(stability.map(|s| s.verdict.name()))));
-        row.push(("frequency_hz".into(), json!(frequency)));
-        insert_positions(&model, "", &found.position, &mut row);
-        row.push(("residual_force".into(), json!(found.residual_force)));
-        row.push(("iterations".into(), json!(found.iterations)));
+        insert_statics(&model, &found, &mut row);
         start = State { position: found.position, velocity: found.velocity };
     }
     if with_run {
@@ -255,6 +248,19 @@ fn answer(scenario: &Scenario, with_run: bool) -> Result<Found, String> {
         insert_positions(&model, "final ", &end.state.position, &mut row);
     }
     Ok(row)
+}
+
+/// What statics found, the inputs that were unknown first.
+fn insert_statics(model: &Model, found: &Equilibrium, row: &mut Found) {
+    row.extend(found.unknowns.iter().map(|(address, value)| (address.clone(), json!(value))));
+    let stability = found.stability.as_ref();
+    let frequency =
+        stability.and_then(|s| s.modes.iter().find(|mode| mode.growth_rate == 0.0)).map(|mode| mode.frequency_hz);
+    row.push(("stability".into(), json!(stability.map(|s| s.verdict.name()))));
+    row.push(("frequency_hz".into(), json!(frequency)));
+    insert_positions(model, "", &found.position, row);
+    row.push(("residual_force".into(), json!(found.residual_force)));
+    row.push(("iterations".into(), json!(found.iterations)));
 }
 
 fn listed(problems: Vec<crate::model::Problem>) -> String {

@@ -302,6 +302,9 @@ impl System<'_> {
         let gap = self.place_gap(q);
         let Some(constrained) = &self.constraints else { return Ok(Settled::FREE) };
         if !(gap <= OPEN * constrained.length + 2.0 * constrained.left_open) {
+            if let Some(fault) = self.not_finite_formula() {
+                return Err(fault);
+            }
             let OpenGap { element, gap } = constrained.rows.widest(&self.motion);
             let (solved, _) = constrained.rows.largest(&self.motion, Rate::Gap, false);
             // Those solved for may be closed while one left out is not.

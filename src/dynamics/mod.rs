@@ -93,6 +93,16 @@ pub enum Fault {
         /// Its name.
         method: &'static str,
     },
+    /// A formula of a drive or motor without a finite value or derivative.
+    #[error("the formula `{text}` of {element} has no finite value or derivative at t = {time} s")]
+    Formula {
+        /// Which.
+        element: String,
+        /// The formula, as written.
+        text: String,
+        /// (s)
+        time: f64,
+    },
     /// A number that is not finite.
     #[error("{what} of `{element}` is not a finite number")]
     NotFinite {
@@ -365,10 +375,25 @@ impl<'m> System<'m> {
         }
     }
 
-    /// Names the cause: a position or velocity that came in, else a force element, else the first hinge.
+    /// The drive or motor whose formula has no finite value or derivative at this state.
+    pub(super) fn not_finite_formula(&self) -> Option<Fault> {
+        let fault = |element: String, text: &str| Fault::Formula { element, text: text.to_owned(), time: self.time };
+        let drive = self.model.drives.iter().find(|drive| !drive.motion.at(self.time).is_finite());
+        if let Some((drive, text)) = drive.and_then(|drive| Some((drive, drive.motion.formula()?))) {
+            return Some(fault(format!("drive `{}`", drive.name), text));
+        }
+        let mut motors = self.model.motors.iter().zip(&self.pushes);
+        let (motor, _) = motors.find(|(_, push)| !push.force.is_finite())?;
+        Some(fault(format!("motor `{}`", motor.name), motor.formula()?))
+    }
+
+    /// Names the cause: a position or velocity that came in, else a formula, else a force element, else the first hinge.
     fn check_finite(&self, what: &'static str, numbers: &[f64], q: &[f64], v: &[f64]) -> Result<(), Fault> {
         let Some(bad) = numbers.iter().position(|x| !x.is_finite()) else { return Ok(()) };
         if let Some(fault) = self.not_finite_state(q, v) {
+            return Err(fault);
+        }
+        if let Some(fault) = self.not_finite_formula() {
             return Err(fault);
         }
         if let Some((force, what)) = forces::not_finite(self.model, &self.motion) {

@@ -283,7 +283,7 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
                     MotionDescription::Expression { .. } => "expression",
                     _ => "type",
                 };
-                add(field, format!("`{}`: {message}", drive.name), "for example `expression = \"0.1*sin(2*PI*t)\"`");
+                add(field, format!("`{}`: {message}", drive.name), "for example `expression = \"0.1*sin(2*pi*t)\"`");
             }
         }
     }

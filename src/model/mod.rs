@@ -5,6 +5,7 @@
 //! becomes several links, all but the last without mass. Welded bodies have no link of their own: they are part of the
 //! link that carries them. Link 0 is the ground.
 
+pub mod address;
 mod build;
 mod check;
 mod couple;

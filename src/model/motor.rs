@@ -6,7 +6,7 @@ use super::couplings::{CoordinateName, MotionDescription};
 use super::description::Description;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem};
-use exmex::{Differentiate, Express, FlatEx};
+use crate::formula::Formula;
 use std::collections::HashMap;
 
 /// A force (N) or torque (N m) in a hinge coordinate, as a user describes it.
@@ -95,34 +95,11 @@ enum MotorLaw {
     Formula(Box<Formula>),
 }
 
-/// A formula and its derivatives with respect to `q` and `v`, where rules give them (`abs` has none).
-#[derive(Debug, Clone)]
-struct Formula {
-    force: FlatEx<f64>,
-    by_position: Option<FlatEx<f64>>,
-    by_velocity: Option<FlatEx<f64>>,
-}
-
-/// Size of a difference that stands in for a derivative, relative to a variable, or absolute below 1.
-const DIFFERENCE: f64 = 1e-6;
-
-impl Formula {
-    fn at(&self, time: f64, q: f64, v: f64) -> Push {
-        let force = |q: f64, v: f64| value(&self.force, time, q, v);
-        let (dq, dv) = (DIFFERENCE * q.abs().max(1.0), DIFFERENCE * v.abs().max(1.0));
-        Push {
-            force: force(q, v),
-            by_position: match &self.by_position {
-                Some(slope) => value(slope, time, q, v),
-                None => (force(q + dq, v) - force(q - dq, v)) / (2.0 * dq),
-            },
-            by_velocity: match &self.by_velocity {
-                Some(slope) => value(slope, time, q, v),
-                None => (force(q, v + dv) - force(q, v - dv)) / (2.0 * dv),
-            },
-        }
-    }
-}
+/// What a formula of a motor may use: the time (s), the coordinate (m or rad) and its rate (m/s or rad/s).
+pub const VARIABLES: [&str; 3] = ["t", "q", "v"];
+const TIME: usize = 0;
+const COORDINATE: usize = 1;
+const SPEED: usize = 2;
 
 /// What a motor pushes with at one state.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -155,12 +132,24 @@ impl Motor {
                     by_velocity: -damping,
                 }
             }
-            MotorLaw::Formula(formula) => formula.at(time, q, v),
+            MotorLaw::Formula(formula) => {
+                let (force, [by_position, by_velocity]) = formula.gradient(&[time, q, v], [COORDINATE, SPEED]);
+                Push { force, by_position, by_velocity }
+            }
         };
         // Written so that a number that is not one stays visible.
         match push.force.abs() > self.limit {
             true => Push { force: self.limit.copysign(push.force), ..Push::default() },
             false => push,
+        }
+    }
+
+    /// The formula of its law, or of its target, as written.
+    pub fn formula(&self) -> Option<&str> {
+        match &self.law {
+            MotorLaw::Formula(formula) => Some(formula.text()),
+            MotorLaw::Pd { target, .. } => target.formula(),
+            MotorLaw::Constant(_) | MotorLaw::Table { .. } => None,
         }
     }
 
@@ -177,7 +166,7 @@ impl Motor {
     pub fn longest_step(&self, run: f64) -> f64 {
         match &self.law {
             MotorLaw::Pd { target, .. } => target.longest_step(run),
-            MotorLaw::Formula(formula) if formula.force.var_names().iter().any(|name| name == "t") => 0.01 * run,
+            MotorLaw::Formula(formula) if formula.uses(TIME) => 0.01 * run,
             MotorLaw::Formula(_) | MotorLaw::Constant(_) | MotorLaw::Table { .. } => f64::INFINITY,
         }
     }
@@ -185,7 +174,7 @@ impl Motor {
     /// Whether its force at rest at t = 0 is the derivative of a potential that is known.
     pub fn has_potential(&self) -> bool {
         match &self.law {
-            MotorLaw::Formula(formula) => formula.force.var_names().iter().all(|name| name != "q"),
+            MotorLaw::Formula(formula) => !formula.uses(COORDINATE),
             MotorLaw::Constant(_) | MotorLaw::Table { .. } | MotorLaw::Pd { .. } => true,
         }
     }
@@ -221,40 +210,6 @@ fn straight(at: &[f64], values: &[f64], x: f64) -> (f64, f64) {
     let i = at.partition_point(|point| *point <= x).clamp(1, last) - 1;
     let slope = (values[i + 1] - values[i]) / (at[i + 1] - at[i]);
     (values[i] + slope * (x - at[i]), slope)
-}
-
-/// A formula at a state; variables come in the order of their names.
-fn value(part: &FlatEx<f64>, t: f64, q: f64, v: f64) -> f64 {
-    let mut given = [0.0; 3];
-    let names = part.var_names();
-    for (slot, name) in given.iter_mut().zip(names) {
-        *slot = match name.as_str() {
-            "t" => t,
-            "q" => q,
-            _ => v,
-        };
-    }
-    part.eval(&given[..names.len().min(3)]).unwrap_or(f64::NAN)
-}
-
-fn formula(text: &str) -> Result<Formula, String> {
-    let wrong = |error: exmex::ExError| format!("the formula `{text}` cannot be used: {error}");
-    let force = FlatEx::<f64>::parse(text).map_err(wrong)?;
-    let known = |name: &&String| matches!(name.as_str(), "t" | "q" | "v");
-    let others: Vec<String> =
-        force.var_names().iter().filter(|name| !known(name)).map(|name| format!("`{name}`")).collect();
-    if !others.is_empty() {
-        return Err(format!(
-            "the formula `{text}` uses {}: it may use the time `t`, the coordinate `q` and its rate `v`",
-            others.join(", ")
-        ));
-    }
-    let by = |name: &str| match force.var_names().iter().position(|variable| variable == name) {
-        Some(index) => force.clone().partial(index).ok(),
-        None => FlatEx::<f64>::parse("0").ok(),
-    };
-    let (by_position, by_velocity) = (by("q"), by("v"));
-    Ok(Formula { force, by_position, by_velocity })
 }
 
 /// Problems of motors that need no tree.
@@ -356,8 +311,8 @@ fn compile(law: &MotorLawDescription, given: f64) -> Result<MotorLaw, (&'static 
             MotorLaw::Pd { target, stiffness: *stiffness, damping: *damping, force: *force }
         }
         MotorLawDescription::Expression { text } => {
-            let formula = formula(text).map_err(|message| ("expression", message))?;
-            if !value(&formula.force, 0.0, given, 0.0).is_finite() {
+            let formula = Formula::parse(text, &VARIABLES).map_err(|error| ("expression", error.in_words(text)))?;
+            if !formula.value(&[0.0, given, 0.0]).is_finite() {
                 let message = "at t = 0 and the given position its force is not a finite number".to_owned();
                 return Err(("expression", message));
             }

@@ -9,14 +9,18 @@
 //! | `mount.stiffness[3]`, `mount.preload[2]` | one stiffness of a bushing, one part of what it is preloaded with |
 //! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
 //! | `left link.length`, `engine.rate` | a rod's length, the rate of a drive |
+//! | `servo.force`, `servo.stiffness` | the force of a motor, its gain |
+//! | `force[2].length`, `drive[0].rate` | of what stands there in the file, whatever its name |
 //! | `hinge.force` | every hinge |
 //!
 //! Without `[i]` an address stands for all components of its number, and the name of a repeated body for all copies.
 
 mod value;
 
-use super::couplings::{Closure, MotionDescription};
+use super::address::{Entry, resolve, split_component};
+use super::couplings::{Closure, CoordinateName, MotionDescription};
 use super::description::{BodyDescription, Description, ForceDescription, HingeKind};
+use super::motor::{MotorDescription, MotorLawDescription};
 use super::problem::Element;
 use crate::force::Describe;
 use crate::suggest::closest;
@@ -182,7 +186,7 @@ impl Parameter {
         let Some((elements, key)) = elements(description, path) else {
             return Err(unknown_element(description, address));
         };
-        let key = key.strip_prefix("hinge.").unwrap_or(key);
+        let key = key_of(key);
         let every = path.starts_with("hinge.") && elements.len() > 1;
         let mut found = Vec::new();
         for element in &elements {
@@ -205,15 +209,6 @@ impl Parameter {
     }
 }
 
-/// `tip.force[2]` → `tip.force` and 2.
-fn split_component(address: &str) -> (&str, Option<usize>) {
-    let inner = address.strip_suffix(']').and_then(|text| text.rsplit_once('['));
-    match inner.and_then(|(path, index)| Some((path, index.parse().ok()?))) {
-        Some((path, index)) => (path, Some(index)),
-        None => (address, None),
-    }
-}
-
 fn chosen(all: Vec<Parameter>, component: Option<usize>, address: &str) -> Result<Vec<Parameter>, UnknownAddress> {
     let Some(index) = component else { return Ok(all) };
     let count = all.len();
@@ -229,18 +224,37 @@ fn chosen(all: Vec<Parameter>, component: Option<usize>, address: &str) -> Resul
     }
 }
 
-/// The elements that a path starts with, and what is left of it: the longest name wins.
-fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element>, &'p str)> {
-    let rest = |name: &str| path.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
-    let bodies = description.bodies.iter().enumerate().map(|(i, body)| (Element::Body(i), body.name.as_str()));
-    let forces = description.forces.iter().enumerate().map(|(i, force)| (Element::Force(i), force.name.as_str()));
-    let loops = description.loops.iter().enumerate().map(|(i, one)| (Element::Loop(i), one.name.as_str()));
-    let drives = description.drives.iter().enumerate().map(|(i, drive)| (Element::Drive(i), drive.name.as_str()));
-    let named =
-        bodies.chain(forces).chain(loops).chain(drives).filter_map(|(element, name)| Some((element, rest(name)?)));
-    if let Some((element, key)) = named.min_by_key(|(_, rest)| rest.len()) {
-        return Some((vec![element], key));
+/// Everything that has a name.
+fn entries(description: &Description) -> impl Iterator<Item = Entry<'_, Element>> + Clone {
+    fn of<'d, T>(
+        list: &'d [T],
+        key: Option<&'static str>,
+        element: fn(usize) -> Element,
+        name: fn(&T) -> &String,
+    ) -> impl Iterator<Item = Entry<'d, Element>> + Clone {
+        let entry = move |(i, one): (usize, &'d T)| Entry {
+            element: element(i),
+            name: name(one),
+            place: key.map(|key| (key, i)),
+            copies: None,
+        };
+        list.iter().enumerate().map(entry)
     }
+    // Copies of a template are bodies of their own here: no body has a place in the file that is known.
+    of(&description.bodies, None, Element::Body, |body| &body.name)
+        .chain(of(&description.forces, Some("force"), Element::Force, |force| &force.name))
+        .chain(of(&description.loops, Some("loop"), Element::Loop, |one| &one.name))
+        .chain(of(&description.drives, Some("drive"), Element::Drive, |drive| &drive.name))
+        .chain(of(&description.motors, Some("motor"), Element::Motor, |motor| &motor.name))
+}
+
+/// The elements that a path starts with, and what is left of it.
+fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element>, &'p str)> {
+    let has = |element: Element, rest: &str| !numbers(description, element, key_of(rest)).is_empty();
+    if let Some(target) = resolve(path, entries(description), has) {
+        return Some((vec![target.element], target.rest));
+    }
+    let rest = |name: &str| path.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
     let copies: Vec<(Element, &'p str)> = description
         .bodies
         .iter()
@@ -254,11 +268,20 @@ fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element
     Some(((0..description.bodies.len()).map(Element::Body).collect(), key))
 }
 
+/// The keys of a hinge may be written with and without `hinge.`.
+fn key_of(rest: &str) -> &str {
+    rest.strip_prefix("hinge.").unwrap_or(rest)
+}
+
 /// The numbers of an element under a key; none where it has no such key.
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
-        Element::Scene | Element::Gear(_) | Element::Motor(_) | Element::Event(_) => return Vec::new(),
+        Element::Scene | Element::Gear(_) | Element::Event(_) => return Vec::new(),
+        Element::Motor(index) => {
+            let motor = &description.motors[index];
+            (&motor.name, of_motor(description, motor, field).into_iter().collect())
+        }
         Element::Loop(index) => {
             let closed = &description.loops[index];
             let rod = matches!(closed.closure, Closure::Rod { .. }) && field == Field::Length;
@@ -292,10 +315,26 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     quantities.iter().enumerate().map(one).collect()
 }
 
-fn of_rate(description: &Description, coordinate: &super::couplings::CoordinateName) -> Quantity {
+/// Whether a coordinate is a distance.
+fn slides(description: &Description, coordinate: &CoordinateName) -> bool {
     let body = description.bodies.iter().find(|body| body.name == coordinate.body);
     let unit = body.and_then(|body| Some(super::Model::velocity_names(&body.hinge.kind).get(coordinate.index)?.1));
-    if unit == Some("m/s") { Quantity::Speed } else { Quantity::TurnRate }
+    unit == Some("m/s")
+}
+
+fn of_rate(description: &Description, coordinate: &CoordinateName) -> Quantity {
+    if slides(description, coordinate) { Quantity::Speed } else { Quantity::TurnRate }
+}
+
+fn of_motor(description: &Description, motor: &MotorDescription, field: Field) -> Option<Quantity> {
+    let pick = |slide: Quantity, turn: Quantity| if slides(description, &motor.coordinate) { slide } else { turn };
+    match (&motor.law, field) {
+        (MotorLawDescription::Constant { .. } | MotorLawDescription::Pd { .. }, Field::Force) => {
+            Some(pick(Quantity::Force, Quantity::Torque))
+        }
+        (MotorLawDescription::Pd { .. }, Field::Stiffness) => Some(pick(Quantity::Stiffness, Quantity::TurnStiffness)),
+        _ => None,
+    }
 }
 
 fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
@@ -320,13 +359,8 @@ fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
 }
 
 fn unknown_element(description: &Description, address: &str) -> UnknownAddress {
-    let target = address.rsplit_once('.').map_or(address, |(target, _)| target);
-    let bodies = description.bodies.iter().map(|body| body.name.as_str());
-    let known = bodies
-        .chain(description.forces.iter().map(|force| force.name.as_str()))
-        .chain(description.loops.iter().map(|one| one.name.as_str()))
-        .chain(description.drives.iter().map(|drive| drive.name.as_str()))
-        .chain(["gravity", "hinge"]);
+    let target = address.rsplit_once('.').map_or(split_component(address).0, |(target, _)| target);
+    let known = entries(description).map(|entry| entry.name).chain(["gravity", "hinge"]);
     let help = match closest(target, known) {
         Some(near) => format!("did you mean `{near}`?"),
         None => "a number is addressed as `body.force`, `spring.length` or `gravity[2]`".to_owned(),

@@ -1,7 +1,7 @@
 //! Motions that are given: position, velocity and acceleration of a coordinate as functions of time.
 
 use super::couplings::MotionDescription;
-use exmex::{Differentiate, Express, FlatEx};
+use crate::formula::{Formula, Jet};
 use std::f64::consts::TAU;
 
 /// A motion, compiled.
@@ -36,9 +36,12 @@ pub enum Prescribed {
     },
     /// Cubic spline.
     Spline(Spline),
-    /// A formula and its first two derivatives.
-    Formula(Box<[FlatEx<f64>; 3]>),
+    /// A formula in [`VARIABLES`].
+    Formula(Box<Formula>),
 }
+
+/// What a formula of a motion may use: the time (s).
+pub const VARIABLES: [&str; 1] = ["t"];
 
 /// Position, velocity and acceleration of a prescribed coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -49,6 +52,13 @@ pub struct Instant {
     pub velocity: f64,
     /// (m/s² or rad/s²)
     pub acceleration: f64,
+}
+
+impl Instant {
+    /// Whether all three are finite numbers.
+    pub fn is_finite(&self) -> bool {
+        [self.position, self.velocity, self.acceleration].iter().all(|x| x.is_finite())
+    }
 }
 
 impl Prescribed {
@@ -70,10 +80,11 @@ impl Prescribed {
                 phase: *phase,
             },
             MotionDescription::Table { times, values } => Self::Spline(Spline::new(times, values)?),
-            MotionDescription::Expression { text } => Self::Formula(Box::new(formula(text)?)),
+            MotionDescription::Expression { text } => {
+                Self::Formula(Box::new(Formula::parse(text, &VARIABLES).map_err(|error| error.in_words(text))?))
+            }
         };
-        let now = compiled.at(0.0);
-        if [now.position, now.velocity, now.acceleration].iter().all(|x| x.is_finite()) {
+        if compiled.at(0.0).is_finite() {
             Ok(compiled)
         } else {
             Err("at t = 0 its position, velocity or acceleration is not a finite number".to_owned())
@@ -103,14 +114,18 @@ impl Prescribed {
                 }
             }
             Self::Spline(spline) => spline.at(time),
-            Self::Formula(parts) => {
-                // A formula that uses no time has no variables.
-                let value = |part: &FlatEx<f64>| {
-                    let variables = &[time][..part.var_names().len().min(1)];
-                    part.eval(variables).unwrap_or(f64::NAN)
-                };
-                Instant { position: value(&parts[0]), velocity: value(&parts[1]), acceleration: value(&parts[2]) }
+            Self::Formula(formula) => {
+                let Jet { value, first, second } = formula.jet(&[Jet::variable(time)]);
+                Instant { position: value, velocity: first, acceleration: second }
             }
+        }
+    }
+
+    /// The formula that it follows, as written.
+    pub fn formula(&self) -> Option<&str> {
+        match self {
+            Self::Formula(formula) => Some(formula.text()),
+            _ => None,
         }
     }
 
@@ -160,31 +175,6 @@ impl Prescribed {
         }
         with
     }
-}
-
-/// A formula in `t` with its derivatives.
-fn formula(text: &str) -> Result<[FlatEx<f64>; 3], String> {
-    let wrong = |error: exmex::ExError| format!("the formula `{text}` cannot be used: {error}");
-    let position = FlatEx::<f64>::parse(text).map_err(wrong)?;
-    match position.var_names() {
-        [] => {}
-        [name] if name == "t" => {}
-        names => {
-            let others: Vec<String> =
-                names.iter().filter(|name| *name != "t").map(|name| format!("`{name}`")).collect();
-            return Err(format!(
-                "the formula `{text}` uses {}: the only variable is the time `t` in s",
-                others.join(", ")
-            ));
-        }
-    }
-    if position.var_names().is_empty() {
-        let zero = FlatEx::<f64>::parse("0").map_err(wrong)?;
-        return Ok([position, zero.clone(), zero]);
-    }
-    let velocity = position.clone().partial(0).map_err(wrong)?;
-    let acceleration = velocity.clone().partial(0).map_err(wrong)?;
-    Ok([position, velocity, acceleration])
 }
 
 /// A cubic spline with continuous second derivative inside and no slope at its ends.
@@ -302,8 +292,10 @@ mod tests {
 
     #[test]
     fn formulas_say_what_is_wrong() {
-        let wrong = |text: &str| formula(text).unwrap_err();
-        assert!(wrong("0.1*sin(omega*t)").contains("`omega`"), "{}", wrong("0.1*sin(omega*t)"));
-        assert!(wrong("sin(").contains("cannot be used"));
+        let wrong = |text: &str| {
+            Prescribed::compile(&MotionDescription::Expression { text: text.to_owned() }, 0.0).unwrap_err()
+        };
+        assert_eq!(wrong("0.1*sin(omega*t)"), "unknown name `omega` at character 9 of the formula `0.1*sin(omega*t)`");
+        assert!(wrong("log(t)").contains("not a finite number"), "{}", wrong("log(t)"));
     }
 }

@@ -194,6 +194,10 @@ impl Check<'_> {
     }
 
     fn wrong_type(&self, kind: &Kind, item: &Item<'_>, value: &Spanned<DeValue<'_>>) {
+        // What is wrong with a text in the place of a number has been said.
+        if value.get_ref().is_str() && self.findings.touch(&value.span()) {
+            return;
+        }
         let message = format!("{} must be {}, found {}", item.subject(), kind.expected(), found(value.get_ref()));
         self.findings.push_value(Finding::error(value.span(), message).maybe_help(item.example()));
     }

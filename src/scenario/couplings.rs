@@ -1,12 +1,16 @@
 //! `[[loop]]`, `[[drive]]`, `[[gear]]`.
 
 use super::body::Names;
+use super::findings::Finding;
 use super::force::between;
 use super::hinge::{axes, kind};
+use super::quantities::Parameters;
 use super::reader::{Reader, Value};
+use crate::formula::Formula;
 use crate::model::couplings::{
     Closure, CoordinateName, DriveDescription, GearDescription, GearKind, LoopDescription, MotionDescription,
 };
+use crate::model::prescribed;
 use toml::de::DeValue;
 
 pub(super) fn name(table: &Reader<'_>, what: &str, index: usize) -> String {
@@ -33,9 +37,10 @@ pub(super) fn closed_loop(table: &Reader<'_>, index: usize, bodies: &Names<'_>) 
 }
 
 /// Reads a `[[drive]]`; `None` where too little of it is readable.
-pub(super) fn drive(table: &Reader<'_>, index: usize) -> Option<DriveDescription> {
-    let motion = motion(table)?;
-    Some(DriveDescription { name: name(table, "drive", index), coordinate: hinge_coordinate(table)?, motion })
+pub(super) fn drive(table: &Reader<'_>, index: usize, parameters: &Parameters) -> Option<DriveDescription> {
+    let name = name(table, "drive", index);
+    let motion = motion(table, &format!("drive `{name}`"), parameters)?;
+    Some(DriveDescription { name, coordinate: hinge_coordinate(table)?, motion })
 }
 
 /// `hinge` and `coordinate` of a table.
@@ -43,8 +48,21 @@ pub(super) fn hinge_coordinate(table: &Reader<'_>) -> Option<CoordinateName> {
     Some(CoordinateName { body: table.text("hinge")?.to_owned(), index: table.count("coordinate").unwrap_or(0) })
 }
 
+/// The text of a formula in these variables, with numbers in place of parameters; what is wrong with it is said at its
+/// place.
+pub(super) fn formula(table: &Reader<'_>, owner: &str, variables: &[&str], parameters: &Parameters) -> Option<String> {
+    const KEY: &str = "expression";
+    let text = table.text(KEY)?;
+    let names: Vec<&str> = variables.iter().copied().chain(parameters.names()).collect();
+    let Err(error) = Formula::parse(text, &names) else { return Some(parameters.put_into(text, variables)) };
+    let finding = Finding::error(table.span_of(KEY), format!("{owner}: {}", error.message));
+    table.findings.push_value(finding.within(error.span).maybe_help(error.help));
+    // Stands in for it, so that nothing else is found wrong because of it.
+    Some("0".to_owned())
+}
+
 /// A motion of a drive or a motor's target.
-pub(super) fn motion(table: &Reader<'_>) -> Option<MotionDescription> {
+pub(super) fn motion(table: &Reader<'_>, owner: &str, parameters: &Parameters) -> Option<MotionDescription> {
     Some(match table.text("type")? {
         "hold" => MotionDescription::Hold,
         "rate" => MotionDescription::Rate { rate: table.number("rate")? },
@@ -60,7 +78,9 @@ pub(super) fn motion(table: &Reader<'_>) -> Option<MotionDescription> {
             phase: table.number("phase").unwrap_or(0.0),
         },
         "table" => MotionDescription::Table { times: table.numbers("times")?, values: table.numbers("values")? },
-        "expression" => MotionDescription::Expression { text: table.text("expression")?.to_owned() },
+        "expression" => {
+            MotionDescription::Expression { text: formula(table, owner, &prescribed::VARIABLES, parameters)? }
+        }
         _ => return None,
     })
 }

@@ -37,6 +37,9 @@ pub struct Key {
     pub doc: &'static str,
 }
 
+/// In place of a unit: it is that of another number of the scene.
+pub const ANY_UNIT: &str = "unit of the parameter";
+
 /// What a key holds.
 #[derive(Debug)]
 pub enum Kind {

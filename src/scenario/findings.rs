@@ -11,6 +11,9 @@ use std::ops::Range;
 pub(super) struct Finding {
     severity: Severity,
     span: Option<Range<usize>>,
+    /// The part of the text that is meant, if the value at `span` is a text: bytes of what it says, not of how it is
+    /// written.
+    within: Option<Range<u32>>,
     message: String,
     label: String,
     help: Option<String>,
@@ -18,7 +21,7 @@ pub(super) struct Finding {
 
 impl Finding {
     pub(super) fn error(span: Range<usize>, message: String) -> Self {
-        Self { severity: Severity::Error, span: Some(span), message, label: String::new(), help: None }
+        Self { severity: Severity::Error, span: Some(span), within: None, message, label: String::new(), help: None }
     }
 
     pub(super) fn warning(span: Range<usize>, message: String) -> Self {
@@ -28,6 +31,13 @@ impl Finding {
     /// An error that has no place in the file.
     pub(super) fn without_place(message: String) -> Self {
         Self { span: None, ..Self::error(0..0, message) }
+    }
+
+    /// Points at a part of the text that the value is.
+    pub(super) fn within(mut self, part: Range<usize>) -> Self {
+        // Files are far smaller than 4 GB.
+        self.within = Some(part.start as u32..part.end as u32);
+        self
     }
 
     pub(super) fn label(mut self, label: impl Into<String>) -> Self {
@@ -92,10 +102,89 @@ impl Findings {
         let resolve = |finding: Finding| Diagnostic {
             severity: finding.severity,
             message: finding.message,
-            place: finding.span.map(|span| sources.place(&span)),
+            place: finding.span.map(|span| match finding.within {
+                Some(part) => sources.place(&inside(sources, &span, &(part.start as usize..part.end as usize))),
+                None => sources.place(&span),
+            }),
             label: finding.label,
             help: finding.help,
         };
         list.into_iter().map(resolve).collect()
+    }
+}
+
+/// Where a part of a text is written, given where the text is.
+fn inside(sources: &Sources<'_>, value: &Range<usize>, part: &Range<usize>) -> Range<usize> {
+    let written = sources.text(value);
+    let start = value.start + raw_offset(written, part.start);
+    let end = value.start + raw_offset(written, part.end);
+    // A part without length, such as the end of the text, is marked at one character.
+    start..end.max(start + 1)
+}
+
+/// From a byte of what a TOML string says to the byte of how it is written; what is no string says what is written.
+fn raw_offset(written: &str, wanted: usize) -> usize {
+    let Some(quote @ ('"' | '\'')) = written.chars().next() else { return wanted };
+    let triple: String = [quote; 3].iter().collect();
+    let mut at = if written.starts_with(&triple) { 3 } else { 1 };
+    if at == 3 {
+        // A line break right after the quotes does not count.
+        let rest = &written[at..];
+        at += if rest.starts_with("\r\n") { 2 } else { usize::from(rest.starts_with('\n')) };
+    }
+    let mut said = 0;
+    while said < wanted {
+        let Some(letter) = written[at..].chars().next() else { return written.len() };
+        let (length, bytes) = match letter {
+            '\\' if quote == '"' => escape(&written[at..]),
+            other => (other.len_utf8(), other.len_utf8()),
+        };
+        at += length;
+        said += bytes;
+    }
+    at
+}
+
+/// How long an escape sequence is as written, and what it stands for [bytes].
+fn escape(rest: &str) -> (usize, usize) {
+    let digits = match rest[1..].chars().next() {
+        Some('x') => 2,
+        Some('u') => 4,
+        Some('U') => 8,
+        // A line break and the blanks around it stand for nothing.
+        Some(blank) if blank.is_whitespace() => return (rest.len() - rest[1..].trim_start().len(), 0),
+        Some(letter) => return (1 + letter.len_utf8(), 1),
+        None => return (1, 1),
+    };
+    let code = rest.get(2..2 + digits).and_then(|hex| u32::from_str_radix(hex, 16).ok()).and_then(char::from_u32);
+    (2 + digits, code.map_or(1, char::len_utf8))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::raw_offset;
+
+    /// A character of what a string says is found where it is written.
+    #[test]
+    fn parts_of_texts_are_found_behind_escapes() {
+        let texts = [
+            "\"t + x\"",
+            "'t + x'",
+            "\"\\u0074\\t\\\"\\\\ x\"",
+            "\"\"\"\n t\\\n   + x\"\"\"",
+            "'''\nt + x'''",
+            "\"\\U0001F600 \\u00e4 x\"",
+            "t + x",
+        ];
+        for written in texts {
+            let text = match written.starts_with(['"', '\'']) {
+                true => {
+                    toml::de::DeValue::parse(written).expect("TOML").into_inner().as_str().expect("text").to_owned()
+                }
+                false => written.to_owned(),
+            };
+            let at = raw_offset(written, text.find('x').expect("an x"));
+            assert_eq!(&written[at..=at], "x", "{written}");
+        }
     }
 }

@@ -7,6 +7,7 @@ use super::findings::{Finding, Findings};
 use super::force::force;
 use super::format::MOST_BODIES;
 use super::motor::motor;
+use super::quantities::Parameters;
 use super::reader::Reader;
 use super::spans::SpanTable;
 use crate::model::description::Description;
@@ -28,6 +29,7 @@ pub(super) fn lower<'a>(
     let mut spans = SpanTable::new(document);
     bodies(&scenario, folder, &mut description, &mut spans);
     let names = Names::new(&description.bodies);
+    let parameters = Parameters::read(document);
     for (index, table) in scenario.tables("force").iter().enumerate() {
         if let Some(force) = force(table, index, &names) {
             description.forces.push(force);
@@ -41,7 +43,7 @@ pub(super) fn lower<'a>(
         }
     }
     for (index, table) in scenario.tables("drive").iter().enumerate() {
-        if let Some(drive) = drive(table, index) {
+        if let Some(drive) = drive(table, index, &parameters) {
             description.drives.push(drive);
             spans.drives.push(index);
         }
@@ -53,7 +55,7 @@ pub(super) fn lower<'a>(
         }
     }
     for (index, table) in scenario.tables("motor").iter().enumerate() {
-        if let Some(motor) = motor(table, index) {
+        if let Some(motor) = motor(table, index, &parameters) {
             description.motors.push(motor);
             spans.motors.push(index);
         }

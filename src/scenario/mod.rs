@@ -42,6 +42,7 @@ mod model;
 mod motor;
 mod naming;
 mod path;
+mod quantities;
 mod reader;
 mod reference;
 mod settings;
@@ -165,6 +166,8 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
     let folder = Path::new(name).parent().unwrap_or(Path::new(""));
     model::open(&mut document);
     overrides::apply(overrides.iter().filter(|change| change.is_of_model()), &mut document, &mut sources, &findings);
+    // An override may name another file.
+    model::open(&mut document);
     let models = model::import(&mut document, folder, &findings);
     let mut document = model::merge(document, &models, &mut sources, &findings);
     if findings.errors() > 0 {
@@ -172,10 +175,13 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
         return (None, findings.into_diagnostics(&sources));
     }
     overrides::apply(overrides.iter().filter(|change| !change.is_of_model()), &mut document, &mut sources, &findings);
+    let numbers = quantities::evaluate(&document, &findings);
+    // From here on the document may hold what `numbers` owns.
+    let document = numbers.put_into(document);
     let description = checked(&document, folder, &findings);
     let whole = Reader::new(&document, 0..0, &findings);
     let unknown = unknown::read(&whole, &description);
-    let path = path::read(&whole, &description);
+    let path = path::read(&whole, &description, &numbers);
     let scenario = Scenario {
         name: name.to_owned(),
         text: String::new(),

@@ -10,7 +10,7 @@ use super::overrides::moved;
 use super::reader::Reader;
 use super::sources::Sources;
 use super::spans::walk;
-use super::{LoadError, check, checked};
+use super::{LoadError, check, checked, quantities};
 use crate::import::{self, Imported, Options, Problem, Refused, Source};
 use crate::suggest::closest;
 use crate::text_file;
@@ -82,21 +82,29 @@ pub(super) fn open<'a>(document: &mut DeTable<'a>) {
 /// Takes the models out of a document and imports them. `folder` is that of the scenario.
 pub(super) fn import<'a>(document: &mut DeTable<'a>, folder: &Path, findings: &Findings) -> Vec<Model<'a>> {
     let Some((key, value)) = document.remove_entry("model") else { return Vec::new() };
-    let mut alone = DeTable::new();
-    alone.insert(key, value);
+    let mut written = DeTable::new();
+    written.insert(key, value);
     let before = findings.errors();
+    let numbers = quantities::evaluate_alone(&written, document, findings);
+    // What hinges are given keeps its units until the hinges are known.
+    let mut alone = written.clone();
+    numbers.put(&mut alone);
     check::table(&SCENARIO, &alone, findings);
     if findings.errors() > before {
         return Vec::new();
     }
-    let of = |value: &Value<'a>| {
-        let table = value.get_ref().as_table()?;
-        model(&Reader::new(table, value.span(), findings), settings(table), folder)
+    let of = |(value, written): (&Value<'_>, &Value<'a>)| {
+        let reader = Reader::new(value.get_ref().as_table()?, value.span(), findings);
+        model(&reader, settings(written.get_ref().as_table()?), folder)
     };
-    match alone.get("model").map(|value| (value, value.get_ref())) {
-        Some((_, DeValue::Array(items))) => items.iter().filter_map(of).collect(),
-        Some((value, _)) => of(value).into_iter().collect(),
-        None => Vec::new(),
+    match (alone.get("model"), written.get("model")) {
+        (Some(value), Some(written)) if value.get_ref().is_array() => {
+            let items = value.get_ref().as_array().into_iter().flat_map(|items| items.iter());
+            let as_written = written.get_ref().as_array().into_iter().flat_map(|items| items.iter());
+            items.zip(as_written).filter_map(of).collect()
+        }
+        (Some(value), Some(written)) => of((value, written)).into_iter().collect(),
+        _ => Vec::new(),
     }
 }
 

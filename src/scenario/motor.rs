@@ -1,12 +1,15 @@
 //! `[[motor]]`.
 
-use super::couplings::{hinge_coordinate, motion, name};
+use super::couplings::{formula, hinge_coordinate, motion, name};
+use super::quantities::Parameters;
 use super::reader::Reader;
 use crate::model::couplings::MotionDescription;
-use crate::model::motor::{MotorDescription, MotorLawDescription, Over, TargetDescription};
+use crate::model::motor::{self, MotorDescription, MotorLawDescription, Over, TargetDescription};
 
 /// Reads a `[[motor]]`; `None` where too little of it is readable.
-pub(super) fn motor(table: &Reader<'_>, index: usize) -> Option<MotorDescription> {
+pub(super) fn motor(table: &Reader<'_>, index: usize, parameters: &Parameters) -> Option<MotorDescription> {
+    let name = name(table, "motor", index);
+    let owner = format!("motor `{name}`");
     let law = match table.text("type")? {
         "constant" => MotorLawDescription::Constant { force: table.number("force")? },
         "table" => {
@@ -14,24 +17,26 @@ pub(super) fn motor(table: &Reader<'_>, index: usize) -> Option<MotorDescription
             MotorLawDescription::Table { over, at: table.numbers("at")?, forces: table.numbers("forces")? }
         }
         "pd" => MotorLawDescription::Pd {
-            target: target(table)?,
+            target: target(table, &owner, parameters)?,
             stiffness: table.number("stiffness").unwrap_or(0.0),
             damping: table.number("damping").unwrap_or(0.0),
             force: table.number("force").unwrap_or(0.0),
         },
-        "expression" => MotorLawDescription::Expression { text: table.text("expression")?.to_owned() },
+        "expression" => {
+            MotorLawDescription::Expression { text: formula(table, &owner, &motor::VARIABLES, parameters)? }
+        }
         _ => return None,
     };
     let limit = table.number("limit");
-    Some(MotorDescription { name: name(table, "motor", index), coordinate: hinge_coordinate(table)?, law, limit })
+    Some(MotorDescription { name, coordinate: hinge_coordinate(table)?, law, limit })
 }
 
-fn target(table: &Reader<'_>) -> Option<TargetDescription> {
+fn target(table: &Reader<'_>, owner: &str, parameters: &Parameters) -> Option<TargetDescription> {
     if !table.has("target") {
         return Some(TargetDescription::Motion(MotionDescription::Hold));
     }
     match table.table("target") {
-        Some(inner) => motion(&inner).map(TargetDescription::Motion),
+        Some(inner) => motion(&inner, owner, parameters).map(TargetDescription::Motion),
         None => table.number("target").map(TargetDescription::Value),
     }
 }

@@ -7,16 +7,23 @@
 //! | `model.base` | how a model is taken; its bodies and hinges are set by name like all others |
 //! | `upper.mass`, `upper.markers.tip` | a key of the body `upper`; of a repeated body for all its copies |
 //! | `upper.hinge.position`, `upper.position` | a key of its hinge |
-//! | `stay.stiffness`, `force[0].stiffness` | a key of a force, and so of whatever else is a list in the file: loops, drives, gears, events |
+//! | `stay.stiffness`, `force[0].stiffness` | a key of a force, by its name or its place, and so of whatever else is a list in the file: loops, drives, gears, motors, events |
+//! | `link[3].stiffness` | of one copy of a repeated body, if copies may differ in it |
+//! | `gravity[2]`, `push.force[0]`, `slider.position[1]` | one component of a list |
 //! | `hinge.damping` | a key of every hinge whose type has it, unless something is called `hinge` |
 //!
 //! The value is written as in a file; what is no TOML value is taken as text, so `statics.want=any` needs no quotes.
 
+mod component;
+
 use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};
 use super::format::{BODY, HINGE, SCENARIO};
+use super::reader::number;
 use super::sources::Sources;
+use crate::model::address::{Entry, Target, resolve, split_component};
 use crate::suggest::closest;
+use component::Part;
 use std::borrow::Cow;
 use std::ops::Range;
 use toml::Spanned;
@@ -123,22 +130,26 @@ struct Change<'a> {
 
 impl<'a> Change<'a> {
     fn apply(self, document: &mut DeTable<'a>) -> Result<(), Finding> {
-        let first = self.path.split('.').next().unwrap_or_default();
+        let first = self.path.split(['.', '[']).next().unwrap_or_default();
         let of_file = |name: &str| SCENARIO.declarations(name).next().map(|key| &key.kind);
         let is_setting = match of_file(first) {
             Some(kind) if holds_table(kind) => true,
-            Some(kind) => first == self.path && elements(kind).is_none(),
+            Some(kind) => split_component(self.path).0 == first && elements(kind).is_none(),
             None => false,
         };
         if is_setting {
             let path = self.path;
-            return self.set(document, path);
+            self.check_parameter(document)?;
+            return self.set(document, &SCENARIO, path);
         }
-        if let Some((list, index, rest)) = self.element(document)
+        if let Some(Target { element: (list, index), copy, rest }) = element(self.path, document)
             && let Some(table) = element_mut(document, list.name, index)
         {
             let path = if list.name == BODY.name { self.body_path(rest)? } else { self.element_path(list, rest)? };
-            return self.set(table, &path);
+            return match copy {
+                Some(copy) => self.set_copy(table, copy, &path),
+                None => self.set(table, list, &path),
+            };
         }
         match self.path.split_once('.') {
             Some(("hinge", key)) => self.every_hinge(document, key),
@@ -146,22 +157,23 @@ impl<'a> Change<'a> {
         }
     }
 
-    /// The element with the longest name that the path starts with; where several have it, the one that has the key.
-    fn element(&self, document: &DeTable<'_>) -> Option<(&'static Table, usize, &'a str)> {
-        let rest = |name: &str| self.path.strip_prefix(name).and_then(|rest| rest.strip_prefix('.'));
-        let has = |table: &Table, path: &str| {
-            let key = path.split('.').next().unwrap_or_default();
-            let of_hinge = table.name == BODY.name && (HINGE.declarations(key).next().is_some() || key == "type");
-            of_hinge || table.declarations(key).next().is_some()
-        };
-        named(document)
-            .filter_map(|(list, index, name)| Some((list, index, rest(&name)?)))
-            .min_by_key(|(list, _, rest)| (rest.len(), !has(list, rest)))
+    /// A parameter that is set must be there: a slip of the finger would set one that nothing uses.
+    fn check_parameter(&self, document: &DeTable<'_>) -> Result<(), Finding> {
+        let Some(name) = self.path.strip_prefix("parameters.") else { return Ok(()) };
+        let table = document.get("parameters").and_then(|table| table.get_ref().as_table());
+        let known: Vec<&str> =
+            table.into_iter().flat_map(|table| table.keys().map(|key| key.get_ref().as_ref())).collect();
+        if known.contains(&name) {
+            return Ok(());
+        }
+        let help = closest(name, known.iter().copied()).map(|near| format!("did you mean `parameters.{near}`?"));
+        let message = format!("there is no parameter `{name}`");
+        Err(Finding::error(self.span.clone(), message).maybe_help(help))
     }
 
     /// The keys of a hinge may be written without `hinge.`.
     fn body_path(&self, path: &'a str) -> Result<Cow<'a, str>, Finding> {
-        let key = path.split('.').next().unwrap_or_default();
+        let key = first_key(path);
         if BODY.declarations(key).next().is_some() {
             return Ok(Cow::Borrowed(path));
         }
@@ -172,7 +184,7 @@ impl<'a> Change<'a> {
     }
 
     fn element_path(&self, table: &Table, path: &'a str) -> Result<Cow<'a, str>, Finding> {
-        let key = path.split('.').next().unwrap_or_default();
+        let key = first_key(path);
         if table.declarations(key).next().is_some() || (key == "type" && !table.types.is_empty()) {
             return Ok(Cow::Borrowed(path));
         }
@@ -190,19 +202,18 @@ impl<'a> Change<'a> {
     }
 
     fn unknown_target(&self, document: &DeTable<'_>) -> Finding {
-        let (target, key) = self.path.rsplit_once('.').unwrap_or((self.path, ""));
+        let target = self.path.rsplit_once('.').map_or(split_component(self.path).0, |(target, _)| target);
         let finding = Finding::error(self.span.clone(), format!("nothing is called `{target}`"));
         if let Some((name, rest)) = target.split_once('[')
             && rest.contains(']')
-            && named(document).any(|(_, _, known)| known == name)
+            && let Some(count) = copies_of(document, name)
         {
-            let all = if key.is_empty() { name.to_owned() } else { format!("{name}.{key}") };
-            return finding.help(format!("the copies of `{name}` are set together: `{all}`"));
+            return finding.help(format!("`{name}` has {count} copies, `{name}[0]` to `{name}[{}]`", count.max(1) - 1));
         }
-        let names: Vec<String> = named(document).map(|(_, _, name)| name.into_owned()).collect();
+        let names: Vec<Cow<'_, str>> = named(document).collect();
         let settings = SCENARIO.keys.iter().filter(|key| elements(&key.kind).is_none()).map(|key| key.name);
         let fixed: Vec<&str> = settings.chain(["hinge"]).collect();
-        let help = match closest(target, names.iter().map(String::as_str).chain(fixed.iter().copied())) {
+        let help = match closest(target, names.iter().map(Cow::as_ref).chain(fixed.iter().copied())) {
             Some(near) => format!("did you mean `{near}`?"),
             None => format!(
                 "a path starts with the name of a body, a force or the like, or with {}",
@@ -213,7 +224,7 @@ impl<'a> Change<'a> {
     }
 
     fn every_hinge(self, document: &mut DeTable<'a>, key: &'a str) -> Result<(), Finding> {
-        let first = key.split('.').next().unwrap_or_default();
+        let first = first_key(key);
         if HINGE.declarations(first).next().is_none() {
             return Err(self.unknown_key("a hinge has", first, HINGE.names(None).collect()));
         }
@@ -224,20 +235,43 @@ impl<'a> Change<'a> {
         });
         for body in bodies.into_iter().flat_map(|items| items.iter_mut()) {
             let DeValue::Table(body) = body.get_mut() else { continue };
+            let has_component = match split_component(key) {
+                (plain, Some(index)) => component::count(body, plain).is_some_and(|count| index < count),
+                (_, None) => true,
+            };
             let Some(DeValue::Table(hinge)) = body.get_mut("hinge").map(Spanned::get_mut) else { continue };
             let of_type = hinge.get("type").and_then(|of_type| of_type.get_ref().as_str()).unwrap_or_default();
-            if HINGE.declarations(first).any(|key| key.belongs_to(of_type)) {
+            if has_component && HINGE.declarations(first).any(|key| key.belongs_to(of_type)) {
                 found = true;
                 let each = Change { path: self.path, span: self.span.clone(), value: self.value.clone() };
-                each.set(hinge, key)?;
+                each.set(body, &BODY, &format!("hinge.{key}"))?;
             }
         }
-        let message = || format!("no hinge of this scenario has `{first}`");
+        let message = || format!("no hinge of this scenario has `{key}`");
         if found { Ok(()) } else { Err(Finding::error(self.span.clone(), message())) }
     }
 
     /// Sets what `path` leads to from `table`, making the tables on the way.
-    fn set(self, table: &mut DeTable<'a>, path: &str) -> Result<(), Finding> {
+    fn set(self, table: &mut DeTable<'a>, declared: &'static Table, path: &str) -> Result<(), Finding> {
+        let (plain, component) = split_component(path);
+        if let Some(index) = component.filter(|_| walk(table, path, true).is_none()) {
+            let part = Part { copy: None, component: Some(index) };
+            let whole = component::with(&self, table, declared, plain, part)?;
+            return self.put(table, plain, whole);
+        }
+        let value = self.value.clone();
+        self.put(table, path, value)
+    }
+
+    /// Sets a value of one copy of a repeated body.
+    fn set_copy(self, table: &mut DeTable<'a>, copy: usize, path: &str) -> Result<(), Finding> {
+        let (plain, component) = split_component(path);
+        let whole = component::with(&self, table, &BODY, plain, Part { copy: Some(copy), component })?;
+        self.put(table, plain, whole)
+    }
+
+    /// Puts a value where `path` leads, making the tables on the way.
+    fn put(&self, table: &mut DeTable<'a>, path: &str, value: Spanned<DeValue<'a>>) -> Result<(), Finding> {
         let key = |name: &str| Spanned::new(self.span.clone(), Cow::Owned(name.to_owned()));
         // Names of markers may hold dots.
         let (first, rest) = match path.split_once('.') {
@@ -245,7 +279,7 @@ impl<'a> Change<'a> {
             Some((first, rest)) => (first, rest),
             None => {
                 table.remove(path);
-                table.insert(key(path), self.value);
+                table.insert(key(path), value);
                 return Ok(());
             }
         };
@@ -255,16 +289,46 @@ impl<'a> Change<'a> {
         match table.get_mut(first).map(Spanned::get_mut) {
             Some(DeValue::Table(inner)) if first == "markers" => {
                 inner.remove(rest);
-                inner.insert(key(rest), self.value);
+                inner.insert(key(rest), value);
                 Ok(())
             }
-            Some(DeValue::Table(inner)) => self.set(inner, rest),
+            Some(DeValue::Table(inner)) => self.put(inner, rest, value),
             _ => {
                 let message = format!("`{}`: `{first}` is not a table, there is no `{rest}` in it", self.path);
                 Err(Finding::error(self.span.clone(), message).help(format!("set `{first}` as a whole")))
             }
         }
     }
+}
+
+/// The first key of a path, without its component.
+fn first_key(path: &str) -> &str {
+    path.split(['.', '[']).next().unwrap_or_default()
+}
+
+/// The value where a path leads; of markers with or without its component.
+fn walk<'t, 'a>(table: &'t DeTable<'a>, path: &str, with_component: bool) -> Option<&'t Spanned<DeValue<'a>>> {
+    let path = if with_component { path } else { split_component(path).0 };
+    match path.split_once('.') {
+        Some(("markers", rest)) => table.get("markers")?.get_ref().as_table()?.get(rest),
+        Some((first, rest)) => walk(table.get(first)?.get_ref().as_table()?, rest, true),
+        None => table.get(path),
+    }
+}
+
+/// The element that a path begins with: list, index and copy.
+fn element<'p>(path: &'p str, document: &DeTable<'_>) -> Option<Target<'p, (&'static Table, usize)>> {
+    let has = |(table, _): (&'static Table, usize), path: &str| {
+        let key = first_key(path);
+        let of_hinge = table.name == BODY.name && (HINGE.declarations(key).next().is_some() || key == "type");
+        of_hinge || table.declarations(key).next().is_some()
+    };
+    resolve(path, entries(document), has)
+}
+
+/// How many copies a body of this name has, if it is repeated.
+fn copies_of(document: &DeTable<'_>, name: &str) -> Option<usize> {
+    entries(document).find(|entry| entry.name == name)?.copies
 }
 
 /// The table that a list of the file is made of: `[[body]]`, `[[force]]`.
@@ -278,7 +342,7 @@ fn elements(kind: &Kind) -> Option<&'static Table> {
 /// Whether a key of the file can be a table with keys of its own.
 fn holds_table(kind: &Kind) -> bool {
     match kind {
-        Kind::Table(_) => true,
+        Kind::Table(_) | Kind::Map(_) => true,
         Kind::Either(kinds) => kinds.iter().any(holds_table),
         _ => false,
     }
@@ -288,17 +352,24 @@ fn article(name: &str) -> &'static str {
     if name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" }
 }
 
-/// All elements with their names: what they are, index, name.
-fn named<'d>(document: &'d DeTable<'_>) -> impl Iterator<Item = (&'static Table, usize, Cow<'d, str>)> {
+/// All elements: what they are and where, their names and places, how often they are repeated.
+fn entries<'d>(document: &'d DeTable<'_>) -> impl Iterator<Item = Entry<'d, (&'static Table, usize)>> + Clone {
     SCENARIO.keys.iter().filter_map(|key| elements(&key.kind)).flat_map(move |table| {
         let items = document.get(table.name).and_then(|items| items.get_ref().as_array());
-        items.into_iter().flat_map(|items| items.iter()).enumerate().filter_map(move |(index, item)| {
-            match item.get_ref().get("name").and_then(|name| name.get_ref().as_str()) {
-                Some(name) => Some((table, index, Cow::Borrowed(name))),
-                None if table.name == BODY.name => None,
-                None => Some((table, index, Cow::Owned(format!("{}[{index}]", table.name)))),
-            }
+        items.into_iter().flat_map(|items| items.iter()).enumerate().map(move |(index, item)| Entry {
+            element: (table, index),
+            name: item.get_ref().get("name").and_then(|name| name.get_ref().as_str()).unwrap_or_default(),
+            place: (table.name != BODY.name).then_some((table.name, index)),
+            copies: item.get_ref().get("repeat").and_then(|copies| Some(number(copies.get_ref())? as usize)),
         })
+    })
+}
+
+/// What all elements are called: by name, else by place.
+fn named<'d>(document: &'d DeTable<'_>) -> impl Iterator<Item = Cow<'d, str>> {
+    entries(document).filter_map(|entry| match (entry.name, entry.place) {
+        ("", place) => place.map(|(list, index)| Cow::Owned(format!("{list}[{index}]"))),
+        (name, _) => Some(Cow::Borrowed(name)),
     })
 }
 

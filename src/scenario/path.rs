@@ -1,13 +1,16 @@
 //! `[statics.path]`: the number that moves, and over which range.
 
 use super::findings::Finding;
-use super::reader::Reader;
+use super::quantities::Numbers;
+use super::reader::{Reader, Value};
 use crate::model::parameter::{Field, Parameter};
 use crate::model::{Description, Model};
+use crate::quantity::Dimension;
 use crate::statics::path::Settings;
+use toml::Spanned;
 
 /// The path that is asked for; `None` where there is none, or too little of it can be read.
-pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Option<Settings> {
+pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Numbers) -> Option<Settings> {
     let table = scenario.table("statics")?.table("path")?;
     let refuse = |key: &str, message: String, help: Option<String>| {
         table.findings.push(Finding::error(table.span_of(key), message).maybe_help(help));
@@ -18,6 +21,7 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Option<S
     }
     let numbers = numbers(&table, description)?;
     let first = numbers.first()?;
+    check_units(&table, first, texts);
     let from = table.number("from").unwrap_or_else(|| first.value(description));
     let to = table.number("to")?;
     if from == to {
@@ -48,6 +52,22 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Option<S
         points: table.count("points").unwrap_or(1000),
         branches: table.flag("branches").unwrap_or(true),
     })
+}
+
+/// Quantities of the range must be those of the parameter.
+fn check_units(table: &Reader<'_>, parameter: &Parameter, texts: &Numbers) {
+    let unit = parameter.quantity.unit();
+    let own = |value: &Value<'_>| vec![value.span()];
+    let spans = ["from", "to", "at"].into_iter().filter_map(|key| table.value(key)).flat_map(|value| {
+        value.get_ref().as_array().map_or_else(|| own(&value), |items| items.iter().map(Spanned::span).collect())
+    });
+    for span in spans {
+        let Some(dimension) = texts.dimension(&span) else { continue };
+        if Dimension::of(unit) != Ok(dimension) {
+            let message = format!("`{}` is measured in {unit}, not in this unit", parameter.address);
+            table.findings.push_value(Finding::error(span, message));
+        }
+    }
 }
 
 /// What the parameter's address stands for: one number of every element that it names.

@@ -65,7 +65,7 @@ fn of_kind(kind: &Kind) -> Value {
         Kind::Text => json!({ "type": "string" }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Integer(range) => ranged("integer", *range),
-        Kind::Number(range) => ranged("number", *range),
+        Kind::Number(range) => number_or_text(*range),
         Kind::Choice(words) => {
             let words: Vec<Value> =
                 words.iter().map(|(word, doc)| json!({ "const": word, "description": doc })).collect();
@@ -108,6 +108,16 @@ fn list(of: &Kind, lengths: &[usize]) -> Value {
         [length] => of_length(length),
         several => json!({ "anyOf": several.iter().map(of_length).collect::<Vec<_>>() }),
     }
+}
+
+/// Quantities with units and formulas of parameters begin like a number or hold a brace.
+const TEXTS: &str = "^\\s*[-+−]?\\s*[0-9.]|\\{";
+
+fn number_or_text(range: Range) -> Value {
+    let mut schema = ranged("number", range);
+    schema["type"] = json!(["number", "string"]);
+    schema["pattern"] = json!(TEXTS);
+    schema
 }
 
 fn ranged(of_type: &str, range: Range) -> Value {

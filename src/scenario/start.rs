@@ -20,7 +20,7 @@ use super::findings::{Finding, Findings};
 use super::format::START;
 use super::reader::Reader;
 use super::sources::Sources;
-use super::{check, syntax};
+use super::{check, quantities, syntax};
 use crate::constraint::Constraints;
 use crate::model::description::Description;
 use crate::model::parameter::{Field, Parameter};
@@ -128,6 +128,8 @@ pub fn parse_start(name: &str, text: &str, description: &Description) -> Result<
     let sources = Sources::new(name, text);
     let document = syntax::parse(text, &sources, &findings);
     let mut started = None;
+    let numbers = quantities::evaluate_start(&document, description, &findings);
+    let document = numbers.put_into(document);
     if findings.errors() == 0 {
         check::table(&START, &document, &findings);
         let whole = Reader::new(&document, 0..0, &findings);

@@ -1,6 +1,7 @@
 //! All integration tests in one binary: one link, many modules.
 
 mod accelerations;
+mod addresses;
 mod architecture;
 mod building;
 mod cli;
@@ -12,6 +13,7 @@ mod documents;
 mod events;
 mod examples;
 mod faults;
+mod formulas;
 mod halves;
 mod identities;
 mod import;
@@ -22,6 +24,7 @@ mod mjcf;
 mod no_allocation;
 mod oracle;
 mod precision;
+mod quantities;
 mod record;
 mod reference;
 mod rest;

@@ -2,6 +2,7 @@
 
 use super::super::couplings::{Closure, MotionDescription};
 use super::super::description::Description;
+use super::super::motor::MotorLawDescription;
 use super::super::problem::Element;
 use super::{Field, Parameter};
 use crate::force::Describe;
@@ -36,7 +37,12 @@ impl Parameter {
                 MotionDescription::Rate { rate } => rate,
                 _ => f64::NAN,
             },
-            Element::Gear(_) | Element::Motor(_) => f64::NAN,
+            Element::Motor(index) => match (&description.motors[index].law, self.field) {
+                (MotorLawDescription::Pd { stiffness, .. }, Field::Stiffness) => *stiffness,
+                (MotorLawDescription::Pd { force, .. } | MotorLawDescription::Constant { force }, _) => *force,
+                _ => f64::NAN,
+            },
+            Element::Gear(_) => f64::NAN,
         }
     }
 
@@ -78,7 +84,12 @@ impl Parameter {
                     *rate = value;
                 }
             }
-            Element::Gear(_) | Element::Motor(_) => {}
+            Element::Motor(index) => match (&mut description.motors[index].law, self.field) {
+                (MotorLawDescription::Pd { stiffness, .. }, Field::Stiffness) => *stiffness = value,
+                (MotorLawDescription::Pd { force, .. } | MotorLawDescription::Constant { force }, _) => *force = value,
+                _ => {}
+            },
+            Element::Gear(_) => {}
         }
     }
 }

@@ -95,11 +95,11 @@ pub(super) const VALUES: Key =
 pub(super) const EXPRESSION: Key = Key::new(
     "expression",
     Kind::Text,
-    "Position [m or rad] as a formula in `t` [s]: + − * / ^, sin, cos, tan, asin, acos, atan, exp, log, sqrt, PI.",
+    "Position [m or rad] as a formula in `t` [s], with the operators and functions of Python.",
 )
 .required()
 .only(&["expression"])
-.example("\"0.1*sin(2*PI*t)\"");
+.example("\"0.1*sin(2*pi*t)\"");
 
 /// `[[drive]]`
 pub const DRIVE: Table = Table {

@@ -20,7 +20,7 @@ pub use motor::{MOTOR, TARGET};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
-use super::fields::{Key, Kind, Range, Table};
+use super::fields::{ANY_UNIT, Key, Kind, Range, Table};
 
 /// The most bodies a scenario may have, copies counted.
 pub const MOST_BODIES: usize = 1_000_000;
@@ -42,6 +42,13 @@ pub const SCENARIO: Table = Table {
             .unit("m/s²")
             .default("[0.0, 0.0, -9.80665]")
             .example("[0.0, 0.0, -9.80665]"),
+        Key::new(
+            "parameters",
+            Kind::Map(&NUMBER),
+            "Numbers with names, for formulas and, in braces, for every number of the file: `mass = \"2*{m}\"`.",
+        )
+        .unit(ANY_UNIT)
+        .example("{ m = 2.5 }"),
         Key::new("simulate", Kind::Table(&SIMULATE), "The run.").example("{ duration = 10.0 }"),
         Key::new("statics", Kind::Table(&STATICS), "The equilibrium.").example("{ want = \"stable\" }"),
         Key::new("record", Kind::Table(&RECORD), "The recording.").example("{ rate = 100.0 }"),

@@ -33,7 +33,7 @@ pub const MOTOR: Table = Table {
         .only(&["table"])
         .example("\"speed\""),
         Key::new("at", Kind::List(&NUMBER, &[]), "Times or rates of the points, increasing.")
-            .unit("s, m/s or rad/s")
+            .unit("s or m/s or rad/s")
             .required()
             .only(&["table"])
             .example("[0.0, 150.0]"),
@@ -64,8 +64,7 @@ pub const MOTOR: Table = Table {
         Key::new(
             "expression",
             Kind::Text,
-            "Force as a formula in `t` [s], `q` [m or rad] and `v` [m/s or rad/s]: + − * / ^, sin, cos, tan, asin, acos, \
-             atan, exp, log, sqrt, PI.",
+            "Force as a formula in `t` [s], `q` [m or rad] and `v` [m/s or rad/s], with the operators and functions of Python.",
         )
         .unit("N or N m")
         .required()

@@ -1,6 +1,6 @@
 //! What is asked of a run.
 
-use super::super::fields::{Key, Kind, Range, Table};
+use super::super::fields::{ANY_UNIT, Key, Kind, Range, Table};
 use super::{NUMBER, POSITIVE};
 
 const TOLERANCE: Kind = Kind::Number(Range::Between(1e-14, 1.0));
@@ -82,14 +82,12 @@ pub const PATH: Table = Table {
     types: &[],
     keys: &[
         Key::new("parameter", Kind::Text, "Address of the number that moves.").required().example("\"tip.force[2]\""),
-        Key::new(
-            "from",
-            NUMBER,
-            "Where the path starts, in units of the parameter; without it the number in the file.",
-        )
-        .example("0.0"),
-        Key::new("to", NUMBER, "The other end of the range.").required().example("-20.0"),
+        Key::new("from", NUMBER, "Where the path starts; without it the number in the file.")
+            .unit(ANY_UNIT)
+            .example("0.0"),
+        Key::new("to", NUMBER, "The other end of the range.").unit(ANY_UNIT).required().example("-20.0"),
         Key::new("at", Kind::List(&NUMBER, &[]), "Values of the parameter at which points are wanted.")
+            .unit(ANY_UNIT)
             .example("[-5.0, -10.0]"),
         Key::new(
             "step",

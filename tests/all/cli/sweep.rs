@@ -71,3 +71,28 @@ fn what_cannot_be_swept_is_a_wrong_call() {
     let piped = Answer::of(bench.command(&["sweep", "-", "--over", "pan.mass=1,2"]).write_stdin(SCALE)).code(0);
     assert!(piped.out.contains("2 cases"));
 }
+
+/// A sweep asks statics what `statics` asks: of a scene with unknown inputs, the inputs.
+#[test]
+fn unknown_inputs_are_columns_of_their_addresses() {
+    let bench = Bench::new();
+    let scenario = shipped("crane_held");
+    let over = "gravity=[0,0,-9.81],[0,0,-1.62]";
+    let answer = bench.call(&["sweep", &scenario, "--over", over, "--json"]).code(0).json();
+    let cases = answer["cases"].as_array().expect("cases");
+    assert_eq!(cases.len(), 2);
+    for (case, gravity) in cases.iter().zip(["gravity=[0,0,-9.81]", "gravity=[0,0,-1.62]"]) {
+        let alone = bench.call(&["statics", &scenario, "--set", gravity, "--json"]).code(0).json();
+        let unknowns = alone["unknowns"].as_object().expect("unknown inputs");
+        assert!(!unknowns.is_empty());
+        for (address, value) in unknowns {
+            assert_eq!(&case["result"][address], value, "{address}");
+        }
+    }
+    bench.call(&["sweep", &scenario, "--over", over, "--out", "table.csv", "--quiet"]).code(0);
+    let text = std::fs::read_to_string(bench.path().join("table.csv")).expect("a table");
+    let alone = bench.call(&["statics", &scenario, "--json"]).code(0).json();
+    for address in alone["unknowns"].as_object().expect("unknown inputs").keys() {
+        assert!(text.lines().next().is_some_and(|head| head.contains(address.as_str())), "{text}");
+    }
+}

@@ -88,7 +88,10 @@ fn motors_that_cannot_be() {
     let motor = |keys: &str| with(&format!("[[motor]]\nname = \"servo\"\nhinge = \"upper\"\n{keys}\n"));
     refused(&motor("type = \"pd\"\nstiffness = -3.0"), &["`stiffness`", "-3"]);
     refused(&motor("type = \"constant\"\nforce = 1.0\nlimit = 0.0"), &["`limit`"]);
-    refused(&motor("type = \"expression\"\nexpression = \"-k*q\""), &["`k`", "the coordinate `q`"]);
+    refused(
+        &motor("type = \"expression\"\nexpression = \"-k*q\""),
+        &["motor `servo`: unknown name `k`", "Known here: `t`, `q`, `v`"],
+    );
     refused(
         &motor("type = \"table\"\nover = \"time\"\nat = [0.0, 1.0]\nforces = [1.0]"),
         &["2 points and 1 forces: there must be as many"],

@@ -1,0 +1,177 @@
+//! Formulas in named variables: `0.1*sin(2*pi*t)`, `-k*q if q > 0 else 0`.
+//!
+//! ```text
+//! text ─ token ─► tokens with places ─ parse ─► steps on registers ─ eval ─► value, derivatives
+//! ```
+//!
+//! A formula means what it means in Python: `-t^2` is −(t²), `2^3^2` is 2⁹, comparisons chain (`0 < t < 1`), `and` and
+//! `or` give one of their operands. `^` is the same as `**`, and `if(c, a, b)` the same as `a if c else b`.
+//!
+//! Derivatives are exact and cost as much as the value: every step of the program computes with truncated Taylor series
+//! (or with gradients) in place of numbers,
+//!
+//! ```text
+//! (1)  f(g)'  = f'(g) g'
+//! (2)  f(g)'' = f''(g) g'² + f'(g) g''
+//! ```
+//!
+//! At a kink (`abs`, `min`, `max`, `if`, `floor`, …) they are those of the branch that is taken. A kink is no event: a
+//! run does not look for it.
+//!
+//! Arithmetic is that of IEEE 754: what has no value is not a number, what is too large is infinite. Whoever evaluates a
+//! formula has to check its result.
+//!
+//! ```
+//! use stillpoint::formula::{Formula, Jet};
+//! let path = Formula::parse("0.5*t^2 + sin(w*t)", &["t", "w"])?;
+//! let at = path.jet(&[Jet::variable(2.0), Jet::constant(0.0)]);
+//! assert_eq!((at.value, at.first, at.second), (2.0, 2.0, 1.0));
+//! let (value, by_w) = path.gradient(&[2.0, 0.0], [1]);
+//! assert_eq!((value, by_w), (2.0, [2.0]));
+//! # Ok::<(), stillpoint::formula::FormulaError>(())
+//! ```
+
+mod error;
+mod function;
+mod number;
+mod parse;
+mod token;
+mod vocabulary;
+
+pub use error::FormulaError;
+pub use number::Jet;
+pub use vocabulary::vocabulary;
+
+use function::{Binary, Unary};
+use number::{Gradient, Number};
+
+/// The longest text [bytes].
+pub const LONGEST_TEXT: usize = 16_384;
+/// The deepest nesting of brackets, functions, signs and powers.
+pub const DEEPEST_NESTING: usize = 64;
+/// The most operations, each of which is computed at every evaluation.
+pub const MOST_OPERATIONS: usize = 4096;
+/// The most intermediate values that are needed at one time.
+pub const MOST_REGISTERS: usize = 256;
+
+/// A formula, compiled for evaluation: one pass over its steps, without recursion and without allocation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Formula {
+    text: String,
+    steps: Vec<Step>,
+    /// How many registers the steps use; the result is in the first.
+    registers: usize,
+    /// Of each variable, whether it occurs.
+    used: Vec<bool>,
+}
+
+/// One operation on registers: `to ← operation`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    to: usize,
+    operation: Operation,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Operation {
+    Constant(f64),
+    /// Index into the variables.
+    Variable(usize),
+    Copy(usize),
+    Unary(Unary, usize),
+    Binary(Binary, usize, usize),
+    /// The second if the first is not zero, else the third.
+    Select(usize, usize, usize),
+}
+
+impl Formula {
+    /// Compiles a text; `variables` are the names that it may use, and hide constants of the same name. A name that is
+    /// no identifier is written in braces: `{left arm.angle}`.
+    ///
+    /// # Errors
+    /// What is wrong with the text and where: syntax, unknown names, wrong numbers of arguments, limits.
+    pub fn parse(text: &str, variables: &[&str]) -> Result<Self, FormulaError> {
+        parse::formula(text, variables)
+    }
+
+    /// As it is written.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Whether the variable of this index occurs in it.
+    pub fn uses(&self, variable: usize) -> bool {
+        self.used.get(variable).copied().unwrap_or(false)
+    }
+
+    /// Its value; `variables` in the order in which they were named.
+    ///
+    /// # Panics
+    /// If a variable that it uses is not given.
+    pub fn value(&self, variables: &[f64]) -> f64 {
+        self.run(|index| variables[index])
+    }
+
+    /// Its truncated Taylor series along a parameter, given those of the variables.
+    ///
+    /// # Panics
+    /// If a variable that it uses is not given.
+    pub fn jet(&self, variables: &[Jet]) -> Jet {
+        self.run(|index| variables[index])
+    }
+
+    /// Its value, and its derivatives with respect to the variables of these indices.
+    ///
+    /// # Panics
+    /// If a variable that it uses is not given.
+    pub fn gradient<const N: usize>(&self, variables: &[f64], by: [usize; N]) -> (f64, [f64; N]) {
+        let found: Gradient<N> = self.run(|index| Gradient {
+            value: variables[index],
+            slopes: by.map(|variable| if variable == index { 1.0 } else { 0.0 }),
+        });
+        (found.value, found.slopes)
+    }
+
+    /// One pass over the steps, on as many registers as most formulas need, or as many as any may need.
+    fn run<T: Number>(&self, variable: impl Fn(usize) -> T) -> T {
+        match self.registers {
+            0..=8 => self.run_on(&mut [T::constant(0.0); 8], variable),
+            9..=32 => self.run_on(&mut [T::constant(0.0); 32], variable),
+            _ => self.run_on(&mut [T::constant(0.0); MOST_REGISTERS], variable),
+        }
+    }
+
+    fn run_on<T: Number>(&self, registers: &mut [T], variable: impl Fn(usize) -> T) -> T {
+        for step in &self.steps {
+            registers[step.to] = match step.operation {
+                Operation::Constant(value) => T::constant(value),
+                Operation::Variable(index) => variable(index),
+                Operation::Copy(from) => registers[from],
+                Operation::Unary(function, of) => registers[of].unary(function),
+                Operation::Binary(function, a, b) => T::binary(function, registers[a], registers[b]),
+                Operation::Select(condition, yes, no) => {
+                    registers[if registers[condition].value() == 0.0 { no } else { yes }]
+                }
+            };
+        }
+        registers[0]
+    }
+}
+
+/// The text with numbers in place of names; what is no formula stays as it is.
+pub fn with_numbers(text: &str, number: impl Fn(&str) -> Option<f64>) -> String {
+    let (mut out, mut done, mut tokens) = (String::new(), 0, token::Tokens::new(text));
+    while let Ok((token, span)) = tokens.next() {
+        let value = match token {
+            token::Token::Name(name) | token::Token::Braced(name) => number(name),
+            token::Token::End => break,
+            _ => None,
+        };
+        if let Some(value) = value {
+            out += &text[done..span.start];
+            out += &format!("({value:?})");
+            done = span.end;
+        }
+    }
+    out + &text[done..]
+}

@@ -1,0 +1,134 @@
+//! What formulas are computed with: plain numbers, truncated Taylor series, gradients.
+
+use super::function::{Binary, Unary};
+
+/// What a program can be run on.
+pub(super) trait Number: Copy {
+    fn constant(value: f64) -> Self;
+    fn value(self) -> f64;
+    fn unary(self, function: Unary) -> Self;
+    fn binary(function: Binary, a: Self, b: Self) -> Self;
+}
+
+impl Number for f64 {
+    fn constant(value: f64) -> Self {
+        value
+    }
+
+    fn value(self) -> f64 {
+        self
+    }
+
+    fn unary(self, function: Unary) -> Self {
+        function.value(self)
+    }
+
+    fn binary(function: Binary, a: Self, b: Self) -> Self {
+        function.value(a, b)
+    }
+}
+
+/// A truncated Taylor series: value, first and second derivative along a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Jet {
+    /// The value.
+    pub value: f64,
+    /// Its first derivative.
+    pub first: f64,
+    /// Its second derivative.
+    pub second: f64,
+}
+
+impl Jet {
+    /// The parameter itself.
+    pub fn variable(value: f64) -> Self {
+        Self { value, first: 1.0, second: 0.0 }
+    }
+
+    /// What does not change with it.
+    pub fn constant(value: f64) -> Self {
+        Self { value, first: 0.0, second: 0.0 }
+    }
+}
+
+/// `slope · x`, zero for what does not change: a slope may be infinite there.
+fn times(slope: f64, x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { slope * x }
+}
+
+impl Number for Jet {
+    fn constant(value: f64) -> Self {
+        Self::constant(value)
+    }
+
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    fn unary(self, function: Unary) -> Self {
+        let value = function.value(self.value);
+        if self.first == 0.0 && self.second == 0.0 {
+            return Self::constant(value);
+        }
+        let [slope, curvature] = function.derivatives(self.value, value);
+        // Equations 1 and 2.
+        Self {
+            value,
+            first: times(slope, self.first),
+            second: times(curvature, self.first * self.first) + times(slope, self.second),
+        }
+    }
+
+    fn binary(function: Binary, a: Self, b: Self) -> Self {
+        if let Some(second) = function.takes_second(a.value, b.value) {
+            return if second { b } else { a };
+        }
+        let at = function.surface(a.value, b.value);
+        let ([by_a, by_b], [by_aa, by_ab, by_bb]) = (at.slopes, at.curvatures);
+        // Equations 1 and 2 of two arguments.
+        Self {
+            value: at.value,
+            first: times(by_a, a.first) + times(by_b, b.first),
+            second: times(by_aa, a.first * a.first)
+                + 2.0 * times(by_ab, a.first * b.first)
+                + times(by_bb, b.first * b.first)
+                + times(by_a, a.second)
+                + times(by_b, b.second),
+        }
+    }
+}
+
+/// A value and its derivatives with respect to `N` variables.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Gradient<const N: usize> {
+    pub(super) value: f64,
+    pub(super) slopes: [f64; N],
+}
+
+impl<const N: usize> Number for Gradient<N> {
+    fn constant(value: f64) -> Self {
+        Self { value, slopes: [0.0; N] }
+    }
+
+    fn value(self) -> f64 {
+        self.value
+    }
+
+    fn unary(self, function: Unary) -> Self {
+        let value = function.value(self.value);
+        if self.slopes == [0.0; N] {
+            return Self::constant(value);
+        }
+        let [slope, _] = function.derivatives(self.value, value);
+        Self { value, slopes: self.slopes.map(|by| times(slope, by)) }
+    }
+
+    fn binary(function: Binary, a: Self, b: Self) -> Self {
+        if let Some(second) = function.takes_second(a.value, b.value) {
+            return if second { b } else { a };
+        }
+        let at = function.surface(a.value, b.value);
+        let slopes = std::array::from_fn(|i| times(at.slopes[0], a.slopes[i]) + times(at.slopes[1], b.slopes[i]));
+        Self { value: at.value, slopes }
+    }
+}

@@ -1,0 +1,407 @@
+//! Texts in the place of numbers: quantities with units (`"45 deg"`) and formulas of `[parameters]` (`"2*{a}"`).
+//!
+//! They are turned into numbers before the file is checked, so that nothing else knows of them. What a text measures must
+//! be what its key is declared to hold; where that depends on a hinge (`m or rad`) the hinge's type decides, of each of
+//! its coordinates.
+
+mod hinges;
+
+use super::fields::{Key, Kind};
+use super::findings::{Finding, Findings};
+use super::format::{BUSHING_VALUES, SCENARIO};
+use super::naming::{Element, written};
+use super::reader::number;
+use crate::formula::{self, Formula};
+use crate::model::description::HingeKind;
+use crate::model::{Description, Model, Parameter};
+use crate::quantity::{Dimension, Quantity};
+use hinges::{Hinges, Motion, of_velocities};
+use std::collections::HashMap;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// What texts stand for, by where they are written.
+#[derive(Debug, Default)]
+pub(super) struct Numbers {
+    /// As a file would have them, in SI units.
+    texts: HashMap<(usize, usize), String>,
+    /// Of quantities where the format does not say what they measure.
+    open: HashMap<(usize, usize), Dimension>,
+}
+
+/// The name of the table of parameters.
+const PARAMETERS: &str = "parameters";
+
+/// Whether a value holds a text that may stand for a number; most files have none.
+fn has_texts(value: &DeValue<'_>) -> bool {
+    match value {
+        DeValue::String(text) => text.contains('{') || Quantity::is_meant(text),
+        DeValue::Array(items) => items.iter().any(|item| has_texts(item.get_ref())),
+        DeValue::Table(table) => table.values().any(|item| has_texts(item.get_ref())),
+        _ => false,
+    }
+}
+
+/// The quantity that a text is, in one of these units: none for pure numbers, `None` if any will do. What is wrong with it
+/// is in `findings`.
+fn quantity(
+    subject: &str,
+    value: &Spanned<DeValue<'_>>,
+    units: Option<&[&str]>,
+    findings: &Findings,
+) -> Option<Quantity> {
+    let text = value.get_ref().as_str()?;
+    let refuse = |part: Range<usize>, message: String, help: Option<String>| {
+        let finding = Finding::error(value.span(), format!("{subject}: {message}")).within(part);
+        findings.push_value(finding.maybe_help(help));
+    };
+    let quantity = match Quantity::parse(text) {
+        Ok(quantity) => quantity,
+        Err(error) => {
+            refuse(error.span, error.message, error.help);
+            return None;
+        }
+    };
+    let (plain, unit) = text.split_at(quantity.unit_start);
+    if unit.is_empty() {
+        let plain = plain.trim();
+        let help = match units {
+            Some([]) | None => format!("write `{plain}` without quotes"),
+            Some([unit, ..]) => format!("write `{plain}` without quotes, or `\"{plain} {unit}\"`"),
+        };
+        refuse(0..text.len(), format!("the text {} has no unit", written(value.get_ref())), Some(help));
+        return None;
+    }
+    let fits = |unit: &&str| Dimension::of(unit).is_ok_and(|dimension| dimension == quantity.dimension);
+    let (message, help) = match units {
+        None => return Some(quantity),
+        Some(units) if units.iter().any(fits) => return Some(quantity),
+        Some([]) => (format!("a pure number has no unit, and not `{unit}`"), None),
+        Some([MIXED]) => (format!("`{unit}` is no unit of it"), Some(format!("here stands {MIXED}"))),
+        Some(units) => {
+            (format!("`{unit}` is no unit of it"), Some(format!("it is measured in {}", units.join(" or "))))
+        }
+    };
+    refuse(quantity.unit_start..text.len(), message, help);
+    None
+}
+
+/// Names and units of a hinge's coordinates or velocities.
+type Names = fn(&HingeKind) -> &'static [(&'static str, &'static str)];
+
+/// As [`evaluate`], of a start file: numbers of hinges by the names of their bodies, inputs by their addresses.
+pub(super) fn evaluate_start(document: &DeTable<'_>, scene: &Description, findings: &Findings) -> Numbers {
+    let mut numbers = Numbers::default();
+    let mut take = |subject: &str, value: &Spanned<DeValue<'_>>, unit: Option<&str>| {
+        if value.get_ref().as_str().is_none_or(|text| !Quantity::is_meant(text)) {
+            return;
+        }
+        let units: Vec<&str> = unit.into_iter().filter(|unit| *unit != "1").collect();
+        if let Some(quantity) = quantity(subject, value, Some(&units), findings) {
+            numbers.insert(&value.span(), quantity.value);
+        }
+    };
+    let entries = |list: &str| {
+        let table = document.get(list).and_then(|list| list.get_ref().as_table());
+        table.into_iter().flat_map(|table| table.iter())
+    };
+    let lists: [(_, Names); 2] = [("positions", Model::position_names), ("velocities", Model::velocity_names)];
+    for (list, names) in lists {
+        for (name, value) in entries(list) {
+            let name: &str = name.get_ref();
+            let Some(body) = scene.bodies.iter().find(|body| body.name == name) else { continue };
+            let items = value.get_ref().as_array().into_iter().flat_map(|items| items.iter());
+            for (item, (_, unit)) in items.zip(names(&body.hinge.kind)) {
+                take(&format!("{list} of `{name}`"), item, Some(unit));
+            }
+        }
+    }
+    for (address, value) in entries("inputs") {
+        let address: &str = address.get_ref();
+        let Ok(found) = Parameter::find(scene, address) else { continue };
+        take(&format!("`{address}`"), value, found.first().map(|one| one.quantity.unit()));
+    }
+    numbers
+}
+
+/// Evaluates all texts that stand for numbers; what is wrong with them is in `findings`.
+pub(super) fn evaluate(document: &DeTable<'_>, findings: &Findings) -> Numbers {
+    if !document.values().any(|value| has_texts(value.get_ref())) {
+        return Numbers::default();
+    }
+    let parameters = Parameters::read(document);
+    let mut pass = Pass { findings, hinges: Some(Hinges::new(document)), parameters, numbers: Numbers::default() };
+    let whole = Element { table: &SCENARIO, name: None, index: None, within: None };
+    pass.table(&whole, document, None);
+    pass.numbers
+}
+
+/// As [`evaluate`], of a table that is read before the bodies are known: what quantities measure is checked later.
+pub(super) fn evaluate_alone(document: &DeTable<'_>, whole: &DeTable<'_>, findings: &Findings) -> Numbers {
+    let mut pass = Pass { findings, hinges: None, parameters: Parameters::read(whole), numbers: Numbers::default() };
+    let element = Element { table: &SCENARIO, name: None, index: None, within: None };
+    pass.table(&element, document, None);
+    pass.numbers
+}
+
+impl Numbers {
+    /// The document with the numbers in the places of the texts.
+    pub(super) fn put_into<'n>(&'n self, mut document: DeTable<'n>) -> DeTable<'n> {
+        self.put(&mut document);
+        document
+    }
+
+    /// Puts the numbers into the places of the texts.
+    pub(super) fn put<'n>(&'n self, table: &mut DeTable<'n>) {
+        if self.texts.is_empty() {
+            return;
+        }
+        for (_, value) in table.iter_mut() {
+            self.replace(value);
+        }
+    }
+
+    fn replace<'n>(&'n self, value: &mut Spanned<DeValue<'n>>) {
+        let span = value.span();
+        match value.get_mut() {
+            DeValue::Table(table) => self.put(table),
+            DeValue::Array(items) => items.iter_mut().for_each(|item| self.replace(item)),
+            DeValue::String(_) => {
+                let number = self.texts.get(&(span.start, span.end)).and_then(|text| DeValue::parse(text).ok());
+                if let Some(number) = number {
+                    *value.get_mut() = number.into_inner();
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// What the quantity that is written here measures, if the format leaves that open.
+    pub(super) fn dimension(&self, span: &Range<usize>) -> Option<Dimension> {
+        self.open.get(&(span.start, span.end)).copied()
+    }
+
+    fn insert(&mut self, span: &Range<usize>, value: f64) {
+        self.texts.insert((span.start, span.end), format!("{value:?}"));
+    }
+}
+
+/// Names and values of `[parameters]`.
+#[derive(Debug, Default)]
+pub(super) struct Parameters {
+    names: Vec<String>,
+    values: Vec<f64>,
+}
+
+impl Parameters {
+    /// What is wrong in it is said when the table itself is read.
+    pub(super) fn read(document: &DeTable<'_>) -> Self {
+        let table = document.get(PARAMETERS).and_then(|value| value.get_ref().as_table());
+        let entries = table.into_iter().flat_map(|table| table.iter());
+        let mut open: Vec<_> = entries.map(|(name, value)| (name.get_ref().to_string(), value.get_ref())).collect();
+        let mut found = Self::default();
+        // Those that follow from others come when these are known.
+        loop {
+            let before = open.len();
+            open.retain(|(name, value)| match found.evaluate(value) {
+                Some(value) => {
+                    found.names.push(name.clone());
+                    found.values.push(value);
+                    false
+                }
+                None => true,
+            });
+            if open.len() == before {
+                return found;
+            }
+        }
+    }
+
+    fn evaluate(&self, value: &DeValue<'_>) -> Option<f64> {
+        match value {
+            DeValue::String(text) if text.contains('{') => {
+                let formula = Formula::parse(text, &self.names()).ok()?;
+                Some(formula.value(&self.values)).filter(|value| value.is_finite())
+            }
+            DeValue::String(text) => Quantity::parse(text).ok().map(|quantity| quantity.value),
+            other => number(other),
+        }
+    }
+
+    pub(super) fn names(&self) -> Vec<&str> {
+        self.names.iter().map(String::as_str).collect()
+    }
+
+    /// A formula that has passed [`Formula::parse`] with these names, with numbers in their places.
+    pub(super) fn put_into(&self, text: &str, variables: &[&str]) -> String {
+        formula::with_numbers(text, |name| {
+            let known = self.names.iter().position(|known| known == name);
+            known.filter(|_| !variables.contains(&name)).map(|index| self.values[index])
+        })
+    }
+}
+
+/// In place of a unit: one number stands for coordinates that are measured in different units.
+const MIXED: &str = "a list, one number for each coordinate";
+
+struct Pass<'p> {
+    findings: &'p Findings,
+    /// `None` while the bodies are not known.
+    hinges: Option<Hinges>,
+    parameters: Parameters,
+    numbers: Numbers,
+}
+
+/// Where a number stands.
+struct Place<'p> {
+    element: &'p Element<'p>,
+    key: &'static Key,
+    /// The coordinates that the numbers of the element belong to, in order.
+    motions: Option<&'p [Motion]>,
+    /// The key that holds the table.
+    outer: Option<&'p str>,
+    /// Whether the table is looked up by the time.
+    over_time: bool,
+}
+
+impl Pass<'_> {
+    fn table(&mut self, element: &Element<'_>, table: &DeTable<'_>, outer: Option<(&str, Option<&[Motion]>)>) {
+        let of_type = table.get("type").and_then(|of_type| of_type.get_ref().as_str());
+        let around = outer.and_then(|(_, motions)| motions);
+        let motions = self.hinges.as_ref().and_then(|hinges| hinges.of(element.table, table, around));
+        let over_time = table.get("over").is_some_and(|over| over.get_ref().as_str() == Some("time"));
+        for (name, value) in table {
+            let mut declared = element.table.declarations(name.get_ref());
+            let Some(key) = declared.find(|key| of_type.is_none_or(|t| key.belongs_to(t))) else { continue };
+            let motions = motions.as_deref();
+            let place = Place { element, key, motions, outer: outer.map(|(key, _)| key), over_time };
+            self.value(&key.kind, &place, value, &[]);
+        }
+    }
+
+    /// Looks for texts in a value; `at` are the indices that lead to it in lists.
+    fn value(&mut self, kind: &'static Kind, place: &Place<'_>, value: &Spanned<DeValue<'_>>, at: &[usize]) {
+        match (kind, value.get_ref()) {
+            (Kind::Number(_), DeValue::String(text)) => self.text(place, value, text, at),
+            (Kind::Either(kinds), DeValue::String(_)) => {
+                let is_text = kinds.iter().any(|kind| matches!(kind, Kind::Text | Kind::Choice(_)));
+                let numbers = kinds.iter().find(|kind| matches!(kind, Kind::Number(_)));
+                numbers.filter(|_| !is_text).into_iter().for_each(|kind| self.value(kind, place, value, at));
+            }
+            (Kind::Either(kinds), DeValue::Array(items)) => {
+                let nested = items.first().is_some_and(|item| item.get_ref().is_array());
+                let tables = items.first().is_some_and(|item| item.get_ref().is_table());
+                let fits = |kind: &&Kind| match kind {
+                    Kind::List(Kind::Table(_), _) => tables,
+                    Kind::List(Kind::List(..), _) => nested,
+                    Kind::List(..) => !nested && !tables,
+                    _ => false,
+                };
+                kinds.iter().find(fits).into_iter().for_each(|kind| self.value(kind, place, value, at));
+            }
+            (Kind::Either(kinds), DeValue::Table(_)) => {
+                let tables = kinds.iter().find(|kind| matches!(kind, Kind::Table(_) | Kind::Map(_)));
+                tables.into_iter().for_each(|kind| self.value(kind, place, value, at));
+            }
+            (Kind::List(of, _), DeValue::Array(items)) => {
+                let texts = |item: &Spanned<DeValue<'_>>| {
+                    matches!(item.get_ref(), DeValue::String(_) | DeValue::Array(_) | DeValue::Table(_))
+                };
+                for (index, item) in items.iter().enumerate().filter(|(_, item)| texts(item)) {
+                    let deeper: Vec<usize> = at.iter().copied().chain([index]).collect();
+                    self.value(of, place, item, &deeper);
+                }
+            }
+            (Kind::Table(declared), DeValue::Table(inner)) => {
+                let name = inner.get("name").and_then(|name| name.get_ref().as_str());
+                let index = at.last().copied();
+                let element = Element { table: declared, name, index, within: Some(place.element) };
+                self.table(&element, inner, Some((place.key.name, place.motions)));
+            }
+            (Kind::Map(of), DeValue::Table(inner)) => {
+                inner.values().for_each(|value| self.value(of, place, value, at));
+            }
+            _ => {}
+        }
+    }
+
+    fn text(&mut self, place: &Place<'_>, value: &Spanned<DeValue<'_>>, text: &str, at: &[usize]) {
+        if text.contains('{') {
+            return self.formula(place, value, text);
+        }
+        if !Quantity::is_meant(text) {
+            return;
+        }
+        let subject = format!("{}`{}`", place.element.prefix(), place.key.name);
+        let units = self.units(place, at);
+        if let Some(quantity) = quantity(&subject, value, units.as_deref(), self.findings) {
+            let span = value.span();
+            if units.is_none() {
+                self.numbers.open.insert((span.start, span.end), quantity.dimension);
+            }
+            self.numbers.insert(&span, quantity.value);
+        }
+    }
+
+    /// The units that a number may have here: none for pure numbers, `None` where that is found out later.
+    fn units(&self, place: &Place<'_>, at: &[usize]) -> Option<Vec<&'static str>> {
+        if place.key.unit == super::fields::ANY_UNIT {
+            return None;
+        }
+        let all: Vec<&'static str> = place.key.unit.split(" or ").filter(|unit| !unit.is_empty()).collect();
+        if let [both] = all[..]
+            && let Some((along, about)) = both.split_once(" and ")
+        {
+            return Some(vec![if at.last().is_some_and(|index| *index >= 3) { about } else { along }]);
+        }
+        if place.element.table.name == BUSHING_VALUES.name {
+            return Some(vec![all[usize::from(place.outer == Some("damping"))]]);
+        }
+        let (slide, turn) = match all[..] {
+            [slide, turn] => (slide, turn),
+            [time, ..] if place.over_time => return Some(vec![time]),
+            [_, slide, turn] => (slide, turn),
+            _ => return Some(all),
+        };
+        let of = |motion: &Motion| match motion {
+            Motion::Slide => vec![slide],
+            Motion::Turn => vec![turn],
+            Motion::Quaternion => Vec::new(),
+        };
+        let Some(coordinates) = place.motions else {
+            return if self.hinges.is_some() { Some(all) } else { None };
+        };
+        let motions = match place.key.name {
+            "position" | "rest" | "limits" => coordinates.to_vec(),
+            _ => of_velocities(coordinates),
+        };
+        // Pairs of limits are by coordinate, numbers of copies by place in their own list.
+        let index = match (place.key.name, at) {
+            ("limits", [coordinate, _]) => *coordinate,
+            ("limits", _) => 0,
+            (_, []) if motions.iter().any(|one| *one != motions[0]) => return Some(vec![MIXED]),
+            (_, []) => 0,
+            (_, [.., last]) => *last,
+        };
+        Some(motions.get(if motions.len() == 1 { 0 } else { index }).map_or(all, of))
+    }
+
+    /// A formula of parameters, in SI units.
+    fn formula(&mut self, place: &Place<'_>, value: &Spanned<DeValue<'_>>, text: &str) {
+        let subject = format!("{}`{}`", place.element.prefix(), place.key.name);
+        let formula = match Formula::parse(text, &self.parameters.names()) {
+            Ok(formula) => formula,
+            Err(error) => {
+                let finding = Finding::error(value.span(), format!("{subject}: {}", error.message)).within(error.span);
+                return self.findings.push_value(finding.maybe_help(error.help));
+            }
+        };
+        let found = formula.value(&self.parameters.values);
+        if !found.is_finite() {
+            let message = format!("{subject}: this formula gives {found}, which is not a finite number");
+            return self.findings.push_value(Finding::error(value.span(), message));
+        }
+        self.numbers.insert(&value.span(), found);
+    }
+}

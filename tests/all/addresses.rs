@@ -1,0 +1,214 @@
+//! One way to address numbers, wherever an address is written: `--set`, `--over`, `[statics] unknown`, `[statics.path]`
+//! and start files.
+
+use stillpoint::model::{Description, Model, Parameter};
+use stillpoint::scenario::{self, Override, Scenario, start};
+
+const SCENE: &str = r#"
+gravity = [0.0, 0.0, -9.0]
+
+[[body]]
+name = "upper"
+mass = 2.0
+inertia = [0.2, 0.2, 0.2]
+center = [0.0, 0.0, -0.5]
+markers = { tip = [0.0, 0.0, -1.0] }
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0], stiffness = 50.0, position = 0.2 }
+
+[[body]]
+name = "link"
+repeat = 4
+mass = 1.0
+center = [0.0, 0.0, -0.25]
+inertia = [0.02, 0.02, 0.001]
+markers = { tip = [0.0, 0.0, -0.5] }
+hinge = { type = "revolute", parent = "upper", at = "tip", axis = [0.0, 1.0, 0.0], stiffness = 5.0 }
+
+[[body]]
+name = "slider.a"
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+hinge = { type = "planar", rpy = [1.5707963267948966, 0.0, 0.0], stiffness = 30.0 }
+
+[[body]]
+name = "crank"
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0] }
+
+[[body]]
+name = "arm"
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+center = [0.3, 0.0, 0.0]
+hinge = { type = "revolute", axis = [0.0, 1.0, 0.0], stiffness = 20.0 }
+
+[[force]]
+name = "push"
+type = "load"
+on = "link[3].tip"
+force = [0.1, 0.2, 0.3]
+
+[[force]]
+type = "spring"
+between = ["upper.tip", { body = "ground", at = [1.0, 0.0, 0.0] }]
+stiffness = 40.0
+length = 1.2
+
+[[force]]
+name = "mount"
+type = "bushing"
+between = ["slider.a", "ground"]
+stiffness = { translation = 10.0, rotation = [1.0, 2.0, 3.0] }
+
+[[drive]]
+name = "engine"
+type = "rate"
+hinge = "crank"
+rate = 3.0
+
+[[motor]]
+name = "servo"
+type = "constant"
+hinge = "arm"
+force = 1.5
+"#;
+
+fn read(text: &str, set: &[String]) -> Result<Scenario, String> {
+    let set: Vec<Override> = set.iter().map(|text| Override::parse(text).expect("path and value")).collect();
+    scenario::parse("scene.toml", text, &set).map_err(|problems| problems.to_string())
+}
+
+/// The number that an address stands for, read by the model's own rules.
+fn value(scenario: &Scenario, address: &str) -> f64 {
+    match Parameter::find(&scenario.description, address).as_deref() {
+        Ok([one]) => one.value(&scenario.description),
+        other => panic!("{address}: {other:?}"),
+    }
+}
+
+/// Without lists of zeros: what is not given is zero.
+fn bare(mut scene: Description) -> Description {
+    for body in &mut scene.bodies {
+        let hinge = &mut body.hinge;
+        for list in [&mut hinge.force, &mut hinge.stiffness, &mut hinge.rest, &mut hinge.position] {
+            if list.iter().all(|x| *x == 0.0) {
+                list.clear();
+            }
+        }
+    }
+    scene
+}
+
+/// Addresses of one number that statics feels, with its value in the scene.
+const NUMBERS: [(&str, f64); 17] = [
+    ("gravity[2]", -9.0),
+    ("upper.mass", 2.0),
+    ("upper.hinge.stiffness", 50.0),
+    ("upper.stiffness[0]", 50.0),
+    ("link[3].stiffness", 5.0),
+    ("link[0].hinge.force", 0.0),
+    ("link[2].mass", 1.0),
+    ("slider.a.stiffness[1]", 30.0),
+    ("slider.a.force[2]", 0.0),
+    ("push.force[2]", 0.3),
+    ("force[0].force[1]", 0.2),
+    ("push.torque[1]", 0.0),
+    ("force[1].length", 1.2),
+    ("mount.stiffness[0]", 10.0),
+    ("mount.stiffness[4]", 2.0),
+    ("drive[0].rate", 3.0),
+    ("motor[0].force", 1.5),
+];
+
+#[test]
+fn every_place_knows_every_address() {
+    let plain = read(SCENE, &[]).expect("the scene");
+    let model = Model::build(&plain.description).expect("a model");
+    for (address, before) in NUMBERS {
+        assert_eq!(value(&plain, address), before, "{address}");
+        let now = before + 0.5;
+        // `--set`, which is `--over` case by case: this number, and no other.
+        let set = read(SCENE, &[format!("{address}={now}")]).unwrap_or_else(|error| panic!("{address}: {error}"));
+        let mut expected = plain.description.clone();
+        Parameter::find(&expected, address).expect("found")[0].set(&mut expected, now);
+        assert_eq!(bare(set.description), bare(expected), "{address}");
+        // `[statics] unknown` and `[statics.path]`.
+        let unknown = read(&format!("statics.unknown = [\"{address}\"]\n{SCENE}"), &[]).expect(address);
+        assert_eq!(unknown.unknown, Parameter::find(&plain.description, address).expect("found"));
+        let path = format!("statics.path = {{ parameter = \"{address}\", to = {} }}\n{SCENE}", before + 0.25);
+        let path = read(&path, &[]).unwrap_or_else(|error| panic!("{address}: {error}")).path.expect("a path");
+        assert_eq!((path.numbers, path.from), (unknown.unknown, before));
+        // Start files.
+        let inputs = [(address.to_owned(), now)];
+        let text = start::text(&model, &model.start_position, &model.start_velocity, &inputs, &[]);
+        let started = start::parse_start("start.toml", &text, &plain.description).expect(address);
+        assert_eq!(started.changes.len(), 1, "{address}");
+        assert_eq!((started.changes[0].1, started.changes[0].2), (before, now), "{address}");
+    }
+}
+
+/// Wrong addresses, and a word of the answer, which is the same in every place.
+const WRONG: [(&str, &str); 10] = [
+    ("uper.mass", "did you mean `upper`?"),
+    ("upper.mas", "did you mean `mass`?"),
+    ("pushh.force[2]", "did you mean `push`?"),
+    ("gravty[2]", "did you mean `gravity`?"),
+    ("gravity[3]", "components are 0 to 2"),
+    ("push.force[3]", "components are 0 to 2"),
+    ("upper.mass[1]", "one number, without a component"),
+    ("link[4].stiffness", "link["),
+    ("drive[1].rate", "drive"),
+    ("slider.a.stiffness[3]", "components are 0 to 2"),
+];
+
+#[test]
+fn wrong_addresses_are_answered_alike() {
+    let plain = read(SCENE, &[]).expect("the scene");
+    let model = Model::build(&plain.description).expect("a model");
+    for (address, word) in WRONG {
+        let refused = |place: &str, answer: Result<Scenario, String>| {
+            let error = answer.map(|_| ()).expect_err(&format!("{address} in {place}"));
+            assert!(error.contains(word), "{address} in {place}: {error}");
+        };
+        refused("--set", read(SCENE, &[format!("{address}=1.0")]));
+        refused("unknown", read(&format!("statics.unknown = [\"{address}\"]\n{SCENE}"), &[]));
+        let path = format!("statics.path = {{ parameter = \"{address}\", to = 1.0 }}\n{SCENE}");
+        refused("path", read(&path, &[]));
+        let inputs = [(address.to_owned(), 1.0)];
+        let text = start::text(&model, &model.start_position, &model.start_velocity, &inputs, &[]);
+        let started = start::parse_start("start.toml", &text, &plain.description);
+        refused("start", started.map(|_| plain.clone()).map_err(|problems| problems.to_string()));
+    }
+}
+
+/// Values of copies and components that statics does not feel, too.
+#[test]
+fn parts_of_values_are_written_out() {
+    let set = |changes: &[&str]| {
+        let changes: Vec<String> = changes.iter().map(|change| (*change).to_owned()).collect();
+        read(SCENE, &changes).unwrap_or_else(|error| panic!("{changes:?}: {error}")).description.bodies
+    };
+    let bodies = set(&["link[1].damping=0.5", "link[2].damping=0.7", "link[2].position=0.3"]);
+    let of = |name: &str| bodies.iter().find(|body| body.name == name).expect("a body");
+    let damping = |name: &str| of(name).hinge.damping.first().copied().unwrap_or(0.0);
+    assert_eq!(["link[0]", "link[1]", "link[2]", "link[3]"].map(damping), [0.0, 0.5, 0.7, 0.0]);
+    assert_eq!(of("link[2]").hinge.position, [0.3]);
+    let bodies = set(&["slider.a.position[1]=0.4", "upper.center[0]=0.1", "slider.a.damping=2", "hinge.rest[2]=0.1"]);
+    let of = |name: &str| bodies.iter().find(|body| body.name == name).expect("a body");
+    assert_eq!(of("slider.a").hinge.position, [0.0, 0.4, 0.0]);
+    assert_eq!(of("slider.a").hinge.damping, [2.0; 3]);
+    assert_eq!((of("slider.a").hinge.rest[2], of("upper").hinge.rest.len()), (0.1, 0));
+    assert_eq!(of("upper").mass.center.x, 0.1);
+    let refused = |change: &str| read(SCENE, &[change.to_owned()]).expect_err(change);
+    assert!(refused("link[1].center=[0,0,0]").contains("all copies have the same `center`"));
+    assert!(refused("upper.name[0]=x").contains("without a component"));
+}
+
+#[test]
+fn a_model_that_is_set_is_read() {
+    for change in ["model=nofile.urdf", "model=\"nofile.urdf\"", "model.file=nofile.urdf"] {
+        let error = read(SCENE, &[change.to_owned()]).expect_err(change);
+        assert!(error.contains("nofile.urdf"), "{change}: {error}");
+    }
+}
