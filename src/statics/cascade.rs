@@ -102,6 +102,17 @@ pub(super) fn search(
     }
 }
 
+/// A minimum of the potential within limits that the landscape heeds: the first stage alone heeds them.
+pub(super) fn within_limits(
+    landscape: &mut Landscape<'_, '_>,
+    first: Place,
+    history: &mut Vec<Iteration>,
+) -> Result<Found, Fault> {
+    let mut cascade = Cascade::new(landscape, history, &first);
+    let (place, fell) = cascade.trust_region(first)?;
+    Ok(cascade.found(place, fell))
+}
+
 impl Found {
     fn at_once(place: Place) -> Self {
         Self { place, notes: Vec::new(), effort: Effort { stage: "start", ..Effort::default() } }
@@ -156,6 +167,9 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
             return Ok(self.found(place, fell));
         }
         for later in [Self::release, Self::relax] {
+            if !self.landscape.goes_on() {
+                break;
+            }
             let place = later(self)?;
             if place.is_balanced() {
                 // Balance may be a saddle: from there it goes on downhill.
@@ -177,16 +191,22 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
         if place.is_balanced() {
             return Ok(self.found(place, false));
         }
+        if !self.landscape.goes_on() {
+            return Ok(self.found(place, false));
+        }
         let released = self.release()?;
         if released.is_balanced() {
             return Ok(self.found(released, false));
         }
         // Downhill there is one, wherever it is.
-        if self.landscape.conservative {
+        if self.landscape.conservative && self.landscape.goes_on() {
             let (down, fell) = self.trust_region(self.guess.clone())?;
             if down.is_balanced() || fell {
                 return Ok(self.found(down, fell));
             }
+        }
+        if !self.landscape.goes_on() {
+            return Ok(self.found(place, false));
         }
         let relaxed = self.relax()?;
         if relaxed.is_balanced() {
@@ -232,8 +252,7 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
         let before = self.history.len();
         let outcome = trust_region::run(self.landscape, first, self.history)?;
         for coordinates in &outcome.left {
-            let names: Vec<String> =
-                coordinates.iter().take(3).map(|i| self.landscape.model().label(self.landscape.free[*i])).collect();
+            let names: Vec<String> = coordinates.iter().take(3).map(|i| self.landscape.model().label(*i)).collect();
             let more = if coordinates.len() > 3 { ", …" } else { "" };
             self.notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
         }
@@ -279,13 +298,14 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
     }
 }
 
-/// Takes off the full turns that the search made in hinges without springs, drives and gears: the same pose, nearest to
+/// Takes off the full turns that the search made in hinges without springs, drives, gears and limits: the same pose, nearest to
 /// the guess.
 fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
     let tied: Vec<usize> = (model.drives.iter().map(|drive| drive.coordinate.velocity))
         .chain(model.gears.iter().flat_map(|gear| gear.coordinates.map(|coordinate| coordinate.velocity)))
         .chain(model.motors.iter().map(|motor| motor.coordinate.velocity))
+        .chain(model.stops.iter().map(|stop| stop.velocity))
         .collect();
     for link in &model.links {
         let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;
