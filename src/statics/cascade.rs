@@ -19,6 +19,8 @@ use crate::model::Model;
 use crate::model::problem::number;
 use crate::spatial::Wrench;
 
+/// Saddles that are left after Newton's last steps.
+const MOST_SADDLES: usize = 20;
 /// Time steps that the last stage may take, and sweeps over one link: a large scene that fails says so in some tens of
 /// seconds. Hanging chains need 60 steps per link.
 const RELAXATION_STEPS: usize = 30_000;
@@ -247,14 +249,30 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
         Ok(self.found(place, false))
     }
 
+    /// Down the potential, and to the last digits. Newton's last steps may end in another balance where the potential is
+    /// flat: from a saddle among those it goes on downhill.
     fn trust_region(&mut self, first: Place) -> Result<(Place, bool), Fault> {
         let (exact, start, potential) = (first.is_exact(), first.q.clone(), self.landscape.potential(&first.q));
         let before = self.history.len();
-        let outcome = trust_region::run(self.landscape, first, self.history)?;
-        for coordinates in &outcome.left {
-            let names: Vec<String> = coordinates.iter().take(3).map(|i| self.landscape.model().label(*i)).collect();
-            let more = if coordinates.len() > 3 { ", …" } else { "" };
-            self.notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
+        let mut outcome = trust_region::run(self.landscape, first, self.history)?;
+        let mut shifted = outcome.shifted;
+        self.note_saddles(&outcome.left);
+        if exact && self.history.len() == before {
+            return Ok((outcome.place, false));
+        }
+        for _ in 0..MOST_SADDLES {
+            if !outcome.place.is_balanced() {
+                break;
+            }
+            let unwound = unwind(self.landscape.model(), &start, outcome.place.q);
+            outcome.place = Place::at(self.landscape, unwound)?;
+            outcome.place = polish(self.landscape, outcome.place, self.history)?;
+            let next = trust_region::run(self.landscape, outcome.place.clone(), self.history)?;
+            if next.left.is_empty() {
+                break;
+            }
+            self.note_saddles(&next.left);
+            (outcome, shifted) = (next, true);
         }
         if outcome.fell {
             let drop = number(potential - self.landscape.potential(&outcome.place.q));
@@ -263,18 +281,16 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
                  downhill of it"
             ));
         }
-        if exact && self.history.len() == before {
-            return Ok((outcome.place, false));
+        self.ended(if shifted { "trust region" } else { "newton" }, &outcome.place, None);
+        Ok((outcome.place, outcome.fell))
+    }
+
+    fn note_saddles(&mut self, left: &[Vec<usize>]) {
+        for coordinates in left {
+            let names: Vec<String> = coordinates.iter().take(3).map(|i| self.landscape.model().label(*i)).collect();
+            let more = if coordinates.len() > 3 { ", …" } else { "" };
+            self.notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
         }
-        let stage = if outcome.shifted { "trust region" } else { "newton" };
-        let mut place = outcome.place;
-        if place.is_balanced() {
-            let unwound = unwind(self.landscape.model(), &start, place.q);
-            place = Place::at(self.landscape, unwound)?;
-            place = polish(self.landscape, place, self.history)?;
-        }
-        self.ended(stage, &place, None);
-        Ok((place, outcome.fell))
     }
 
     fn release(&mut self) -> Result<Place, Fault> {

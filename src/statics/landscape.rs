@@ -263,10 +263,14 @@ impl<'s, 'm> Landscape<'s, 'm> {
         self.stiffness.negatives(self.system, &self.with_stops(shift))
     }
 
-    /// The size of one radian, or one length of the scene, of every coordinate at once (m √kg).
+    /// The size of one radian, or one length of the scene, of every coordinate that no lock holds at once (m √kg).
     pub(super) fn reach(&self) -> f64 {
-        let unit: Vec<f64> = self.free.iter().map(|i| if self.slides[*i] { self.length } else { 1.0 }).collect();
-        self.size(&unit)
+        let square = |i: &usize, b: f64| b * if self.slides[*i] { self.length.powi(2) } else { 1.0 };
+        let of = match &self.limits {
+            Some(limits) => limits.inertias().map(|(i, b)| square(i, b)).sum::<f64>(),
+            None => self.free.iter().zip(&self.metric).map(|(i, b)| square(i, *b)).sum(),
+        };
+        of.sqrt()
     }
 
     /// Where the stiffness is negative by more than `shift` (a diagonal) at the place last looked at: a direction to look for

@@ -38,6 +38,10 @@ const MOST_SHIFTS: usize = 40;
 /// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
 /// next to nothing a long chain crumples, and takes four times as long to unfold.
 const WORTH: f64 = 0.1;
+/// A search that in so many steps neither falls by this part of all that it has fallen nor halves its least residual makes no
+/// progress: forty thousand such steps would gain less than a ten-thousandth.
+const WINDOW: usize = 500;
+const PROGRESS: f64 = 1e-6;
 /// A scene that has moved downhill by this many of its own lengths, or of the guess's distance from where its springs
 /// are relaxed, has no equilibrium.
 const FAR: f64 = 1e6;
@@ -75,15 +79,13 @@ pub(super) fn run(
     history: &mut Vec<Iteration>,
 ) -> Result<Outcome, Fault> {
     let potential = landscape.potential(&place.q);
-    let length = landscape.model().length_scale();
-    let slides = super::landscape::slides(landscape.model());
     // One radian, or one length of the scene, of every coordinate at once.
-    let unit: Vec<f64> = landscape.free.iter().map(|i| if slides[*i] { length } else { 1.0 }).collect();
-    let radius = landscape.size(&unit);
+    let radius = landscape.reach();
     let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
     let mut search = Search { landscape, radius, first_radius: radius, potential, shift: 0.0, bent: false, outcome };
     let mut travelled = 0.0;
+    let mut progress = Progress { first: potential, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
     let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
     let least = (LEAST_SWEEPS / links).clamp(LEAST_ITERATIONS[0], LEAST_ITERATIONS[1]);
     let most = (MOST_WORK / work).clamp(least, MOST_ITERATIONS);
@@ -103,12 +105,34 @@ pub(super) fn run(
         }
         let Some(step) = search.step(history)? else { break };
         travelled += step;
+        progress.least = progress.least.min(search.outcome.place.residual().0);
+        if iteration % WINDOW == WINDOW - 1 && !progress.goes_on(search.potential) {
+            break;
+        }
         if travelled > far {
             search.outcome.fell = true;
             break;
         }
     }
     Ok(search.outcome)
+}
+
+/// What the steps have gained since it was last asked.
+struct Progress {
+    first: f64,
+    last: f64,
+    /// The least residual when it was last asked, and now.
+    residual: f64,
+    least: f64,
+}
+
+impl Progress {
+    fn goes_on(&mut self, potential: f64) -> bool {
+        let fell = self.last - potential > PROGRESS * (self.first - potential);
+        let halved = self.least < 0.5 * self.residual;
+        (self.last, self.residual) = (potential, self.least);
+        fell || halved
+    }
 }
 
 /// How far turns and slides are from where their springs are relaxed (m √kg).

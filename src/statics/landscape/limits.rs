@@ -57,6 +57,11 @@ impl Limits {
         })
     }
 
+    /// `B` of every coordinate that no lock holds.
+    pub(super) fn inertias(&self) -> impl Iterator<Item = (&usize, f64)> {
+        self.unlocked.iter().map(|i| (i, self.inertia[*i]))
+    }
+
     /// Energy of the compliant stops (J).
     pub(super) fn potential(&self, q: &[f64]) -> f64 {
         self.pressed(q).map(|(_, stiffness, depth)| 0.5 * stiffness * depth * depth).sum()
