@@ -6,6 +6,7 @@
 //!           σ ← σ + (|x|/Δ − 1) |x|² / (xᵀ B y),   (K + σB) y = B x
 //! ```
 //!
+//! Where `|x(σ)|_B < Δ` for every σ that makes `K + σB` definite (the hard case) the lowest mode makes up the rest.
 //! `B` is the inertia that each hinge sees, so radians and metres compare. With σ = 0 the step is Newton's. At a point
 //! without force where K has negative directions (a saddle, a dead centre) the search leaves along
 //! one of them.
@@ -31,6 +32,8 @@ const LEAST_ITERATIONS: [usize; 2] = [400, 4000];
 const LEAST_SWEEPS: usize = 4_000_000;
 /// A search of more steps goes along a valley that bends.
 const BENT: usize = 40;
+/// Inverse iterations for the lowest mode in the hard case, at a shift within a thousandth of its curvature.
+const LOWEST: usize = 4;
 /// Part of a step over which its bend is differenced.
 const PART: f64 = 1e-2;
 /// Trials for one step's shift.
@@ -380,7 +383,38 @@ impl Search<'_, '_, '_> {
             };
         }
         self.shift = best.as_ref().map_or(self.shift, |trial: &Trial| trial.shift);
-        best
+        best.map(|trial| if trial.shift > 0.0 && trial.size < 0.75 * radius { self.with_lowest(trial) } else { trial })
+    }
+
+    /// The hard case of Moré and Sorensen: forces without a part along the lowest mode `z`, as in a symmetric pose, leave
+    /// `x(σ)` within the region for every `σ > −λ₁`. The step is then `x + τ z` of size Δ; as `(K + σB) z ≈ 0`, it gains what
+    /// [`Search::predicted`] says with that size.
+    fn with_lowest(&mut self, trial: Trial) -> Trial {
+        if !self.landscape.factorize(trial.shift) {
+            return trial;
+        }
+        let metric = self.landscape.metric.clone();
+        let mut z: Vec<f64> =
+            metric.iter().enumerate().map(|(i, b)| (0.5 + (i as f64 * 1.618_033_988_75).fract()) / b.sqrt()).collect();
+        let mut size = self.landscape.size(&z);
+        for _ in 0..LOWEST {
+            let weighted: Vec<f64> = z.iter().zip(&metric).map(|(z, b)| b * z / size).collect();
+            z = self.landscape.solve(&weighted);
+            size = self.landscape.size(&z);
+        }
+        // λ₁ = 1/|(K + σB)⁻¹ B z| − σ.
+        let is_lowest = size.is_finite() && size * trial.shift > 1.0;
+        if !is_lowest {
+            return trial;
+        }
+        z.iter_mut().for_each(|z| *z /= size);
+        let along: f64 = trial.x.iter().zip(&z).zip(&metric).map(|((x, z), b)| b * x * z).sum();
+        let rest = self.radius * self.radius - trial.size * trial.size;
+        let sign = if along < 0.0 { -1.0 } else { 1.0 };
+        let part = -along + sign * (along * along + rest).max(0.0).sqrt();
+        let x: Vec<f64> = trial.x.iter().zip(&z).map(|(x, z)| x + part * z).collect();
+        let size = self.landscape.size(&x);
+        Trial { x, size, shift: trial.shift }
     }
 
     /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls. How short
