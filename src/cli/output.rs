@@ -3,8 +3,8 @@
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// A line on standard output. A reader that went away is no error of ours; a full disk is one.
@@ -68,7 +68,12 @@ fn in_color(terminal: bool) -> bool {
 pub(super) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
+    /// The one of this program: installed by the first call, the same for all later ones.
     pub(super) fn install() -> anyhow::Result<Self> {
+        static INSTALLED: OnceLock<Interrupt> = OnceLock::new();
+        if let Some(installed) = INSTALLED.get() {
+            return Ok(installed.clone());
+        }
         let flag = Arc::new(AtomicBool::new(false));
         let set = flag.clone();
         ctrlc::set_handler(move || {
@@ -76,7 +81,7 @@ impl Interrupt {
                 std::process::exit(130);
             }
         })?;
-        Ok(Self(flag))
+        Ok(INSTALLED.get_or_init(|| Self(flag)).clone())
     }
 
     pub(super) fn requested(&self) -> bool {

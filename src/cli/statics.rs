@@ -1,9 +1,10 @@
 //! `statics`: the equilibrium and what it is.
 
+use super::output::Interrupt;
 use super::{Common, Exit, compare, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
-use crate::statics::{Equilibrium, Method, equilibrium, equilibrium_watched, hold};
+use crate::statics::{Equilibrium, Method, answer, equilibrium_watched};
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -108,7 +109,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&followed.text())?;
     }
     let complete = followed.is_none_or(|followed| followed.path.complete);
-    Ok(if found.converged && complete { Exit::Done } else { Exit::No })
+    Ok(match (found.converged && complete, Interrupt::install()?.requested()) {
+        (true, _) => Exit::Done,
+        (false, true) => Exit::Interrupted,
+        (false, false) => Exit::No,
+    })
 }
 
 pub(super) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
@@ -128,24 +133,18 @@ fn find_watched(
 ) -> anyhow::Result<(Equilibrium, Duration)> {
     let before = Instant::now();
     let context = || format!("{}: statics cannot start", scenario.name);
-    let found = match scenario.unknown.is_empty() {
-        true => match trail {
-            None => equilibrium(model, &scenario.statics, &model.start_position).with_context(context)?,
-            Some(trail) => {
-                let (found, poses) =
-                    equilibrium_watched(model, &scenario.statics, &model.start_position).with_context(context)?;
-                *trail = poses;
-                found
-            }
-        },
-        false => {
-            let pose = &model.start_position;
-            let held = hold(&scenario.description, &scenario.unknown, pose, &scenario.statics).with_context(context)?;
-            (scenario.description, *model) = (held.description, held.model);
-            held.found
-        }
-    };
-    Ok((found, before.elapsed()))
+    let interrupt = Interrupt::install()?;
+    let go_on = || !interrupt.requested();
+    if let Some(trail) = trail.filter(|_| scenario.unknown.is_empty()) {
+        let found = equilibrium_watched(model, &scenario.statics, &model.start_position, &go_on);
+        let (found, poses) = found.with_context(context)?;
+        *trail = poses;
+        return Ok((found, before.elapsed()));
+    }
+    let (description, unknown) = (scenario.description.clone(), &scenario.unknown);
+    let held = answer(description, model.clone(), unknown, &scenario.statics, &go_on).with_context(context)?;
+    (scenario.description, *model) = (held.description, held.model);
+    Ok((held.found, before.elapsed()))
 }
 
 /// What holds the pose beside the scenario file: motor forces that are not zero, and what was unknown.

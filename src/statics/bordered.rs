@@ -94,6 +94,13 @@ impl Bordered {
         Self { solver, free, shift, rest, full, rows: Rows::new(Vec::new()) }
     }
 
+    /// Lets only these coordinates move.
+    pub(super) fn hold_all_but(&mut self, moving: &[usize]) {
+        self.shift.fill(f64::INFINITY);
+        moving.iter().for_each(|i| self.shift[*i] = 0.0);
+        self.free = moving.to_vec();
+    }
+
     /// Gathers what the sweep needs at `q`; the multipliers are in the system.
     pub(super) fn look(
         &mut self,

@@ -19,6 +19,8 @@ use crate::model::Model;
 use crate::model::problem::number;
 use crate::spatial::Wrench;
 
+/// Saddles that are left after Newton's last steps.
+const MOST_SADDLES: usize = 20;
 /// Time steps that the last stage may take, and sweeps over one link: a large scene that fails says so in some tens of
 /// seconds. Hanging chains need 60 steps per link.
 const RELAXATION_STEPS: usize = 30_000;
@@ -102,6 +104,17 @@ pub(super) fn search(
     }
 }
 
+/// A minimum of the potential within limits that the landscape heeds: the first stage alone heeds them.
+pub(super) fn within_limits(
+    landscape: &mut Landscape<'_, '_>,
+    first: Place,
+    history: &mut Vec<Iteration>,
+) -> Result<Found, Fault> {
+    let mut cascade = Cascade::new(landscape, history, &first);
+    let (place, fell) = cascade.trust_region(first)?;
+    Ok(cascade.found(place, fell))
+}
+
 impl Found {
     fn at_once(place: Place) -> Self {
         Self { place, notes: Vec::new(), effort: Effort { stage: "start", ..Effort::default() } }
@@ -156,6 +169,9 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
             return Ok(self.found(place, fell));
         }
         for later in [Self::release, Self::relax] {
+            if !self.landscape.goes_on() {
+                break;
+            }
             let place = later(self)?;
             if place.is_balanced() {
                 // Balance may be a saddle: from there it goes on downhill.
@@ -177,16 +193,22 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
         if place.is_balanced() {
             return Ok(self.found(place, false));
         }
+        if !self.landscape.goes_on() {
+            return Ok(self.found(place, false));
+        }
         let released = self.release()?;
         if released.is_balanced() {
             return Ok(self.found(released, false));
         }
         // Downhill there is one, wherever it is.
-        if self.landscape.conservative {
+        if self.landscape.conservative && self.landscape.goes_on() {
             let (down, fell) = self.trust_region(self.guess.clone())?;
             if down.is_balanced() || fell {
                 return Ok(self.found(down, fell));
             }
+        }
+        if !self.landscape.goes_on() {
+            return Ok(self.found(place, false));
         }
         let relaxed = self.relax()?;
         if relaxed.is_balanced() {
@@ -227,15 +249,30 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
         Ok(self.found(place, false))
     }
 
+    /// Down the potential, and to the last digits. Newton's last steps may end in another balance where the potential is
+    /// flat: from a saddle among those it goes on downhill.
     fn trust_region(&mut self, first: Place) -> Result<(Place, bool), Fault> {
         let (exact, start, potential) = (first.is_exact(), first.q.clone(), self.landscape.potential(&first.q));
         let before = self.history.len();
-        let outcome = trust_region::run(self.landscape, first, self.history)?;
-        for coordinates in &outcome.left {
-            let names: Vec<String> =
-                coordinates.iter().take(3).map(|i| self.landscape.model().label(self.landscape.free[*i])).collect();
-            let more = if coordinates.len() > 3 { ", …" } else { "" };
-            self.notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
+        let mut outcome = trust_region::run(self.landscape, first, self.history)?;
+        let mut shifted = outcome.shifted;
+        self.note_saddles(&outcome.left);
+        if exact && self.history.len() == before {
+            return Ok((outcome.place, false));
+        }
+        for _ in 0..MOST_SADDLES {
+            if !outcome.place.is_balanced() {
+                break;
+            }
+            let unwound = unwind(self.landscape.model(), &start, outcome.place.q);
+            outcome.place = Place::at(self.landscape, unwound)?;
+            outcome.place = polish(self.landscape, outcome.place, self.history)?;
+            let next = trust_region::run(self.landscape, outcome.place.clone(), self.history)?;
+            if next.left.is_empty() {
+                break;
+            }
+            self.note_saddles(&next.left);
+            (outcome, shifted) = (next, true);
         }
         if outcome.fell {
             let drop = number(potential - self.landscape.potential(&outcome.place.q));
@@ -244,18 +281,16 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
                  downhill of it"
             ));
         }
-        if exact && self.history.len() == before {
-            return Ok((outcome.place, false));
+        self.ended(if shifted { "trust region" } else { "newton" }, &outcome.place, None);
+        Ok((outcome.place, outcome.fell))
+    }
+
+    fn note_saddles(&mut self, left: &[Vec<usize>]) {
+        for coordinates in left {
+            let names: Vec<String> = coordinates.iter().take(3).map(|i| self.landscape.model().label(*i)).collect();
+            let more = if coordinates.len() > 3 { ", …" } else { "" };
+            self.notes.push(format!("left an unstable equilibrium along {}{more}", names.join(", ")));
         }
-        let stage = if outcome.shifted { "trust region" } else { "newton" };
-        let mut place = outcome.place;
-        if place.is_balanced() {
-            let unwound = unwind(self.landscape.model(), &start, place.q);
-            place = Place::at(self.landscape, unwound)?;
-            place = polish(self.landscape, place, self.history)?;
-        }
-        self.ended(stage, &place, None);
-        Ok((place, outcome.fell))
     }
 
     fn release(&mut self) -> Result<Place, Fault> {
@@ -279,13 +314,14 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
     }
 }
 
-/// Takes off the full turns that the search made in hinges without springs, drives and gears: the same pose, nearest to
+/// Takes off the full turns that the search made in hinges without springs, drives, gears and limits: the same pose, nearest to
 /// the guess.
 fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
     use std::f64::consts::TAU;
     let tied: Vec<usize> = (model.drives.iter().map(|drive| drive.coordinate.velocity))
         .chain(model.gears.iter().flat_map(|gear| gear.coordinates.map(|coordinate| coordinate.velocity)))
         .chain(model.pushed().map(|coordinate| coordinate.velocity))
+        .chain(model.stops.iter().map(|stop| stop.velocity))
         .collect();
     for link in &model.links {
         let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;

@@ -5,7 +5,8 @@ use super::landscape::Landscape;
 use super::search::{BALANCED, Iteration, Place};
 use super::stability::{Stability, Verdict, classify};
 use super::stops::{self, Bearing};
-use super::{Method, Settings, Want, tied};
+use super::watch::Watch;
+use super::{Method, Settings, Want, bounded, tied};
 use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
@@ -104,6 +105,21 @@ pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<
     equilibrium_observed(model, settings, start, &mut || {})
 }
 
+/// The same as long as `go_on`, asked once for every step of the search, says so: after that the answer is what was found until
+/// then, not converged unless it is balanced.
+///
+/// # Errors
+/// As [`equilibrium`].
+pub fn equilibrium_while(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    go_on: &dyn Fn() -> bool,
+) -> Result<Equilibrium, Fault> {
+    let watch = Watch::new(settings.time_limit, go_on);
+    search(model, settings, start, &watch, &mut || {}, None).map(|(found, _)| found)
+}
+
 /// The same; `searched` is called between the search and the certificate, for whoever holds a clock.
 ///
 /// # Errors
@@ -114,10 +130,11 @@ pub fn equilibrium_observed(
     start: &[f64],
     searched: &mut dyn FnMut(),
 ) -> Result<Equilibrium, Fault> {
-    search(model, settings, start, searched, None).map(|(found, _)| found)
+    let watch = Watch::new(settings.time_limit, &|| true);
+    search(model, settings, start, &watch, searched, None).map(|(found, _)| found)
 }
 
-/// The same with the way there: every pose whose forces the search has looked at, the guess first.
+/// As [`equilibrium_while`] with the way there: every pose whose forces the search has looked at, the guess first.
 ///
 /// # Errors
 /// As [`equilibrium`].
@@ -125,21 +142,25 @@ pub fn equilibrium_watched(
     model: &Model,
     settings: &Settings,
     start: &[f64],
+    go_on: &dyn Fn() -> bool,
 ) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
-    search(model, settings, start, &mut || {}, Some(Vec::new()))
+    let watch = Watch::new(settings.time_limit, go_on);
+    search(model, settings, start, &watch, &mut || {}, Some(Vec::new()))
 }
 
 fn search(
     model: &Model,
     settings: &Settings,
     start: &[f64],
+    watch: &Watch<'_>,
     searched: &mut dyn FnMut(),
     mut trail: Option<Vec<Vec<f64>>>,
 ) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
     if model.stops.is_empty() {
-        return search_free(model, settings, start, searched, trail);
+        return search_free(model, settings, start, watch, searched, trail);
     }
-    let found = stops::search(model, settings, start, searched, trail.as_mut())?;
+    let mut found = stops::search(model, settings, start, watch, searched, trail.as_mut())?;
+    bounded::examine_weak(model, settings, &mut found)?;
     Ok((found, trail.unwrap_or_default()))
 }
 
@@ -148,12 +169,14 @@ pub(super) fn search_free(
     model: &Model,
     settings: &Settings,
     start: &[f64],
+    watch: &Watch<'_>,
     searched: &mut dyn FnMut(),
     trail: Option<Vec<Vec<f64>>>,
 ) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, start)?;
     landscape.trail = trail;
+    landscape.watch = Some(watch);
     let mut history = Vec::new();
     let first = Place::at(&mut landscape, start.to_vec())?;
     let guess = first.clone();
@@ -164,7 +187,8 @@ pub(super) fn search_free(
         if effort.fell {
             place = guess;
         }
-        notes.push(unbalanced(&mut landscape, &place));
+        let ended = watch.note(effort.stage, place.residual().0);
+        notes.push(ended.unwrap_or_else(|| unbalanced(&mut landscape, &place)));
     }
     let trail = landscape.trail.take().unwrap_or_default();
     Ok((certify(landscape, settings, place, effort, history, notes)?, trail))
@@ -230,7 +254,7 @@ pub(super) fn examine(
 }
 
 /// Names what is not balanced: hinge, body, force and direction.
-fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
+pub(super) fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
     let (_, largest) = place.residual();
     let Some(worst) = unresisted(landscape, place).or(largest) else { return "no residual".to_owned() };
     format!(
@@ -279,7 +303,7 @@ fn direction(landscape: &mut Landscape<'_, '_>, coordinate: usize) -> Option<Vec
     Some(if count == 1 { motion.axis } else { motion.turn.column(coordinate - link.velocity).into_owned() })
 }
 
-fn certify(
+pub(super) fn certify(
     mut landscape: Landscape<'_, '_>,
     settings: &Settings,
     place: Place,

@@ -1,13 +1,18 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
 
+mod limits;
 mod split;
 mod tied;
 
 use super::search::{Place, SHIFT};
 use super::stiffness::Stiffness;
+use super::watch::Watch;
 use crate::dynamics::{Fault, System};
 use crate::model::{Joint, Model};
 use faer::Mat;
+use limits::Limits;
+pub(super) use limits::{Weak, within_limits};
+use std::borrow::Cow;
 use tied::Ties;
 pub(super) use tied::{Branch, by_sweeps};
 
@@ -42,6 +47,10 @@ pub struct Landscape<'s, 'm> {
     rest: Vec<f64>,
     full: Vec<f64>,
     pub(super) ties: Option<Box<Ties<'m>>>,
+    /// Of a tree whose limits are heeded.
+    limits: Option<Box<Limits>>,
+    /// Says whether the search may go on.
+    pub(super) watch: Option<&'s Watch<'s>>,
 }
 
 /// How large the terms are that must cancel in each free coordinate.
@@ -98,6 +107,8 @@ impl<'s, 'm> Landscape<'s, 'm> {
             rest,
             full,
             ties,
+            limits: None,
+            watch: None,
         })
     }
 
@@ -120,6 +131,11 @@ impl<'s, 'm> Landscape<'s, 'm> {
         self.system
     }
 
+    /// Whether the search may go on: asked once for every step.
+    pub(super) fn goes_on(&self) -> bool {
+        self.watch.is_none_or(Watch::goes_on)
+    }
+
     /// The unbalanced force in each free coordinate: `−∂V/∂q` where there is a potential.
     ///
     /// # Errors
@@ -129,8 +145,17 @@ impl<'s, 'm> Landscape<'s, 'm> {
         if self.ties.is_some() {
             return Ok(self.tied_forces(q)?.0);
         }
-        self.system.residual(q, &self.rest, &self.rest, &mut self.full)?;
+        self.take_residual(q)?;
         Ok(self.free.iter().map(|i| -self.full[*i]).collect())
+    }
+
+    /// The residual of all coordinates of a tree in `full`, compliant stops included.
+    fn take_residual(&mut self, q: &[f64]) -> Result<(), Fault> {
+        self.system.residual(q, &self.rest, &self.rest, &mut self.full)?;
+        if let Some(limits) = &self.limits {
+            limits.add_residual(q, &mut self.full);
+        }
+        Ok(())
     }
 
     /// Takes the stiffness at `q` for the solutions that follow.
@@ -139,6 +164,9 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// The element whose numbers are not finite.
     pub fn look(&mut self, q: &[f64]) -> Result<(), Fault> {
         self.stiffnesses += 1;
+        if let Some(limits) = &mut self.limits {
+            limits.look(q, &self.free);
+        }
         if let Some(ties) = &self.ties {
             return if ties.sweeps { self.look_along(q) } else { self.look_densely(q) };
         }
@@ -172,7 +200,15 @@ impl<'s, 'm> Landscape<'s, 'm> {
             return self.stiffness.factorize_along(shift);
         }
         let diagonal: Vec<f64> = self.metric.iter().map(|b| shift * b).collect();
-        self.stiffness.factorize(self.system, &diagonal, true)
+        self.stiffness.factorize(self.system, &self.with_stops(&diagonal), true)
+    }
+
+    /// A diagonal with the stiffness of the compliant stops that are pressed.
+    fn with_stops<'d>(&self, diagonal: &'d [f64]) -> Cow<'d, [f64]> {
+        match &self.limits {
+            Some(limits) => diagonal.iter().zip(&limits.pressed).map(|(d, k)| d + k).collect(),
+            None => Cow::Borrowed(diagonal),
+        }
     }
 
     /// Solves with the last factorization.
@@ -189,7 +225,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// `(K + diag(shift)) x = rhs`; `None` where that is singular.
     pub fn newton_shifted(&mut self, rhs: &[f64], shift: &[f64]) -> Option<Vec<f64>> {
         self.factorizations += 1;
-        if !self.stiffness.factorize(self.system, shift, false) {
+        if !self.stiffness.factorize(self.system, &self.with_stops(shift), false) {
             return None;
         }
         let x = self.stiffness.solve(rhs);
@@ -224,20 +260,24 @@ impl<'s, 'm> Landscape<'s, 'm> {
             return None;
         }
         self.factorizations += 1;
-        self.stiffness.negatives(self.system, shift)
+        self.stiffness.negatives(self.system, &self.with_stops(shift))
     }
 
-    /// The size of one radian, or one length of the scene, of every coordinate at once (m √kg).
+    /// The size of one radian, or one length of the scene, of every coordinate that no lock holds at once (m √kg).
     pub(super) fn reach(&self) -> f64 {
-        let unit: Vec<f64> = self.free.iter().map(|i| if self.slides[*i] { self.length } else { 1.0 }).collect();
-        self.size(&unit)
+        let square = |i: &usize, b: f64| b * if self.slides[*i] { self.length.powi(2) } else { 1.0 };
+        let of = match &self.limits {
+            Some(limits) => limits.inertias().map(|(i, b)| square(i, b)).sum::<f64>(),
+            None => self.free.iter().zip(&self.metric).map(|(i, b)| square(i, *b)).sum(),
+        };
+        of.sqrt()
     }
 
     /// Where the stiffness is negative by more than `shift` (a diagonal) at the place last looked at: a direction to look for
     /// the most negative one from.
     pub fn negative_direction(&mut self, shift: &[f64]) -> Option<Vec<f64>> {
         self.factorizations += 1;
-        self.stiffness.negative_direction(self.system, shift)
+        self.stiffness.negative_direction(self.system, &self.with_stops(shift))
     }
 
     /// The dense stiffness matrix of the free coordinates; symmetric where loads have a potential.
@@ -261,10 +301,12 @@ impl<'s, 'm> Landscape<'s, 'm> {
     /// Potential energy, less the kinetic energy of a steady motion (J).
     pub fn potential(&mut self, q: &[f64]) -> f64 {
         let energies = self.system.energies_at_rest(q, &self.steady);
-        energies.potential - energies.kinetic
+        let stops = self.limits.as_ref().map_or(0.0, |limits| limits.potential(q));
+        energies.potential - energies.kinetic + stops
     }
 
-    /// `q ⊞ x` with `x` in free coordinates, loops closed again: numbers that are not finite where that cannot be done.
+    /// `q ⊞ x` with `x` in free coordinates, loops closed again (numbers that are not finite where that cannot be done) and
+    /// within the limits that are heeded.
     pub fn moved(&mut self, q: &[f64], x: &[f64]) -> Vec<f64> {
         self.full.fill(0.0);
         for (i, x) in self.free.iter().zip(x) {
@@ -272,6 +314,9 @@ impl<'s, 'm> Landscape<'s, 'm> {
         }
         let mut moved = q.to_vec();
         System::displace(self.system.model(), &mut moved, &self.full);
+        if let Some(limits) = &self.limits {
+            limits.project(&mut moved);
+        }
         if !self.close(&mut moved) {
             moved.fill(f64::NAN);
         }
@@ -303,10 +348,23 @@ impl<'s, 'm> Landscape<'s, 'm> {
             self.residuals += 1;
             return self.tied_forces(q);
         }
-        let force = self.force(q)?;
-        let magnitudes = self.system.balance_magnitudes(q);
+        self.residuals += 1;
+        let free = std::mem::take(&mut self.free);
+        let result = self.forces_of(&free, q);
+        self.free = free;
+        result
+    }
+
+    /// The same in these velocity coordinates of a tree.
+    fn forces_of(&mut self, which: &[usize], q: &[f64]) -> Result<(Vec<f64>, Scales), Fault> {
+        self.take_residual(q)?;
+        let force = which.iter().map(|i| -self.full[*i]).collect();
+        let mut magnitudes = self.system.balance_magnitudes(q);
+        if let Some(limits) = &self.limits {
+            limits.add_magnitudes(q, &mut magnitudes);
+        }
         let length = self.length;
-        let pick = |of: &dyn Fn(usize) -> f64| self.free.iter().map(|i| of(*i)).collect::<Vec<f64>>();
+        let pick = |of: &dyn Fn(usize) -> f64| which.iter().map(|i| of(*i)).collect::<Vec<f64>>();
         let stiffness = |i: usize| {
             let per = if self.slides[i] { length } else { 1.0 };
             magnitudes.force[i] / per + magnitudes.stiffness[i]

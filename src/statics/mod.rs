@@ -15,9 +15,13 @@
 //!
 //! Each of the stages above ends with Newton steps until round-off. Nothing is called an equilibrium unless its residual says so.
 
+pub mod answer;
 mod assembled;
 mod bordered;
+mod bounded;
 pub mod cascade;
+mod cone;
+mod copositive;
 pub mod damped;
 pub mod equilibrium;
 pub mod inverse;
@@ -37,10 +41,14 @@ mod stops;
 mod subspace;
 mod tied;
 mod trust_region;
+mod watch;
 
+pub use answer::answer;
 pub use cascade::Stage;
 pub use damped::DampedMode;
-pub use equilibrium::{Equilibrium, Leftover, equilibrium, equilibrium_observed, equilibrium_watched, leftover};
+pub use equilibrium::{
+    Equilibrium, Leftover, equilibrium, equilibrium_observed, equilibrium_watched, equilibrium_while, leftover,
+};
 pub use inverse::{Held, hold};
 pub use settings::{Method, Settings, Want};
 pub use stability::{Mode, Stability, Verdict};

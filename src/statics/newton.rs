@@ -18,7 +18,7 @@ pub(super) fn run(
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
     for _ in 0..MOST_ITERATIONS {
-        if place.is_balanced() {
+        if place.is_balanced() || !landscape.goes_on() {
             break;
         }
         let Some(next) = step(landscape, &place, history)? else { break };

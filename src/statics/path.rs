@@ -18,7 +18,7 @@ mod trace;
 pub(super) use curve::{Curve, Direction, Family, Look, Metric};
 
 use super::assembled::Assembled;
-use super::equilibrium::{Equilibrium, equilibrium};
+use super::equilibrium::{Equilibrium, equilibrium_while};
 use super::stability::Verdict;
 use super::stops::Set;
 use crate::model::description::Description;
@@ -26,6 +26,7 @@ use crate::model::problem::number;
 use crate::model::{Model, Parameter, Stop};
 use crate::spatial::{Pose, Wrench};
 use scene::Moving;
+use std::cell::RefCell;
 use std::collections::VecDeque;
 use stops::Turn;
 use trace::{Tracer, seeds};
@@ -184,7 +185,9 @@ pub fn follow(
     let mut model = Model::build(&first)
         .map_err(|problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
     let assembled = Assembled::of(&mut model)?;
-    let start = equilibrium(&model, statics, &model.start_position).map_err(|fault| fault.to_string())?;
+    let asked = RefCell::new(&mut *go_on);
+    let start = equilibrium_while(&model, statics, &model.start_position, &|| (asked.borrow_mut())(settings.from));
+    let start = start.map_err(|fault| fault.to_string())?;
     let mut path = Path { branches: Vec::new(), complete: start.converged, start, notes: Vec::new() };
     if !path.start.converged {
         let from = number(settings.from);

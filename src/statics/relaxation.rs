@@ -205,7 +205,7 @@ impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
         let mut force = if self.system.model().is_constrained() { self.pull(&q)? } else { self.place.force.clone() };
         let mut velocity = vec![0.0; force.len()];
         let (mut travelled, mut part) = (0.0, 0.5);
-        while self.steps < self.most_steps {
+        while self.steps < self.most_steps && self.landscape.goes_on() {
             self.steps += 1;
             let a = self.acceleration(&q)?;
             for (v, a) in velocity.iter_mut().zip(&a) {

@@ -13,6 +13,7 @@
 use super::landscape::Landscape;
 use super::path::{Curve, Direction, Family, Look, Metric};
 use super::search::{Iteration, Place, SHIFT};
+use super::watch::Watch;
 use crate::dynamics::Fault;
 
 /// Steps along the curve, and their largest size: 1 is all of the load, or a radian or a length of every coordinate.
@@ -62,12 +63,13 @@ pub(super) fn run(
     guess: &Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
+    let watch = landscape.watch;
     let metric = Metric { inertia: landscape.metric.clone(), reach: landscape.reach(), range: 1.0 };
     let held = guess.force.clone();
     let reached = {
         let mut family = Release { landscape, held };
         let mut curve = Curve::new(&mut family, metric);
-        follow(&mut curve, guess, history)
+        follow(&mut curve, guess, history, &|| watch.is_none_or(Watch::goes_on))
     };
     match reached {
         // Without the forces that held the guess, to the last digit.
@@ -77,12 +79,20 @@ pub(super) fn run(
 }
 
 /// Along the curve from λ = 0 to 1; `None` where it does not get there.
-fn follow(curve: &mut Curve<'_>, guess: &Place, history: &mut Vec<Iteration>) -> Option<Vec<f64>> {
+fn follow(
+    curve: &mut Curve<'_>,
+    guess: &Place,
+    history: &mut Vec<Iteration>,
+    go_on: &dyn Fn() -> bool,
+) -> Option<Vec<f64>> {
     let still = vec![0.0; guess.force.len()];
     let towards = Direction { x: still, parameter: 1.0 };
-    let mut here = curve.correct(guess.q.clone(), 0.0, &towards)?;
+    let mut here = curve.correct(guess.q.clone(), 0.0, &towards, LARGEST)?;
     let (mut step, mut travelled) = (0.25 * LARGEST, 0.0);
     for _ in 0..MOST_STEPS {
+        if !go_on() {
+            return None;
+        }
         let Some(next) = curve.step(&here, step) else {
             step *= 0.4;
             if step < SMALLEST {

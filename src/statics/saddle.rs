@@ -38,7 +38,18 @@ pub(super) fn way_out(landscape: &mut Landscape<'_, '_>, place: &Place, potentia
     let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| NEUTRAL * k).collect();
     let first = landscape.negative_direction(&slack)?;
     let direction = fastest(landscape, place, &first).unwrap_or(first);
-    let size = landscape.size(&direction);
+    downhill(landscape, place, &direction, potential, radius)
+}
+
+/// The lowest place that is found along a `direction` of negative curvature, no longer than `radius`; none where none is lower.
+pub(super) fn downhill(
+    landscape: &mut Landscape<'_, '_>,
+    place: &Place,
+    direction: &[f64],
+    potential: f64,
+    radius: f64,
+) -> Option<WayOut> {
+    let size = landscape.size(direction);
     // No further than loops close again.
     let whole: Vec<f64> = direction.iter().map(|d| radius / size * d).collect();
     let whole_part = 1.0 / landscape.stretch(&whole).max(1.0);

@@ -1,12 +1,25 @@
 //! What a user asks of statics.
 
 /// The `(statics)` table.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Which equilibrium.
     pub want: Want,
     /// How it is found.
     pub method: Method,
+    /// How long the search may take (s, > 0; infinite for no limit). A search that it ends says what was found until then.
+    pub time_limit: f64,
+}
+
+impl Settings {
+    /// The time limit of a scene that gives none (s).
+    pub const TIME_LIMIT: f64 = 60.0;
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { want: Want::default(), method: Method::default(), time_limit: Self::TIME_LIMIT }
+    }
 }
 
 /// Which equilibrium is wanted.

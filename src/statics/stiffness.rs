@@ -58,6 +58,19 @@ impl Stiffness {
         Self::Sweep { solver, free: free.to_vec(), shift, rest: vec![0.0; n], full: vec![0.0; n] }
     }
 
+    /// Lets only these coordinates move.
+    pub(super) fn hold_all_but(&mut self, moving: &[usize]) {
+        match self {
+            Self::Sweep { free, shift, .. } => {
+                shift.fill(f64::INFINITY);
+                moving.iter().for_each(|i| shift[*i] = 0.0);
+                *free = moving.to_vec();
+            }
+            Self::Bordered(bordered) => bordered.hold_all_but(moving),
+            Self::Closed { .. } | Self::Dense { .. } => {}
+        }
+    }
+
     pub(super) fn is_dense(&self) -> bool {
         !matches!(self, Self::Sweep { .. } | Self::Bordered(_))
     }

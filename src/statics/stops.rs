@@ -7,7 +7,8 @@
 //! k (q − rest) + k_s (q − limit) = k' (q − rest'),     k' = k + k_s,   rest' = (k rest + k_s limit)/k'        (1)
 //! ```
 //!
-//! so that every search, its certificate and its modes hold for it as they are. The set that bears is found by turns: a
+//! so that every search, its certificate and its modes hold for it as they are. In a tree whose loads have a potential the set
+//! that bears is the active set of a minimum within the limits (see [`crate::statics::bounded`]). Elsewhere it is found by turns: a
 //! coordinate beyond its limit gets its stop, a stop that would have to pull is taken away, and the search starts from the
 //! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. Where a
 //! search ends in no balance, stops in the way of the forces left there are tried.
@@ -16,10 +17,12 @@
 //! that are passed only the first on the way from the guess is added, the loops are brought onto it from there in short
 //! steps, and where they cannot be, it takes the place of the others.
 
+use super::bounded;
 use super::equilibrium::{Equilibrium, search_free};
 use super::landscape::Landscape;
-use super::settings::Settings;
+use super::settings::{Settings, Want};
 use super::stability::Mode;
+use super::watch::Watch;
 use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Stop, StopLaw};
@@ -55,6 +58,33 @@ pub(super) fn search(
     model: &Model,
     settings: &Settings,
     start: &[f64],
+    watch: &Watch<'_>,
+    searched: &mut dyn FnMut(),
+    mut trail: Option<&mut Vec<Vec<f64>>>,
+) -> Result<Equilibrium, Fault> {
+    let (descends, stable) = (bounded::is_for(model, settings), settings.want == Want::Stable);
+    if descends
+        && stable
+        && let Some(found) = bounded::search(model, settings, start, watch, searched, trail.as_deref_mut())?
+    {
+        return Ok(found);
+    }
+    let found = by_turns(model, settings, start, watch, searched, trail.as_deref_mut())?;
+    // The nearest equilibrium was wanted; downhill there is one, wherever it is.
+    if descends
+        && !(stable || found.balanced)
+        && let Some(found) = bounded::search(model, settings, start, watch, searched, trail)?
+    {
+        return Ok(found);
+    }
+    Ok(found)
+}
+
+fn by_turns(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    watch: &Watch<'_>,
     searched: &mut dyn FnMut(),
     mut trail: Option<&mut Vec<Vec<f64>>>,
 ) -> Result<Equilibrium, Fault> {
@@ -70,11 +100,12 @@ pub(super) fn search(
             let alone: Set = set.iter().enumerate().map(last).collect();
             set = if seen.contains(&alone) { vec![0; set.len()] } else { alone };
             if seen.contains(&set) {
-                return nowhere(model, settings, start, searched);
+                return nowhere(model, settings, start, watch, searched);
             }
             continue;
         };
-        let (mut found, way) = search_free(&bearing, settings, &guess, searched, trail.is_some().then(Vec::new))?;
+        let (mut found, way) =
+            search_free(&bearing, settings, &guess, watch, searched, trail.is_some().then(Vec::new))?;
         if let Some(trail) = &mut trail {
             trail.extend(way);
         }
@@ -86,9 +117,10 @@ pub(super) fn search(
             false if model.is_constrained() => first_in_the_way(model, &set, &bearing, &guess)?,
             false => in_the_way(model, &set, start)?,
         };
-        let again = next.filter(|next| !seen.contains(next));
+        let again = next.filter(|next| !seen.contains(next) && watch.goes_on());
         if found.balanced && again.is_none() && revised(model, &set, &bearing, &found, start)?.is_some() {
-            give_up(&mut found);
+            let ended = watch.note(found.stage, found.relative_residual);
+            give_up(&mut found, ended);
         }
         let Some(next) = again else {
             (found.stages, found.iterations, found.force_evaluations) = (stages, steps, evaluations);
@@ -99,11 +131,12 @@ pub(super) fn search(
     }
 }
 
-fn give_up(found: &mut Equilibrium) {
+fn give_up(found: &mut Equilibrium, ended: Option<String>) {
     found.converged = false;
     found.balanced = false;
     found.stability = None;
-    found.notes.push("no set of stops bears this scene: each that was tried lets go or is passed".to_owned());
+    let none = || "no set of stops bears this scene: each that was tried lets go or is passed".to_owned();
+    found.notes.push(ended.unwrap_or_else(none));
 }
 
 /// Where the loops have no position on the stops that were tried: what is found without any, as no equilibrium.
@@ -111,12 +144,14 @@ fn nowhere(
     model: &Model,
     settings: &Settings,
     start: &[f64],
+    watch: &Watch<'_>,
     searched: &mut dyn FnMut(),
 ) -> Result<Equilibrium, Fault> {
     let mut free = model.clone();
     free.stops.clear();
-    let (mut found, _) = search_free(&free, settings, start, searched, None)?;
-    give_up(&mut found);
+    let (mut found, _) = search_free(&free, settings, start, watch, searched, None)?;
+    let ended = watch.note(found.stage, found.relative_residual);
+    give_up(&mut found, ended);
     Ok(found)
 }
 

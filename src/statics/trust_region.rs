@@ -6,12 +6,19 @@
 //!           σ ← σ + (|x|/Δ − 1) |x|² / (xᵀ B y),   (K + σB) y = B x
 //! ```
 //!
+//! Where `|x(σ)|_B < Δ` for every σ that makes `K + σB` definite (the hard case) the lowest mode makes up the rest.
 //! `B` is the inertia that each hinge sees, so radians and metres compare. With σ = 0 the step is Newton's. At a point
 //! without force where K has negative directions (a saddle, a dead centre) the search leaves along
 //! one of them.
+//!
+//! **Rigid limits** bound the coordinates of a tree. The active set is chosen at every place (see
+//! [`crate::statics::landscape`]), the step is that of the free coordinates, a coordinate at its limit that the step would push
+//! beyond is held for it, and every other one ends at its limits. A step that is cut there is measured by `½ fᵀ x`: short
+//! enough it goes along the projected gradient, so that the potential falls.
 
+use super::cone;
 use super::landscape::Landscape;
-use super::saddle::{WayOut, way_out};
+use super::saddle::{WayOut, downhill, way_out};
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
 
@@ -25,6 +32,8 @@ const LEAST_ITERATIONS: [usize; 2] = [400, 4000];
 const LEAST_SWEEPS: usize = 4_000_000;
 /// A search of more steps goes along a valley that bends.
 const BENT: usize = 40;
+/// Inverse iterations for the lowest mode in the hard case, at a shift within a thousandth of its curvature.
+const LOWEST: usize = 4;
 /// Part of a step over which its bend is differenced.
 const PART: f64 = 1e-2;
 /// Trials for one step's shift.
@@ -32,6 +41,10 @@ const MOST_SHIFTS: usize = 40;
 /// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
 /// next to nothing a long chain crumples, and takes four times as long to unfold.
 const WORTH: f64 = 0.1;
+/// A search that in so many steps neither falls by this part of all that it has fallen nor halves its least residual makes no
+/// progress: forty thousand such steps would gain less than a ten-thousandth.
+const WINDOW: usize = 500;
+const PROGRESS: f64 = 1e-6;
 /// A scene that has moved downhill by this many of its own lengths, or of the guess's distance from where its springs
 /// are relaxed, has no equilibrium.
 const FAR: f64 = 1e6;
@@ -40,7 +53,7 @@ const FAR: f64 = 1e6;
 #[derive(Debug, Clone)]
 pub(super) struct Outcome {
     pub place: Place,
-    /// Saddles that were left, each with the coordinates that carried the way out.
+    /// Saddles that were left, each with the velocity coordinates that carried the way out.
     pub left: Vec<Vec<usize>>,
     /// Whether the potential fell without end.
     pub fell: bool,
@@ -52,6 +65,8 @@ struct Search<'l, 's, 'm> {
     landscape: &'l mut Landscape<'s, 'm>,
     /// Δ (m √kg).
     radius: f64,
+    /// Where Δ begins, and begins again after a saddle.
+    first_radius: f64,
     potential: f64,
     /// The shift of the last step: where the search for the next one starts.
     shift: f64,
@@ -67,34 +82,60 @@ pub(super) fn run(
     history: &mut Vec<Iteration>,
 ) -> Result<Outcome, Fault> {
     let potential = landscape.potential(&place.q);
-    let length = landscape.model().length_scale();
-    let slides = super::landscape::slides(landscape.model());
     // One radian, or one length of the scene, of every coordinate at once.
-    let unit: Vec<f64> = landscape.free.iter().map(|i| if slides[*i] { length } else { 1.0 }).collect();
-    let radius = landscape.size(&unit);
+    let radius = landscape.reach();
     let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
-    let mut search = Search { landscape, radius, potential, shift: 0.0, bent: false, outcome };
+    let mut search = Search { landscape, radius, first_radius: radius, potential, shift: 0.0, bent: false, outcome };
     let mut travelled = 0.0;
+    let mut progress = Progress { first: potential, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
     let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
     let least = (LEAST_SWEEPS / links).clamp(LEAST_ITERATIONS[0], LEAST_ITERATIONS[1]);
     let most = (MOST_WORK / work).clamp(least, MOST_ITERATIONS);
     for iteration in 0..most {
+        if !search.landscape.goes_on() {
+            break;
+        }
+        if let Some(place) = search.landscape.choose_active(&search.outcome.place.q)? {
+            search.outcome.place = place;
+        }
         search.bent = iteration >= BENT;
         if search.outcome.place.is_balanced() {
-            if !search.leave_saddle(history)? {
+            if !(search.leave_saddle(history)? || search.leave_stops(history)?) {
                 break;
             }
             continue;
         }
         let Some(step) = search.step(history)? else { break };
         travelled += step;
+        progress.least = progress.least.min(search.outcome.place.residual().0);
+        if iteration % WINDOW == WINDOW - 1 && !progress.goes_on(search.potential) {
+            break;
+        }
         if travelled > far {
             search.outcome.fell = true;
             break;
         }
     }
     Ok(search.outcome)
+}
+
+/// What the steps have gained since it was last asked.
+struct Progress {
+    first: f64,
+    last: f64,
+    /// The least residual when it was last asked, and now.
+    residual: f64,
+    least: f64,
+}
+
+impl Progress {
+    fn goes_on(&mut self, potential: f64) -> bool {
+        let fell = self.last - potential > PROGRESS * (self.first - potential);
+        let halved = self.least < 0.5 * self.residual;
+        (self.last, self.residual) = (potential, self.least);
+        fell || halved
+    }
 }
 
 /// How far turns and slides are from where their springs are relaxed (m √kg).
@@ -136,6 +177,9 @@ impl Search<'_, '_, '_> {
                 self.radius = trial.size.min(self.radius) * (0.9 / stretch).max(0.1);
                 continue;
             }
+            if self.hold_blocked(&trial.x)? {
+                continue;
+            }
             if let Some(size) = self.try_step(&trial, history)? {
                 return Ok(Some(size));
             }
@@ -145,19 +189,47 @@ impl Search<'_, '_, '_> {
         Ok(None)
     }
 
+    /// Holds the coordinates at their limits that a step would push beyond, unless they carry all that is unbalanced.
+    fn hold_blocked(&mut self, x: &[f64]) -> Result<bool, Fault> {
+        let place = &self.outcome.place;
+        let blocked = self.landscape.blocked(&place.q, x);
+        let free = &self.landscape.free;
+        let others = |row: &usize| !blocked.contains(&free[*row]);
+        let unbalanced = |row: usize| {
+            place.force[row].abs() > place.scales.noise[row] + super::search::BALANCED * place.scales.force[row]
+        };
+        if blocked.is_empty() || !(0..free.len()).filter(others).any(unbalanced) {
+            return Ok(false);
+        }
+        self.landscape.hold(&blocked);
+        self.outcome.place = Place::at(self.landscape, self.outcome.place.q.clone())?;
+        self.landscape.look(&self.outcome.place.q)?;
+        Ok(true)
+    }
+
+    /// What a step is expected to gain, `½ (xᵀ f + σ |x|²)` since `xᵀ K x = xᵀ f − σ |x|²`; of one that limits cut `½ xᵀ f`.
+    fn predicted(&self, trial: &Trial, linear: f64, is_cut: bool) -> f64 {
+        if is_cut { 0.5 * linear } else { 0.5 * (linear + trial.shift * trial.size * trial.size) }
+    }
+
     /// Takes the step if the potential falls as the model says, and sets the next radius.
     fn try_step(&mut self, trial: &Trial, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
         let place = &self.outcome.place;
-        let linear: f64 = place.force.iter().zip(&trial.x).map(|(f, x)| f * x).sum();
-        // xᵀ K x = xᵀ f − σ |x|²
-        let predicted = 0.5 * (linear + trial.shift * trial.size * trial.size);
-        let mut q = self.landscape.moved(&place.q, &trial.x);
+        let cut = self.landscape.cut(&place.q, &trial.x);
+        let x = cut.as_ref().unwrap_or(&trial.x);
+        let linear: f64 = place.force.iter().zip(x).map(|(f, x)| f * x).sum();
+        let predicted = self.predicted(trial, linear, cut.is_some());
+        if cut.is_some() && !(predicted > 0.0) {
+            self.radius = 0.3 * trial.size.min(self.radius);
+            return Ok(None);
+        }
+        let mut q = self.landscape.moved(&place.q, x);
         let mut potential = self.landscape.potential(&q);
         // Below the round-off of the potential, and along motions that cost nothing, the forces can tell.
         let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
         let mut ratio = match tiny {
-            true => self.worth_by_forces(trial, linear, &q)? / predicted,
+            true => self.worth_by_forces(x, linear, &q)? / predicted,
             false => (self.potential - potential) / predicted,
         };
         if self.bent
@@ -193,9 +265,9 @@ impl Search<'_, '_, '_> {
 
     /// How far the potential falls along a step, from the forces at both ends: where it is so little that the potential's
     /// own round-off hides it.
-    fn worth_by_forces(&mut self, trial: &Trial, linear: f64, q: &[f64]) -> Result<f64, Fault> {
+    fn worth_by_forces(&mut self, x: &[f64], linear: f64, q: &[f64]) -> Result<f64, Fault> {
         let Ok(force) = self.landscape.force(q) else { return Ok(f64::NAN) };
-        let there: f64 = force.iter().zip(&trial.x).map(|(f, x)| f * x).sum();
+        let there: f64 = force.iter().zip(x).map(|(f, x)| f * x).sum();
         Ok(0.5 * (linear + there))
     }
 
@@ -311,25 +383,85 @@ impl Search<'_, '_, '_> {
             };
         }
         self.shift = best.as_ref().map_or(self.shift, |trial: &Trial| trial.shift);
-        best
+        best.map(|trial| if trial.shift > 0.0 && trial.size < 0.75 * radius { self.with_lowest(trial) } else { trial })
     }
 
-    /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls.
+    /// The hard case of Moré and Sorensen: forces without a part along the lowest mode `z`, as in a symmetric pose, leave
+    /// `x(σ)` within the region for every `σ > −λ₁`. The step is then `x + τ z` of size Δ; as `(K + σB) z ≈ 0`, it gains what
+    /// [`Search::predicted`] says with that size.
+    fn with_lowest(&mut self, trial: Trial) -> Trial {
+        if !self.landscape.factorize(trial.shift) {
+            return trial;
+        }
+        let metric = self.landscape.metric.clone();
+        let mut z: Vec<f64> =
+            metric.iter().enumerate().map(|(i, b)| (0.5 + (i as f64 * 1.618_033_988_75).fract()) / b.sqrt()).collect();
+        let mut size = self.landscape.size(&z);
+        for _ in 0..LOWEST {
+            let weighted: Vec<f64> = z.iter().zip(&metric).map(|(z, b)| b * z / size).collect();
+            z = self.landscape.solve(&weighted);
+            size = self.landscape.size(&z);
+        }
+        // λ₁ = 1/|(K + σB)⁻¹ B z| − σ.
+        let is_lowest = size.is_finite() && size * trial.shift > 1.0;
+        if !is_lowest {
+            return trial;
+        }
+        z.iter_mut().for_each(|z| *z /= size);
+        let along: f64 = trial.x.iter().zip(&z).zip(&metric).map(|((x, z), b)| b * x * z).sum();
+        let rest = self.radius * self.radius - trial.size * trial.size;
+        let sign = if along < 0.0 { -1.0 } else { 1.0 };
+        let part = -along + sign * (along * along + rest).max(0.0).sqrt();
+        let x: Vec<f64> = trial.x.iter().zip(&z).map(|(x, z)| x + part * z).collect();
+        let size = self.landscape.size(&x);
+        Trial { x, size, shift: trial.shift }
+    }
+
+    /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls. How short
+    /// the last steps into the saddle were says nothing about the way out of it.
     fn leave_saddle(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
+        if self.landscape.free.is_empty() {
+            return Ok(false);
+        }
+        self.radius = self.radius.max(self.first_radius);
         let place = &self.outcome.place;
         self.landscape.look(&place.q)?;
-        let Some(WayOut { step: x, potential }) = way_out(self.landscape, place, self.potential, self.radius) else {
-            return Ok(false);
-        };
+        match way_out(self.landscape, place, self.potential, self.radius) {
+            Some(way) => self.leave(way, history).map(|()| true),
+            None => Ok(false),
+        }
+    }
+
+    /// At a balanced place on stops that bear nothing: whether the potential falls off them.
+    fn leave_stops(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
+        let Some(descent) = cone::descent(self.landscape, &self.outcome.place)? else { return Ok(false) };
+        self.landscape.let_go(&descent.leaving);
+        let direction: Vec<f64> = self.landscape.free.iter().map(|i| descent.direction[*i]).collect();
+        let place = Place::at(self.landscape, self.outcome.place.q.clone())?;
+        self.landscape.look(&place.q)?;
+        match downhill(self.landscape, &place, &direction, self.potential, self.radius) {
+            Some(way) => self.leave(way, history).map(|()| true),
+            None => {
+                if let Some(place) = self.landscape.choose_active(&place.q)? {
+                    self.outcome.place = place;
+                }
+                Ok(false)
+            }
+        }
+    }
+
+    fn leave(&mut self, way: WayOut, history: &mut Vec<Iteration>) -> Result<(), Fault> {
+        let WayOut { step: x, potential } = way;
         let step = self.landscape.size(&x);
         let q = self.landscape.moved(&self.outcome.place.q, &x);
         self.outcome.place = Place::at(self.landscape, q)?;
         self.potential = potential;
         self.outcome.shifted = true;
-        self.outcome.left.push(carriers(&x, &self.landscape.metric));
+        let carried = carriers(&x, &self.landscape.metric);
+        self.outcome.left.push(carried.into_iter().map(|row| self.landscape.free[row]).collect());
         let residual = self.outcome.place.residual().0;
         history.push(Iteration { stage: "leave saddle", residual, step, shift: 0.0 });
-        Ok(true)
+        Ok(())
     }
 }
 

@@ -1,5 +1,8 @@
 //! Statics that can be trusted: it finds the equilibrium, proves it, says what it is, or says why there is none.
 
+mod crowns;
+mod limits;
+
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Vector3};
 use stillpoint::dynamics::System;

@@ -24,7 +24,7 @@ fn wild(seed: u64) -> Description {
 }
 
 fn find(model: &Model, method: Method) -> Equilibrium {
-    let settings = Settings { want: Want::Any, method };
+    let settings = Settings { want: Want::Any, method, ..Settings::default() };
     equilibrium(model, &settings, &model.start_position).expect("the guess can be evaluated")
 }
 

@@ -42,7 +42,8 @@ axis = [0.0, 1.0, 0.0]
 "#;
 
 fn by(method: Method, model: &Model) -> Equilibrium {
-    equilibrium(model, &Settings { method, want: Want::Stable }, &model.start_position).expect("statics")
+    equilibrium(model, &Settings { method, want: Want::Stable, ..Settings::default() }, &model.start_position)
+        .expect("statics")
 }
 
 /// Largest distance of a root marker, and largest angle between bodies.

@@ -12,7 +12,7 @@ use stillpoint::statics::{Equilibrium, Method, Settings, Verdict, Want, equilibr
 const BASELINES: [Method; 2] = [Method::Relaxation, Method::Lagrange];
 
 fn by(method: Method, model: &Model, start: &[f64]) -> Equilibrium {
-    equilibrium(model, &Settings { method, want: Want::Stable }, start).expect("statics")
+    equilibrium(model, &Settings { method, want: Want::Stable, ..Settings::default() }, start).expect("statics")
 }
 
 /// Rods of 0.1 kg and 0.1 m, one below the other, each bent against the one before.
@@ -91,7 +91,7 @@ fn lagrange_has_the_exact_tangent_of_every_hinge_and_force() {
     for seed in 0..60 {
         let options = Options { bodies: 4, springs: true, welds: true };
         let model = build(&random_scene(seed, &options));
-        let any = |method| Settings { method, want: Want::Any };
+        let any = |method| Settings { method, want: Want::Any, ..Settings::default() };
         let Ok(near) = equilibrium(&model, &any(Method::Auto), &model.start_position) else { continue };
         if !near.balanced || near.stability.as_ref().is_none_or(|s| s.verdict == Verdict::Neutral) {
             continue;

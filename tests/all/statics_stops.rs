@@ -50,7 +50,8 @@ fn the_stops_of_the_arm_bear_the_moments_of_its_weights() {
     // All methods say the same, from where Newton alone does not stand the hand upright.
     let near_by = [0.3, 0.0, 1.2];
     for method in Method::ALL {
-        let other = equilibrium(&model, &Settings { method, want: Want::Stable }, &near_by).expect("statics");
+        let other = equilibrium(&model, &Settings { method, want: Want::Stable, ..Settings::default() }, &near_by)
+            .expect("statics");
         assert!(other.converged, "{method:?}: {:?}", other.notes);
         near(stop(&other, "`upper`").load, rigid.load, 1e-6);
         near(other.position[1], elbow, 1e-8);

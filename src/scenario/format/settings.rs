@@ -65,6 +65,14 @@ pub const STATICS: Table = Table {
         Key::new("want", Kind::Choice(WANTS), "Which equilibrium.").default("\"stable\"").example("\"stable\""),
         Key::new("method", Kind::Choice(METHODS), "How it is found.").default("\"auto\"").example("\"newton\""),
         Key::new(
+            "time_limit",
+            POSITIVE,
+            "How long the search may take; one that takes longer ends without an equilibrium and says what it found until then.",
+        )
+        .unit("s")
+        .default("60.0")
+        .example("600.0"),
+        Key::new(
             "unknown",
             Kind::List(&Kind::Text, &[]),
             "Inverse statics: the pose is given, and these numbers of the scene are found so that they hold it.",

@@ -16,6 +16,8 @@ use super::super::search::Place;
 
 /// Corrector iterations of one step.
 const MOST_ITERATIONS: usize = 9;
+/// How far a guess next to a solution may be corrected.
+const NEAR: f64 = 1e-4;
 /// Tangents of neighbouring points differ by less than this angle (cosine: 18 degrees).
 const STRAIGHT: f64 = 0.95;
 
@@ -76,6 +78,15 @@ impl Metric {
         positions / (self.reach * self.reach) + a.parameter * b.parameter / (self.range * self.range)
     }
 
+    /// Square of the distance from the origin to the segment between two points.
+    pub(in super::super) fn square_to_segment(&self, a: &Direction, b: &Direction) -> f64 {
+        let x = a.x.iter().zip(&b.x).map(|(a, b)| b - a).collect();
+        let along = Direction { x, parameter: b.parameter - a.parameter };
+        let (square, length) = (self.dot(a, a), self.dot(&along, &along));
+        let part = if length > 0.0 { (-self.dot(a, &along) / length).clamp(0.0, 1.0) } else { 0.0 };
+        square + part * (2.0 * self.dot(a, &along) + part * length)
+    }
+
     /// The direction of unit length; `None` where it has none.
     pub(in super::super) fn unit(&self, direction: &Direction) -> Option<Direction> {
         let size = self.dot(direction, direction).sqrt();
@@ -99,9 +110,16 @@ impl<'f> Curve<'f> {
         Self { family, metric, reason: String::new(), sharp: false }
     }
 
-    /// The solution nearest to a guess within the plane across `normal`.
-    pub(in super::super) fn correct(&mut self, q: Vec<f64>, parameter: f64, normal: &Direction) -> Option<Point> {
-        let (mut q, mut parameter) = (q, parameter);
+    /// The solution nearest to a guess within the plane across `normal`, no further than `within` from the guess (arclength
+    /// of all corrections together): from further away the corrector may end on any other branch.
+    pub(in super::super) fn correct(
+        &mut self,
+        q: Vec<f64>,
+        parameter: f64,
+        normal: &Direction,
+        within: f64,
+    ) -> Option<Point> {
+        let (mut q, mut parameter, mut travelled) = (q, parameter, 0.0);
         let mut before = f64::INFINITY;
         for iterations in 0..MOST_ITERATIONS {
             let look = match self.family.look(&q, parameter) {
@@ -135,6 +153,12 @@ impl<'f> Curve<'f> {
             }
             q = self.family.moved(&look.place.q, &step);
             parameter += by;
+            let correction = Direction { x: step, parameter: by };
+            travelled += self.metric.dot(&correction, &correction).sqrt();
+            if !(travelled <= within) {
+                "the corrector leaves the neighbourhood of its guess".clone_into(&mut self.reason);
+                return None;
+            }
         }
         "the corrector does not converge".clone_into(&mut self.reason);
         None
@@ -144,7 +168,7 @@ impl<'f> Curve<'f> {
     pub(in super::super) fn ahead(&mut self, from: &Point, s: f64) -> Option<Point> {
         let x: Vec<f64> = from.ahead.x.iter().map(|x| s * x).collect();
         let q = self.family.moved(&from.place.q, &x);
-        self.correct(q, from.parameter + s * from.ahead.parameter, &from.ahead)
+        self.correct(q, from.parameter + s * from.ahead.parameter, &from.ahead, s.abs().max(NEAR))
     }
 
     /// The same where it surely belongs to the same curve.

@@ -85,12 +85,12 @@ impl Tracer<'_> {
         for sign in [went, -went] {
             let still = vec![0.0; self.moving.metric().inertia.len()];
             let towards = Direction { x: still, parameter: sign };
-            let look = AHEAD * self.settings.step;
+            let (look, step) = (AHEAD * self.settings.step, self.settings.step);
             let mut curve = self.curve();
-            let Some(point) = curve.correct(q.clone(), parameter, &towards) else { continue };
+            let Some(point) = curve.correct(q.clone(), parameter, &towards, step) else { continue };
             let Some(beside) = curve.ahead(&point, look) else { continue };
             if clear(&mut self.moving, &stop, side, now != 0, &beside).is_ok_and(|[clear, _]| clear > 0.0) {
-                return Some(Seed { point, parent: Some(parent) });
+                return Some(Seed { point, parent: Some(parent), beside: step });
             }
         }
         None

@@ -10,8 +10,12 @@ use crate::statics::stability::Verdict;
 const SMALLEST: f64 = 1e-6;
 /// Bodies that are named at an event.
 const MOST_CARRIERS: usize = 5;
-/// How far branches are looked for beside a bifurcation, in largest steps.
-const BESIDE: [f64; 4] = [1.0, 2.5, 0.5, 0.2];
+/// How far branches are looked for beside a bifurcation, in largest steps; corrected by no more than that their first points
+/// are within one step of it.
+const BESIDE: [f64; 4] = [0.7, 0.4, 0.2, 0.1];
+/// A seed lies on a branch that is nearer to it than this part of its distance from the bifurcation: chords of a branch leave
+/// it by up to 0.04 of a step.
+const ON: f64 = 0.4;
 
 /// What follows branches.
 pub(super) struct Tracer<'a> {
@@ -23,6 +27,8 @@ pub(super) struct Tracer<'a> {
 pub(super) struct Seed {
     pub(super) point: Point,
     pub(super) parent: Option<(usize, usize)>,
+    /// Distance from the bifurcation that it leaves (arclength); 0 for others.
+    pub(super) beside: f64,
 }
 
 /// A point on the way between two others, by arclength from the first.
@@ -49,20 +55,19 @@ impl<'a> Tracer<'a> {
         let still = vec![0.0; self.moving.metric().inertia.len()];
         let towards = Direction { x: still, parameter: to - from };
         let mut curve = self.curve();
-        let point = curve.correct(q.to_vec(), from, &towards).ok_or(curve.reason)?;
-        Ok(Seed { point, parent: None })
+        let point = curve.correct(q.to_vec(), from, &towards, f64::INFINITY).ok_or(curve.reason)?;
+        Ok(Seed { point, parent: None, beside: 0.0 })
     }
 
     /// Whether a seed lies on a branch that was followed already.
     pub(super) fn is_on(&self, seed: &Seed, branch: &Branch) -> bool {
-        let Some(_) = seed.parent else { return false };
-        let near = 0.6 * self.settings.step;
-        let distance = |point: &PathPoint| {
+        let away = |point: &PathPoint| {
             let x = self.moving.apart(&seed.point.place.q, &point.position);
-            let apart = Direction { x, parameter: point.parameter - seed.point.parameter };
-            self.moving.metric().dot(&apart, &apart).sqrt()
+            Direction { x, parameter: point.parameter - seed.point.parameter }
         };
-        branch.points.iter().any(|point| distance(point) < near)
+        let near = (ON * seed.beside).powi(2);
+        let all: Vec<Direction> = branch.points.iter().map(away).collect();
+        all.windows(2).any(|pair| self.moving.metric().square_to_segment(&pair[0], &pair[1]) < near)
     }
 
     /// Follows a branch from its seed to its end; tells how it goes on where that is at a stop.
@@ -339,13 +344,13 @@ impl<'a> Tracer<'a> {
     /// The point of the curve at exactly this value of the parameter.
     fn landing(&mut self, a: &Point, ends: [(f64, f64); 2], value: f64) -> Option<(f64, Point)> {
         let [low, high] = ends.map(|(s, parameter)| (s, parameter - value));
-        let small = 1e-13 * self.moving.metric().range;
+        let (small, near) = (1e-13 * self.moving.metric().range, self.settings.step);
         let mut curve = self.curve();
         let (s, point) = curve.root(a, [low, high], small, &mut |_, point| Some(point.parameter - value))?;
         // Exactly there: across the parameter.
         let still = vec![0.0; point.ahead.x.len()];
         let across = Direction { x: still, parameter: 1.0 };
-        let exact = curve.correct(point.place.q.clone(), value, &across);
+        let exact = curve.correct(point.place.q.clone(), value, &across, near);
         let turned = exact.map(|exact| Point { ahead: point.ahead.clone(), ..exact });
         Some((s, turned.unwrap_or(point)))
     }
@@ -387,31 +392,51 @@ pub(super) fn seeds(tracer: &mut Tracer<'_>, branch: &Branch, index: usize, note
     let mut found = Vec::new();
     for (at, point) in branch.points.iter().enumerate() {
         let Some(event) = point.event.as_ref().filter(|event| event.kind == EventKind::Bifurcation) else { continue };
+        let value = crate::model::problem::number(point.parameter);
         if event.directions > 1 {
-            let value = crate::model::problem::number(point.parameter);
-            notes.push(format!(
-                "{} directions cost nothing at once at {value}: the branches that leave there are not followed",
-                event.directions
-            ));
+            let count = if event.directions == 2 { "double".to_owned() } else { format!("{}-fold", event.directions) };
+            notes.push(format!("{count} bifurcation at {value}: its branches are not followed"));
             continue;
         }
-        let Ok(place) = tracer.moving.place(&point.position, point.parameter) else { continue };
-        let still = vec![0.0; tracer.moving.metric().inertia.len()];
-        let ahead = Direction { x: still, parameter: 1.0 };
-        let base = Point { place, parameter: point.parameter, ahead, iterations: 0 };
-        let Some(null) = tracer.null(&base) else { continue };
-        let across = Direction { x: null, parameter: 0.0 };
-        let Some(across) = tracer.moving.metric().unit(&across) else { continue };
-        for sign in [1.0, -1.0] {
-            let normal = Direction { x: across.x.iter().map(|x| sign * x).collect(), parameter: 0.0 };
-            let beside = BESIDE.iter().find_map(|part| {
-                let size = part * tracer.settings.step;
-                let x: Vec<f64> = normal.x.iter().map(|x| size * x).collect();
-                let q = tracer.moving.moved(&base.place.q, &x);
-                tracer.curve().correct(q, base.parameter, &normal)
-            });
-            found.extend(beside.map(|point| Seed { point, parent: Some((index, at)) }));
+        let beside = tracer.beside(point, (index, at));
+        if beside.len() < 2 {
+            let sides = if beside.is_empty() { "either side" } else { "one side" };
+            notes.push(format!("bifurcation at {value}: no branch was found within a step of it on {sides}"));
         }
+        found.extend(beside);
     }
     found
+}
+
+impl Tracer<'_> {
+    /// The first points of the branch that crosses at a bifurcation, one on either side: within a step of it, and within the
+    /// range of the parameter.
+    fn beside(&mut self, point: &PathPoint, parent: (usize, usize)) -> Vec<Seed> {
+        let mut found = Vec::new();
+        let Ok(place) = self.moving.place(&point.position, point.parameter) else { return found };
+        let still = vec![0.0; self.moving.metric().inertia.len()];
+        let ahead = Direction { x: still, parameter: 1.0 };
+        let base = Point { place, parameter: point.parameter, ahead, iterations: 0 };
+        let Some(null) = self.null(&base) else { return found };
+        let across = Direction { x: null, parameter: 0.0 };
+        let Some(across) = self.moving.metric().unit(&across) else { return found };
+        for sign in [1.0, -1.0] {
+            let normal = Direction { x: across.x.iter().map(|x| sign * x).collect(), parameter: 0.0 };
+            let seed = BESIDE.iter().find_map(|part| {
+                let beside = part * self.settings.step;
+                let x: Vec<f64> = normal.x.iter().map(|x| beside * x).collect();
+                let q = self.moving.moved(&base.place.q, &x);
+                let point = self.curve().correct(q, base.parameter, &normal, beside)?;
+                self.is_within_range(point.parameter).then_some(Seed { point, parent: Some(parent), beside })
+            });
+            found.extend(seed);
+        }
+        found
+    }
+
+    fn is_within_range(&self, parameter: f64) -> bool {
+        let (low, high) = (self.settings.from.min(self.settings.to), self.settings.from.max(self.settings.to));
+        let slack = 1e-12 * (high - low);
+        parameter >= low - slack && parameter <= high + slack
+    }
 }
