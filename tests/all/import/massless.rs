@@ -105,10 +105,7 @@ fn joints_that_carry_nothing_are_fixed_if_asked_for() {
         joint("blink", "continuous", ["eye", "lid"], "<mimic joint=\"pan\"/>"),
         joint("mount", "fixed", ["eye", "lens"], ""),
     ));
-    let imported = import(&text, &Options::default());
-    let scenario = scenario::parse("robot.toml", &imported.scenario, &[]).expect("a scenario");
-    let problems = Model::build(&scenario.description).expect_err("nothing determines them");
-    let said: String = problems.iter().map(ToString::to_string).collect();
+    let said = refused(&text);
     assert!(
         said.contains("neither `eye` nor anything it carries has mass") && said.contains("--weld-massless"),
         "{said}"

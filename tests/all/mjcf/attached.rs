@@ -52,7 +52,7 @@ fn what_is_attached_keeps_its_own_settings_and_names() {
     assert_eq!((hinge("w").position[0], hinge("y_q").position[0]), (0.0, 0.0));
     // Its angles are radians, those of the main model degrees.
     assert_eq!((hinge("x_p").limits[0].low, hinge("x_p").limits[0].high), (-1.0, 1.0));
-    assert!((hinge("x_q").frame.euler_angles().1 - 0.5).abs() < 1e-15);
+    assert!((hinge("x_q").frame.euler_angles().1 - 0.5).abs() < 1e-14);
     // Controls of its key: 3 · 2 and 4; those of the main model are zero then.
     assert_eq!((hinge("x_p").force[0], hinge("x_q").force[0]), (6.0, 4.0));
     // Half as dense.
@@ -83,7 +83,7 @@ fn mistakes_in_what_is_attached_are_told() {
     ] {
         let folder = Folder::new(&[("part.xml", PART), ("main.xml", &main(attach))]);
         let refused = folder.import(None).map(|imported| imported.scenario).expect_err(attach).to_string();
-        assert!(refused.contains("main.xml:2: ") && refused.contains(expected) || refused.contains("y_q"), "{refused}");
+        assert!(refused.contains(expected), "{refused}");
     }
     let circle = r#"<mujoco><asset><model name="a" file="main.xml"/></asset></mujoco>"#;
     let refused = Folder::new(&[("main.xml", circle)]).import(None).expect_err("a circle").to_string();
