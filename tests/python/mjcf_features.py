@@ -31,8 +31,8 @@ SOLIDS = {
     ),
 }
 
-# MuJoCo finds the principal axes of a mesh by turning until an angle is below 1e-12, of which 2e-9 of the accelerations were left at
-# most; everything else is round-off.
+# MuJoCo keeps the inertia of a mesh by its principal axes, of which 4e-9 of the accelerations were left at most; everything else is
+# round-off.
 ALIKE = {"difference": 1e-8, "mass": 1e-12, "start": 1e-9}
 
 
