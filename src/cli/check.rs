@@ -1,9 +1,10 @@
 //! `check`: validate only.
 
 use super::{Exit, output};
+use crate::import::{Imported, Taken, counted, ignored_kinds};
 use crate::scenario::{LoadError, Override, load_with, unreadable_meshes};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -28,6 +29,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let mut wrong = 0;
     for path in &arguments.scenarios {
         let name = path.display().to_string();
+        let mut models = Vec::new();
         let errors = match load_with(path, &overrides) {
             Ok(scenario) => {
                 if !arguments.quiet && !scenario.warnings.is_empty() {
@@ -38,7 +40,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
                     for what in unreadable_meshes(&scenario.description) {
                         output::warning(&format!("{name}: {what}; it is not drawn"));
                     }
+                    for model in scenario.models.iter().filter(|model| !model.notes.is_empty()) {
+                        output::note(&said(model));
+                    }
                 }
+                models.extend(scenario.models.iter().map(counts));
                 0
             }
             Err(LoadError::Problems(problems)) => {
@@ -54,10 +60,38 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         if !arguments.json && !arguments.quiet && errors == 0 {
             output::print(&format!("{name}: fine"))?;
         }
-        results.push(json!({ "scenario": name, "valid": errors == 0, "errors": errors }));
+        results.push(json!({ "scenario": name, "valid": errors == 0, "errors": errors, "models": models }));
     }
     if arguments.json {
         output::print(&json!({ "valid": wrong == 0, "scenarios": results }).to_string())?;
     }
     Ok(if wrong == 0 { Exit::Done } else { Exit::Wrong })
+}
+
+/// The file of a model.
+fn file(model: &Imported) -> String {
+    model.sources.first().map(|source| source.path.display().to_string()).unwrap_or_default()
+}
+
+/// `robot.xml: 2 approximated, 5 ignored (geom 3, sensor 2); …`
+fn said(model: &Imported) -> String {
+    let kinds: Vec<String> =
+        ignored_kinds(&model.notes).into_iter().map(|(kind, count)| format!("{kind} {count}")).collect();
+    let kinds = if kinds.is_empty() { String::new() } else { format!(" ({})", kinds.join(", ")) };
+    let file = file(model);
+    format!("{file}: {}{kinds}; `stillpoint convert {file}` lists them", counted(&model.notes))
+}
+
+/// How many notes there are of each kind.
+fn counts(model: &Imported) -> Value {
+    let count = |verdict: Taken| model.notes.iter().filter(|note| note.verdict == verdict).count();
+    let kinds: serde_json::Map<String, Value> =
+        ignored_kinds(&model.notes).into_iter().map(|(kind, count)| (kind, json!(count))).collect();
+    json!({
+        "file": file(model),
+        "used": count(Taken::Used),
+        "approximated": count(Taken::Approximated),
+        "ignored": count(Taken::Ignored),
+        "ignored_kinds": kinds,
+    })
 }

@@ -28,6 +28,9 @@ pub(super) struct Arguments {
     /// Let joints of a URDF move that follow others (<mimic>)
     #[arg(long)]
     no_mimics: bool,
+    /// Fix the joints of a URDF that carry nothing with mass, instead of refusing the model
+    #[arg(long)]
+    weld_massless: bool,
     /// Put this before the name of every body
     #[arg(long, default_value = "")]
     prefix: String,
@@ -49,6 +52,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         key: arguments.key.clone(),
         without_limits: arguments.no_limits,
         without_mimics: arguments.no_mimics,
+        weld_massless: arguments.weld_massless,
         folder: arguments.out.as_deref().filter(|out| out.as_os_str() != "-").map(folder),
         packages: arguments.packages.iter().map(|text| package(text)).collect::<Result<_, _>>()?,
         ..Options::from_environment()

@@ -94,6 +94,18 @@ pub fn counted(notes: &[Note]) -> String {
     said.collect::<Vec<_>>().join(", ")
 }
 
+/// How many of the ignored notes there are for each kind of element (`joint`, `sensor`), the most frequent first.
+pub fn ignored_kinds(notes: &[Note]) -> Vec<(String, usize)> {
+    let mut kinds: BTreeMap<&str, usize> = BTreeMap::new();
+    for note in notes.iter().filter(|note| note.verdict == Taken::Ignored) {
+        let kind = note.element.split_whitespace().next().unwrap_or_default();
+        *kinds.entry(kind.trim_matches(['<', '>', '`'])).or_default() += 1;
+    }
+    let mut kinds: Vec<(String, usize)> = kinds.into_iter().map(|(kind, count)| (kind.to_owned(), count)).collect();
+    kinds.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    kinds
+}
+
 /// Why a model cannot be taken.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
@@ -221,6 +233,8 @@ impl Log {
         }
         for ((_, verdict, what, _), mut elements) in alike {
             elements.sort_by_key(|(place, _)| place.span.start);
+            // What is attached twice is said once.
+            elements.dedup_by(|(one, _), (other, _)| one == other);
             let (place, element) = elements[0].clone();
             let others: Vec<String> =
                 elements.iter().skip(1).take(LISTED).map(|(place, _)| self.line(place).1.to_string()).collect();

@@ -13,11 +13,12 @@
 mod draft;
 mod files;
 mod log;
+mod mend;
 mod mjcf;
 mod urdf;
 mod xml;
 
-pub use log::{Note, Place, Problem, Refused, Source, Taken, counted};
+pub use log::{Note, Place, Problem, Refused, Source, Taken, counted, ignored_kinds};
 
 use crate::text_file;
 use log::Log;
@@ -34,6 +35,8 @@ pub struct Options {
     pub without_limits: bool,
     /// Joints of a URDF that follow others are let go.
     pub without_mimics: bool,
+    /// Joints of a URDF on which nothing with mass or inertia hangs are fixed: their motion would be undetermined.
+    pub weld_massless: bool,
     /// Where the root stands (m).
     pub at: [f64; 3],
     /// How the root is turned: roll, pitch, yaw (rad).
@@ -111,7 +114,7 @@ pub fn import_text(path: &Path, text: String, options: &Options) -> Result<Impor
 }
 
 fn read(log: &Log, path: &Path, options: &Options) -> Option<draft::Draft> {
-    let text = log.text(0);
+    let text = mend::readable(log.text(0), 0, log);
     let document = xml::parse(&text, 0, log)?;
     let root = xml::root(&document, 0, log);
     match root.name() {

@@ -12,8 +12,7 @@ const MOST_NODES: u32 = 4_000_000;
 
 /// Parses a text; what is wrong with it is in the log.
 pub(super) fn parse<'t>(text: &'t str, source: usize, log: &Log) -> Option<Document<'t>> {
-    let options = ParsingOptions { nodes_limit: MOST_NODES, allow_dtd: true, ..ParsingOptions::default() };
-    match Document::parse_with_options(text, options) {
+    match document(text) {
         Ok(document) => Some(document),
         Err(error) => {
             let at = byte_at(text, error.pos().row, error.pos().col);
@@ -21,10 +20,20 @@ pub(super) fn parse<'t>(text: &'t str, source: usize, log: &Log) -> Option<Docum
             // The place is shown beside the message.
             let said = error.to_string();
             let said = said.rsplit_once(" at ").map_or(said.as_str(), |(said, _)| said);
-            log.refuse(Problem::at(Place { source, span }, format!("not valid XML: {said}")));
+            let mut problem = Problem::at(Place { source, span }, format!("not valid XML: {said}"));
+            if matches!(&error, roxmltree::Error::UnknownNamespace(prefix, _) if prefix == "xacro") {
+                problem = problem.help("this is a macro: expand it first, as in `xacro robot.urdf.xacro > robot.urdf`");
+            }
+            log.refuse(problem);
             None
         }
     }
+}
+
+/// The document of a text, within limits.
+pub(super) fn document(text: &str) -> Result<Document<'_>, roxmltree::Error> {
+    let options = ParsingOptions { nodes_limit: MOST_NODES, allow_dtd: true, ..ParsingOptions::default() };
+    Document::parse_with_options(text, options)
 }
 
 /// The byte of a line and a column, both from 1.

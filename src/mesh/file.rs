@@ -22,7 +22,7 @@ pub enum MeshError {
     #[error("the mesh `{}` is larger than {} MiB, the most that is read", .0.display(), LARGEST_MESH >> 20)]
     TooLarge(PathBuf),
     /// A format that is not read.
-    #[error("the mesh `{}` is of a kind that is not read; allowed: .stl, .obj, .gltf, .glb", .0.display())]
+    #[error("the mesh `{}` is of a kind that is not read; allowed: .stl, .obj, .gltf, .glb, .msh", .0.display())]
     Unknown(PathBuf),
     /// Not what its extension says.
     #[error("the mesh `{}` is damaged: {what}", path.display())]

@@ -1,15 +1,18 @@
-//! Triangle meshes from files: STL, OBJ and glTF. For pictures, and where a density is given for mass.
+//! Triangle meshes from files: STL, OBJ, glTF and MSH. For pictures, and where a density is given for mass.
 //!
 //! Numbers are taken as they stand in the file, in its own axes. A file that says more than it holds is refused before
 //! anything of the size that it claims is allocated.
 
 mod file;
 mod gltf;
+mod hull;
+mod msh;
 mod obj;
 mod solid;
 mod stl;
 
 pub use file::{LARGEST_MESH, MeshError};
+pub use hull::{Triangles, hull};
 pub use solid::{NotSolid, Solid};
 
 use std::path::Path;
@@ -28,7 +31,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Reads a mesh; its format is told by the extension of the file: `stl`, `obj`, `gltf`, `glb`.
+    /// Reads a mesh; its format is told by the extension of the file: `stl`, `obj`, `gltf`, `glb`, `msh`.
     ///
     /// # Errors
     /// Where the file cannot be read, is larger than [`LARGEST_MESH`], or is not what its extension says.
@@ -38,6 +41,7 @@ impl Mesh {
             "stl" => stl::read(path),
             "obj" => obj::read(path),
             "gltf" | "glb" => gltf::read(path),
+            "msh" => msh::read(path),
             _ => return Err(MeshError::Unknown(path.to_owned())),
         }?;
         mesh.checked(path)

@@ -6,7 +6,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 const OPTIONS: tobj::LoadOptions =
-    tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
 
 pub(super) fn read(path: &Path) -> Result<Mesh, MeshError> {
     let text = bytes(path)?;
@@ -36,10 +36,30 @@ pub(super) fn read(path: &Path) -> Result<Mesh, MeshError> {
         }
         normals.extend_from_slice(mesh.normals.as_chunks::<3>().0);
         whole.vertices.extend_from_slice(corners);
-        let triangles = mesh.indices.as_chunks::<3>().0;
-        whole.triangles.extend(triangles.iter().map(|corners| corners.map(|corner| corner.saturating_add(first))));
+        let (mut rest, mut arities) = (&mesh.indices[..], mesh.face_arities.iter());
+        while !rest.is_empty() {
+            // Without counts all are triangles.
+            let count = arities.next().map_or(3, |count| *count as usize).clamp(1, rest.len());
+            let (face, others) = rest.split_at(count);
+            whole.triangles.extend(cut(face, corners).iter().map(|it| it.map(|corner| corner.saturating_add(first))));
+            rest = others;
+        }
     }
     whole.normals = (normals.len() == whole.vertices.len()).then_some(normals);
     whole.colors = colored.then_some(colors);
     Ok(whole)
+}
+
+/// A face as triangles. Of four corners, which need not lie in a plane, the shorter diagonal is the edge, as most readers of
+/// this format have it; others are a fan from their first corner.
+fn cut(face: &[u32], corners: &[[f32; 3]]) -> Vec<[u32; 3]> {
+    if let [a, b, c, d] = *face {
+        let apart = |one: u32, other: u32| {
+            let ends = corners.get(one as usize).zip(corners.get(other as usize));
+            ends.map_or(0.0, |(one, other)| one.iter().zip(other).map(|(x, y)| (x - y) * (x - y)).sum::<f32>())
+        };
+        return if apart(a, c) < apart(b, d) { vec![[a, b, c], [a, c, d]] } else { vec![[a, b, d], [b, c, d]] };
+    }
+    let fan = face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]]);
+    fan.collect()
 }

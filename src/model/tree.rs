@@ -177,8 +177,8 @@ impl<'a> Tree<'a> {
                         "neither `{name}` nor anything it carries has mass: its hinge would be undetermined"
                     ),
                     help: Some(format!(
-                        "give it a mass, weld it with a fixed hinge, or give the hinge an armature, as with `--set \
-                         {}.armature=1e-6`",
+                        "give it a mass, weld it with a fixed hinge (`massless = \"weld\"` in `model`, or `convert \
+                         --weld-massless`, for all of a URDF), or give the hinge an armature, as with `--set {}.armature=1e-6`",
                         name.split('[').next().unwrap_or(name)
                     )),
                 });
@@ -285,16 +285,15 @@ fn quaternion(list: &[f64]) -> UnitQuaternion<f64> {
     }
 }
 
-/// Adds a body's mass to the link it is welded to.
+/// Adds a body's mass and inertia to the link it is welded to. Inertia counts also where there is no mass with it.
 fn weld(link: &mut Link, mass: &MassProperties, link_from_body: &Pose) {
-    if mass.mass == 0.0 {
-        return;
-    }
     let center = seen_from(link_from_body, &mass.center);
     let turn = link_from_body.rotation.to_rotation_matrix();
     let about_center = Sym3::symmetric_part(&mass.inertia).turned(turn.matrix());
     let total = link.mass + mass.mass;
-    link.center = (link.mass * link.center + mass.mass * center) / total;
+    if total > 0.0 {
+        link.center = (link.mass * link.center + mass.mass * center) / total;
+    }
     link.mass = total;
     link.inertia += about_center + Sym3::steiner(mass.mass, center);
 }

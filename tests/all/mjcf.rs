@@ -1,6 +1,8 @@
 //! Models of MuJoCo: they move as MuJoCo moves them, and nothing of them is lost in silence.
 
+mod attached;
 mod compare;
+mod features;
 mod losses;
 mod refused;
 mod taken;

@@ -71,7 +71,7 @@ def roll_pitch_yaw(roll, pitch, yaw):
 class Link:
     def __init__(self, element):
         inertial = element.find("inertial")
-        self.mass = mpf(0)
+        self.mass, self.center, self.inertia = mpf(0), ZERO, [ZERO] * 3
         if inertial is None:
             return
         origin, inertia = inertial.find("origin"), inertial.find("inertia")
@@ -144,8 +144,6 @@ class Robot:
 
     def needs(self, link, turn, rate, spin, lift):
         """The force and the moment about its origin that a link needs for its acceleration."""
-        if link.mass == 0:
-            return ZERO, ZERO
         center = turned(turn, link.center)
         inertia = product(product(turn, link.inertia), transposed(turn))
         force = times(link.mass, add(lift, cross(spin, center), cross(rate, cross(rate, center))))

@@ -4,15 +4,15 @@ use super::super::draft::Entry;
 use super::super::log::Taken;
 use super::super::xml::Element;
 use super::couple::find;
-use super::defaults::{ACTUATORS, Defaults, Settled};
+use super::defaults::{ACTUATORS, Settled};
 use super::inertia;
 use super::key::Key;
 use super::lower::Output;
-use super::scene::{Kind, Scene};
-use super::servo::bounded;
+use super::model::{Instance, Model};
+use super::scene::{Acts, Part, Scene};
+use super::servo;
 use super::settings::choice;
 use super::tendon::{Path, Tendons};
-use super::tree::Tree;
 use nalgebra::Vector3;
 
 /// `force = gain · input + bias₀ + bias₁ · length + bias₂ · rate`, with the input `ctrl` or an activation.
@@ -123,67 +123,102 @@ impl Law {
     }
 }
 
-/// What an actuator does at a given input: `constant + slope · length + rate · d(length)/dt`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Acts {
-    pub(super) constant: f64,
-    pub(super) slope: f64,
-    pub(super) rate: f64,
+/// Reads all actuators: what they do is in the hinges and forces then.
+pub(super) fn read<'a>(models: &[Model<'a>], scene: &mut Scene<'a>, tendons: &Tendons, key: &Key, output: &mut Output) {
+    let instances = scene.instances.clone();
+    let of = |instance: &Instance| -> Vec<Settled<'a>> {
+        let Model { tree, defaults, .. } = &models[instance.model];
+        let elements = tree.section("actuator").into_iter().filter(|element| ACTUATORS.contains(&element.name()));
+        elements.map(|element| defaults.of(&element, None)).collect()
+    };
+    // What turns with the joints is part of the inertia that others are reckoned from.
+    for instance in &instances {
+        scene.enter(instance, models);
+        of(instance).iter().for_each(|settled| reflected(settled, scene));
+    }
+    inertia::spring_dampers(scene);
+    // Controls and activations of those that are there; of those before them in their own model.
+    let mut whole = [0; 2];
+    for (place, instance) in instances.iter().enumerate() {
+        scene.enter(instance, models);
+        let mut own = [0; 2];
+        for settled in of(instance) {
+            let law = Law::read(&settled);
+            let counts = if key.is_of(place) { own } else { whole };
+            let start = key.is_for(place).then(|| [key.control(counts[0]), key.activation(counts[1])]);
+            let step = [1, usize::from(law.dynamics != Dynamics::None)];
+            let there = is_attached(&settled, scene, tendons);
+            for (count, step) in own.iter_mut().zip(step).chain(whole.iter_mut().zip(step).filter(|_| there)) {
+                *count += step;
+            }
+            one(&settled, &law, start.unwrap_or_default(), scene, tendons, output);
+        }
+    }
+    servo::settle(scene, output);
 }
 
-/// Reads all actuators: what they do is in the hinges and forces then.
-pub(super) fn read<'a>(
-    tree: &Tree<'a>,
-    defaults: &Defaults<'a>,
+/// Whether what it acts on has been attached with it; MuJoCo leaves it out otherwise.
+fn is_attached(settled: &Settled<'_>, scene: &Scene<'_>, tendons: &Tendons) -> bool {
+    let there = |key: &str, has: &dyn Fn(&str) -> bool| {
+        settled.attribute(key).is_none_or(|at| scene.prefix.is_empty() || has(&scene.full(at.value)))
+    };
+    let joint = |name: &str| scene.names.joints.contains_key(name);
+    let site = |name: &str| scene.names.sites.contains_key(name);
+    there("joint", &joint)
+        && there("jointinparent", &joint)
+        && there("site", &site)
+        && there("tendon", &|name| tendons.has(name))
+        && there("body", &|name| scene.names.bodies.contains_key(name))
+}
+
+/// An actuator with its control and its activation at the start.
+fn one<'a>(
+    settled: &Settled<'a>,
+    law: &Law,
+    [control, activation]: [f64; 2],
     scene: &mut Scene<'a>,
     tendons: &Tendons,
-    key: &Key,
     output: &mut Output,
 ) {
-    let mut activations = 0;
-    let mut elements = tree.section("actuator");
-    elements.retain(|element| ACTUATORS.contains(&element.name()));
-    let all: Vec<Settled<'a>> = elements.iter().map(|element| defaults.of(element, None)).collect();
-    // What turns with the joints is part of the inertia that others are reckoned from.
-    all.iter().for_each(|settled| reflected(settled, scene));
-    inertia::spring_dampers(scene);
-    for (index, settled) in all.into_iter().enumerate() {
-        let element = settled.element;
-        element.text("name");
-        let law = Law::read(&settled);
-        let activation = (law.dynamics != Dynamics::None).then(|| {
-            activations += 1;
-            key.activation(activations - 1)
-        });
-        if !scene.settings.actuation {
-            element.note(Taken::Ignored, "actuation is switched off in `<option>`");
-            transmission(&settled);
-            continue;
-        }
-        if let Some(what) = &law.unknown {
-            element.note(Taken::Ignored, format!("{what}: nothing acts"));
-            transmission(&settled);
-            continue;
-        }
-        let control = clamped(&settled, key.control(index), scene);
-        let input = match (law.dynamics, activation) {
-            (Dynamics::Integrator, Some(activation)) => {
-                if control != 0.0 {
-                    element.note(
-                        Taken::Approximated,
-                        format!("its set point stays at {activation}, although `ctrl` moves it"),
-                    );
-                }
-                activation
-            }
-            (Dynamics::Filter, _) => {
-                element.note(Taken::Approximated, "it acts at once: its filter is left out");
-                control
-            }
-            _ => control,
-        };
-        act(&settled, &law, input, scene, tendons, output);
+    let element = settled.element;
+    element.text("name");
+    let group = settled.number("group").unwrap_or(0.0);
+    let idle = scene.settings.idle_groups.contains(&group);
+    let why = match &law.unknown {
+        _ if !scene.settings.actuation => Some("actuation is switched off in `<option>`".to_owned()),
+        Some(what) if !idle => Some(format!("{what}: nothing acts")),
+        _ => None,
+    };
+    if let Some(why) = why {
+        element.note(Taken::Ignored, why);
+        transmission(settled);
+        return;
     }
+    if idle {
+        // Its force is zero before `forcerange` bounds it, to MuJoCo.
+        let what =
+            format!("`actuatorgroupdisable` switches its group {group} off: no more acts than `forcerange` asks for");
+        element.note(Taken::Used, what);
+        let nothing = Law { gain: [0.0; 3], ..Law::default() };
+        act(settled, &nothing, 0.0, scene, tendons, output);
+        return;
+    }
+    let control = clamped(settled, control, scene);
+    let input = match law.dynamics {
+        Dynamics::Integrator => {
+            if control != 0.0 {
+                let what = format!("its set point stays at {activation}, although `ctrl` moves it");
+                element.note(Taken::Approximated, what);
+            }
+            activation
+        }
+        Dynamics::Filter => {
+            element.note(Taken::Approximated, "it acts at once: its filter is left out");
+            control
+        }
+        Dynamics::None => control,
+    };
+    act(settled, law, input, scene, tendons, output);
 }
 
 /// `armature` and `damping` of the motor, as the joint feels them.
@@ -245,7 +280,14 @@ fn transmission(settled: &Settled<'_>) {
     settled.skip(&KEYS);
 }
 
-fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tendons: &Tendons, output: &mut Output) {
+fn act<'a>(
+    settled: &Settled<'a>,
+    law: &Law,
+    input: f64,
+    scene: &mut Scene<'a>,
+    tendons: &Tendons,
+    output: &mut Output,
+) {
     let element = settled.element;
     let bias = if law.affine_bias { law.bias } else { [0.0; 3] };
     let gain = if law.affine_gain { law.gain } else { [law.gain[0], 0.0, 0.0] };
@@ -257,37 +299,38 @@ fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tend
     let nothing = [acts.constant, acts.slope, acts.rate] == [0.0; 3];
     let limited = settled.limited("forcelimited", "forcerange", scene.settings.autolimits);
     let bounds = settled.vector::<2>("forcerange").filter(|[low, high]| limited && low <= high);
-    let is_servo = acts.slope != 0.0 || acts.rate != 0.0;
-    if let Some([low, high]) = bounds.filter(|_| !is_servo) {
+    if let Some([low, high]) = bounds.filter(|_| !acts.is_servo()) {
         acts.constant = acts.constant.clamp(low, high);
     }
-    let bounds = bounds.filter(|_| is_servo);
+    let bounds = bounds.filter(|_| acts.is_servo());
     let gear = gear(settled);
     let at = |key: &str| settled.attribute(key);
     if let Some(joint) = at("joint").or_else(|| at("jointinparent")) {
         let in_parent = at("jointinparent").is_some();
         let Some(joint) = find(&joint, "joint", &scene.names.joints, scene) else { return };
         if scene.joints[joint].kind.is_scalar() {
-            servo_on(&element, joint, gear[0], (&acts, bounds), scene, output);
-        } else if acts.slope != 0.0 || acts.rate != 0.0 || in_parent {
+            servo::add(joint, Part { element, gear: gear[0], acts, bounds }, scene, output);
+        } else if acts.is_servo() || in_parent {
             element.note(Taken::Ignored, "a servo on a ball or a free joint has no equal here: nothing acts");
         } else {
             let joint = &mut scene.joints[joint];
             joint.acting.force.iter_mut().zip(&gear).for_each(|(force, gear)| *force += gear * acts.constant);
         }
     } else if let Some(tendon) = at("tendon") {
-        match tendons.path(&tendon).cloned() {
+        match tendons.path(&tendon, scene).cloned() {
             Some(Path::Fixed(terms)) => match terms[..] {
-                [(joint, factor)] => servo_on(&element, joint, gear[0] * factor, (&acts, bounds), scene, output),
-                _ if acts.slope == 0.0 && acts.rate == 0.0 => {
+                [(joint, factor)] => {
+                    servo::add(joint, Part { element, gear: gear[0] * factor, acts, bounds }, scene, output);
+                }
+                _ if !acts.is_servo() => {
                     for (joint, factor) in terms {
-                        scene.joints[joint].acting.force[0] += gear[0] * factor * acts.constant;
+                        servo::add(joint, Part { element, gear: gear[0] * factor, acts, bounds }, scene, output);
                     }
                 }
                 _ => element.note(Taken::Ignored, "a servo that pulls several joints has no equal here: nothing acts"),
             },
             Some(Path::Line(sites)) => {
-                bounds.iter().for_each(|range| unbounded(&element, *range));
+                bounds.iter().for_each(|range| servo::unbounded(&element, *range));
                 along(settled, sites, gear[0], &acts, scene, output);
             }
             Some(Path::Other) if !nothing => {
@@ -298,7 +341,7 @@ fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tend
     } else if let Some(site) = at("site") {
         let reference = at("refsite").is_some();
         let Some(site) = find(&site, "site", &scene.names.sites, scene) else { return };
-        if acts.slope != 0.0 || acts.rate != 0.0 || reference && !nothing {
+        if acts.is_servo() || reference && !nothing {
             element.note(Taken::Ignored, "a servo between sites has no equal here: nothing acts");
         } else if acts.constant != 0.0 {
             push(&element, site, &gear, acts.constant, scene, output);
@@ -317,8 +360,8 @@ fn act(settled: &Settled<'_>, law: &Law, input: f64, scene: &mut Scene<'_>, tend
 /// `dampratio`: the bias per rate that gives this damping ratio with the inertia at the reference.
 fn damped(settled: &Settled<'_>, ratio: f64, slope: f64, scene: &Scene<'_>, tendons: &Tendons) -> f64 {
     let joint = settled.attribute("joint").or_else(|| settled.attribute("jointinparent"));
-    let joint = joint.and_then(|joint| Some((*scene.names.joints.get(joint.value)?, 1.0)));
-    let tendon = || match tendons.fixed(&settled.attribute("tendon")?)?[..] {
+    let joint = joint.and_then(|joint| Some((*scene.names.joints.get(&scene.full(joint.value))?, 1.0)));
+    let tendon = || match tendons.fixed(&settled.attribute("tendon")?, scene)?[..] {
         [one] => Some(one),
         _ => None,
     };
@@ -332,53 +375,6 @@ fn damped(settled: &Settled<'_>, ratio: f64, slope: f64, scene: &Scene<'_>, tend
     let rate = -2.0 * ratio * (-slope * mass).sqrt();
     settled.element.note(Taken::Used, format!("`dampratio`: kv = {}, from the inertia {mass} that it moves", -rate));
     rate
-}
-
-/// What acts in a joint, in bounds where it has them.
-fn servo_on(
-    element: &Element<'_>,
-    joint: usize,
-    gear: f64,
-    (acts, bounds): (&Acts, Option<[f64; 2]>),
-    scene: &mut Scene<'_>,
-    output: &mut Output,
-) {
-    if let Some(range) = bounds {
-        if bounded(element, joint, gear, acts, range, scene, output) {
-            return;
-        }
-        unbounded(element, range);
-    }
-    on_joint(element, joint, gear, acts, scene);
-}
-
-fn unbounded(element: &Element<'_>, [low, high]: [f64; 2]) {
-    element.note(Taken::Ignored, format!("`forcerange = {low} {high}`: its force has no bounds here"));
-}
-
-/// `force = gear · (…)`, `length = gear · qpos`.
-fn on_joint(element: &Element<'_>, joint: usize, gear: f64, acts: &Acts, scene: &mut Scene<'_>) {
-    let joint = &mut scene.joints[joint];
-    if joint.kind != Kind::Hinge && joint.kind != Kind::Slide {
-        return;
-    }
-    let damping = -acts.rate * gear * gear;
-    if damping < 0.0 {
-        element
-            .note(Taken::Ignored, format!("it drives with {} per unit of speed: no damper is negative here", -damping));
-    } else {
-        joint.acting.damping += damping;
-    }
-    let force = gear * (acts.constant + acts.slope * gear * joint.reference);
-    if acts.slope == 0.0 {
-        joint.acting.force[0] += force;
-        return;
-    }
-    let stiffness = -acts.slope * gear * gear;
-    joint.acting.spring(stiffness, force / stiffness);
-    let what =
-        format!("a spring in the hinge of `{}`, relaxed where it holds still ({})", joint.name, force / stiffness);
-    element.note(Taken::Used, what);
 }
 
 /// A servo along the line between two sites is a spring.

@@ -2,77 +2,100 @@
 
 use super::super::log::{Problem, Taken};
 use super::super::xml::Element;
-use super::defaults::{Defaults, Settled};
-use super::geom::{self, Assets};
+use super::defaults::Settled;
+use super::geom;
 use super::joint;
 use super::mass;
+use super::model::{Instance, Model};
 use super::pose;
 use super::scene::{Body, Names, Scene, Site, WORLD};
-use super::settings::{FromGeoms, Settings};
-use super::tree::Tree;
+use super::settings::FromGeoms;
 use crate::model::description::{GROUND, MassProperties};
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// The most elements that `<replicate>` may make.
 const MOST_COPIES: usize = 100_000;
 
-/// Reads the bodies of a model.
-pub(super) fn read<'a>(tree: &Tree<'a>, defaults: &Defaults<'a>, settings: &Settings, assets: &Assets) -> Scene<'a> {
+/// More levels of elements than any model has, with what is attached.
+const DEEPEST: usize = 300;
+
+/// Reads the bodies of a model, by its place in the list, and of those that it attaches.
+pub(super) fn read<'a>(models: &[Model<'a>], at: usize) -> Scene<'a> {
+    let main = &models[at];
     let mut walk = Walk {
-        tree: *tree,
-        defaults,
-        assets,
+        models,
+        at,
         scene: Scene {
-            settings: settings.clone(),
+            settings: main.settings.clone(),
             bodies: Vec::new(),
             joints: Vec::new(),
             sites: Vec::new(),
             names: Names::default(),
+            prefix: String::new(),
+            instances: Vec::new(),
         },
         copies: 0,
+        attached: 0,
+        level: 0,
     };
-    walk.add_body(tree.root, "world".to_owned(), WORLD, Isometry3::identity());
-    for world in tree.all(&tree.root, "worldbody") {
-        let class = world.attribute("childclass").and_then(|class| defaults.class(&class));
-        let around = Around { body: WORLD, frame: Isometry3::identity(), class, suffix: String::new(), weighs: false };
-        let mut parts = Parts::default();
-        walk.children(&world, &around, &mut parts);
-    }
+    walk.add_body(main.tree.root, "world".to_owned(), WORLD, Isometry3::identity());
+    let around =
+        Around { body: WORLD, frame: Isometry3::identity(), class: None, suffix: String::new(), weighs: false };
+    walk.world(&around, &mut Parts::default());
+    let bodies = 0..walk.scene.bodies.len();
+    walk.scene.instances.push(Instance { model: at, prefix: String::new(), bodies });
     walk.scene
 }
 
-struct Walk<'w, 'a> {
-    tree: Tree<'a>,
-    defaults: &'w Defaults<'a>,
-    assets: &'w Assets,
-    scene: Scene<'a>,
-    /// Elements that `<replicate>` has made.
+pub(super) struct Walk<'w, 'a> {
+    pub(super) models: &'w [Model<'a>],
+    /// The model whose elements are being read.
+    pub(super) at: usize,
+    pub(super) scene: Scene<'a>,
+    /// Elements that `<replicate>` and `<attach>` have made.
     copies: usize,
+    /// How many `<attach>` are within each other.
+    pub(super) attached: usize,
+    /// How many elements.
+    level: usize,
 }
 
 /// Where an element stands.
 #[derive(Clone)]
-struct Around {
-    body: usize,
+pub(super) struct Around {
+    pub(super) body: usize,
     /// From the body to what stands directly here.
-    frame: Isometry3<f64>,
-    class: Option<usize>,
+    pub(super) frame: Isometry3<f64>,
+    pub(super) class: Option<usize>,
     /// What `<replicate>` puts behind names.
-    suffix: String,
+    pub(super) suffix: String,
     /// Whether geoms make up the mass.
-    weighs: bool,
+    pub(super) weighs: bool,
 }
 
 /// What a body weighs, in parts.
 #[derive(Default)]
-struct Parts {
+pub(super) struct Parts {
     inertial: Option<MassProperties>,
     geoms: Vec<MassProperties>,
-    /// A geom whose mass is not known.
-    unknown: bool,
+    /// Why the mass of a geom is not known.
+    unknown: Option<String>,
 }
 
-impl<'a> Walk<'_, 'a> {
+impl<'w, 'a> Walk<'w, 'a> {
+    pub(super) fn model(&self) -> &'w Model<'a> {
+        &self.models[self.at]
+    }
+
+    /// What stands in the world of the model that is being read.
+    pub(super) fn world(&mut self, around: &Around, parts: &mut Parts) {
+        let model = self.model();
+        for world in model.tree.all(&model.tree.root, "worldbody") {
+            let class = world.attribute("childclass").and_then(|class| model.defaults.class(&class));
+            self.children(&world, &Around { class, ..around.clone() }, parts);
+        }
+    }
+
     fn add_body(&mut self, element: Element<'a>, name: String, parent: usize, pose: Isometry3<f64>) -> usize {
         let index = self.scene.bodies.len();
         if self.scene.names.bodies.insert(name.clone(), index).is_some() {
@@ -92,14 +115,28 @@ impl<'a> Walk<'_, 'a> {
         index
     }
 
-    fn children(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
-        for child in self.tree.children(element) {
-            if !around.suffix.is_empty() {
+    pub(super) fn children(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
+        if self.level == DEEPEST {
+            let message =
+                format!("{}: with what is attached, elements are deeper than {DEEPEST} levels", element.label());
+            let help = "what is attached must not attach itself";
+            element.refuse(Problem::at(element.place(), message).help(help));
+            return;
+        }
+        self.level += 1;
+        self.each_child(element, around, parts);
+        self.level -= 1;
+    }
+
+    fn each_child(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
+        for child in self.model().tree.children(element) {
+            if !around.suffix.is_empty() || self.attached > 0 {
                 self.copies += 1;
             }
             if self.copies > MOST_COPIES {
                 if self.copies == MOST_COPIES + 1 {
-                    let message = format!("{}: <replicate> makes more than {MOST_COPIES} elements", child.label());
+                    let message =
+                        format!("{}: <replicate> and <attach> make more than {MOST_COPIES} elements", child.label());
                     child.refuse(Problem::at(child.place(), message).help("count the nested ones"));
                 }
                 return;
@@ -111,6 +148,7 @@ impl<'a> Walk<'_, 'a> {
                     self.children(&child, &inner, parts);
                 }
                 "replicate" => self.replicate(&child, around, parts),
+                "attach" => self.attach(&child, around, parts),
                 "joint" | "freejoint" => self.joint(&child, around),
                 "geom" => self.geom(&child, around, parts),
                 "site" => self.site(&child, around),
@@ -124,10 +162,10 @@ impl<'a> Walk<'_, 'a> {
         }
     }
 
-    fn frame(&mut self, element: &Element<'a>, around: &Around) -> Around {
+    pub(super) fn frame(&mut self, element: &Element<'a>, around: &Around) -> Around {
         let settled = Settled::bare(element);
         element.text("name");
-        let class = element.attribute("childclass").and_then(|class| self.defaults.class(&class));
+        let class = element.attribute("childclass").and_then(|class| self.model().defaults.class(&class));
         Around {
             frame: around.frame * pose::pose(&settled, &self.scene.settings),
             class: class.or(around.class),
@@ -166,13 +204,14 @@ impl<'a> Walk<'_, 'a> {
     /// The name of an element here; copies have their numbers.
     fn name(&mut self, element: &Element<'a>, around: &Around) -> Option<String> {
         let name = element.text("name").filter(|name| !name.is_empty())?;
+        let name = self.scene.full(name);
         if !around.suffix.is_empty() {
-            self.scene.names.copied.push(name.to_owned());
+            self.scene.names.copied.push(name.clone());
         }
         Some(format!("{name}{}", around.suffix))
     }
 
-    fn body(&mut self, element: &Element<'a>, around: &Around) {
+    pub(super) fn body(&mut self, element: &Element<'a>, around: &Around) {
         let settled = Settled::bare(element);
         let number = self.scene.bodies.len();
         let given = self.name(element, around);
@@ -187,8 +226,8 @@ impl<'a> Walk<'_, 'a> {
         if settled.flag("mocap") == Some(true) {
             element.note(Taken::Approximated, "a mocap body stays where it is: nothing moves it from outside");
         }
-        let class = element.attribute("childclass").and_then(|class| self.defaults.class(&class));
-        let given = self.tree.children(element).iter().any(|child| child.name() == "inertial");
+        let class = element.attribute("childclass").and_then(|class| self.model().defaults.class(&class));
+        let given = self.model().tree.children(element).iter().any(|child| child.name() == "inertial");
         let inner = Around {
             body,
             frame: Isometry3::identity(),
@@ -215,8 +254,8 @@ impl<'a> Walk<'_, 'a> {
             element.refuse(Problem::at(element.place(), message).help(help));
         }
         let from_geoms = parts.inertial.is_none() || settings.inertia_from_geoms == FromGeoms::Always;
-        if from_geoms && parts.unknown {
-            let message = format!("{}: its mass follows from a mesh, whose volume is not known", element.label());
+        if let Some(why) = parts.unknown.as_ref().filter(|_| from_geoms) {
+            let message = format!("{}: its mass follows from a mesh, and that is not known: {why}", element.label());
             let help = "give the body an <inertial> (`mj_saveLastXML` writes one), or set it apart with mass=\"0\"";
             element.refuse(Problem::at(element.place(), message).help(help));
         }
@@ -226,7 +265,7 @@ impl<'a> Walk<'_, 'a> {
     fn joint(&mut self, element: &Element<'a>, around: &Around) {
         let settled = match element.name() {
             "freejoint" => Settled::bare(element),
-            _ => self.defaults.of(element, around.class),
+            _ => self.model().defaults.of(element, around.class),
         };
         let body = around.body;
         if body == WORLD {
@@ -261,20 +300,21 @@ impl<'a> Walk<'_, 'a> {
     }
 
     fn geom(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
-        let settled = self.defaults.of(element, around.class);
+        let settled = self.model().defaults.of(element, around.class);
         element.text("name");
-        let Some(geom) = geom::geom(&settled, &self.scene.settings, self.assets, &around.frame, around.weighs) else {
+        let Some(geom) = geom::geom(&settled, &self.scene.settings, &self.model().assets, &around.frame, around.weighs)
+        else {
             return;
         };
         match geom.mass {
-            Some(mass) => parts.geoms.push(mass),
-            None => parts.unknown = true,
+            Ok(mass) => parts.geoms.push(mass),
+            Err(why) => parts.unknown = Some(why),
         }
         self.scene.bodies[around.body].shapes.extend(geom.drawn);
     }
 
     fn site(&mut self, element: &Element<'a>, around: &Around) {
-        let settled = self.defaults.of(element, around.class);
+        let settled = self.model().defaults.of(element, around.class);
         let name = self.name(element, around);
         let mut pose = around.frame * pose::pose(&settled, &self.scene.settings);
         if let Some([a, b, c, d, e, f]) = settled.vector("fromto") {

@@ -77,9 +77,15 @@ pub(super) fn find(
     names: &std::collections::HashMap<String, usize>,
     scene: &Scene<'_>,
 ) -> Option<usize> {
-    let found = names.get(attribute.value).copied();
-    if found.is_none() && scene.names.copied.iter().any(|name| name == attribute.value) {
+    let name = scene.full(attribute.value);
+    // There is one world, whatever is attached to it.
+    let world = (what == "body" && attribute.value == "world").then_some(WORLD);
+    let found = world.or_else(|| names.get(&name).copied());
+    if found.is_none() && scene.names.copied.contains(&name) {
         let what = format!("`{}` is within a <replicate>: what refers to it is not copied", attribute.value);
+        attribute.element.note(Taken::Ignored, what);
+    } else if found.is_none() && !scene.prefix.is_empty() {
+        let what = format!("the {what} `{}` of its model is not attached: nor is what refers to it", attribute.value);
         attribute.element.note(Taken::Ignored, what);
     } else if found.is_none() {
         let near =
@@ -164,7 +170,7 @@ fn coordinates<'a>(settled: &Settled<'a>, kind: &str, scene: &mut Scene<'a>, ten
     let sum = |key: &str| -> Option<Vec<(usize, f64)>> {
         let attribute = element.required(key)?;
         if kind == "tendon" {
-            let found = tendons.fixed(&attribute);
+            let found = tendons.fixed(&attribute, scene);
             if found.is_none() {
                 element.note(Taken::Ignored, format!("`{}` is not a tendon of joints", attribute.value));
             }

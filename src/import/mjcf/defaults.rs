@@ -190,12 +190,15 @@ impl<'a> Settled<'a> {
         self.attribute(key).and_then(|at| choice(&at, &["false", "true"])).map(|word| word == 1)
     }
 
-    /// Whether a range counts: `limited` says so, or with `autolimits` the range being there.
+    /// Whether a range counts: `limited` says so, or with `autolimits` a range other than from 0 to 0.
     pub(super) fn limited(&self, key: &str, range: &str, autolimits: bool) -> bool {
         match self.attribute(key).and_then(|at| choice(&at, &["false", "true", "auto"])) {
             Some(0) => false,
             Some(1) => true,
-            _ => autolimits && self.attribute(range).is_some(),
+            _ => {
+                let ends = |text: &str| text.split_whitespace().any(|end| end.parse() != Ok(0.0));
+                autolimits && self.attribute(range).is_some_and(|at| ends(at.value))
+            }
         }
     }
 

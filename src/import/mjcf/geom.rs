@@ -1,18 +1,17 @@
 //! `<geom>`: what a body looks like, and what it weighs where nothing else says so.
 
 use super::super::log::Taken;
-use super::super::xml::Element;
+use super::asset::{Assets, Mesh};
 use super::defaults::Settled;
 use super::mass;
 use super::pose;
 use super::scene::{Drawn, Solid};
 use super::settings::{Settings, choice};
-use crate::mesh;
+use super::weigh::Weight;
 use crate::model::description::MassProperties;
 use crate::model::shape::{Geometry, Shape};
 use nalgebra::{Isometry3, Matrix3, Translation3, Vector3};
 use std::f64::consts::PI;
-use std::path::PathBuf;
 
 /// What a geom is without further words, in kg/m³.
 const DENSITY: f64 = 1000.0;
@@ -25,26 +24,8 @@ const TYPES: [&str; 9] = ["plane", "hfield", "sphere", "capsule", "ellipsoid", "
 /// A geom as it was read.
 pub(super) struct Geom {
     pub(super) drawn: Option<Drawn>,
-    /// Body axes; nothing for planes, and where it is not known.
-    pub(super) mass: Option<MassProperties>,
-}
-
-/// A mesh as `<asset>` declares it.
-#[derive(Debug, Clone)]
-pub(super) struct Mesh {
-    /// File as found from the scenario's folder, where it can be drawn.
-    pub(super) file: Option<String>,
-    pub(super) scale: [f64; 3],
-    /// The file, read where its volume is asked for.
-    pub(super) path: Option<PathBuf>,
-    /// Where the mesh's own frame stands in the file's.
-    pub(super) frame: Isometry3<f64>,
-}
-
-/// What geoms refer to.
-pub(super) struct Assets {
-    pub(super) meshes: std::collections::HashMap<String, Mesh>,
-    pub(super) colors: std::collections::HashMap<String, [f64; 4]>,
+    /// Body axes; or why it is not known.
+    pub(super) mass: Result<MassProperties, String>,
 }
 
 /// Reads a geom; `frame` stands between the body and the geom, `counts` tells whether it is part of
@@ -68,7 +49,7 @@ pub(super) fn geom(
     let (pose, size) = place(settled, settings, kind, size)?;
     let pose = frame * pose;
     let shell = settled.flag("shellinertia") == Some(true);
-    let (solid, unit, pose) = match kind {
+    let (drawn, unit) = match kind {
         "plane" | "hfield" | "sdf" => {
             let what = match kind {
                 "plane" => "a plane is there for contacts, which are not simulated; it is not drawn",
@@ -76,7 +57,9 @@ pub(super) fn geom(
                 _ => "a signed distance field has no shape here and weighs nothing",
             };
             element.note(Taken::Ignored, what);
-            return Some(Geom { drawn: None, mass: None });
+            // Only what does not move can have planes and height fields.
+            let unknown = kind == "sdf" && weighs;
+            return Some(Geom { drawn: None, mass: if unknown { Err(what.to_owned()) } else { Ok(mass::NOTHING) } });
         }
         "mesh" => {
             let name = settled.attribute("mesh").or_else(|| element.required("mesh"))?;
@@ -87,9 +70,10 @@ pub(super) fn geom(
                 element.refuse(problem.maybe_help(help));
                 return None;
             };
-            let solid = mesh.file.clone().map(|file| Solid::Mesh(file, mesh.scale));
-            let unit = if weighs { enclosed(&element, mesh) } else { None };
-            (solid, unit, pose * mesh.frame)
+            let file = mesh.file.clone();
+            let drawn = file.map(|file| (Solid::Mesh(file, mesh.placing.scale), pose * mesh.placing.pose()));
+            let unit = if weighs && !weightless(settled) { of_mesh(settled, mesh)? } else { Ok(mass::NOTHING) };
+            (drawn, unit)
         }
         _ => {
             if let Some(attribute) = settled.attribute("mesh") {
@@ -98,32 +82,41 @@ pub(super) fn geom(
                 return None;
             }
             let (solid, unit) = primitive(settled, kind, &size, shell)?;
-            (Some(solid), Some(unit), pose)
+            (Some((solid, pose)), Ok(unit))
         }
     };
-    let mass = if weighs { weight(settled, unit)?.map(|mass| mass::placed(&mass, &pose)) } else { Some(mass::NOTHING) };
+    let mass = match unit {
+        Ok(unit) if weighs => Ok(mass::placed(&weight(settled, &unit)?, &pose)),
+        Ok(_) => Ok(mass::NOTHING),
+        Err(why) => Err(why),
+    };
     let shown = group <= SHOWN && color.is_none_or(|color| color[3] > 0.0);
     let place = element.place();
-    let drawn = solid.filter(|_| shown).map(|solid| Drawn { solid, pose, color, place });
+    let drawn = drawn.filter(|_| shown).map(|(solid, pose)| Drawn { solid, pose, color, place });
     Some(Geom { drawn, mass })
 }
 
-/// What a mesh encloses with a density of 1 kg/m³, if that can be told; otherwise it is said why not.
-fn enclosed(element: &Element<'_>, mesh: &Mesh) -> Option<MassProperties> {
-    let solid = mesh::Mesh::read(mesh.path.as_ref()?).map_err(|error| error.to_string());
-    let solid = solid.and_then(|read| read.solid(mesh.scale.into()).map_err(|error| error.to_string()));
-    match solid {
-        Ok(solid) => Some(MassProperties { mass: solid.volume, center: solid.center, inertia: solid.inertia }),
-        Err(why) => {
-            element.note(Taken::Ignored, format!("its mesh has no mass: {why}"));
-            None
-        }
+/// What a mesh weighs with a density of one, or why that is not known; `None` where it was refused.
+fn of_mesh(settled: &Settled<'_>, mesh: &Mesh) -> Option<Result<MassProperties, String>> {
+    if let Some(attribute) = settled.attribute("shellinertia").filter(|attribute| attribute.value == "true") {
+        let problem = attribute.wrong("is for other solids than meshes");
+        attribute.element.refuse(problem.help("write inertia=\"shell\" where the mesh is declared, in <asset>"));
+        return None;
     }
+    let weight = mesh.weight().map_err(str::to_owned);
+    if let Ok(Weight { remark: Some(remark), .. }) = &weight {
+        settled.element.note(Taken::Used, remark.as_str());
+    }
+    Some(weight.map(|weight| weight.unit))
 }
 
-/// `mass`, or `density` times the volume. The outer `None`: refused, the inner one: not known.
-#[expect(clippy::option_option, reason = "two different absences")]
-fn weight(settled: &Settled<'_>, unit: Option<MassProperties>) -> Option<Option<MassProperties>> {
+/// Whether its mass or its density is zero.
+fn weightless(settled: &Settled<'_>) -> bool {
+    settled.attribute("mass").or_else(|| settled.attribute("density")).and_then(|at| at.number()) == Some(0.0)
+}
+
+/// `mass`, or `density` times what it weighs with a density of one.
+fn weight(settled: &Settled<'_>, unit: &MassProperties) -> Option<MassProperties> {
     let given = match settled.attribute("mass") {
         Some(_) => Some(settled.not_negative("mass")?),
         None => None,
@@ -133,11 +126,10 @@ fn weight(settled: &Settled<'_>, unit: Option<MassProperties>) -> Option<Option<
         None => DENSITY,
     };
     if given == Some(0.0) || given.is_none() && density == 0.0 {
-        return Some(Some(mass::NOTHING));
+        return Some(mass::NOTHING);
     }
-    let Some(unit) = unit else { return Some(None) };
     let factor = given.map_or(density, |mass| mass / unit.mass);
-    Some(Some(MassProperties { mass: unit.mass * factor, inertia: unit.inertia * factor, ..unit }))
+    Some(MassProperties { mass: unit.mass * factor, inertia: unit.inertia * factor, ..*unit })
 }
 
 /// The pose, and the size where `fromto` says the length.
@@ -147,15 +139,19 @@ fn place(
     kind: &str,
     mut size: Vec<f64>,
 ) -> Option<(Isometry3<f64>, Vec<f64>)> {
-    let Some(ends) = settled.vector::<6>("fromto").filter(|_| !matches!(kind, "plane" | "hfield" | "mesh" | "sphere"))
-    else {
-        return Some((pose::pose(settled, settings), size));
-    };
+    let Some(attribute) = settled.attribute("fromto") else { return Some((pose::pose(settled, settings), size)) };
+    if !matches!(kind, "capsule" | "cylinder" | "box" | "ellipsoid") {
+        let problem = attribute.wrong(&format!("says where a long solid begins and ends; this is a {kind}"));
+        let help =
+            "give `pos`, or one of type=\"capsule\", \"cylinder\", \"box\", \"ellipsoid\"; MuJoCo refuses it too";
+        attribute.element.refuse(problem.help(help));
+        return None;
+    }
+    let ends: [f64; 6] = attribute.vector()?;
     let [a, b, c, d, e, f] = ends;
     let (from, to) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
     let along = from - to;
     if !(along.norm() > 1e-14) {
-        let attribute = settled.attribute("fromto")?;
         attribute.element.refuse(attribute.wrong(&format!("is \"{}\", of no length", attribute.value)));
         return None;
     }
@@ -206,15 +202,12 @@ fn primitive(settled: &Settled<'_>, kind: &str, size: &[f64], shell: bool) -> Op
             (Solid::Numbers("box", edges.iter().copied().collect()), Geometry::Box(edges))
         }
         _ => {
-            if shell {
-                settled.refuse("the surface of an ellipsoid weighs nothing that is known here", "give `<inertial>`");
-                return None;
-            }
             let radii = Vector3::new(size[0], size[1], size[2]);
             settled
                 .element
                 .note(Taken::Approximated, "an ellipsoid is drawn as the box around it; it weighs what it weighs");
-            return Some((Solid::Numbers("box", (2.0 * radii).iter().copied().collect()), ellipsoid(&radii)));
+            let unit = if shell { ellipsoid_surface(&radii) } else { ellipsoid(&radii) };
+            return Some((Solid::Numbers("box", (2.0 * radii).iter().copied().collect()), unit));
         }
     };
     let unit = if shell {
@@ -230,6 +223,19 @@ fn ellipsoid(radii: &Vector3<f64>) -> MassProperties {
     let s = radii.component_mul(radii);
     let moments = Vector3::new(s.y + s.z, s.x + s.z, s.x + s.y) * (mass / 5.0);
     MassProperties { mass, center: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments) }
+}
+
+/// The surface of an ellipsoid with a density of 1 kg/m², as MuJoCo has it: its area by Thomsen's formula, spread like the
+/// space between this ellipsoid and one of radii 1 µm longer.
+fn ellipsoid_surface(radii: &Vector3<f64>) -> MassProperties {
+    const EXPONENT: f64 = 1.6075;
+    const THICKNESS: f64 = 1e-6;
+    let pairs = [radii.x * radii.y, radii.y * radii.z, radii.z * radii.x];
+    let mean = pairs.iter().map(|pair| pair.powf(EXPONENT)).sum::<f64>() / 3.0;
+    let mass = 4.0 * PI * mean.powf(1.0 / EXPONENT);
+    let (inner, outer) = (ellipsoid(radii), ellipsoid(&radii.add_scalar(THICKNESS)));
+    let inertia = (outer.inertia - inner.inertia) * (mass / (outer.mass - inner.mass));
+    MassProperties { mass, center: Vector3::zeros(), inertia }
 }
 
 /// The surface of a solid with a density of 1 kg/m².

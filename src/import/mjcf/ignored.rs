@@ -7,7 +7,7 @@ use crate::suggest::closest;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Elements without an equal here, and why.
-const ELEMENTS: [(&[&str], &str); 10] = [
+const ELEMENTS: [(&[&str], &str); 9] = [
     (&["contact"], "contacts are not simulated"),
     (&["sensor"], "there are no sensors: a recording has positions, velocities, accelerations and reactions"),
     (&["visual", "statistic", "size", "custom"], "it is for MuJoCo's viewer and memory"),
@@ -17,10 +17,6 @@ const ELEMENTS: [(&[&str], &str); 10] = [
     (
         &["deformable", "flexcomp", "flex", "composite"],
         "bodies that bend are not simulated; what it would make is missing",
-    ),
-    (
-        &["attach", "model"],
-        "a model within the model: put them into one with `mj_saveLastXML` first; it is missing here",
     ),
     (&["lengthrange"], "it is for the muscles of MuJoCo's compiler"),
     (&["equality", "tuple", "numeric", "text"], "it has no equal here"),
@@ -86,8 +82,6 @@ const ATTRIBUTES: [(&[&str], &str); 6] = [
     ),
     (
         &[
-            "actuatorfrcrange",
-            "actuatorfrclimited",
             "actuatorgravcomp",
             "lengthrange",
             "actrange",
@@ -146,7 +140,6 @@ const ATTRIBUTES: [(&[&str], &str); 6] = [
             "o_solref",
             "o_solimp",
             "o_friction",
-            "actuatorgroupdisable",
             "mpr_iterations",
             "mpr_tolerance",
             "apirate",
@@ -177,7 +170,7 @@ const ATTRIBUTES: [(&[&str], &str); 6] = [
 ];
 
 /// Attributes that are read where they matter: in a class that nobody uses they are nothing to tell.
-const KNOWN: [&str; 61] = [
+const KNOWN: [&str; 63] = [
     "class",
     "childclass",
     "name",
@@ -239,7 +232,12 @@ const KNOWN: [&str; 61] = [
     "torquescale",
     "polycoef",
     "gravcomp",
+    "actuatorfrcrange",
+    "actuatorfrclimited",
 ];
+
+/// Of attributes that are known, and that nothing asks for where they stand.
+const WITHOUT_EFFECT: &str = "it has no effect there";
 
 /// More lines than these are only counted.
 const LISTED: usize = 6;
@@ -287,6 +285,11 @@ fn elements(root: &Element<'_>, in_default: bool, groups: &mut Groups) {
                 _ if known => {}
                 Some(why) => {
                     let (keys, places) = groups.entry((element.name().to_owned(), why)).or_default();
+                    keys.insert(attribute.key.to_owned());
+                    places.push(attribute.place());
+                }
+                None if KNOWN.contains(&attribute.key) => {
+                    let (keys, places) = groups.entry((element.name().to_owned(), WITHOUT_EFFECT)).or_default();
                     keys.insert(attribute.key.to_owned());
                     places.push(attribute.place());
                 }

@@ -26,6 +26,8 @@ pub(super) fn joint<'a>(
         reference: 0.0,
         relaxed: 0.0,
         range: None,
+        motor_range: None,
+        parts: Vec::new(),
         spring_damper: None,
         acting: Acting { force: vec![0.0; kind.counts().1], ..Acting::default() },
         start: Vec::new(),
@@ -93,10 +95,38 @@ impl Joint<'_> {
                 .note(Taken::Ignored, format!("`frictionloss = {friction}`: there is no dry friction in hinges"));
         }
         self.limits(settled, settings, angle);
+        self.motor_range(settled, settings);
+    }
+
+    /// `actuatorfrcrange`: bounds of what all actuators do together in this joint.
+    fn motor_range(&mut self, settled: &Settled<'_>, settings: &Settings) {
+        let range = settled.vector::<2>("actuatorfrcrange");
+        let limited = settled.limited("actuatorfrclimited", "actuatorfrcrange", settings.autolimits);
+        let Some([low, high]) = range.filter(|range| limited && self.kind.is_scalar() && *range != [0.0; 2]) else {
+            return;
+        };
+        if low < high {
+            self.motor_range = Some([low, high]);
+        } else if let Some(attribute) = settled.attribute("actuatorfrcrange") {
+            let problem = attribute.wrong(&format!("is \"{}\", from high to low", attribute.value));
+            attribute.element.refuse(problem.help("the lower end comes first"));
+        }
     }
 
     fn limits(&mut self, settled: &Settled<'_>, settings: &Settings, angle: f64) {
         let range = settled.vector::<2>("range");
+        if matches!(self.kind, Kind::Ball | Kind::Free) {
+            let limited = settled.limited("limited", "range", settings.autolimits) && settings.limits;
+            if limited && range.is_some_and(|range| range != [0.0; 2]) {
+                let what = if self.kind == Kind::Ball {
+                    "`range`: the angle of a ball has no stop here"
+                } else {
+                    "`range`: free joints have no limits"
+                };
+                self.element.note(Taken::Ignored, what);
+            }
+            return;
+        }
         if !settled.limited("limited", "range", settings.autolimits) || !settings.limits {
             if range.is_some() && settings.limits {
                 self.element.note(Taken::Ignored, "`range`: its joint is not limited, as the file says");
@@ -115,8 +145,7 @@ impl Joint<'_> {
                     attribute.element.refuse(problem.help("the lower end comes first"));
                 }
             }
-            Kind::Ball => self.element.note(Taken::Ignored, "`range`: the angle of a ball has no stop here"),
-            Kind::Free => self.element.note(Taken::Ignored, "`range`: free joints have no limits"),
+            Kind::Ball | Kind::Free => {}
         }
     }
 

@@ -8,7 +8,7 @@ use super::key::Key;
 use super::pose::roll_pitch_yaw;
 use super::scene::{Body, Drawn, Joint, Kind, Scene, Solid, WORLD};
 use crate::model::description::GROUND;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
 use toml_edit::{Array, InlineTable, Value};
 
@@ -219,10 +219,10 @@ impl Output {
         let body = &scene.bodies[index];
         let origin = scene.origin(index);
         entry.set("name", self.bodies[index].as_str(), None);
-        if body.mass.mass > 0.0 {
+        let i = &body.mass.inertia;
+        if body.mass.mass > 0.0 || *i != Matrix3::zeros() {
             entry.set("mass", body.mass.mass, None);
             self.vector(entry, "center", body.mass.center - origin, None);
-            let i = &body.mass.inertia;
             let size = i.trace();
             let snap = |value: f64| if value.abs() <= 1e-15 * size { 0.0 } else { value };
             let mut moments = vec![i[(0, 0)], i[(1, 1)], i[(2, 2)]];
@@ -231,6 +231,10 @@ impl Output {
                 moments.extend(products);
             }
             entry.numbers("inertia", &moments, None);
+            if body.mass.mass == 0.0 {
+                entry.set("unphysical", true, None);
+                body.element.note(Taken::Used, "it has inertia and no mass: it is taken as it stands");
+            }
         }
         let mut markers = Entry::new(None);
         let mut any = false;
@@ -405,30 +409,4 @@ fn unique(wanted: String, used: &mut HashSet<String>) -> String {
         number += 1;
     }
     name
-}
-
-/// One note for all limits: they are rigid here.
-pub(super) fn note_limits(scene: &mut Scene<'_>, options: &Options) {
-    let limited: Vec<usize> =
-        scene.in_order().into_iter().filter(|joint| scene.joints[*joint].range.is_some()).collect();
-    let Some(&first) = limited.first() else { return };
-    let others = match limited.len() {
-        1 => "its limits are".to_owned(),
-        2 => "its limits and those of another joint are".to_owned(),
-        count => format!("its limits and those of {} other joints are", count - 1),
-    };
-    let element = scene.joints[first].element;
-    if options.without_limits {
-        element.note(Taken::Ignored, format!("{others} left out, as asked for"));
-        limited.iter().for_each(|joint| scene.joints[*joint].range = None);
-        return;
-    }
-    element.note(Taken::Approximated, format!("{others} soft there and rigid stops here"));
-    for joint in limited.into_iter().map(|joint| &scene.joints[joint]) {
-        let [low, high] = joint.range.unwrap_or_default();
-        if joint.start[0] < low || joint.start[0] > high {
-            let what = format!("it starts at {}, outside its limits {low} … {high}", joint.start[0]);
-            joint.element.note(Taken::Used, what);
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! MJCF, the models of MuJoCo.
 //!
 //! ```text
-//! model.xml ─ tree ─► elements, includes expanded ─ defaults, settings ─► body, joint, geom, mass ─► Scene
+//! model.xml ─ tree ─► elements, includes expanded ─ model (defaults, settings, assets) ─► body, joint, geom, mass ─► Scene
 //!                                                                                                       │
 //!            Draft ◄─ lower ◄─ couple (loops, gears), actuator, tendon (springs), key (start) ◄─────────┘
 //! ```
@@ -11,6 +11,7 @@
 
 mod actuator;
 mod asset;
+mod attach;
 mod body;
 mod couple;
 mod defaults;
@@ -19,14 +20,17 @@ mod ignored;
 mod inertia;
 mod joint;
 mod key;
+mod limits;
 mod lower;
 mod mass;
+mod model;
 mod pose;
 mod scene;
 mod servo;
 mod settings;
 mod tendon;
 mod tree;
+mod weigh;
 
 use super::Options;
 use super::draft::Draft;
@@ -45,21 +49,25 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
     let files = tree::Files::gather(root, path)?;
     let documents = files.documents(log)?;
     let tree = tree::Tree { root: *root, files: &files, documents: &documents };
-    let settings = settings::read(&tree);
-    let defaults = defaults::Defaults::read(&tree);
-    let assets = asset::read(&tree, &defaults, &settings, &asset::Folders { model: path, options });
-    let mut scene = body::read(&tree, &defaults, &settings, &assets);
+    let models = model::read(&tree, path, options);
+    let mut scene = body::read(&models, 0);
     mass::scale(&mut scene);
-    let key = key::read(&tree, options);
-    key.place(&tree, &mut scene);
+    let key = key::read(&models, &scene.instances, options);
+    key.place(&models, &mut scene);
     if !log.is_fine() {
         return None;
     }
+    limits::settle(&mut scene, options);
     let mut output = lower::Output::new(&scene, options);
-    let tendons = tendon::read(&tree, &defaults, &mut scene, &mut output);
-    couple::read(&tree, &defaults, &mut scene, &tendons, &mut output);
-    actuator::read(&tree, &defaults, &mut scene, &tendons, &key, &mut output);
-    lower::note_limits(&mut scene, options);
+    let mut tendons = tendon::Tendons::default();
+    for instance in scene.instances.clone() {
+        let model = &models[instance.model];
+        scene.enter(&instance, &models);
+        tendon::read(&model.tree, &model.defaults, &mut scene, &mut output, &mut tendons);
+        couple::read(&model.tree, &model.defaults, &mut scene, &tendons, &mut output);
+    }
+    actuator::read(&models, &mut scene, &tendons, &key, &mut output);
+    limits::note_coupled(&scene);
     let mut draft = Draft::new();
     output.write(&scene, &key, options, &mut draft);
     ignored::sweep(&tree);

@@ -2,6 +2,7 @@
 
 use super::super::log::Place;
 use super::super::xml::Element;
+use super::model::{Instance, Model};
 use super::settings::Settings;
 use crate::model::description::MassProperties;
 use nalgebra::{Isometry3, Vector3};
@@ -19,6 +20,10 @@ pub(super) struct Scene<'a> {
     pub(super) joints: Vec<Joint<'a>>,
     pub(super) sites: Vec<Site>,
     pub(super) names: Names,
+    /// What stands before names of the elements that are being read; empty in the main model.
+    pub(super) prefix: String,
+    /// Attached models, in the order in which MuJoCo puts their actuators: inner ones first, the main one last.
+    pub(super) instances: Vec<Instance>,
 }
 
 /// Places in the lists by name.
@@ -106,12 +111,40 @@ pub(super) struct Joint<'a> {
     pub(super) relaxed: f64,
     /// Displacements.
     pub(super) range: Option<[f64; 2]>,
+    /// What all actuators together may do in it.
+    pub(super) motor_range: Option<[f64; 2]>,
+    /// The actuators that this bounds.
+    pub(super) parts: Vec<Part<'a>>,
     /// Time constant and damping ratio from which stiffness and damping follow.
     pub(super) spring_damper: Option<[f64; 2]>,
     pub(super) acting: Acting,
     /// Coordinates at the start as a hinge has them: displacements, quaternions.
     pub(super) start: Vec<f64>,
     pub(super) velocity: Vec<f64>,
+}
+
+/// An actuator in a joint: `force = gear · acts(gear · qpos)`.
+pub(super) struct Part<'a> {
+    pub(super) element: Element<'a>,
+    pub(super) gear: f64,
+    pub(super) acts: Acts,
+    /// Of its force, before the gear.
+    pub(super) bounds: Option<[f64; 2]>,
+}
+
+/// What an actuator does at a given input: `constant + slope · length + rate · d(length)/dt`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Acts {
+    pub(super) constant: f64,
+    pub(super) slope: f64,
+    pub(super) rate: f64,
+}
+
+impl Acts {
+    /// Whether it answers to where the joint is and how it moves.
+    pub(super) fn is_servo(&self) -> bool {
+        self.slope != 0.0 || self.rate != 0.0
+    }
 }
 
 /// What acts in a joint: `−stiffness · displacement + pull − damping · rate + force`.
@@ -134,7 +167,17 @@ impl Acting {
     }
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// Reads on in an instance of a model: with its prefix and its settings.
+    pub(super) fn enter(&mut self, instance: &Instance, models: &[Model<'a>]) {
+        self.prefix.clone_from(&instance.prefix);
+        self.settings = models[instance.model].settings.clone();
+    }
+    /// A name as the whole model has it.
+    pub(super) fn full(&self, name: &str) -> String {
+        format!("{}{name}", self.prefix)
+    }
+
     /// Poses of all bodies in the world for displacements of scalar joints; balls and free bodies at their references.
     pub(super) fn poses(&self, displacement: impl Fn(&Joint<'_>) -> f64) -> Vec<Isometry3<f64>> {
         let mut poses: Vec<Isometry3<f64>> = Vec::with_capacity(self.bodies.len());

@@ -25,12 +25,18 @@ pub(super) struct Settings {
     pub(super) strip_path: bool,
     pub(super) align_free: bool,
     pub(super) gravity: Vector3<f64>,
+    /// Whether the file gives it.
+    pub(super) has_gravity: bool,
+    /// Whether other settings of attached models are more than a warning.
+    pub(super) merges: bool,
     pub(super) springs: bool,
     pub(super) dampers: bool,
     pub(super) equality: bool,
     pub(super) limits: bool,
     pub(super) actuation: bool,
     pub(super) clamp_control: bool,
+    /// Groups of actuators that are switched off.
+    pub(super) idle_groups: Vec<f64>,
 }
 
 /// Where mass properties come from.
@@ -60,12 +66,15 @@ impl Default for Settings {
             strip_path: false,
             align_free: false,
             gravity: Vector3::new(0.0, 0.0, -9.81),
+            has_gravity: false,
+            merges: false,
             springs: true,
             dampers: true,
             equality: true,
             limits: true,
             actuation: true,
             clamp_control: true,
+            idle_groups: Vec::new(),
         }
     }
 }
@@ -105,6 +114,10 @@ impl Settings {
             let help = "global coordinates left MuJoCo in version 2.3.4: save the model again with an older one";
             problem.into_iter().for_each(|problem| element.refuse(problem.help(help)));
         }
+        if let Some(conflict) = element.attribute("conflict").and_then(|at| choice(&at, &["warning", "merge", "error"]))
+        {
+            self.merges = conflict != 0;
+        }
         flag(element, "autolimits", &mut self.autolimits);
         flag(element, "balanceinertia", &mut self.balance_inertia);
         flag(element, "strippath", &mut self.strip_path);
@@ -129,6 +142,10 @@ impl Settings {
     fn option(&mut self, tree: &Tree<'_>, element: &Element<'_>) {
         if let Some(gravity) = element.vector("gravity") {
             self.gravity = Vector3::from(gravity);
+            self.has_gravity = true;
+        }
+        if let Some(groups) = element.attribute("actuatorgroupdisable").and_then(|at| at.numbers()) {
+            self.idle_groups.extend(groups);
         }
         for key in ["timestep", "integrator"] {
             if let Some(at) = element.attribute(key) {
@@ -171,6 +188,7 @@ impl Settings {
             }
             if !gravity {
                 self.gravity = Vector3::zeros();
+                self.has_gravity = true;
             }
         }
     }

@@ -29,17 +29,26 @@ pub(super) enum Path {
 
 impl Tendons {
     /// The joints of a fixed tendon.
-    pub(super) fn fixed(&self, attribute: &Attribute<'_>) -> Option<Vec<(usize, f64)>> {
-        match self.path(attribute)? {
+    pub(super) fn fixed(&self, attribute: &Attribute<'_>, scene: &Scene<'_>) -> Option<Vec<(usize, f64)>> {
+        match self.path(attribute, scene)? {
             Path::Fixed(terms) => Some(terms.clone()),
             _ => None,
         }
     }
 
+    /// Whether there is one of this name, as the whole model has it.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.names.contains_key(name)
+    }
+
     /// What a tendon runs over; `None` where there is no such tendon: that has been said.
-    pub(super) fn path(&self, attribute: &Attribute<'_>) -> Option<&Path> {
-        let found = self.names.get(attribute.value);
-        if found.is_none() {
+    pub(super) fn path(&self, attribute: &Attribute<'_>, scene: &Scene<'_>) -> Option<&Path> {
+        let found = self.names.get(&scene.full(attribute.value));
+        if found.is_none() && !scene.prefix.is_empty() {
+            let what =
+                format!("the tendon `{}` of its model is not attached: nor is what refers to it", attribute.value);
+            attribute.element.note(Taken::Ignored, what);
+        } else if found.is_none() {
             let near = crate::suggest::closest(attribute.value, self.names.keys().map(String::as_str));
             let help = near.map(|near| format!("did you mean `{near}`?"));
             let problem = attribute.wrong(&format!("is \"{}\": there is no such tendon", attribute.value));
@@ -49,14 +58,14 @@ impl Tendons {
     }
 }
 
-/// Reads all tendons and what acts along them.
+/// Reads the tendons of a model and what acts along them.
 pub(super) fn read<'a>(
     tree: &Tree<'a>,
     defaults: &Defaults<'a>,
     scene: &mut Scene<'a>,
     output: &mut Output,
-) -> Tendons {
-    let mut tendons = Tendons::default();
+    tendons: &mut Tendons,
+) {
     for element in tree.section("tendon") {
         if !["fixed", "spatial"].contains(&element.name()) {
             continue;
@@ -66,13 +75,25 @@ pub(super) fn read<'a>(
             "fixed" => fixed(tree, &element, scene),
             _ => line(tree, &element, scene),
         };
+        if path.is_none() && !scene.prefix.is_empty() {
+            settled.skip(&[
+                "name",
+                "stiffness",
+                "damping",
+                "springlength",
+                "range",
+                "limited",
+                "frictionloss",
+                "armature",
+            ]);
+            continue;
+        }
         let path = path.unwrap_or(Path::Other);
         acts(&settled, &path, scene, output);
         if let Some(name) = element.text("name") {
-            tendons.names.insert(name.to_owned(), path);
+            tendons.names.insert(scene.full(name), path);
         }
     }
-    tendons
 }
 
 fn fixed<'a>(tree: &Tree<'a>, element: &Element<'a>, scene: &Scene<'a>) -> Option<Path> {
@@ -128,6 +149,7 @@ fn acts<'a>(settled: &Settled<'a>, path: &Path, scene: &mut Scene<'a>, output: &
             element.note(Taken::Ignored, format!("`{key}` along a tendon"));
         }
     }
+    settled.skip(&["range"]);
     if settled.limited("limited", "range", scene.settings.autolimits) && scene.settings.limits {
         element.note(Taken::Ignored, "`range`: the length of a tendon has no stop here");
     }

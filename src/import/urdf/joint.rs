@@ -35,7 +35,7 @@ pub(super) fn write(
     options: &Options,
 ) -> String {
     let (element, link) = (&joint.element, &tree.links[joint.child]);
-    let kind = kind(element);
+    let kind = kind_of(joint);
     let name = link.body.clone();
     body.comment(&format!("joint `{}`, {kind}", joint.name));
     body.set("name", name.clone(), Some(link.name_place.clone()));
@@ -56,6 +56,30 @@ pub(super) fn write(
     dynamics(element, kind, &mut hinge);
     body.inline("hinge", hinge);
     name
+}
+
+/// The type of a joint, or `fixed` where it is welded.
+fn kind_of(joint: &Joint<'_>) -> &'static str {
+    if joint.welded { "fixed" } else { kind(&joint.element) }
+}
+
+/// Welds the joints on which nothing with mass or inertia hangs, and says so.
+pub(super) fn weld_massless(tree: &mut Tree<'_>) {
+    let mut heavy: Vec<bool> = tree.links.iter().map(|link| super::link::weighs(&link.element)).collect();
+    for &index in tree.order.iter().rev() {
+        let Some(joint) = tree.links[index].joint else { continue };
+        let parent = tree.joints[joint].parent;
+        if heavy[index] {
+            heavy[parent] = true;
+            continue;
+        }
+        let element = tree.joints[joint].element;
+        if kind(&element) != "fixed" {
+            tree.joints[joint].welded = true;
+            element.see_all();
+            element.note(Taken::Approximated, "it carries nothing with mass: it is fixed, as asked for");
+        }
+    }
 }
 
 fn kind(joint: &Element<'_>) -> &'static str {
@@ -170,7 +194,8 @@ fn limits(joint: &Element<'_>, kind: &str, options: &Options, hinge: &mut Entry)
         .map(|attribute| format!("`{} = {}`", attribute.key, attribute.value))
         .collect();
     if !most.is_empty() {
-        limit.note(Taken::Ignored, format!("{}: hinges have no largest force or speed", most.join(", ")));
+        let what = "no motor acts in it, and hinges have no largest speed; a [[motor]] has its own `limit`";
+        limit.note(Taken::Ignored, format!("{}: {what}", most.join(", ")));
     }
     if !matches!(kind, "revolute" | "prismatic") {
         if ends.iter().any(Option::is_some) {
@@ -237,9 +262,9 @@ pub(super) fn gears(tree: &Tree<'_>, bodies: &[String], draft: &mut Draft, optio
             mimic.refuse(Problem::at(leader.place(), message).help(help));
             continue;
         };
-        let kinds = [index, other].map(|joint| kind(&tree.joints[joint].element));
-        if kinds[0] == "fixed" {
-            mimic.note(Taken::Ignored, "a fixed joint follows nothing");
+        let kinds = [index, other].map(|joint| kind_of(&tree.joints[joint]));
+        if kinds[0] == "fixed" || tree.joints[other].welded {
+            mimic.note(Taken::Ignored, "a fixed joint follows nothing, and nothing follows it");
             continue;
         }
         let many =

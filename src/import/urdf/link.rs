@@ -39,6 +39,14 @@ pub(super) fn write(link: &Element<'_>, body: &mut Entry) {
     }
 }
 
+/// Whether a link has mass or inertia; what cannot be read is said elsewhere.
+pub(super) fn weighs(link: &Element<'_>) -> bool {
+    let Some(inertial) = link.child("inertial") else { return false };
+    let number = |part: &str, key: &str| inertial.child(part).and_then(|part| part.text(key)).map(str::trim);
+    let zero = |text: Option<&str>| text.is_none_or(|text| text.parse() == Ok(0.0));
+    !zero(number("mass", "value")) || MOMENTS.iter().any(|key| !zero(number("inertia", key)))
+}
+
 /// Why no body can have these moments; small excess is rounding.
 fn impossible([xx, yy, zz, xy, xz, yz]: [f64; 6], mass: f64) -> Option<String> {
     let matrix = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);

@@ -33,7 +33,10 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
     if is_macro(root) {
         return None;
     }
-    let tree = Tree::read(root, options)?;
+    let mut tree = Tree::read(root, options)?;
+    if options.weld_massless {
+        joint::weld_massless(&mut tree);
+    }
     let looks = shape::Looks::read(root, path, options);
     let mut draft = Draft::new();
     let name = root.text("name").unwrap_or("robot");

@@ -3,7 +3,7 @@
 use super::joint::place;
 use crate::import::draft::Entry;
 use crate::import::log::{Place, Taken};
-use crate::import::xml::{Attribute, Element};
+use crate::import::xml::{Attribute, Element, cut};
 use crate::import::{Options, files};
 use std::collections::HashMap;
 use std::path::Path;
@@ -80,19 +80,19 @@ impl<'a> Looks<'a> {
     fn solid(&self, solid: &Element<'a>, shape: &mut Entry) -> Option<()> {
         match solid.name() {
             "box" => {
-                let size = solid.required("size")?;
-                let edges = self.sized(&size, size.vector::<3>()?)?;
+                let size = self.given(solid, "size")?;
+                let edges = self.sized::<3>(&size)?;
                 shape.numbers("box", &edges, Some(size.place()));
             }
             "sphere" => {
-                let radius = solid.required("radius")?;
-                let [number] = self.sized(&radius, [radius.number()?])?;
+                let radius = self.given(solid, "radius")?;
+                let [number] = self.sized(&radius)?;
                 shape.set("sphere", number, Some(radius.place()));
             }
             round @ ("cylinder" | "capsule") => {
-                let (radius, length) = (solid.required("radius")?, solid.required("length")?);
-                let size = self.sized(&radius, [radius.number()?, length.number()?])?;
-                shape.numbers(round, &size, Some(radius.place()));
+                let (radius, length) = (self.given(solid, "radius")?, self.given(solid, "length")?);
+                let ([r], [l]) = (self.sized(&radius)?, self.sized(&length)?);
+                shape.numbers(round, &[r, l], Some(radius.place()));
             }
             "mesh" => return self.mesh(solid, shape),
             other => {
@@ -104,18 +104,27 @@ impl<'a> Looks<'a> {
         Some(())
     }
 
-    /// Sizes that can be drawn.
-    fn sized<const N: usize>(&self, attribute: &Attribute<'_>, size: [f64; N]) -> Option<[f64; N]> {
-        if size.iter().all(|number| *number > 0.0) {
-            return Some(size);
+    /// A size; that it is missing is said.
+    fn given(&self, solid: &Element<'a>, key: &str) -> Option<Attribute<'a>> {
+        let found = solid.attribute(key);
+        if found.is_none() {
+            solid.note(Taken::Ignored, format!("`{key}` is missing: it is not drawn"));
         }
-        let what = format!("it has no size ({}): it is not drawn", size.map(|n| n.to_string()).join(", "));
-        attribute.element.note(Taken::Ignored, what);
-        None
+        found
+    }
+
+    /// Sizes that can be drawn.
+    fn sized<const N: usize>(&self, attribute: &Attribute<'_>) -> Option<[f64; N]> {
+        let size = drawn_numbers(attribute).filter(|size: &[f64; N]| size.iter().all(|number| *number > 0.0));
+        if size.is_none() {
+            let what = format!("it has no size (`{} = \"{}\"`): it is not drawn", attribute.key, cut(attribute.value));
+            attribute.element.note(Taken::Ignored, what);
+        }
+        size
     }
 
     fn mesh(&self, mesh: &Element<'a>, shape: &mut Entry) -> Option<()> {
-        let file = mesh.required("filename")?;
+        let file = self.given(mesh, "filename")?;
         let Some(path) = files::find(file.value, self.path, self.options) else {
             let hint = match file.value.strip_prefix("package://").and_then(|rest| rest.split('/').next()) {
                 Some(package) => {
@@ -129,19 +138,35 @@ impl<'a> Looks<'a> {
         };
         let written = files::from_folder(&path, self.options.folder.as_deref(), self.path);
         shape.set("mesh", written, Some(file.place()));
-        if let Some(scale) = mesh.attribute("scale")
-            && let Some(factors) = scale.vector::<3>().filter(|factors| *factors != [1.0; 3])
-        {
+        let Some(scale) = mesh.attribute("scale") else { return Some(()) };
+        let Some(factors) = drawn_numbers::<3>(&scale).filter(|factors| factors.iter().all(|factor| *factor > 0.0))
+        else {
+            let what =
+                format!("`scale = \"{}\"`: three positive numbers can be drawn; it is not drawn", cut(scale.value));
+            mesh.note(Taken::Ignored, what);
+            return None;
+        };
+        if factors != [1.0; 3] {
             shape.numbers("scale", &factors, Some(scale.place()));
         }
         Some(())
     }
 }
 
+/// Finite numbers of what is there for pictures: where they make no sense nothing is drawn, and the physics goes on.
+fn drawn_numbers<const N: usize>(attribute: &Attribute<'_>) -> Option<[f64; N]> {
+    let numbers: Option<Vec<f64>> = attribute.value.split_whitespace().map(|word| word.parse().ok()).collect();
+    <[f64; N]>::try_from(numbers?).ok().filter(|numbers| numbers.iter().all(|number| number.is_finite()))
+}
+
 /// The colour that stands in a `<material>` itself.
 fn own_color(material: &Element<'_>) -> Option<([f64; 4], Place)> {
-    let rgba = material.child("color")?.required("rgba")?;
-    let color = rgba.vector::<4>()?;
+    let rgba = material.child("color")?.attribute("rgba")?;
+    let Some(color) = drawn_numbers::<4>(&rgba) else {
+        let what = format!("`rgba = \"{}\"`: a colour is four numbers", cut(rgba.value));
+        rgba.element.note(Taken::Ignored, what);
+        return None;
+    };
     if color.iter().all(|part| (0.0..=1.0).contains(part)) {
         return Some((color, rgba.place()));
     }

@@ -26,6 +26,8 @@ pub(super) struct Joint<'a> {
     pub(super) parent: usize,
     pub(super) child: usize,
     pub(super) parent_place: Place,
+    /// Fixed, whatever its type: it carries nothing with mass.
+    pub(super) welded: bool,
 }
 
 /// A robot whose links hang together in one tree.
@@ -129,7 +131,7 @@ impl<'a> Tree<'a> {
         }
         self.links[child.0].joint = Some(index);
         let (parent, parent_place) = parent;
-        self.joints.push(Joint { name: name.value, element, parent, child: child.0, parent_place });
+        self.joints.push(Joint { name: name.value, element, parent, child: child.0, parent_place, welded: false });
         true
     }
 

@@ -35,6 +35,16 @@ pub const MODEL: Table = Table {
         Key::new("mimics", Kind::Flag, "Whether joints of a URDF that follow others become gears; else they move by themselves.")
             .default("true")
             .example("false"),
+        Key::new(
+            "massless",
+            Kind::Choice(&[
+                ("refuse", "They are an error."),
+                ("weld", "Their joints are fixed, and each is noted."),
+            ]),
+            "What becomes of links of a URDF that neither weigh anything themselves nor carry anything that does.",
+        )
+        .default("\"refuse\"")
+        .example("\"weld\""),
         Key::new("packages", Kind::Map(&Kind::Text), "Folders of packages by name, for `package://name/…`.")
             .example("{ arm_description = \"../arm_description\" }"),
         Key::new("positions", Kind::Map(&VALUES), "Where its hinges start, by the name of the joint or of the body.")

@@ -94,6 +94,14 @@ fn glb() -> Vec<u8> {
     file
 }
 
+/// Eight corners, none of the rest, and so many faces as it says.
+fn msh(faces: i32) -> Vec<u8> {
+    let counts = [8, 0, 0, faces].map(i32::to_le_bytes).concat();
+    let corners = (0..8).flat_map(corner).flat_map(f32::to_le_bytes);
+    let triangles = TRIANGLES.iter().flatten().flat_map(|index| i32::try_from(*index).expect("few").to_le_bytes());
+    counts.into_iter().chain(corners).chain(triangles).collect()
+}
+
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -122,6 +130,7 @@ fn boxes(folder: &Folder) -> Vec<Mesh> {
         folder.write("bytes.stl", binary_stl(&TRIANGLES, b"a box")),
         folder.write("like_text.stl", binary_stl(&TRIANGLES, b"solid box")),
         folder.write("text.STL", text_stl()),
+        folder.write("box.msh", msh(12)),
         folder.write("box.obj", obj()),
         folder.write("box.gltf", gltf(Some("box.bin"))),
         folder.write("box.glb", glb()),
@@ -137,7 +146,7 @@ fn every_format_holds_the_same_box() {
         assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (8, 12));
         assert_eq!(mesh.bounds(), Some([LOW, high]));
     }
-    for colored in &meshes[3..] {
+    for colored in &meshes[4..] {
         assert!(
             colored.colors.as_ref().is_some_and(|colors| colors.iter().all(|color| *color == [1.0, 0.0, 0.0, 1.0]))
         );
@@ -221,7 +230,9 @@ fn files_that_lie_are_refused() {
         ("lost.gltf", lost.as_bytes(), "buffer 0 should have 132 bytes; it has 3"),
         ("wild.obj", wild.as_bytes(), "is damaged"),
         ("cut.glb", &glb()[..200], "is damaged"),
-        ("a.dae", b"<COLLADA/>", "is of a kind that is not read; allowed: .stl, .obj, .gltf, .glb"),
+        ("far.msh", &msh(4000)[..], "its header asks for 48112 bytes; it has 256"),
+        ("short.msh", b"abc", "it does not begin with four counts"),
+        ("a.dae", b"<COLLADA/>", "is of a kind that is not read; allowed: .stl, .obj, .gltf, .glb, .msh"),
     ] {
         let said = folder.said(name, bytes);
         assert!(said.contains(name) && said.contains(expected), "{said}");

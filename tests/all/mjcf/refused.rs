@@ -81,7 +81,7 @@ fn every_mistake_names_its_place() {
 
 #[test]
 fn a_mass_that_only_a_mesh_knows_is_asked_for() {
-    let model = r#"<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset><worldbody>
+    let model = r#"<mujoco><asset><mesh name="m" file="none.stl"/></asset><worldbody>
 <body name="a"><joint/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>"#;
     let refused = wrong(model);
     assert!(refused.starts_with("2: body `a`: its mass follows from a mesh"), "{refused}");

@@ -105,7 +105,7 @@ fn nested_copies_do_not_grow_without_bounds() {
         "</replicate>".repeat(5)
     );
     let refused = import(&model).expect_err("too many").to_string();
-    assert!(refused.contains("<replicate> makes more than 100000 elements"), "{refused}");
+    assert!(refused.contains("<replicate> and <attach> make more than 100000 elements"), "{refused}");
 }
 
 #[test]
