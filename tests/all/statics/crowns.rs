@@ -21,7 +21,7 @@ fn point(name: &str, at: Vector3<f64>, mass: f64, bodies: &mut Vec<BodyDescripti
 }
 
 fn spring(between: [Attachment; 2], stiffness: f64, length: f64, forces: &mut Vec<ForceDescription>) {
-    let kind = ForceKind::Spring { between, stiffness, length, damping: 0.0 };
+    let kind = ForceKind::Spring(Spring { between, stiffness, length, damping: 0.0 });
     forces.push(ForceDescription { name: format!("spring{}", forces.len()), kind });
 }
 
