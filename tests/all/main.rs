@@ -21,6 +21,7 @@ mod loops;
 mod mjcf;
 mod no_allocation;
 mod oracle;
+mod plain;
 mod precision;
 mod record;
 mod reference;
