@@ -21,8 +21,8 @@ pub struct Solution {
     pub hinge: DVector<f64>,
     /// `a_R` of every link: acceleration of its root marker (m/s², rad/s²). Link 0, the ground, has zero.
     pub accelerations: Vec<Vector6<f64>>,
-    /// `f_R` of every link: what its inboard hinge passes to it at its root marker (N, N m). Entry 0 is what holds the
-    /// ground.
+    /// `f_R` of every link: what its inboard hinge passes to it at its root marker (N, N m). Entry 0 is what the
+    /// hinges and the force elements on the ground ask of it.
     pub reactions: Vec<Vector6<f64>>,
 }
 
@@ -48,6 +48,9 @@ pub fn accelerations(model: &Model, motion: &Motion, applied: &[Wrench], tau: &[
     // Eqs. (1) and (4) for every body on its own: S = M, e = b − f_applied.
     let mut S: Vec<_> = bodies().map(|(link, at)| mass_matrix(link, at)).collect();
     let mut e: Vec<_> = bodies().zip(applied).map(|((link, at), f)| velocity_terms(model, link, at) - six(f)).collect();
+
+    // The ground stands still whatever is welded to it.
+    (S[0], e[0]) = (Matrix6::zeros(), -six(&applied[0]));
 
     // Tips → root: eqs. (5) to (7).
     let mut hinges = Vec::with_capacity(links - 1);
