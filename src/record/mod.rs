@@ -23,6 +23,7 @@ pub mod sample;
 pub mod scene;
 #[cfg(feature = "record")]
 mod solids;
+#[cfg(feature = "record")]
 pub mod table;
 #[cfg(feature = "record")]
 pub mod view;
@@ -35,6 +36,7 @@ pub use file::{FileWriter, Recording, RecordingFile, Samples};
 pub use memory::Memory;
 pub use sample::{Energy, OwnedSample, Sample};
 pub use scene::Scene;
+#[cfg(feature = "record")]
 pub use table::Table;
 
 /// The `[record]` table.
