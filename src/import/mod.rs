@@ -14,6 +14,8 @@
 mod draft;
 #[cfg(feature = "import")]
 mod files;
+// Without importers nobody has anything to say.
+#[cfg_attr(not(feature = "import"), allow(dead_code))]
 mod log;
 #[cfg(feature = "import")]
 mod mjcf;
