@@ -73,10 +73,10 @@ fn worst(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 /// 400 trees of 1 to 40 bodies with every hinge, armature, spring and load. The equations have condition numbers up to 200
-/// and both ways are sums of up to forty terms: 1e-16 grows to 1e-12 at worst. Measured is 9e-15 and less.
+/// and both ways are sums of up to forty terms: 1e-16 grows to 1e-12 at worst. Measured is 3e-14.
 #[test]
 fn the_fast_sweeps_give_what_the_printed_method_gives() {
-    let (mut largest, mut kinds, mut armatures) = ([0.0_f64; 3], [0; 3], 0);
+    let (mut kinds, mut armatures) = ([0; 3], 0);
     for seed in 0..400_u64 {
         let options = Options { bodies: 1 + seed as usize % 40, springs: seed % 4 != 0, welds: seed % 3 != 0 };
         let mut description = random_scene(seed + 40_000, &options);
@@ -98,11 +98,7 @@ fn the_fast_sweeps_give_what_the_printed_method_gives() {
         armatures += model.coordinates.iter().filter(|coordinate| coordinate.armature > 0.0).count();
         let found = Case::of(model).differences();
         assert!(found.iter().all(|difference| *difference < 1e-12), "seed {seed}: {found:?}");
-        for (largest, found) in largest.iter_mut().zip(found) {
-            *largest = largest.max(found);
-        }
     }
-    println!("largest differences {largest:?}");
     assert!(kinds.iter().all(|count| *count > 500) && armatures > 500, "{kinds:?} {armatures}");
 }
 
@@ -113,7 +109,7 @@ fn the_halves_of_a_large_tree_give_what_the_printed_method_gives() {
         let model = two_branches(seed, 700);
         assert!(model.halves.is_some(), "{} links", model.links.len());
         let found = Case::of(model).differences();
-        // Sums of some hundred terms that grow along a branch. Measured is 5e-14.
+        // Sums of some hundred terms that grow along a branch. Measured is 1e-12 (seed 1).
         assert!(found.iter().all(|difference| *difference < 1e-10), "seed {seed}: {found:?}");
     }
 }
