@@ -1,6 +1,8 @@
-//! What the routines of a scene cost, over sizes and shapes: `cargo bench --no-default-features`.
+//! What the routines of a scene cost, over sizes and shapes: `cargo bench --no-default-features --features scenario`.
 //!
 //! For a scene of your own there is `stillpoint bench`; beside other simulators there is `benches/peers`.
+
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use criterion::{BatchSize, Bencher, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write;

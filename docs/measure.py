@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs every scenario and puts what came out into docs/guide/how_right_how_fast.md.
 
-    cargo build --release --no-default-features && docs/measure.py [PROGRAM]
+    cargo build --release --no-default-features --features cli && docs/measure.py [PROGRAM]
 
 Times are the shortest of three runs. Needs Python's standard library only.
 """

@@ -1,6 +1,8 @@
 //! A scene in code, its equilibrium, what kind of equilibrium it is, and what the hinges bear:
 //! `cargo run --example equilibrium`
 
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
+
 use stillpoint::model::Model;
 use stillpoint::model::description::{BodyDescription, Description, ForceDescription, GROUND, HingeDescription};
 use stillpoint::statics;

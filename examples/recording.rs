@@ -1,5 +1,7 @@
 //! A run recorded into a file, and its numbers read back: `cargo run --example recording`
 
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
+
 use stillpoint::record::{Opening, Outcome, Recorder, Recording, RecordingFile, Table};
 use stillpoint::{model::Model, scenario, simulate};
 

@@ -1,5 +1,7 @@
 //! An integrator stepped by hand, with reactions read on the way: `cargo run --example stepping`
 
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
+
 use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription};

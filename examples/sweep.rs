@@ -1,6 +1,8 @@
 //! One number of a scenario varied, an equilibrium for each, every one starting from the last:
 //! `cargo run --example sweep`
 
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
+
 use stillpoint::model::{Model, Parameter};
 use stillpoint::scenario;
 use stillpoint::statics;

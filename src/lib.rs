@@ -67,6 +67,19 @@
 //! A scene from a file is one call away: [`scenario::load`] gives the same [`Description`](model::Description) and the
 //! settings beside it.
 //!
+//! # Features
+//!
+//! | feature | adds |
+//! |---|---|
+//! | none | the core: models, accelerations, statics, integrators, runs with samples in memory |
+//! | `scenario` | scenario files: [`scenario`] |
+//! | `import` | models of other programs and triangle meshes: [`import`], [`mesh`]; needs `scenario` |
+//! | `record` | recordings: [`record::file`] |
+//! | `view` | streaming to the Rerun viewer and `.rrd` files: [`record::view`]; needs `record` |
+//! | `cli` | the program: [`cli`]; needs `import` and `record` |
+//! | `parquet` | `export --parquet`; needs `cli` |
+//! | `count-allocations` | what `bench` says of the allocator; needs `cli`, and is not on by default |
+//!
 //! # Modules, in reading order
 //!
 //! | module | its one job |
@@ -96,24 +109,29 @@
 //! SI units and radians everywhere; `world_from_body` is a pose that takes body axes to inertial ones; quaternions are
 //! w, x, y, z. Errors name the element, the value and what is allowed.
 
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod constraint;
 pub mod dynamics;
 pub mod force;
 pub mod forces;
 pub mod formula;
+#[cfg(feature = "scenario")]
 pub mod import;
 pub mod integrate;
+#[cfg(feature = "scenario")]
 pub mod mesh;
 pub mod model;
 pub mod motion;
 pub mod pages;
 pub mod quantity;
 pub mod record;
+#[cfg(feature = "scenario")]
 pub mod scenario;
 pub mod simulate;
 pub mod spatial;
 pub mod statics;
 pub mod suggest;
+#[cfg(feature = "scenario")]
 pub mod text_file;
 pub mod transfer;

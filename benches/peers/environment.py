@@ -116,6 +116,6 @@ def without_cubes(source):
 
 def build_ours():
     """Our release binary, without the viewer, as anybody would build it."""
-    call(["cargo", "build", "--release", "--locked", "--no-default-features", "--quiet"], cwd=ROOT)
+    call(["cargo", "build", "--release", "--locked", "--no-default-features", "--features", "cli", "--quiet"], cwd=ROOT)
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     return (ROOT / target / "release" / "stillpoint").resolve()

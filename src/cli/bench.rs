@@ -116,11 +116,17 @@ struct Costs {
     tangent_solve: Option<Cost>,
     static_step: Option<Cost>,
     statics: Cost,
-    bytes_per_body: f64,
-    allocations_per_step: f64,
+    /// Of a program that counts them.
+    allocated: Option<Allocated>,
 }
 
-pub(super) fn main(arguments: &Arguments, memory: fn() -> Memory) -> anyhow::Result<Exit> {
+/// What a scene asks of the allocator.
+struct Allocated {
+    bytes_per_body: f64,
+    per_step: f64,
+}
+
+pub(super) fn main(arguments: &Arguments, memory: Option<fn() -> Memory>) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     let (scenario, model) = match scene::load(common)? {
         Ok(loaded) => loaded,
@@ -150,8 +156,8 @@ pub(super) fn main(arguments: &Arguments, memory: fn() -> Memory) -> anyhow::Res
             "statics_ms": costs.statics.min * 1e-6,
             "bodies": model.bodies.len(),
             "degrees_of_freedom": model.degrees_of_freedom(),
-            "bytes_per_body": costs.bytes_per_body,
-            "allocations_per_step": costs.allocations_per_step,
+            "bytes_per_body": costs.allocated.as_ref().map(|allocated| allocated.bytes_per_body),
+            "allocations_per_step": costs.allocated.as_ref().map(|allocated| allocated.per_step),
         });
         output::print(&result.to_string())?;
         return Ok(Exit::Done);
@@ -161,12 +167,13 @@ pub(super) fn main(arguments: &Arguments, memory: fn() -> Memory) -> anyhow::Res
     Ok(Exit::Done)
 }
 
-fn measure(scenario: &crate::scenario::Scenario, model: &Model, memory: fn() -> Memory) -> anyhow::Result<Costs> {
-    let before = memory().bytes;
-    let copy = model.clone();
+fn measure(
+    scenario: &crate::scenario::Scenario,
+    model: &Model,
+    memory: Option<fn() -> Memory>,
+) -> anyhow::Result<Costs> {
+    let allocated = memory.map(|memory| allocated(model, memory)).transpose()?;
     let mut routines = Routines::new(model)?;
-    let bytes = memory().bytes.saturating_sub(before);
-    drop(copy);
     let acceleration = time(|| routines.call(Routine::Acceleration));
     let [jacobian, tangent_solve, static_step] =
         [Routine::Jacobian, Routine::TangentSolve, Routine::StaticStep].map(|routine| routines.cost(routine));
@@ -176,19 +183,19 @@ fn measure(scenario: &crate::scenario::Scenario, model: &Model, memory: fn() -> 
             time(|| hold(&scenario.description, &scenario.unknown, &model.start_position, &scenario.statics).map(drop))
         }
     };
-    Ok(Costs {
-        acceleration,
-        jacobian,
-        tangent_solve,
-        static_step,
-        statics,
-        bytes_per_body: bytes as f64 / model.bodies.len() as f64,
-        allocations_per_step: allocations(model, memory)?,
-    })
+    Ok(Costs { acceleration, jacobian, tangent_solve, static_step, statics, allocated })
+}
+
+fn allocated(model: &Model, memory: fn() -> Memory) -> anyhow::Result<Allocated> {
+    let before = memory().bytes;
+    let scene = (model.clone(), Routines::new(model)?);
+    let bytes = memory().bytes.saturating_sub(before);
+    drop(scene);
+    Ok(Allocated { bytes_per_body: bytes as f64 / model.bodies.len() as f64, per_step: per_step(model, memory)? })
 }
 
 /// Requests for memory in one step of the default method, from the second step on.
-fn allocations(model: &Model, memory: fn() -> Memory) -> anyhow::Result<f64> {
+fn per_step(model: &Model, memory: fn() -> Memory) -> anyhow::Result<f64> {
     const STEPS: usize = 4;
     let mut motion = Motion::new(model);
     let start = Start {
@@ -222,9 +229,11 @@ fn report(costs: &Costs, bodies: usize) -> String {
     out += &line("static step", costs.static_step);
     out += &line("jacobian, dense", costs.jacobian);
     out += &line("equilibrium", Some(costs.statics));
-    out += &format!(
-        "  memory                 {:.0} bytes a body\n  allocations            {} in a step of sdirk4",
-        costs.bytes_per_body, costs.allocations_per_step
-    );
+    out += &match &costs.allocated {
+        Some(Allocated { bytes_per_body, per_step }) => format!(
+            "  memory                 {bytes_per_body:.0} bytes a body\n  allocations            {per_step} in a step of sdirk4"
+        ),
+        None => "  memory                 not counted: build with `--features count-allocations`".to_owned(),
+    };
     out
 }

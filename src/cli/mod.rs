@@ -162,8 +162,9 @@ pub struct Memory {
     pub bytes: usize,
 }
 
-/// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator.
-pub fn main(memory: fn() -> Memory) -> ExitCode {
+/// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator, if that is
+/// counted.
+pub fn main(memory: Option<fn() -> Memory>) -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {

@@ -8,7 +8,7 @@ pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
 use crate::simulate::events::Kind;
 use crate::simulate::verify::Verified;
-use crate::statics::{Equilibrium, Mode};
+use crate::statics::{Equilibrium, Mode, Stability};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -111,67 +111,15 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         small(found.residual_acceleration)
     );
     if let Some(stability) = &found.stability {
-        if stability.unstable_directions > 0 {
-            let _ =
-                writeln!(out, "  unstable     in {}", count(stability.unstable_directions, "direction", "directions"));
-        }
-        if stability.neutral_directions > 0 {
-            let motions = count(stability.neutral_directions, "motion costs", "motions cost");
-            let _ = writeln!(out, "  neutral      {motions} nothing");
-        }
-        // Of motions that cost nothing a few will do: their number is above.
-        let idle = |mode: &Mode| mode.frequency_hz == 0.0 && mode.growth_rate == 0.0;
-        let mut seen = 0;
-        let told: Vec<&Mode> = (stability.modes.iter())
-            .filter(|mode| {
-                seen += usize::from(idle(mode));
-                !idle(mode) || seen <= MOST_IDLE
-            })
-            .take(MOST_LINES)
-            .collect();
-        for (line, mode) in told.iter().enumerate() {
-            let what = match mode.growth_rate > 0.0 {
-                true => format!("grows {} per second", number(mode.growth_rate)),
-                false if mode.frequency_hz == 0.0 => "costs nothing".to_owned(),
-                false => format!("{} Hz", number(mode.frequency_hz)),
-            };
-            let head = if line == 0 { "modes" } else { "" };
-            let _ = writeln!(out, "  {head:<12} {what:<24} {}", carriers(&mode.shares));
-        }
-        left_out(&mut out, stability.modes.len() - told.len());
-        for (line, mode) in stability.damped.iter().take(MOST_LINES).enumerate() {
-            let decay = match mode.decay_rate {
-                _ if mode.damping_ratio.abs() < UNDAMPED => "undamped".to_owned(),
-                rate if rate < 0.0 => format!("grows {} per second", number(-rate)),
-                rate => format!("decays {} per second", number(rate)),
-            };
-            let what = match mode.frequency_hz {
-                0.0 => decay,
-                hz => format!("{} Hz, {decay}", number(hz)),
-            };
-            let head = if line == 0 { "damped" } else { "" };
-            let _ = writeln!(out, "  {head:<12} {what:<42} {}", carriers(&mode.shares));
-        }
-        more(&mut out, stability.damped.len());
+        modes(&mut out, stability);
+        damped_modes(&mut out, stability);
     }
     for (line, (name, value)) in found.unknowns.iter().enumerate() {
         let head = if line == 0 { "inputs" } else { "" };
         let _ = writeln!(out, "  {head:<12} {name} = {}", number(*value));
     }
     if found.stages.len() > 1 {
-        for (line, stage) in found.stages.iter().enumerate() {
-            let head = if line == 0 { "stages" } else { "" };
-            let ended = if stage.balanced { "balanced" } else { "failed" };
-            let _ = writeln!(
-                out,
-                "  {head:<12} {:<12} {}, {}, {}: {ended} at {}",
-                stage.name,
-                count(stage.iterations, "step", "steps"),
-                count(stage.force_evaluations, "balance", "balances"),
-                count(stage.factorizations, "factorization", "factorizations"),
-                small(stage.relative_residual)
-            );
-        }
+        stages(&mut out, found);
     }
     let title = match found.balanced {
         true => "pose",
@@ -180,11 +128,89 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         false => "last pose",
     };
     pose(&mut out, model, &found.position, title);
+    bearings(&mut out, model, found);
+    for (name, redundant, rows) in found.redundant.iter().filter(|_| found.balanced) {
+        let _ = writeln!(out, "  not unique   reactions in and around {name}: {redundant} of {rows} rows redundant");
+    }
+    for note in &found.notes {
+        let _ = writeln!(out, "  note         {note}");
+    }
+    out.trim_end().to_owned()
+}
+
+/// Directions that are not stable, and the modes.
+fn modes(out: &mut String, stability: &Stability) {
+    if stability.unstable_directions > 0 {
+        let _ = writeln!(out, "  unstable     in {}", count(stability.unstable_directions, "direction", "directions"));
+    }
+    if stability.neutral_directions > 0 {
+        let motions = count(stability.neutral_directions, "motion costs", "motions cost");
+        let _ = writeln!(out, "  neutral      {motions} nothing");
+    }
+    // Of motions that cost nothing a few will do: their number is above.
+    let idle = |mode: &Mode| mode.frequency_hz == 0.0 && mode.growth_rate == 0.0;
+    let mut seen = 0;
+    let told: Vec<&Mode> = (stability.modes.iter())
+        .filter(|mode| {
+            seen += usize::from(idle(mode));
+            !idle(mode) || seen <= MOST_IDLE
+        })
+        .take(MOST_LINES)
+        .collect();
+    for (line, mode) in told.iter().enumerate() {
+        let what = match mode.growth_rate > 0.0 {
+            true => format!("grows {} per second", number(mode.growth_rate)),
+            false if mode.frequency_hz == 0.0 => "costs nothing".to_owned(),
+            false => format!("{} Hz", number(mode.frequency_hz)),
+        };
+        let head = if line == 0 { "modes" } else { "" };
+        let _ = writeln!(out, "  {head:<12} {what:<24} {}", carriers(&mode.shares));
+    }
+    left_out(out, stability.modes.len() - told.len());
+}
+
+/// The damped modes.
+fn damped_modes(out: &mut String, stability: &Stability) {
+    for (line, mode) in stability.damped.iter().take(MOST_LINES).enumerate() {
+        let decay = match mode.decay_rate {
+            _ if mode.damping_ratio.abs() < UNDAMPED => "undamped".to_owned(),
+            rate if rate < 0.0 => format!("grows {} per second", number(-rate)),
+            rate => format!("decays {} per second", number(rate)),
+        };
+        let what = match mode.frequency_hz {
+            0.0 => decay,
+            hz => format!("{} Hz, {decay}", number(hz)),
+        };
+        let head = if line == 0 { "damped" } else { "" };
+        let _ = writeln!(out, "  {head:<12} {what:<42} {}", carriers(&mode.shares));
+    }
+    more(out, stability.damped.len());
+}
+
+/// What every stage of the search worked.
+fn stages(out: &mut String, found: &Equilibrium) {
+    for (line, stage) in found.stages.iter().enumerate() {
+        let head = if line == 0 { "stages" } else { "" };
+        let ended = if stage.balanced { "balanced" } else { "failed" };
+        let _ = writeln!(
+            out,
+            "  {head:<12} {:<12} {}, {}, {}: {ended} at {}",
+            stage.name,
+            count(stage.iterations, "step", "steps"),
+            count(stage.force_evaluations, "balance", "balances"),
+            count(stage.factorizations, "factorization", "factorizations"),
+            small(stage.relative_residual)
+        );
+    }
+}
+
+/// What drives, motors, locks and stops bear.
+fn bearings(out: &mut String, model: &Model, found: &Equilibrium) {
     let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
     let motors = json::motors(model, &found.position, &found.velocity);
     let drives = model.drives.iter().map(|drive| drive.coordinate.slides);
-    pushes(&mut out, "drives", &found.drive_forces, drives);
-    pushes(&mut out, "motors", &motors, model.motors.iter().map(|motor| motor.coordinate.slides));
+    pushes(out, "drives", &found.drive_forces, drives);
+    pushes(out, "motors", &motors, model.motors.iter().map(|motor| motor.coordinate.slides));
     for (name, force) in &found.holding {
         let held = match without_noise(*force, weight) {
             0.0 => "nothing".to_owned(),
@@ -206,13 +232,6 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
             number(stop.limit)
         );
     }
-    for (name, redundant, rows) in found.redundant.iter().filter(|_| found.balanced) {
-        let _ = writeln!(out, "  not unique   reactions in and around {name}: {redundant} of {rows} rows redundant");
-    }
-    for note in &found.notes {
-        let _ = writeln!(out, "  note         {note}");
-    }
-    out.trim_end().to_owned()
 }
 
 /// What drives or motors push with.

@@ -10,12 +10,20 @@
 //! becomes a note by itself. Nothing is dropped in silence, nothing is guessed: what cannot be meant is a problem, and
 //! all problems of a file are said at once.
 
+#[cfg(feature = "import")]
 mod draft;
+#[cfg(feature = "import")]
 mod files;
+// Without importers nobody has anything to say.
+#[cfg_attr(not(feature = "import"), allow(dead_code))]
 mod log;
+#[cfg(feature = "import")]
 mod mend;
+#[cfg(feature = "import")]
 mod mjcf;
+#[cfg(feature = "import")]
 mod urdf;
+#[cfg(feature = "import")]
 mod xml;
 
 pub use log::{Note, Place, Problem, Refused, Source, Taken, counted, ignored_kinds};
@@ -100,6 +108,7 @@ pub fn import(path: &Path, options: &Options) -> Result<Imported, Refused> {
 ///
 /// # Errors
 /// As [`import`].
+#[cfg(feature = "import")]
 pub fn import_text(path: &Path, text: String, options: &Options) -> Result<Imported, Refused> {
     let mut log = Log::new(path, text);
     let read = read(&log, path, options);
@@ -113,6 +122,23 @@ pub fn import_text(path: &Path, text: String, options: &Options) -> Result<Impor
     }
 }
 
+/// Always an error in this build.
+///
+/// # Errors
+/// Always.
+#[cfg(not(feature = "import"))]
+pub fn import_text(path: &Path, text: String, _options: &Options) -> Result<Imported, Refused> {
+    let log = Log::new(path, text);
+    log.refuse(Problem {
+        place: None,
+        message: format!("`{}` is a model: this program was built without the `import` feature", path.display()),
+        label: String::new(),
+        help: Some("build it with `--features import` (it is on by default)".to_owned()),
+    });
+    Err(Refused::Problems { problems: log.take_problems(), sources: log.into_sources() })
+}
+
+#[cfg(feature = "import")]
 fn read(log: &Log, path: &Path, options: &Options) -> Option<draft::Draft> {
     let text = mend::readable(log.text(0), 0, log);
     let document = xml::parse(&text, 0, log)?;

@@ -1,8 +1,9 @@
 //! Reading a file with a limit, and what can be wrong with it.
 
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::PathBuf;
+#[cfg(feature = "import")]
+use std::{fs::File, io::Read, path::Path};
 
 /// The largest mesh file that is read, in bytes.
 pub const LARGEST_MESH: u64 = 256 * 1024 * 1024;
@@ -24,6 +25,9 @@ pub enum MeshError {
     /// A format that is not read.
     #[error("the mesh `{}` is of a kind that is not read; allowed: .stl, .obj, .gltf, .glb, .msh", .0.display())]
     Unknown(PathBuf),
+    /// This program reads no meshes.
+    #[error("the mesh `{}` cannot be read: this program was built without the `import` feature", .0.display())]
+    Absent(PathBuf),
     /// Not what its extension says.
     #[error("the mesh `{}` is damaged: {what}", path.display())]
     Damaged {
@@ -34,6 +38,7 @@ pub enum MeshError {
     },
 }
 
+#[cfg(feature = "import")]
 impl MeshError {
     pub(super) fn damaged(path: &Path, what: impl ToString) -> Self {
         Self::Damaged { path: path.to_owned(), what: what.to_string() }
@@ -41,6 +46,7 @@ impl MeshError {
 }
 
 /// The bytes of a file.
+#[cfg(feature = "import")]
 pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     let unreadable = |source| MeshError::Unreadable { path: path.to_owned(), source };
     let file = File::open(path).map_err(unreadable)?;

@@ -4,11 +4,16 @@
 //! anything of the size that it claims is allocated.
 
 mod file;
+#[cfg(feature = "import")]
 mod gltf;
+#[cfg(feature = "import")]
 mod hull;
+#[cfg(feature = "import")]
 mod msh;
+#[cfg(feature = "import")]
 mod obj;
 mod solid;
+#[cfg(feature = "import")]
 mod stl;
 
 pub use file::{LARGEST_MESH, MeshError};
@@ -35,6 +40,7 @@ impl Mesh {
     ///
     /// # Errors
     /// Where the file cannot be read, is larger than [`LARGEST_MESH`], or is not what its extension says.
+    #[cfg(feature = "import")]
     pub fn read(path: &Path) -> Result<Self, MeshError> {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
         let mesh = match extension.to_ascii_lowercase().as_str() {
@@ -47,6 +53,15 @@ impl Mesh {
         mesh.checked(path)
     }
 
+    /// Always an error in this build.
+    ///
+    /// # Errors
+    /// Always.
+    #[cfg(not(feature = "import"))]
+    pub fn read(path: &Path) -> Result<Self, MeshError> {
+        Err(MeshError::Absent(path.to_owned()))
+    }
+
     /// Lowest and highest corner; `None` without corners.
     pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
         let first = *self.vertices.first()?;
@@ -57,6 +72,7 @@ impl Mesh {
     }
 
     /// Corners that are there and numbers that are finite.
+    #[cfg(feature = "import")]
     fn checked(self, path: &Path) -> Result<Self, MeshError> {
         let count = self.vertices.len();
         if let Some(corner) = self.triangles.iter().flatten().find(|corner| **corner as usize >= count) {

@@ -9,26 +9,34 @@
 //!
 //! [`view::view`] plays a recording file into the same picture that a running simulation draws.
 //!
+//! Files and pictures need the feature `record`, and pictures `view`; samples in memory need neither.
+//!
 //! Nothing here knows how a simulation works, and nothing outside `file` and `view` knows MCAP or Rerun.
 
 mod error;
 mod event;
 mod fanout;
+#[cfg(feature = "record")]
 pub mod file;
 mod memory;
 pub mod sample;
 pub mod scene;
+#[cfg(feature = "record")]
 mod solids;
+#[cfg(feature = "record")]
 pub mod table;
+#[cfg(feature = "record")]
 pub mod view;
 
 pub use error::RecordError;
 pub use event::Event;
 pub use fanout::Fanout;
+#[cfg(feature = "record")]
 pub use file::{FileWriter, Recording, RecordingFile, Samples};
 pub use memory::Memory;
 pub use sample::{Energy, OwnedSample, Sample};
 pub use scene::Scene;
+#[cfg(feature = "record")]
 pub use table::Table;
 
 /// The `[record]` table.

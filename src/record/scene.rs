@@ -1,10 +1,9 @@
 //! What a picture of a recording needs to know beside the samples. Written into the recording, so that a viewer needs
 //! nothing else.
 
-use serde::{Deserialize, Serialize};
-
 /// The still part of a recording: names, shapes, lines, channels.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scene {
     /// Title of the scenario.
     pub title: String,
@@ -13,7 +12,7 @@ pub struct Scene {
     /// Springs, bushings, ropes and rigid rods: drawn as lines through their points.
     pub lines: Vec<LinePicture>,
     /// Constant loads: drawn as arrows.
-    #[serde(default)]
+    #[cfg_attr(feature = "record", serde(default))]
     pub loads: Vec<LoadPicture>,
     /// Names of the hinge coordinates, in the order of `Sample::positions`.
     pub positions: Vec<Channel>,
@@ -21,18 +20,19 @@ pub struct Scene {
     pub velocities: Vec<Channel>,
     /// Names of what drives, motors, gears, loops, ropes and curves push with, in the order of `Sample::couplings`; empty where there are
     /// none, and where that is not recorded.
-    #[serde(default)]
+    #[cfg_attr(feature = "record", serde(default))]
     pub couplings: Vec<Channel>,
     /// Loops whose reactions are not unique: recorded are the smallest of those that balance.
-    #[serde(default)]
+    #[cfg_attr(feature = "record", serde(default))]
     pub not_unique: Vec<String>,
     /// Whether there are stops that may be hit, or events of the scenario.
-    #[serde(default)]
+    #[cfg_attr(feature = "record", serde(default))]
     pub watched: bool,
 }
 
 /// A body as it is drawn.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct BodyPicture {
     /// Name.
     pub name: String,
@@ -57,7 +57,8 @@ pub struct BodyPicture {
 }
 
 /// A solid as it is drawn.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShapePicture {
     /// `box`, `sphere`, `cylinder`, `capsule` or `mesh`.
     pub kind: String,
@@ -74,22 +75,24 @@ pub struct ShapePicture {
 }
 
 /// A spring, bushing, rope or rigid rod as it is drawn.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct LinePicture {
     /// Name.
     pub name: String,
     /// The points that it goes through, two or more: body index (`None`: ground) and point in its axes.
     pub ends: Vec<(Option<usize>, [f64; 3])>,
     /// Of a spring its stiffness (N/m) and free length (m): what it pulls with follows from where its ends are.
-    #[serde(default)]
+    #[cfg_attr(feature = "record", serde(default))]
     pub spring: Option<[f64; 2]>,
     /// Whether it pulls only, as a rope, and is slack otherwise.
-    #[serde(default)]
+    #[cfg_attr(feature = "record", serde(default))]
     pub pulls_only: bool,
 }
 
 /// A constant load as it is drawn.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct LoadPicture {
     /// Name.
     pub name: String,
@@ -106,7 +109,8 @@ pub struct LoadPicture {
 }
 
 /// A plotted number.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
     /// Body whose hinge it belongs to; drive, motor, gear or loop.
     pub body: String,

@@ -1,5 +1,7 @@
 //! The core: the reduced transfer matrix method. Accelerations of a tree of bodies and hinges in O(n), no mass matrix.
 //!
+//! [`plain`] is the method as printed, in one short function: read it first. The other files compute the same faster.
+//!
 //! Every vector is in inertial axes and every 6-vector is taken at its marker. A body's *root marker* carries its
 //! inboard hinge; its other hinge points are its *tip markers*.
 //!
@@ -36,6 +38,7 @@ pub mod balance;
 pub mod element;
 pub mod jacobian;
 pub mod mass;
+pub mod plain;
 mod plan;
 pub mod reduce;
 pub mod tangent;

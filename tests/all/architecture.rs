@@ -76,7 +76,8 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("mcap", &["record"]),
     ("foxglove", &["record"]),
     ("re_cdr", &["record"]),
-    ("rerun", &["record"]),
+    ("re_sdk", &["record"]),
+    ("re_sdk_types", &["record"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),
@@ -94,6 +95,9 @@ const FOREIGN: &[(&str, &[&str])] = &[
     // `motion` for the halves of large trees, `cli` to make its thread one of the two.
     ("rayon", &["motion", "cli"]),
 ];
+
+/// What the core is compiled with: every other crate belongs to a feature.
+const CORE: &[&str] = &["allocator-api2", "exmex", "faer", "hugealloc", "nalgebra", "rayon", "thiserror", "wide"];
 
 /// A file longer than this is more than one can hold in the head.
 const MOST_LINES: usize = 450;
@@ -194,5 +198,22 @@ fn files_can_be_held_in_the_head() {
     for (_, path, text) in files() {
         let lines = text.lines().count();
         assert!(lines <= MOST_LINES, "{}: {lines} lines", path.display());
+    }
+}
+
+/// Who uses the library alone compiles nothing for the program, for files or for pictures.
+#[test]
+fn whatever_is_not_of_the_core_belongs_to_a_feature() {
+    let manifest = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
+    let (_, rest) = manifest.split_once("\n[dependencies]\n").unwrap();
+    let (dependencies, _) = rest.split_once("\n[").unwrap();
+    let crates = dependencies.lines().filter(|line| !line.starts_with('#')).filter_map(|line| line.split_once(" = "));
+    let (always, optional): (Vec<_>, Vec<_>) = crates.partition(|(_, needs)| !needs.contains("optional = true"));
+    let always: Vec<&str> = always.into_iter().map(|(name, _)| name).collect();
+    assert_eq!(always, CORE);
+    assert!(optional.len() > 20, "{optional:?}");
+    // A feature of its own for each: none is switched on by its name.
+    for (name, _) in optional {
+        assert!(manifest.contains(&format!("\"dep:{name}\"")), "`{name}` belongs to no feature");
     }
 }

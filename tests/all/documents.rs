@@ -16,7 +16,7 @@ fn root() -> PathBuf {
 /// Every page for people: name within the repository, and text.
 fn pages() -> Vec<(String, String)> {
     let mut paths = vec![root().join("README.md"), root().join("ARCHITECTURE.md"), root().join("CHANGELOG.md")];
-    for folder in ["docs", "docs/guide"] {
+    for folder in ["docs", "docs/guide", "docs/decisions"] {
         let entries = fs::read_dir(root().join(folder)).expect("a folder");
         let mut found: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();
         found.retain(|path| path.extension().is_some_and(|extension| extension == "md"));

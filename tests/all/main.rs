@@ -1,5 +1,8 @@
 //! All integration tests in one binary: one link, many modules.
 
+// Outside of functions that are marked as tests, too.
+#![allow(clippy::print_stderr, clippy::print_stdout, clippy::too_many_lines, clippy::unwrap_used)]
+
 mod accelerations;
 mod addresses;
 mod architecture;
@@ -23,6 +26,7 @@ mod loops;
 mod mjcf;
 mod no_allocation;
 mod oracle;
+mod plain;
 mod precision;
 mod quantities;
 mod record;

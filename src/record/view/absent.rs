@@ -1,4 +1,4 @@
-//! What stands here when the `rerun` feature is left out.
+//! What stands here when the `view` feature is left out.
 
 use super::{Shown, Sink, Wishes};
 use crate::record::{Opening, Outcome, RecordError, Recorder, Sample};
@@ -45,7 +45,7 @@ pub fn view(_recording: &Path, _sink: &Sink, _wishes: &Wishes) -> Result<Shown, 
 
 fn absent() -> RecordError {
     RecordError::View {
-        what: "this program was built without the `rerun` feature".into(),
+        what: "this program was built without the `view` feature".into(),
         hint: "build it with the feature (it is on by default), or open the MCAP recording in Foxglove or Lichtblick"
             .into(),
     }

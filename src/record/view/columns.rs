@@ -6,11 +6,11 @@ use super::forces::{
     load_paths, load_points, points, reaction_arrows, reactions_path, spring_color, spring_path, strip, tension,
 };
 use super::picture::{Picture, body_path, center_path, point};
-use super::survey::center_of_mass;
-use crate::record::Sample;
-use rerun::{
+use super::sdk::{
     Arrows3D, Color, LineStrips3D, Points3D, RecordingStream, RecordingStreamResult, Scalars, TimeColumn, Transform3D,
 };
+use super::survey::center_of_mass;
+use crate::record::Sample;
 
 /// Name of the timeline.
 pub(super) const TIMELINE: &str = "sim_time";
@@ -24,7 +24,7 @@ pub(super) struct Columns {
     times: Vec<f64>,
     curves: Vec<Vec<f64>>,
     drawn: Vec<f64>,
-    bodies: Vec<(Vec<[f32; 3]>, Vec<rerun::Quaternion>)>,
+    bodies: Vec<(Vec<[f32; 3]>, Vec<super::sdk::Quaternion>)>,
     crowd: Moves,
     springs: Vec<(Vec<Strip>, Vec<Color>)>,
     loads: Vec<Vec<[f32; 3]>>,
@@ -129,7 +129,7 @@ impl Columns {
     }
 }
 
-pub(super) fn quaternion(turn: &nalgebra::UnitQuaternion<f64>) -> rerun::Quaternion {
+pub(super) fn quaternion(turn: &nalgebra::UnitQuaternion<f64>) -> super::sdk::Quaternion {
     let turn = turn.quaternion().cast::<f32>();
-    rerun::Quaternion::from_xyzw([turn.i, turn.j, turn.k, turn.w])
+    super::sdk::Quaternion::from_xyzw([turn.i, turn.j, turn.k, turn.w])
 }

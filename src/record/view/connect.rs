@@ -1,15 +1,15 @@
 //! Finding a viewer that listens before anything is sent to it: the viewer's library would wait for ever.
 
 use super::Sink;
+use super::sdk::{RecordingStream, RecordingStreamBuilder};
 use crate::record::RecordError;
-use rerun::{RecordingStream, RecordingStreamBuilder};
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// The viewer's usual port.
-const PORT: u16 = rerun::DEFAULT_SERVER_PORT;
+const PORT: u16 = super::sdk::DEFAULT_SERVER_PORT;
 /// How long a listener may take to answer.
 const PROBE: Duration = Duration::from_millis(1000);
 /// How long a new viewer may take to listen.
@@ -51,8 +51,8 @@ const ADDRESS_HINT: &str = "addresses look like `rerun+http://127.0.0.1:9876/pro
 fn address(given: &str) -> Result<(String, String), RecordError> {
     let wrong = || failed(format!("`{given}` is not a viewer's address"), ADDRESS_HINT);
     let full = if given.contains("://") { given.to_owned() } else { format!("rerun+http://{given}/proxy") };
-    match full.parse::<rerun::external::re_uri::RedapUri>() {
-        Ok(rerun::external::re_uri::RedapUri::Proxy(proxy)) => {
+    match full.parse::<super::sdk::RedapUri>() {
+        Ok(super::sdk::RedapUri::Proxy(proxy)) => {
             let origin = proxy.origin;
             Ok((full, format!("{}:{}", origin.format_host(), origin.port)))
         }
@@ -71,7 +71,7 @@ fn spawn(program: &str, port: u16) -> Result<(), RecordError> {
         return Ok(());
     }
     let mut viewer = start(program, port).map_err(|error| {
-        let version = rerun::build_info().version;
+        let version = super::sdk::build_info().version;
         let hint = format!("install it with `pip install rerun-sdk=={version}`, or save an `.rrd` file instead");
         match error.kind() {
             std::io::ErrorKind::NotFound => failed(format!("the viewer program `{program}` is not installed"), &hint),

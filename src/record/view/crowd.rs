@@ -3,14 +3,14 @@
 
 use super::columns::quaternion;
 use super::picture::{color, path, point};
+use super::sdk::{
+    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, FillMode, LineStrips3D, Radius, RecordingStream,
+    RecordingStreamResult, SerializedComponentColumn,
+};
 use crate::record::Scene;
 use crate::record::solids::{Form, Solid};
 use crate::spatial::Pose;
 use nalgebra::{Isometry3, Translation3};
-use rerun::{
-    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, FillMode, LineStrips3D, Radius, RecordingStream,
-    RecordingStreamResult, SerializedComponentColumn,
-};
 
 /// From so many bodies on.
 pub(super) const CROWD: usize = 300;
@@ -42,7 +42,7 @@ enum Kind {
 /// What a crowd does in a stretch of samples: by group centres and turns, then the lines.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Moves {
-    groups: Vec<(Vec<[f32; 3]>, Vec<rerun::Quaternion>)>,
+    groups: Vec<(Vec<[f32; 3]>, Vec<super::sdk::Quaternion>)>,
     lines: Vec<[[f32; 3]; 2]>,
 }
 
@@ -168,7 +168,7 @@ impl Crowd {
     }
 }
 
-const JOINED: Color = Color(rerun::Rgba32::from_rgb(90, 110, 130));
+const JOINED: Color = Color(super::sdk::Rgba32::from_rgb(90, 110, 130));
 
 fn joined_path() -> EntityPath {
     path(&["world", "bodies", "joined"])

@@ -1,10 +1,10 @@
 //! Which numbers are plotted, and under which names.
 
 use super::forces::tension;
+use super::sdk::EntityPath;
 use super::survey::{Range, Survey};
 use crate::record::scene::{Channel, LinePicture};
 use crate::record::{Sample, Scene};
-use rerun::EntityPath;
 
 /// More curves in one plot cannot be told apart.
 const CURVES_PER_PLOT: usize = 8;

@@ -1,16 +1,16 @@
 //! Springs, loads and reactions: what pushes, drawn.
 
 use super::picture::{color, path, point};
+use super::sdk::{Arrows3D, Color, EntityPath, LineStrips3D, Radius, RecordingStream, RecordingStreamResult};
 use crate::record::Scene;
 use crate::record::scene::LinePicture;
 use crate::spatial::{Pose, Wrench};
 use nalgebra::{Point3, Vector3};
-use rerun::{Arrows3D, Color, EntityPath, LineStrips3D, Radius, RecordingStream, RecordingStreamResult};
 
 /// A push, a torque, a reaction.
-const FORCE: Color = Color(rerun::Rgba32::from_rgb(200, 60, 40));
-const TORQUE: Color = Color(rerun::Rgba32::from_rgb(130, 70, 170));
-pub(super) const REACTION: Color = Color(rerun::Rgba32::from_rgb(40, 110, 60));
+const FORCE: Color = Color(super::sdk::Rgba32::from_rgb(200, 60, 40));
+const TORQUE: Color = Color(super::sdk::Rgba32::from_rgb(130, 70, 170));
+pub(super) const REACTION: Color = Color(super::sdk::Rgba32::from_rgb(40, 110, 60));
 /// The longest arrow against the scene.
 const ARROW: f64 = 0.25;
 /// The shortest against the longest.

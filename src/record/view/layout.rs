@@ -8,17 +8,17 @@ use super::columns::TIMELINE;
 use super::curves::Plot;
 use super::marks::EVENTS;
 use super::picture::{CAPTION, Picture, STATICS};
-use rerun::blueprint::components::{
-    BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, PlayState, RootContainer,
-};
-use rerun::datatypes::Uuid;
-use rerun::external::re_log_types::BlueprintActivationCommand;
-use rerun::external::re_sdk_types::blueprint::archetypes::{
+use super::sdk::BlueprintActivationCommand;
+use super::sdk::blueprint::archetypes::{
     Background, ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, PlotLegend, TextLogColumns,
     TimePanelBlueprint, ViewBlueprint, ViewContents, ViewportBlueprint,
 };
-use rerun::external::re_sdk_types::blueprint::datatypes::{TextLogColumn, TextLogColumnKind};
-use rerun::{Color, EntityPath, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, components};
+use super::sdk::blueprint::components::{
+    BackgroundKind, ContainerKind, Corner2D, LoopMode, PanelState, PlayState, RootContainer,
+};
+use super::sdk::blueprint::datatypes::{TextLogColumn, TextLogColumnKind};
+use super::sdk::datatypes::Uuid;
+use super::sdk::{Color, EntityPath, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, components};
 
 /// Shares of the window's width: the bodies, the plots.
 const SHARES: [f32; 2] = [3.0, 2.0];
@@ -26,8 +26,8 @@ const SHARES: [f32; 2] = [3.0, 2.0];
 const LOG_SHARE: f32 = 0.6;
 const ROW_SHARE: f32 = 1.0;
 /// Light, as paper: wires, rods and frames are usually dark.
-const BACKGROUND: Color = Color(rerun::Rgba32::from_rgb(224, 228, 233));
-const GRID: Color = Color(rerun::Rgba32::from_rgb(190, 196, 204));
+const BACKGROUND: Color = Color(super::sdk::Rgba32::from_rgb(224, 228, 233));
+const GRID: Color = Color(super::sdk::Rgba32::from_rgb(190, 196, 204));
 
 /// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, on the right what statics found, what
 /// happens and the plots, those of one group behind each other. With `plays` the time runs as soon as it is opened.

@@ -1,6 +1,6 @@
 //! The thread that talks to the viewer, so that nobody else waits for it.
 
-use rerun::RecordingStream;
+use super::sdk::RecordingStream;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::time::{Duration, Instant};
 

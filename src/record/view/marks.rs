@@ -2,8 +2,8 @@
 
 use super::columns::TIMELINE;
 use super::picture::path;
+use super::sdk::{RecordingStream, RecordingStreamResult, TextLog, TextLogLevel, TimeColumn};
 use crate::record::Event;
-use rerun::{RecordingStream, RecordingStreamResult, TextLog, TextLogLevel, TimeColumn};
 use std::collections::BTreeMap;
 
 /// The folder of all of them.

@@ -13,42 +13,44 @@
 //! A viewer that is missing, slow or closed is an error in good time, never a wait without end: everything it is told
 //! goes through a thread of its own.
 //!
-//! Built without the `rerun` feature, the functions here return an error that says so.
+//! Built without the `view` feature, the functions here return an error that says so.
 
-#[cfg(not(feature = "rerun"))]
+#[cfg(not(feature = "view"))]
 mod absent;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod bounds;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod camera;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod columns;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod connect;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod crowd;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod curves;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod forces;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod layout;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod link;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod marks;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod picture;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
+mod sdk;
+#[cfg(feature = "view")]
 mod survey;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod text;
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 mod viewer;
 
-#[cfg(not(feature = "rerun"))]
+#[cfg(not(feature = "view"))]
 pub use absent::{Viewer, view};
-#[cfg(feature = "rerun")]
+#[cfg(feature = "view")]
 pub use viewer::{Viewer, view};
 
 use std::path::PathBuf;

@@ -5,14 +5,14 @@ use super::columns::{TIMELINE, quaternion};
 use super::crowd::Crowd;
 use super::curves::Plot;
 use super::forces::{self, Scales, coil_radii};
-use crate::record::Scene;
-use crate::record::solids::{Form, Solid, palette, solids};
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
-use rerun::{
+use super::sdk::{
     Arrows3D, Asset3D, Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, EntityPathPart, FillMode,
     InstancePoses3D, LineStrips3D, MediaType, Points3D, Radius, RecordingStream, RecordingStreamResult, SeriesLines,
     TextDocument, ViewCoordinates,
 };
+use crate::record::Scene;
+use crate::record::solids::{Form, Solid, palette, solids};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 /// Everything still, ready to be sent.
 pub(super) struct Picture {
@@ -145,8 +145,8 @@ impl Picture {
 
 /// Length over radius from which a rod is thin.
 const THIN: f64 = 40.0;
-const CENTER: Color = Color(rerun::Rgba32::from_rgb(176, 48, 128));
-const HINGE: Color = Color(rerun::Rgba32::from_rgb(214, 160, 48));
+const CENTER: Color = Color(super::sdk::Rgba32::from_rgb(176, 48, 128));
+const HINGE: Color = Color(super::sdk::Rgba32::from_rgb(214, 160, 48));
 
 /// A rod many times longer than thick is also drawn as a line of fixed width: from afar nothing else is left of a wire.
 fn send_core(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> RecordingStreamResult<()> {
@@ -191,7 +191,7 @@ fn send_solid(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> Reco
         Form::Mesh { contents, media_type, scale, .. } => {
             let mut asset = Asset3D::new(contents.clone()).with_media_type(MediaType::from(*media_type));
             if solid.own_color || *media_type == "model/stl" {
-                asset = asset.with_albedo_factor(rerun::AlbedoFactor(color(solid.color).0));
+                asset = asset.with_albedo_factor(super::sdk::AlbedoFactor(color(solid.color).0));
             }
             let pose = InstancePoses3D::new().with_translations(center).with_quaternions(turn);
             stream.log_static(path.clone(), &pose.with_scales([scale.map(|x| x as f32)]))?;

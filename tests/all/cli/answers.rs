@@ -34,10 +34,7 @@ fn wrong_calls_end_with_2() {
         (&["run", &pencil, "--set", "pen.mass=3"], "pencil"),
         (&["run", "nothing.toml"], "no scenario `nothing.toml`"),
         (&["statics", "."], "is a folder"),
-        (
-            &["view", "nothing.mcap"],
-            if cfg!(feature = "rerun") { "nothing.mcap" } else { "without the `rerun` feature" },
-        ),
+        (&["view", "nothing.mcap"], if cfg!(feature = "view") { "nothing.mcap" } else { "without the `view` feature" }),
     ] {
         let answer = bench.call(arguments).code(2);
         assert!(answer.out.is_empty() && answer.err.contains(said), "{arguments:?}: {answer:#?}");

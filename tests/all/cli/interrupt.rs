@@ -86,13 +86,13 @@ fn a_cut_recording_is_shown_as_far_as_it_goes() {
     let bytes = std::fs::read(bench.path().join("whole.mcap")).expect("a recording");
     bench.write("cut.mcap", &bytes[..bytes.len() - bytes.len() / 10]);
     let answer = bench.call(&["view", "cut.mcap", "--save", "cut.rrd"]);
-    if cfg!(feature = "rerun") {
+    if cfg!(feature = "view") {
         let answer = answer.code(0);
         assert!(answer.err.contains("was not finished"), "{answer:#?}");
         assert_eq!(bench.names(), ["cut.mcap", "cut.rrd", "whole.mcap"]);
     } else {
         let answer = answer.code(2);
-        assert!(answer.err.contains("built without the `rerun` feature"), "{answer:#?}");
+        assert!(answer.err.contains("built without the `view` feature"), "{answer:#?}");
     }
     let kept = Recording::open(&bench.path().join("cut.mcap")).expect("readable");
     assert!(!kept.complete);

@@ -58,7 +58,7 @@ fn every_example_of_the_help_works() {
         assert!(!lines.is_empty(), "`{name} --help` has no examples");
         for line in lines {
             // A viewer is not everywhere, and a build may be without Rerun or Parquet.
-            let skipped = (line.contains(" view ") && (!line.contains("--save") || cfg!(not(feature = "rerun"))))
+            let skipped = (line.contains(" view ") && (!line.contains("--save") || cfg!(not(feature = "view"))))
                 || (line.contains("--parquet") && cfg!(not(feature = "parquet")));
             if !skipped {
                 let answer = shell(&bench, &line);

@@ -55,7 +55,7 @@ fn words(command: &str) -> Vec<String> {
 fn callable(words: &[String]) -> bool {
     let plain = |word: &String| !word.contains(['|', '>', '…', '$']) && !word.starts_with("FILE") && word != "SCENARIO";
     let window = words.get(1).is_some_and(|word| word == "view")
-        && !(cfg!(feature = "rerun") && words.contains(&"--save".to_owned()));
+        && !(cfg!(feature = "view") && words.contains(&"--save".to_owned()));
     words[0] == "stillpoint" && words.iter().all(plain) && !window
 }
 

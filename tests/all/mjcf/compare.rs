@@ -17,16 +17,10 @@ const MODELS: [(&str, f64); 7] = [
 ];
 
 #[test]
+#[ignore = "needs Python with mujoco-core (tests/python/requirements.txt)"]
 fn accelerations_are_those_of_mujoco() {
-    let python = || Command::new("python3");
-    let there = python().args(["-c", "import mujoco, numpy"]).output();
-    if !there.is_ok_and(|output| output.status.success()) {
-        assert!(std::env::var_os("CI").is_none(), "python3 with mujoco-core must be there");
-        eprintln!("skipped: python3 with the package mujoco-core is not there");
-        return;
-    }
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut command = python();
+    let mut command = Command::new("python3");
     command.arg(root.join("tests/python/compare_mjcf.py")).arg(env!("CARGO_BIN_EXE_stillpoint"));
     // MuJoCo leaves a log where it runs.
     let folder = tempfile::tempdir().expect("a folder");

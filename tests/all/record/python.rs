@@ -5,30 +5,17 @@ use super::fixture::{Motion, record};
 use std::process::Command;
 
 #[test]
+#[ignore = "needs Python with mcap and mcap-protobuf-support (tests/python/requirements.txt)"]
 fn python_reads_the_same_numbers() {
-    let python = || Command::new("python3");
-    let there = python().args(["-c", "import mcap.reader, mcap_protobuf.decoder"]).output();
-    if !there.is_ok_and(|output| output.status.success()) {
-        assert!(std::env::var_os("CI").is_none(), "python3 with mcap and mcap-protobuf-support must be there");
-        eprintln!("skipped: python3 with the packages mcap and mcap-protobuf-support is not there");
-        return;
-    }
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/python/read_recording.py");
-    is_read_back(python().arg(script));
+    is_read_back(Command::new("python3").arg(script));
 }
 
 #[test]
+#[ignore = "needs Node with the packages of tests/javascript"]
 fn javascript_reads_the_same_numbers() {
-    let node = || Command::new("node");
-    let needed = "for (const name of ['core', 'nodejs', 'support']) require('@mcap/' + name)";
-    let there = node().args(["-e", needed]).output();
-    if !there.is_ok_and(|output| output.status.success()) {
-        assert!(std::env::var_os("CI").is_none(), "node with the packages of tests/javascript must be there");
-        eprintln!("skipped: node with the packages of tests/javascript is not there");
-        return;
-    }
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/javascript/read_recording.js");
-    let read = is_read_back(node().arg(script));
+    let read = is_read_back(Command::new("node").arg(script));
     // The scene once, and five channels with every sample.
     assert_eq!(read["messages"], 1 + 5 * 101);
 }
