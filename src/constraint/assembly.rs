@@ -1,15 +1,18 @@
 //! Assembly: given positions and velocities are a guess; here they are brought onto the loops, drives and gears.
 
 use super::close::{Closing, Metric, OpenGap, ROUND_OFF};
+use super::component::{between_ends, components};
 use super::rank::decide;
 use super::rows::{Owner, locks, second_frame};
 use super::{Constraints, Element};
+use crate::model::couplings::Closure;
+use crate::model::description::HingeKind;
 use crate::model::problem::{Element as Place, Problem, number};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
-/// A gap below this part of the scene's length is closed; exact data close to round-off, numbers with six digits to
+/// A gap below this part of its component's reach is closed; exact data close to round-off, numbers with six digits to
 /// less.
 const CLOSED: f64 = 1e-6;
 /// Positions that moved by less than this part of the scene's length (or rad) are said to be where they were given.
@@ -22,7 +25,7 @@ pub struct Assembly {
     pub degrees_of_freedom: usize,
     /// Loops and gears with rows that others already stand for: name, how many, of how many.
     pub redundant: Vec<(String, usize, usize)>,
-    /// Widest gap at the positions as given (m; rad times the scene's length).
+    /// Widest gap at the positions as given (m; rad times the reach of the mechanism).
     pub given_gap: f64,
     /// Widest gap that is left.
     pub gap: f64,
@@ -45,7 +48,7 @@ pub fn assemble(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     let (given_gap, gap) = close_positions(model, &mut notes)?;
     let ranking = decide(model, &model.start_position, 0.0);
     let rows = Constraints::all(model, &[]);
-    let problems = [locked(model, &rows, &ranking.independent), overdriven(&rows, &ranking.independent)].concat();
+    let problems = overdriven(&rows, &ranking.independent);
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -74,18 +77,18 @@ fn freeze_frames(model: &mut Model) {
 
 fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f64), Vec<Problem>> {
     let given = model.start_position.clone();
-    let length = model.length_scale();
     let mut q = given.clone();
     let mut near = "the nearest assembly";
-    let (given_gap, mut gap, widest) = {
+    let (given_gap, gap, widest) = {
         let mut closing = Closing::new(model, &locks(model), 0.0);
-        let given_gap = closing.gap(&q);
+        let relative = closing.gap(&q);
+        let given_gap = closing.widest().gap;
         let mut gap =
             closing.close(&mut q, Metric::Inertia).map_err(|singular| vec![undetermined(model, singular.link)])?;
         // From a stretched or symmetric guess no direction closes: look from a little beside it.
         let ways = (0..=4).flat_map(|attempt| [Metric::Coordinates, Metric::Inertia].map(|metric| (attempt, metric)));
         for (attempt, metric) in ways.filter(|way| *way != (0, Metric::Inertia)) {
-            if gap <= CLOSED * length {
+            if gap <= CLOSED {
                 break;
             }
             let mut beside = given.clone();
@@ -98,16 +101,17 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
             }
         }
         closing.gap(&q);
-        (given_gap, gap, closing.widest())
+        let mut widest = closing.widest();
+        if gap < 1e-13 && relative <= gap {
+            widest.gap = given_gap;
+        }
+        (given_gap, gap, widest)
     };
-    if !(gap <= CLOSED * length) {
+    if !(gap <= CLOSED) {
         return Err(vec![cannot_close(model, &widest)]);
     }
     if let Some(turned) = turned_over(model, &q) {
         return Err(vec![turned]);
-    }
-    if gap < 1e-13 * length {
-        gap = gap.min(given_gap);
     }
     let moved = largest_move(model, &given, &q);
     if moved > MOVED {
@@ -118,7 +122,7 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
         ));
     }
     model.start_position = q;
-    Ok((given_gap, gap))
+    Ok((given_gap, widest.gap))
 }
 
 /// Given velocities that are not zero, and those of hinges that no loop or drive concerns, weigh so much more than the
@@ -134,10 +138,10 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
         closing.rows.keep(|row| independent[row]);
     }
     let mut v = given.clone();
-    let before = closing.speeds(&q, &v);
-    let length = model.length_scale();
-    let size = v.iter().fold(length / model.time_scale(), |m, v| m.max(v.abs() * length));
-    if before.amax() > ROUND_OFF * size {
+    let (before, open) = closing.speeds(&q, &v);
+    // Turns and parts of reaches per second.
+    let size = v.iter().fold(1.0 / model.time_scale(), |m, v| m.max(v.abs()));
+    if open > ROUND_OFF * size {
         let yielding = yielding(model, &closing.rows, &given);
         let weights: Vec<f64> = yielding.iter().map(|yields| if *yields { 1.0 } else { GIVEN }).collect();
         for Local { columns, rows, rates } in locals(model, &mut closing, &before) {
@@ -179,7 +183,7 @@ struct Local {
 /// themselves. What agrees already is left out.
 fn locals(model: &Model, closing: &mut Closing<'_>, rates: &DVector<f64>) -> Vec<Local> {
     let inner: Vec<Vec<usize>> = closing.rows.elements.iter().map(between_ends).collect();
-    let of_element = sharing(&inner, model.links.len());
+    let of_element = components(model, &closing.rows.elements);
     let unknowns = closing.rows.plan.groups.iter();
     let unknowns = unknowns.flat_map(|group| group.rows.iter().map(|_| of_element[group.element]));
     let of_unknown: Vec<usize> = unknowns.collect();
@@ -217,30 +221,6 @@ fn locals(model: &Model, closing: &mut Closing<'_>, rates: &DVector<f64>) -> Vec
     });
     locals.retain(|local| local.rates.amax() > 0.0);
     locals
-}
-
-/// Of lists of links, for each the first one that it shares a link with, directly or through others.
-fn sharing(lists: &[Vec<usize>], links: usize) -> Vec<usize> {
-    let mut root: Vec<usize> = (0..lists.len()).collect();
-    let find = |root: &[usize], mut at: usize| {
-        while root[at] != at {
-            at = root[at];
-        }
-        at
-    };
-    let mut owner = vec![usize::MAX; links];
-    for (list, links) in lists.iter().enumerate() {
-        for link in links {
-            match owner[*link] {
-                usize::MAX => owner[*link] = list,
-                other => {
-                    let (a, b) = (find(&root, list), find(&root, other));
-                    root[a.max(b)] = a.min(b);
-                }
-            }
-        }
-    }
-    (0..lists.len()).map(|list| find(&root, list)).collect()
 }
 
 /// The velocities that follow from others: of driven hinges, and of hinges in loops and gears whose own is not given.
@@ -306,7 +286,7 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     let mut motion = Motion::new(model);
     motion.update(model, q, &vec![0.0; model.velocity_count()]);
     let rows = Constraints::all(model, &[]);
-    rows.elements.iter().find(|element| rows.is_turned_over(element, model, &motion)).map(|element| Problem {
+    rows.elements.iter().find(|element| is_turned_over(element, model, &motion)).map(|element| Problem {
         element: place_of(element.owner),
         field: "between".to_owned(),
         message: format!(
@@ -317,49 +297,24 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     })
 }
 
-/// Mechanisms in which nothing can move: the coordinates between the ends of their loops are all taken.
-fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
-    let count = rows.elements.len();
-    let inner: Vec<Vec<usize>> = rows.elements.iter().map(between_ends).collect();
-    let is_drive = |e: usize| matches!(rows.elements[e].owner, Owner::Drive(_));
-    let tied: Vec<Vec<usize>> =
-        inner.iter().enumerate().map(|(e, links)| if is_drive(e) { Vec::new() } else { links.clone() }).collect();
-    let of = sharing(&tied, model.links.len());
-    let mut problems = Vec::new();
-    for first in 0..count {
-        if of[first] != first || is_drive(first) {
-            continue;
+/// Whether the axes of a loop stand against each other instead of together.
+fn is_turned_over(element: &Element, model: &Model, motion: &Motion) -> bool {
+    let Owner::Loop(index) = element.owner else { return false };
+    let closed = &model.loops[index];
+    let [first, second] = [&motion.links[closed.ends[0].link], &motion.links[closed.ends[1].link]];
+    let Some(second_frame) = closed.second_frame else { return false };
+    let against = |axis: &Vector3<f64>| {
+        (first.turn * (closed.frame * axis)).dot(&(second.turn * (second_frame * axis))) < 0.0
+    };
+    match &closed.closure {
+        Closure::Hinge(HingeKind::Revolute { axis } | HingeKind::Cylindrical { axis }) => against(axis),
+        Closure::Hinge(HingeKind::Planar) => against(&Vector3::z()),
+        Closure::Hinge(HingeKind::Fixed | HingeKind::Prismatic { .. }) => {
+            (0..3).any(|axis| against(&Vector3::ith(axis, 1.0)))
         }
-        let members: Vec<usize> = (0..count).filter(|e| of[*e] == first && !is_drive(*e)).collect();
-        let mut links: Vec<usize> = members.iter().flat_map(|e| inner[*e].iter().copied()).collect();
-        links.sort_unstable();
-        links.dedup();
-        let freedoms: usize = links.iter().map(|link| model.links[*link].joint.counts().1).sum();
-        let taken = members.iter().flat_map(|e| rows.elements[*e].rows.clone()).filter(|row| independent[*row]).count();
-        if taken >= freedoms && taken > 0 {
-            let names: Vec<&str> = members.iter().map(|e| rows.elements[*e].name.as_str()).collect();
-            let mut bodies: Vec<&str> =
-                links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
-            bodies.dedup();
-            problems.push(Problem {
-                element: place_of(rows.elements[first].owner),
-                field: "type".to_owned(),
-                message: format!(
-                    "{} lock the mechanism: {taken} conditions on {freedoms} coordinates leave {} nothing to move",
-                    listed(&names, ""),
-                    listed(&bodies, "`")
-                ),
-                help: Some("take one off, free a hinge, or weld the bodies with fixed hinges".to_owned()),
-            });
-        }
+        Closure::Hinge(HingeKind::Universal { .. } | HingeKind::Spherical | HingeKind::Free)
+        | Closure::Rod { .. } => false,
     }
-    problems
-}
-
-/// The links whose coordinates move the ends against each other.
-fn between_ends(element: &Element) -> Vec<usize> {
-    let named = element.named.iter().copied().filter(|link| *link != 0);
-    element.branches.iter().flatten().copied().chain(named).collect()
 }
 
 /// Drives of a motion that others already prescribe.

@@ -27,6 +27,7 @@ impl Constraints {
         self.ways.truncate(elements);
         self.rules.truncate(rows);
         self.weights.truncate(rows);
+        self.reaches.truncate(rows);
         self.placed.truncate(rows);
         self.multipliers.truncate(rows);
         self.not_unique.truncate(rows);
@@ -40,6 +41,7 @@ impl Constraints {
         self.ways.extend(self.elements[elements..].iter().map(|element| rows::way(model, element)));
         let length = model.length_scale();
         self.weights.extend(self.rules[rows..].iter().map(|rule| if rule.turns() { length } else { 1.0 }));
+        self.reaches.resize(self.rules.len(), length);
         self.placed.resize(self.rules.len(), Placed::default());
         self.multipliers.resize(self.rules.len(), 0.0);
         self.not_unique.resize(self.rules.len(), false);
@@ -49,8 +51,7 @@ impl Constraints {
             return Vec::new();
         }
         self.place(model, motion, q, false);
-        self.assemble(model, motion, reduction);
-        let counts = self.independent_now()[rows..].to_vec();
+        let counts = self.independent_now(model, motion)[rows..].to_vec();
         if counts.contains(&false) {
             // Without a row nothing asks whether they are where they are held.
             let counted: Vec<(usize, Instant)> =

@@ -24,7 +24,7 @@ pub struct LoopReaction {
     pub moment: Vector3<f64>,
     /// What pulls the ends together along the line between them (N); of a rod, whose only load it is.
     pub pull: Option<f64>,
-    /// Widest gap (m; rad times the scene's length).
+    /// Widest gap (m; rad times the reach of the mechanism).
     pub gap: f64,
     /// Whether nothing else balances: false where rows are redundant. Of all reactions that do, this one is the smallest.
     pub unique: bool,
@@ -122,7 +122,7 @@ impl Constraints {
     }
 
     /// Of all multipliers that balance what the last ones do, takes the smallest: the least sum of squares, moments
-    /// divided by the scene's length. `all` are the same rows, none left out. At the position of the tree's last
+    /// divided by the lever of their component. `all` are the same rows, none left out. At the position of the tree's last
     /// factorization.
     ///
     /// ```text
@@ -220,7 +220,7 @@ impl Constraints {
                 force: at_end.force,
                 moment: at_end.moment,
                 pull: is_rod.then(|| -self.multipliers[element.rows.start]),
-                gap: element.rows.clone().map(|row| self.weights[row] * self.placed[row].gap.abs()).fold(0.0, f64::max),
+                gap: element.rows.clone().map(|row| self.reaches[row] * self.relative_gap(row)).fold(0.0, f64::max),
                 unique: !element.rows.clone().any(|row| self.not_unique[row]),
                 around,
             })
