@@ -1,7 +1,7 @@
 //! Assembly: given positions and velocities are a guess; here they are brought onto the loops, drives and gears.
 
 use super::close::{Closing, Metric, OpenGap, ROUND_OFF};
-use super::component::{between_ends, components};
+use super::component::{between_ends, members, sharing};
 use super::rank::decide;
 use super::rows::{Owner, locks, second_frame};
 use super::{Constraints, Element};
@@ -37,7 +37,7 @@ pub struct Assembly {
 /// with, the nearest in the metric of the inertia; locked coordinates and given velocities stay as they are.
 ///
 /// # Errors
-/// Where a gap cannot be closed, where a mechanism cannot move, and where a drive has nothing left to prescribe; each
+/// Where a gap cannot be closed, where gears leave nothing to move, and where a drive has nothing left to prescribe; each
 /// names the element.
 pub fn assemble(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     if !model.is_constrained() {
@@ -48,7 +48,8 @@ pub fn assemble(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     let (given_gap, gap) = close_positions(model, &mut notes)?;
     let ranking = decide(model, &model.start_position, 0.0);
     let rows = Constraints::all(model, &[]);
-    let problems = overdriven(&rows, &ranking.independent);
+    let mut problems = locked(model, &rows, &ranking.independent, &mut notes);
+    problems.extend(overdriven(&rows, &ranking.independent));
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -183,7 +184,7 @@ struct Local {
 /// themselves. What agrees already is left out.
 fn locals(model: &Model, closing: &mut Closing<'_>, rates: &DVector<f64>) -> Vec<Local> {
     let inner: Vec<Vec<usize>> = closing.rows.elements.iter().map(between_ends).collect();
-    let of_element = components(model, &closing.rows.elements);
+    let of_element = sharing(&inner, model.links.len());
     let unknowns = closing.rows.plan.groups.iter();
     let unknowns = unknowns.flat_map(|group| group.rows.iter().map(|_| of_element[group.element]));
     let of_unknown: Vec<usize> = unknowns.collect();
@@ -297,23 +298,63 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     })
 }
 
+/// Components in which nothing can move without their drives. Loops that hold all coordinates between their ends (a truss)
+/// are said in a note: what their rows carry is statics. Gears that do contradict each other or the loops.
+fn locked(model: &Model, rows: &Constraints, independent: &[bool], notes: &mut Vec<String>) -> Vec<Problem> {
+    let elements = &rows.elements;
+    let is = |e: usize, of: fn(&Owner) -> bool| of(&elements[e].owner);
+    let is_drive = |e: usize| is(e, |owner| matches!(owner, Owner::Drive(_)));
+    let inner: Vec<Vec<usize>> =
+        (0..elements.len()).map(|e| if is_drive(e) { Vec::new() } else { between_ends(&elements[e]) }).collect();
+    let mut problems = Vec::new();
+    for members in members(&sharing(&inner, model.links.len())) {
+        let members: Vec<usize> = members.into_iter().filter(|e| !is_drive(*e)).collect();
+        let mut links: Vec<usize> = members.iter().flat_map(|e| inner[*e].iter().copied()).collect();
+        links.sort_unstable();
+        links.dedup();
+        let freedoms: usize = links.iter().map(|link| model.links[*link].joint.counts().1).sum();
+        let taken = members.iter().flat_map(|e| elements[*e].rows.clone()).filter(|row| independent[*row]).count();
+        if taken < freedoms || taken == 0 {
+            continue;
+        }
+        let names: Vec<&str> = members.iter().map(|e| elements[*e].name.as_str()).collect();
+        let mut bodies: Vec<&str> = links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
+        bodies.dedup();
+        let (names, bodies) = (listed(&names, ""), listed(&bodies, "`"));
+        if members.iter().any(|e| is(*e, |owner| matches!(owner, Owner::Gear(_)))) {
+            problems.push(Problem {
+                element: place_of(elements[members[0]].owner),
+                field: "type".to_owned(),
+                message: format!(
+                    "{names} lock the mechanism: {taken} conditions on {freedoms} coordinates leave {bodies} nothing to move"
+                ),
+                help: Some("take one off, free a hinge, or weld the bodies with fixed hinges".to_owned()),
+            });
+        } else {
+            notes
+                .push(format!("{names} hold {bodies}: {taken} conditions on {freedoms} coordinates, nothing can move"));
+        }
+    }
+    problems
+}
+
 /// Whether the axes of a loop stand against each other instead of together.
 fn is_turned_over(element: &Element, model: &Model, motion: &Motion) -> bool {
     let Owner::Loop(index) = element.owner else { return false };
     let closed = &model.loops[index];
     let [first, second] = [&motion.links[closed.ends[0].link], &motion.links[closed.ends[1].link]];
     let Some(second_frame) = closed.second_frame else { return false };
-    let against = |axis: &Vector3<f64>| {
-        (first.turn * (closed.frame * axis)).dot(&(second.turn * (second_frame * axis))) < 0.0
-    };
+    let against =
+        |axis: &Vector3<f64>| (first.turn * (closed.frame * axis)).dot(&(second.turn * (second_frame * axis))) < 0.0;
     match &closed.closure {
         Closure::Hinge(HingeKind::Revolute { axis } | HingeKind::Cylindrical { axis }) => against(axis),
         Closure::Hinge(HingeKind::Planar) => against(&Vector3::z()),
         Closure::Hinge(HingeKind::Fixed | HingeKind::Prismatic { .. }) => {
             (0..3).any(|axis| against(&Vector3::ith(axis, 1.0)))
         }
-        Closure::Hinge(HingeKind::Universal { .. } | HingeKind::Spherical | HingeKind::Free)
-        | Closure::Rod { .. } => false,
+        Closure::Hinge(HingeKind::Universal { .. } | HingeKind::Spherical | HingeKind::Free) | Closure::Rod { .. } => {
+            false
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! is the step of Levenberg and Marquardt for `½ |g|²`: the damping μ makes it short where the gaps are wide and the rows
-//! hang on each other, and goes away as they close. All rows take part; none has to be independent.
+//! linearly dependent, and goes away as they close. All rows take part; none has to be independent.
 //!
 //! In that metric the lightest bodies move first. The tip of a long chain that is drawn straight would whip about by
 //! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole. Short ways back
@@ -217,11 +217,6 @@ impl<'m> Closing<'m> {
             left = now;
         }
         Ok(left)
-    }
-
-    /// Factorizes the tree where the motion is; false where it is singular there.
-    pub(super) fn prepare(&mut self) -> bool {
-        self.reduction.prepare(self.model, &self.motion, &self.rest).is_ok()
     }
 
     /// The rates of the rows solved for at a closed position, and the largest beside its component's reach (rad/s).

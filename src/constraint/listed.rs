@@ -1,6 +1,6 @@
 //! Rows and their multipliers apart from the tree: for reports, files, and equations in other coordinates.
 
-use super::{Constraints, Element, Owner, Rule, plan};
+use super::{Constraints, Element, Rule, plan};
 use crate::model::{End, Model};
 
 /// An independent row apart from the tree: for equations in other coordinates.
@@ -58,12 +58,8 @@ impl Constraints {
         kept
     }
 
-    /// The drives and what each pushes at the last solution (N or N m).
-    pub fn drive_forces(&self) -> impl Iterator<Item = (String, f64)> {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| {
-            let name = element.name.trim_start_matches("drive `").trim_end_matches('`');
-            (name.to_owned(), self.multipliers[element.rows.start])
-        })
+    /// The drives and what each pushes at the last solution (N or N m), with the accelerations that belong to it.
+    pub fn drive_forces(&self, model: &Model, accelerations: &[f64]) -> impl Iterator<Item = (String, f64)> {
+        model.drives.iter().map(|drive| drive.name.clone()).zip(self.drive_pushes(model, accelerations))
     }
 }

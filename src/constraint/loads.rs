@@ -102,16 +102,28 @@ impl Constraints {
         sum
     }
 
-    /// Power that drives put in at the last solution (W).
-    pub fn power(&self) -> f64 {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| -self.multipliers[element.rows.start] * self.placed[element.rows.start].drift).sum()
+    /// Power that drives put in at the last solution (W), with the accelerations that belong to it.
+    pub fn power(&self, model: &Model, accelerations: &[f64]) -> f64 {
+        let speed = |(element, _): (&Element, usize)| -self.placed[element.rows.start].drift;
+        self.driven().map(speed).zip(self.drive_pushes(model, accelerations)).map(|(speed, push)| speed * push).sum()
     }
 
-    /// What drives push with at the last solution, in the order of the model (N or N m).
-    pub(crate) fn drive_pushes(&self) -> impl Iterator<Item = f64> {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| self.multipliers[element.rows.start])
+    /// What drives push with at the last solution, in the order of the model (N or N m), with the accelerations that belong to
+    /// it: the multipliers without what the drives' own armatures take.
+    pub(crate) fn drive_pushes(&self, model: &Model, accelerations: &[f64]) -> impl Iterator<Item = f64> {
+        let push = |(element, index): (&Element, usize)| {
+            let drive = &model.drives[index];
+            self.multipliers[element.rows.start] - drive.armature * accelerations[drive.coordinate.velocity]
+        };
+        self.driven().map(push)
+    }
+
+    /// Rows of drives, and their indices in the model.
+    fn driven(&self) -> impl Iterator<Item = (&Element, usize)> {
+        self.elements.iter().filter_map(|element| match element.owner {
+            Owner::Drive(index) => Some((element, index)),
+            _ => None,
+        })
     }
 
     /// What gears push with on the first of their coordinates (N or N m), and their gaps (m or rad), in the order of the
@@ -180,6 +192,27 @@ impl Constraints {
         }
         for (i, row) in solved.iter().enumerate() {
             self.not_unique[*row] = parts.iter().any(|part| part[i].abs() > PART);
+        }
+    }
+
+    /// Marks the rows solved for whose clearance at the last factorization is not above a limit, and takes their
+    /// multipliers as zero.
+    pub(crate) fn drop_weak(&mut self, limit: f64, weak: &mut [bool]) {
+        for (unknown, (row, weak)) in self.plan.rows().zip(weak).enumerate() {
+            *weak = !(self.matrix.pivot(unknown, self.sizes[unknown]) > limit * limit);
+            if *weak {
+                self.multipliers[row] = 0.0;
+            }
+        }
+    }
+
+    /// Takes these as the multipliers, one per row solved for.
+    pub(crate) fn set_multipliers(&mut self, unknowns: &[f64]) {
+        if self.is_shared {
+            self.clear_shares();
+        }
+        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
+            self.multipliers[row] = *unknown;
         }
     }
 

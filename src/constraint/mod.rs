@@ -426,27 +426,6 @@ impl Constraints {
         }
     }
 
-    /// Marks the rows solved for whose clearance at the last factorization is not above a limit, and takes their
-    /// multipliers as zero.
-    pub(crate) fn drop_weak(&mut self, limit: f64, weak: &mut [bool]) {
-        for (unknown, (row, weak)) in self.plan.rows().zip(weak).enumerate() {
-            *weak = !(self.matrix.pivot(unknown, self.sizes[unknown]) > limit * limit);
-            if *weak {
-                self.multipliers[row] = 0.0;
-            }
-        }
-    }
-
-    /// Takes these as the multipliers, one per row solved for.
-    pub(crate) fn set_multipliers(&mut self, unknowns: &[f64]) {
-        if self.is_shared {
-            self.clear_shares();
-        }
-        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
-            self.multipliers[row] = *unknown;
-        }
-    }
-
     /// Which element a row belongs to.
     pub(crate) fn element_of(&self, row: usize) -> Option<&Element> {
         self.elements.iter().find(|element| element.rows.contains(&row))

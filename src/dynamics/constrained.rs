@@ -262,7 +262,7 @@ impl System<'_> {
         let evaluated = self.accelerations(q, v, &mut a);
         self.scratch = a;
         match (evaluated, &self.constraints) {
-            (Ok(()), Some(constrained)) => constrained.rows.power(),
+            (Ok(()), Some(constrained)) => constrained.rows.power(self.model, &self.scratch),
             _ => f64::NAN,
         }
     }

@@ -314,7 +314,7 @@ fn certify(
     let (mut poses, mut reactions) = (Vec::new(), Vec::new());
     system.poses(&mut poses);
     system.reactions(&mut reactions);
-    let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
+    let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(model, &rest).collect());
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
     let relative = place.residual().0;
