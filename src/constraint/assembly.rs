@@ -147,7 +147,7 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
         let weights: Vec<f64> = yielding.iter().map(|yields| if *yields { 1.0 } else { GIVEN }).collect();
         for Local { columns, rows, rates } in locals(model, &mut closing, &before) {
             let weighted = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * weights[columns[j]]);
-            // Rows may hang on each other in a singular position: the shortest step that meets them.
+            // Rows may be linearly dependent in a singular position: the shortest step that meets them.
             let step = weighted.svd(true, true).solve(&-rates, 1e-11);
             let step = step.unwrap_or_else(|_| DVector::zeros(columns.len()));
             columns.iter().zip(step.iter()).for_each(|(j, step)| v[*j] += step * weights[*j]);
@@ -331,8 +331,7 @@ fn locked(model: &Model, rows: &Constraints, independent: &[bool], notes: &mut V
                 help: Some("take one off, free a hinge, or weld the bodies with fixed hinges".to_owned()),
             });
         } else {
-            notes
-                .push(format!("{names} hold {bodies}: {taken} conditions on {freedoms} coordinates, nothing can move"));
+            notes.push(format!("{bodies} cannot move: {taken} conditions of {names} on {freedoms} coordinates"));
         }
     }
     problems

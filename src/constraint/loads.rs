@@ -140,6 +140,7 @@ impl Constraints {
     /// ```text
     /// G_d = C G_i      the rows left out, by those solved for:   C = A_di A_ii⁻¹
     /// λ_i ← λ_i − Cᵀ z,   λ_d = z,   (1 + C Cᵀ) z = C λ_i
+    /// ω = (−Cᵀ e, e)   self-stresses, Gᵀ ω = 0, one for each row left out
     /// ```
     pub(crate) fn share(&mut self, all: &mut Self, model: &Model, motion: &Motion, reduction: &Reduction, q: &[f64]) {
         self.clear_shares();
@@ -161,6 +162,7 @@ impl Constraints {
         let solved: Vec<usize> = self.plan.rows().collect();
         let mut redundant: Vec<usize> = (0..self.rules.len()).filter(|row| !solved.contains(row)).collect();
         redundant.iter().for_each(|row| self.not_unique[*row] = true);
+        self.self_stresses.clear();
         // By rows, in the units of the sum of squares.
         let mut parts: Vec<Vec<f64>> = Vec::new();
         redundant.retain(|row| {
@@ -171,6 +173,11 @@ impl Constraints {
                 *part *= self.weights[*row] / self.weights[*other];
             }
             let follows = part.iter().any(|part| part.abs() > PART);
+            let mut stress = vec![(*row, self.weights[*row])];
+            if follows {
+                stress.extend(part.iter().zip(&solved).map(|(part, row)| (*row, -part * self.weights[*row])));
+            }
+            self.self_stresses.push(stress);
             if follows {
                 parts.push(part);
             }
@@ -225,6 +232,29 @@ impl Constraints {
             self.is_shared = false;
         }
         self.not_unique.fill(false);
+    }
+
+    /// Rows that are left out as linearly dependent on others.
+    pub(crate) fn left_out(&self) -> usize {
+        self.rules.len() - self.rank()
+    }
+
+    /// The self-stresses found by [`Constraints::share`].
+    pub(crate) fn self_stresses(&self) -> usize {
+        self.self_stresses.len()
+    }
+
+    /// Adds self-stresses, one number for each (N or N m at the row left out), to multipliers that are shared.
+    pub(crate) fn add_self_stress(&mut self, alpha: &[f64]) {
+        for (stress, alpha) in self.self_stresses.iter().zip(alpha) {
+            stress.iter().for_each(|(row, x)| self.multipliers[*row] += alpha * x);
+        }
+        self.is_shared = true;
+    }
+
+    /// The root of the sum of squares of all multipliers, moments divided by the lever of their component (N).
+    pub(crate) fn multiplier_size(&self) -> f64 {
+        self.multipliers.iter().zip(&self.weights).map(|(x, weight)| (x / weight).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Whether rows that are left out of the solution push, after [`Constraints::share`].

@@ -39,6 +39,7 @@ pub use assembly::{Assembly, assemble};
 pub(crate) use close::Closer;
 pub use close::OpenGap;
 pub(crate) use close::ROUND_OFF;
+use component::Lengths;
 use envelope::Envelope;
 pub(crate) use listed::IndependentRow;
 pub use loads::LoopReaction;
@@ -79,6 +80,10 @@ pub struct Constraints {
     /// Whether rows that are left out push too, and which rows' multipliers are not unique: known once they are shared.
     is_shared: bool,
     not_unique: Vec<bool>,
+    /// Multipliers that balance each other, by rows: one list for each row left out, once they are shared.
+    self_stresses: Vec<Vec<(usize, f64)>>,
+    /// Lengths of the model's own elements.
+    lengths: Vec<Lengths>,
     /// (s)
     time: f64,
 }
@@ -110,7 +115,8 @@ impl Constraints {
         let (elements, rules, given) = rows::of_model(model, held);
         let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
         let (mut weights, mut reaches) = (vec![1.0; rules.len()], vec![1.0; rules.len()]);
-        for (element, lengths) in elements.iter().zip(component::lengths(model, &elements, &rules, &given)) {
+        let lengths = component::lengths(model, &elements, &rules, &given);
+        for (element, lengths) in elements.iter().zip(&lengths) {
             for row in element.rows.clone() {
                 weights[row] = if rules[row].turns() { lengths.lever } else { 1.0 };
                 reaches[row] = lengths.reach;
@@ -121,6 +127,8 @@ impl Constraints {
             multipliers: vec![0.0; rules.len()],
             is_shared: false,
             not_unique: vec![false; rules.len()],
+            self_stresses: Vec::new(),
+            lengths,
             passed: vec![Wrench::ZERO; model.links.len()],
             own: elements.len(),
             independent: vec![true; rules.len()],

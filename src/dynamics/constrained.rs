@@ -21,7 +21,7 @@ const OPEN: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub(super) struct Constrained {
     rows: Constraints,
-    /// The same with none left out, once reactions are shared among rows that hang on each other.
+    /// The same with none left out, once reactions are shared among linearly dependent rows.
     every_row: Option<Box<Constraints>>,
     /// Widest gap of redundant rows at the start, in parts of the reach: what numbers with few digits leave open.
     left_open: f64,
@@ -43,7 +43,7 @@ pub struct Settled {
     pub gap_before: f64,
     /// Widest gap left.
     pub gap: f64,
-    /// How far the mechanism is from a singular position, where rows hang on each other that do not elsewhere: the sine
+    /// How far the mechanism is from a singular position, where rows are linearly dependent that are not elsewhere: the sine
     /// of the smallest angle between a row and those before it, in the metric of the inertia. 1 without rows.
     pub clearance: f64,
 }
@@ -175,6 +175,36 @@ impl System<'_> {
         rows.share(all, self.model, &self.motion, &self.reduction, q);
         rows.place(self.model, &self.motion, q, true);
         Ok(())
+    }
+
+    /// Number of rows that are left out as linearly dependent on others.
+    pub fn left_out_rows(&self) -> usize {
+        self.constraints.as_ref().map_or(0, |constrained| constrained.rows.left_out())
+    }
+
+    /// Number of self-stresses after [`System::share_multipliers`]: multipliers that balance each other.
+    pub fn self_stresses(&self) -> usize {
+        self.constraints.as_ref().map_or(0, |constrained| constrained.rows.self_stresses())
+    }
+
+    /// Adds self-stresses, one number for each (N or N m at the row left out), to the multipliers of
+    /// [`System::share_multipliers`].
+    pub fn add_self_stress(&mut self, alpha: &[f64]) {
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.add_self_stress(alpha);
+        }
+    }
+
+    /// The root of the sum of squares of all multipliers, moments divided by the lever of their mechanism (N).
+    pub fn multiplier_size(&self) -> f64 {
+        self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.multiplier_size())
+    }
+
+    /// Units in which the independent rows, and the velocity coordinates that stand in them, are of one size (m, or 1 for
+    /// turns; 0 for a coordinate in no row).
+    pub fn row_units(&self) -> (Vec<f64>, Vec<f64>) {
+        let none = || (Vec::new(), vec![0.0; self.model.velocity_count()]);
+        self.constraints.as_ref().map_or_else(none, |constrained| constrained.rows.units(self.model))
     }
 
     /// What the loops pass, after [`System::share_multipliers`]; empty without loops.

@@ -295,7 +295,11 @@ fn certify(
     notes.extend(tied::notes(&landscape));
     let balanced = place.is_balanced();
     let (residual_acceleration, stability) = match landscape.ties.is_some() {
-        true => tied::examine(&mut landscape, &place)?,
+        true => {
+            let examined = tied::examine(&mut landscape, &place)?;
+            notes.extend(tied::prestress_note(&landscape));
+            examined
+        }
         false => {
             let system = landscape.system();
             let acceleration = held_acceleration(system, &place, &free)?;

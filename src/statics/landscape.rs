@@ -1,5 +1,6 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
 
+mod prestress;
 mod split;
 mod tied;
 
@@ -8,6 +9,7 @@ use super::stiffness::Stiffness;
 use crate::dynamics::{Fault, System};
 use crate::model::{Joint, Model};
 use faer::Mat;
+pub(super) use prestress::Prestress;
 use tied::Ties;
 pub(super) use tied::{Branch, by_sweeps};
 

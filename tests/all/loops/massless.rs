@@ -1,0 +1,127 @@
+//! Driven bodies without mass: a motion that is given needs no inertia.
+
+use super::read;
+use crate::common::Random;
+use std::fmt::Write;
+use stillpoint::dynamics::System;
+use stillpoint::integrate::{Method, Options, Start};
+use stillpoint::model::Model;
+use stillpoint::scenario;
+use stillpoint::simulate::problem::Motion;
+use stillpoint::statics::{Settings, equilibrium};
+
+const MOTIONS: [&str; 4] = [
+    "type = \"hold\"",
+    "type = \"sine\"\namplitude = 0.2\nfrequency = 0.7\nphase = 0.4",
+    "type = \"table\"\ntimes = [0.0, 0.5, 1.0]\nvalues = [0.0, 0.1, 0.0]",
+    "type = \"expression\"\nexpression = \"0.1*t^2+0.2*t\"",
+];
+
+/// Driven bodies of so much mass between and at the ends of a tree of others.
+fn scene(seed: u64, mass: f64) -> (String, Vec<String>) {
+    let mut random = Random::new(seed);
+    let (mut text, mut drives, mut driven) = (String::new(), String::new(), Vec::new());
+    let count = 2 + random.below(5);
+    for i in 0..count {
+        let parent = if i == 0 || random.below(5) == 0 { "ground".to_owned() } else { format!("b{}", random.below(i)) };
+        let axis = ["[0, 0, 1]", "[1, 0, 0]", "[0, 1, 0]"][random.below(3)];
+        let (kind, is_driven) = (["prismatic", "revolute"][random.below(2)], i == 0 || random.below(2) == 0);
+        let motion = random.below(MOTIONS.len());
+        let numbers = random.list(3, -0.5, 0.5);
+        let own = random.between(0.5, 3.0);
+        let body = match is_driven {
+            true if mass == 0.0 => String::new(),
+            true => format!("mass = {mass:?}\ninertia = [{0:?}, {0:?}, {0:?}]\n", 0.1 * mass),
+            false => format!("mass = {own:?}\ninertia = [0.1, 0.2, 0.15]\ncenter = [{:?}, 0.1, 0.2]\n", numbers[0]),
+        };
+        let spring = if is_driven { "" } else { ", stiffness = 800.0, damping = 2.0" };
+        let _ = write!(
+            text,
+            "[[body]]\nname = \"b{i}\"\n{body}\
+             hinge = {{ type = \"{kind}\", parent = \"{parent}\", at = [{:?}, 0.3, {:?}], axis = {axis}{spring} }}\n",
+            numbers[1], numbers[2]
+        );
+        if is_driven {
+            let _ = write!(drives, "[[drive]]\nname = \"d{i}\"\nhinge = \"b{i}\"\n{}\n", MOTIONS[motion]);
+            driven.push(format!("d{i}"));
+        }
+    }
+    (text + &drives, driven)
+}
+
+/// Accelerations, forces of the drives and reactions at the start, and those of the equilibrium beside held drives.
+fn answers(text: &str) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let (_, model) = read(text);
+    let (q, v) = (&model.start_position, &model.start_velocity);
+    let mut system = System::new(&model);
+    let mut a = vec![0.0; q.len()];
+    system.accelerations(q, v, &mut a).expect("accelerations");
+    let forces = system.constraints().expect("rows").drive_forces(&model, &a).map(|(_, force)| force).collect();
+    let mut residual = a.clone();
+    system.residual(q, v, &a, &mut residual).expect("a balance");
+    assert!(residual.iter().all(|r| r.abs() < 1e-9), "{residual:?}");
+    let energies = system.energies(q, v);
+    (a, forces, vec![energies.kinetic, energies.potential])
+}
+
+/// What the drives push is affine in the masses of what they move, and nothing else depends on those.
+#[test]
+fn massless_driven_bodies_are_the_limit_of_light_ones() {
+    for seed in 0..200 {
+        let (a, forces, energies) = answers(&scene(seed, 0.0).0);
+        let (b, once, energy) = answers(&scene(seed, 1.0).0);
+        let (_, twice, double) = answers(&scene(seed, 2.0).0);
+        let size = b.iter().fold(1.0_f64, |m, b| m.max(b.abs()));
+        let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-11 * size, "seed {seed}: accelerations {apart:e} apart");
+        for i in 0..forces.len() {
+            let expected = 2.0 * once[i] - twice[i];
+            let size = 1.0 + once[i].abs() + twice[i].abs();
+            assert!((forces[i] - expected).abs() < 1e-10 * size, "seed {seed}: drive {i} {} {expected}", forces[i]);
+        }
+        let kinetic = 2.0 * energy[0] - double[0];
+        assert!((energies[0] - kinetic).abs() < 1e-11 * (1.0 + double[0]), "seed {seed}: {} {kinetic}", energies[0]);
+    }
+}
+
+/// Explicit and implicit runs end where those of driven bodies with mass do, and the equilibrium is the same.
+#[test]
+fn massless_driven_bodies_run_and_rest() {
+    let end = |model: &Model, method: Method| {
+        let mut motion = Motion::new(model);
+        let options = Options { relative: 1e-9, absolute: 1e-9, ..Options::default() };
+        let start = Start { time: 0.0, position: &model.start_position, velocity: &model.start_velocity, end: 0.4 };
+        let mut stepper = method.start(&mut motion, &options, start).expect("the run starts");
+        while !stepper.finished() {
+            stepper.step(&mut motion).expect("a step");
+        }
+        stepper.position().to_vec()
+    };
+    for seed in 0..12 {
+        let [light, heavy] = [0.0, 1.0].map(|mass| read(&scene(seed, mass).0).1);
+        let reference = end(&heavy, Method::Dop853);
+        for method in [Method::Dopri5, Method::Radau9] {
+            let apart = end(&light, method).iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-6, "seed {seed} by {method:?}: {apart:e}");
+        }
+        let [one, other] = [&light, &heavy]
+            .map(|model| equilibrium(model, &Settings::default(), &model.start_position).expect("statics"));
+        assert_eq!(one.converged, other.converged, "seed {seed}: {:?} {:?}", one.notes, other.notes);
+        if one.converged {
+            let apart = one.position.iter().zip(&other.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-7, "seed {seed}: {apart:e}");
+        }
+    }
+}
+
+/// A hinge that nothing drives still needs something with inertia.
+#[test]
+fn what_nothing_drives_is_refused() {
+    let text = "[[body]]\nname = \"road\"\nhinge = { type = \"prismatic\", axis = [0, 0, 1] }\n\
+                [[body]]\nname = \"arm\"\nhinge = { type = \"revolute\", parent = \"road\", axis = [0, 1, 0] }\n\
+                [[drive]]\nhinge = \"road\"\ntype = \"hold\"\n";
+    let scene = scenario::parse("scene.toml", text, &[]).expect("a description");
+    let problems = Model::build(&scene.description).expect_err("a refusal");
+    assert_eq!(problems.len(), 1, "{problems:?}");
+    assert!(problems[0].message.contains("neither `arm` nor anything it carries has mass"), "{}", problems[0].message);
+}
