@@ -21,6 +21,8 @@ use crate::motion::Motion;
 /// squares are below this part of those of the largest row of its element: axes that are parallel to five digits are meant to
 /// be parallel.
 const DEPENDENT: f64 = 1e-10;
+/// Pivots within this part of each other are equal: round-off must not choose among rows.
+const EQUAL: f64 = 1.0 + 1e-9;
 /// How far around the position is looked (rad; part of the component's reach).
 const AROUND: f64 = 0.05;
 /// Other positions that are looked at.
@@ -79,6 +81,7 @@ impl Constraints {
         for group in &self.plan.groups {
             members[of[group.element]].extend(group.first..group.first + group.rows.len());
         }
+        members.iter_mut().for_each(|members: &mut Vec<usize>| members.sort_by_key(|unknown| rows[*unknown]));
         let mut scratch = vec![0.0; model.velocity_count()];
         let classes: Vec<usize> =
             self.plan.groups.iter().flat_map(|g| g.rows.iter().map(|_| self.elements[g.element].class())).collect();
@@ -149,8 +152,8 @@ fn choose(members: &[usize], rows: &[Vec<(usize, f64)>], classes: &[usize], next
         open.retain(|i| pivots[*i] > DEPENDENT);
         let Some(class) = open.iter().map(|i| classes[members[*i]]).min() else { return chosen };
         let candidates = open.iter().copied().filter(|i| classes[members[*i]] == class);
-        // Of equal ones the first.
-        let Some(next) = candidates.reduce(|best, i| if pivots[i] > pivots[best] { i } else { best }) else {
+        // Of equal ones the first, whatever round-off makes of them.
+        let Some(next) = candidates.reduce(|best, i| if pivots[i] > EQUAL * pivots[best] { i } else { best }) else {
             return chosen;
         };
         let step = chosen.len();
