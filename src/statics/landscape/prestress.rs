@@ -106,18 +106,55 @@ impl Landscape<'_, '_> {
         Ok(z.transpose() * Mat::from_fn(z.nrows(), z.ncols(), |row, j| pushed[(self.free[row], j)]))
     }
 
-    /// Whether some self-stress makes `stiffness` along `z` positive definite, (3); `sizes` are those of the stiffness terms.
-    /// Steps of the subgradient method for the largest smallest eigenvalue, which is concave in `α`.
-    pub(in super::super) fn is_certified(
+    /// `H(α)` of (3), from `stiffness`, the one of equally stiff rows; `None` if no `α` was found. `sizes` are those of the
+    /// stiffness terms. Steps of the subgradient method for the largest smallest eigenvalue, which is concave in `α`.
+    pub(in super::super) fn certified(
         &mut self,
         q: &[f64],
         z: &Mat<f64>,
         stiffness: &Mat<f64>,
         sizes: &[f64],
-    ) -> Result<bool, Fault> {
-        let (n, count) = (z.ncols(), self.system.self_stresses());
+    ) -> Result<Option<Mat<f64>>, Fault> {
+        let n = z.ncols();
         let root: Vec<f64> = sizes.iter().map(|size| size.max(f64::MIN_POSITIVE).sqrt()).collect();
         let scaled = |m: &Mat<f64>| Mat::from_fn(n, n, |i, j| m[(i, j)] / (root[i] * root[j]));
+        let mut sum = scaled(&symmetric(stiffness));
+        let first = sum.norm_l2();
+        let mut stresses = None;
+        for step in 0..MOST_STEPS {
+            let Ok(eigen) = sum.self_adjoint_eigen(Side::Lower) else { return Ok(None) };
+            if eigen.S()[0] > NEUTRAL {
+                return Ok(Some(Mat::from_fn(n, n, |i, j| sum[(i, j)] * root[i] * root[j])));
+            }
+            if stresses.is_none() {
+                stresses = Some(self.unit_stresses(q, z, &scaled)?);
+            }
+            let stresses = stresses.iter().flatten();
+            let x = |i: usize| eigen.U()[(i, 0)];
+            let along =
+                |s: &Mat<f64>| (0..n).map(|i| (0..n).map(|k| x(i) * s[(i, k)] * x(k)).sum::<f64>()).sum::<f64>();
+            let gradient: Vec<f64> = stresses.clone().map(along).collect();
+            let norm = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
+            if !(norm > NO_STIFFNESS) {
+                return Ok(None);
+            }
+            // Twice what lifts this direction, less and less.
+            let length = 2.0 * (first + eigen.S()[0].abs()) / (norm * (1.0 + step as f64).sqrt());
+            for (stress, g) in stresses.zip(&gradient) {
+                sum += faer::Scale(length * g / norm) * stress;
+            }
+        }
+        Ok(None)
+    }
+
+    /// `Sⱼ` of (1) in the units of `scaled`, each of unit norm; those without stiffness left out.
+    fn unit_stresses(
+        &mut self,
+        q: &[f64],
+        z: &Mat<f64>,
+        scaled: &dyn Fn(&Mat<f64>) -> Mat<f64>,
+    ) -> Result<Vec<Mat<f64>>, Fault> {
+        let (n, count) = (z.ncols(), self.system.self_stresses());
         let mut stresses = Vec::new();
         for j in 0..count {
             let unit: Vec<f64> = (0..count).map(|i| f64::from(u8::from(i == j))).collect();
@@ -127,27 +164,6 @@ impl Landscape<'_, '_> {
                 stresses.push(Mat::from_fn(n, n, |i, k| stress[(i, k)] / norm));
             }
         }
-        let mut sum = scaled(&symmetric(stiffness));
-        let first = sum.norm_l2();
-        for step in 0..MOST_STEPS {
-            let Ok(eigen) = sum.self_adjoint_eigen(Side::Lower) else { return Ok(false) };
-            if eigen.S()[0] > NEUTRAL {
-                return Ok(true);
-            }
-            let x = |i: usize| eigen.U()[(i, 0)];
-            let along =
-                |s: &Mat<f64>| (0..n).map(|i| (0..n).map(|k| x(i) * s[(i, k)] * x(k)).sum::<f64>()).sum::<f64>();
-            let gradient: Vec<f64> = stresses.iter().map(along).collect();
-            let norm = gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
-            if !(norm > NO_STIFFNESS) {
-                return Ok(false);
-            }
-            // The shortest step that lifts this direction, a little more than that, less and less.
-            let length = 2.0 * (first + eigen.S()[0].abs()) / (norm * (1.0 + step as f64).sqrt());
-            for (stress, g) in stresses.iter().zip(&gradient) {
-                sum += faer::Scale(length * g / norm) * stress;
-            }
-        }
-        Ok(false)
+        Ok(stresses)
     }
 }

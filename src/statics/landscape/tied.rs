@@ -186,6 +186,14 @@ impl Landscape<'_, '_> {
             true => Mat::from_fn(count, count, |i, j| 0.5 * (h[(i, j)] + h[(j, i)])),
             false => h,
         };
+        if shares && self.conservative {
+            // No step leads along what only first order allows.
+            let magnitude = self.ties.as_ref().and_then(|ties| ties.view.as_ref()).map(|view| &view.scales.stiffness);
+            let sizes =
+                magnitude.map_or(vec![1.0; count], |magnitude| crate::statics::tied::sizes(Some(&z), magnitude));
+            let held = self.certified(q, &z, &h, &sizes)?;
+            return Ok((z, held.unwrap_or(h)));
+        }
         Ok((z, h))
     }
 
