@@ -10,7 +10,7 @@ use stillpoint::scenario;
 use stillpoint::simulate::problem::Motion;
 use stillpoint::statics::{Settings, equilibrium};
 
-/// All begin where the hinges are given: the nearest assembly depends on masses.
+/// All begin where the hinges are given.
 const MOTIONS: [&str; 4] = [
     "type = \"hold\"",
     "type = \"sine\"\namplitude = 0.2\nfrequency = 0.7",
@@ -65,27 +65,27 @@ fn answers(text: &str) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     (a, forces, vec![energies.kinetic, energies.potential])
 }
 
-/// What the drives push is affine in the masses of what they move, and nothing else depends on those.
+/// Without mass everything is what it tends to as the masses of the driven bodies vanish: a line through two light ones leaves
+/// the square of their mass.
 #[test]
 fn massless_driven_bodies_are_the_limit_of_light_ones() {
+    const LIGHT: f64 = 1e-5;
     for seed in 0..200 {
-        let (a, forces, energies) = answers(&scene(seed, 0.0).0);
-        let (b, once, energy) = answers(&scene(seed, 1.0).0);
-        let (_, twice, double) = answers(&scene(seed, 2.0).0);
-        let size = b.iter().fold(1.0_f64, |m, b| m.max(b.abs()));
-        let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(apart < 1e-11 * size, "seed {seed}: accelerations {apart:e} apart");
-        for i in 0..forces.len() {
-            let expected = 2.0 * once[i] - twice[i];
-            let size = 1.0 + once[i].abs() + twice[i].abs();
-            assert!((forces[i] - expected).abs() < 1e-10 * size, "seed {seed}: drive {i} {} {expected}", forces[i]);
-        }
-        let kinetic = 2.0 * energy[0] - double[0];
-        assert!((energies[0] - kinetic).abs() < 1e-11 * (1.0 + double[0]), "seed {seed}: {} {kinetic}", energies[0]);
+        let [massless, once, twice] = [0.0, LIGHT, 2.0 * LIGHT].map(|mass| answers(&scene(seed, mass).0));
+        let near = |what: &str, found: &[f64], once: &[f64], twice: &[f64]| {
+            for ((found, once), twice) in found.iter().zip(once).zip(twice) {
+                let expected = 2.0 * once - twice;
+                let apart = (found - expected).abs();
+                assert!(apart < 1e-7 * (1.0 + once.abs()), "seed {seed}: {what} {found} {expected}, {apart:e} apart");
+            }
+        };
+        near("acceleration", &massless.0, &once.0, &twice.0);
+        near("force of a drive", &massless.1, &once.1, &twice.1);
+        near("energy", &massless.2, &once.2, &twice.2);
     }
 }
 
-/// Explicit and implicit runs end where those of driven bodies with mass do, and the equilibrium is the same.
+/// Explicit and implicit runs end where those of light driven bodies do, and the equilibrium is the same.
 #[test]
 fn massless_driven_bodies_run_and_rest() {
     let end = |model: &Model, method: Method| {
@@ -99,10 +99,10 @@ fn massless_driven_bodies_run_and_rest() {
         stepper.position().to_vec()
     };
     for seed in 0..12 {
-        let [light, heavy] = [0.0, 1.0].map(|mass| read(&scene(seed, mass).0).1);
-        let reference = end(&heavy, Method::Dop853);
+        let [massless, light] = [0.0, 1e-8].map(|mass| read(&scene(seed, mass).0).1);
+        let reference = end(&light, Method::Dop853);
         for method in [Method::Dopri5, Method::Radau9] {
-            let apart = end(&light, method).iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let apart = end(&massless, method).iter().zip(&reference).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart < 1e-6, "seed {seed} by {method:?}: {apart:e}");
         }
         let [one, other] = [&light, &heavy]
