@@ -6,19 +6,17 @@ use super::{Constraints, Owner};
 use crate::model::Model;
 use crate::model::prescribed::Instant;
 use crate::motion::Motion;
-use crate::transfer::Reduction;
 
 impl Constraints {
     /// Holds these velocity coordinates from now on, each where and at the rate that it is told, and lets go of those
     /// held before. Says which of them have a row that counts: the others move as loops, drives, gears and those before
     /// them have it.
     ///
-    /// The tree is factorized at `q`, where the motion is.
+    /// The motion is at `q`.
     pub(crate) fn hold(
         &mut self,
         model: &Model,
         motion: &Motion,
-        reduction: &Reduction,
         q: &[f64],
         targets: &[(usize, Instant)],
     ) -> Vec<bool> {
@@ -56,7 +54,7 @@ impl Constraints {
             // Without a row nothing asks whether they are where they are held.
             let counted: Vec<(usize, Instant)> =
                 targets.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(target, _)| *target).collect();
-            self.hold(model, motion, reduction, q, &counted);
+            self.hold(model, motion, q, &counted);
         }
         counts
     }

@@ -276,8 +276,8 @@ impl System<'_> {
         let evaluated = self.accelerations(q, v, &mut a);
         self.scratch = a;
         evaluated?;
-        let Self { constraints, model, motion, reduction, .. } = self;
-        Ok(constraints.as_mut().map_or(Vec::new(), |tied| tied.rows.hold(model, motion, reduction, q, held)))
+        let Self { constraints, model, motion, .. } = self;
+        Ok(constraints.as_mut().map_or(Vec::new(), |tied| tied.rows.hold(model, motion, q, held)))
     }
 
     /// What holds a velocity coordinate given to [`System::hold`], at the last accelerations (N or N m); 0 where it has
