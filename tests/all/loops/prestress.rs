@@ -67,12 +67,19 @@ fn concurrent_and_parallel_bars_agree_with_stiff_springs() {
         };
         match stability.modes.first() {
             Some(mode) => {
+                let is_stable =
+                    |found: &Equilibrium| found.stability.as_ref().is_some_and(|it| it.verdict == Verdict::Stable);
+                if !springs.iter().all(is_stable) {
+                    // Next to buckling the stiffness of the motion is round-off beside the springs.
+                    assert!(mode.frequency_hz < 0.1, "seed {seed}: {}", mode.frequency_hz);
+                    continue;
+                }
                 let lowest = springs.each_ref().map(|found| {
                     assert!(found.converged && near(found) < 1e-3, "seed {seed}: {:?}", found.notes);
                     found.stability.as_ref().expect("an equilibrium").modes[0].frequency_hz
                 });
                 // Springs are not rigid: the difference is a multiple of their compliance, and its square.
-                let limit = (10.0 * lowest[1] - lowest[0]) / 9.0;
+                let limit = ((10.0 * lowest[1].powi(2) - lowest[0].powi(2)) / 9.0).max(0.0).sqrt();
                 let apart = (limit / mode.frequency_hz - 1.0).abs();
                 assert!(apart < 1e-4, "seed {seed}: {} and {lowest:?} Hz, {limit}", mode.frequency_hz);
                 frequencies += 1;
