@@ -31,7 +31,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     system
         .accelerations(q, v, &mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
-    let forces: Vec<(String, f64)> = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
+    let forces: Vec<(String, f64)> =
+        system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(&model, &accelerations).collect());
     system.share_multipliers(q, v)?;
     let loops = system.loop_reactions();
     let energies = system.energies(q, v);

@@ -1,15 +1,18 @@
 //! Assembly: given positions and velocities are a guess; here they are brought onto the loops, drives and gears.
 
 use super::close::{Closing, Metric, OpenGap, ROUND_OFF};
+use super::component::{between_ends, members, sharing};
 use super::rank::decide;
 use super::rows::{Owner, locks, second_frame};
 use super::{Constraints, Element};
+use crate::model::couplings::Closure;
+use crate::model::description::HingeKind;
 use crate::model::problem::{Element as Place, Problem, number};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
-/// A gap below this part of the scene's length is closed; exact data close to round-off, numbers with six digits to
+/// A gap below this part of its component's reach is closed; exact data close to round-off, numbers with six digits to
 /// less.
 const CLOSED: f64 = 1e-6;
 /// Positions that moved by less than this part of the scene's length (or rad) are said to be where they were given.
@@ -22,7 +25,7 @@ pub struct Assembly {
     pub degrees_of_freedom: usize,
     /// Loops and gears with rows that others already stand for: name, how many, of how many.
     pub redundant: Vec<(String, usize, usize)>,
-    /// Widest gap at the positions as given (m; rad times the scene's length).
+    /// Widest gap at the positions as given (m; rad times the reach of the mechanism).
     pub given_gap: f64,
     /// Widest gap that is left.
     pub gap: f64,
@@ -34,7 +37,7 @@ pub struct Assembly {
 /// with, the nearest in the metric of the inertia; locked coordinates and given velocities stay as they are.
 ///
 /// # Errors
-/// Where a gap cannot be closed, where a mechanism cannot move, and where a drive has nothing left to prescribe; each
+/// Where a gap cannot be closed, where gears leave nothing to move, and where a drive has nothing left to prescribe; each
 /// names the element.
 pub fn assemble(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     if !model.is_constrained() {
@@ -45,7 +48,8 @@ pub fn assemble(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     let (given_gap, gap) = close_positions(model, &mut notes)?;
     let ranking = decide(model, &model.start_position, 0.0);
     let rows = Constraints::all(model, &[]);
-    let problems = [locked(model, &rows, &ranking.independent), overdriven(&rows, &ranking.independent)].concat();
+    let mut problems = locked(model, &rows, &ranking.independent, &mut notes);
+    problems.extend(overdriven(&rows, &ranking.independent));
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -74,18 +78,18 @@ fn freeze_frames(model: &mut Model) {
 
 fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f64), Vec<Problem>> {
     let given = model.start_position.clone();
-    let length = model.length_scale();
     let mut q = given.clone();
     let mut near = "the nearest assembly";
-    let (given_gap, mut gap, widest) = {
+    let (given_gap, gap, widest) = {
         let mut closing = Closing::new(model, &locks(model), 0.0);
-        let given_gap = closing.gap(&q);
+        let relative = closing.gap(&q);
+        let given_gap = closing.widest().gap;
         let mut gap =
             closing.close(&mut q, Metric::Inertia).map_err(|singular| vec![undetermined(model, singular.link)])?;
         // From a stretched or symmetric guess no direction closes: look from a little beside it.
         let ways = (0..=4).flat_map(|attempt| [Metric::Coordinates, Metric::Inertia].map(|metric| (attempt, metric)));
         for (attempt, metric) in ways.filter(|way| *way != (0, Metric::Inertia)) {
-            if gap <= CLOSED * length {
+            if gap <= CLOSED {
                 break;
             }
             let mut beside = given.clone();
@@ -98,16 +102,17 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
             }
         }
         closing.gap(&q);
-        (given_gap, gap, closing.widest())
+        let mut widest = closing.widest();
+        if gap < 1e-13 && relative <= gap {
+            widest.gap = given_gap;
+        }
+        (given_gap, gap, widest)
     };
-    if !(gap <= CLOSED * length) {
+    if !(gap <= CLOSED) {
         return Err(vec![cannot_close(model, &widest)]);
     }
     if let Some(turned) = turned_over(model, &q) {
         return Err(vec![turned]);
-    }
-    if gap < 1e-13 * length {
-        gap = gap.min(given_gap);
     }
     let moved = largest_move(model, &given, &q);
     if moved > MOVED {
@@ -118,7 +123,7 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
         ));
     }
     model.start_position = q;
-    Ok((given_gap, gap))
+    Ok((given_gap, widest.gap))
 }
 
 /// Given velocities that are not zero, and those of hinges that no loop or drive concerns, weigh so much more than the
@@ -134,15 +139,15 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
         closing.rows.keep(|row| independent[row]);
     }
     let mut v = given.clone();
-    let before = closing.speeds(&q, &v);
-    let length = model.length_scale();
-    let size = v.iter().fold(length / model.time_scale(), |m, v| m.max(v.abs() * length));
-    if before.amax() > ROUND_OFF * size {
+    let (before, open) = closing.speeds(&q, &v);
+    // Turns and parts of reaches per second.
+    let size = v.iter().fold(1.0 / model.time_scale(), |m, v| m.max(v.abs()));
+    if open > ROUND_OFF * size {
         let yielding = yielding(model, &closing.rows, &given);
         let weights: Vec<f64> = yielding.iter().map(|yields| if *yields { 1.0 } else { GIVEN }).collect();
         for Local { columns, rows, rates } in locals(model, &mut closing, &before) {
             let weighted = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] * weights[columns[j]]);
-            // Rows may hang on each other in a singular position: the shortest step that meets them.
+            // Rows may be linearly dependent in a singular position: the shortest step that meets them.
             let step = weighted.svd(true, true).solve(&-rates, 1e-11);
             let step = step.unwrap_or_else(|_| DVector::zeros(columns.len()));
             columns.iter().zip(step.iter()).for_each(|(j, step)| v[*j] += step * weights[*j]);
@@ -219,30 +224,6 @@ fn locals(model: &Model, closing: &mut Closing<'_>, rates: &DVector<f64>) -> Vec
     locals
 }
 
-/// Of lists of links, for each the first one that it shares a link with, directly or through others.
-fn sharing(lists: &[Vec<usize>], links: usize) -> Vec<usize> {
-    let mut root: Vec<usize> = (0..lists.len()).collect();
-    let find = |root: &[usize], mut at: usize| {
-        while root[at] != at {
-            at = root[at];
-        }
-        at
-    };
-    let mut owner = vec![usize::MAX; links];
-    for (list, links) in lists.iter().enumerate() {
-        for link in links {
-            match owner[*link] {
-                usize::MAX => owner[*link] = list,
-                other => {
-                    let (a, b) = (find(&root, list), find(&root, other));
-                    root[a.max(b)] = a.min(b);
-                }
-            }
-        }
-    }
-    (0..lists.len()).map(|list| find(&root, list)).collect()
-}
-
 /// The velocities that follow from others: of driven hinges, and of hinges in loops and gears whose own is not given.
 fn yielding(model: &Model, rows: &Constraints, given: &[f64]) -> Vec<bool> {
     let mut yielding = vec![false; given.len()];
@@ -306,7 +287,7 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     let mut motion = Motion::new(model);
     motion.update(model, q, &vec![0.0; model.velocity_count()]);
     let rows = Constraints::all(model, &[]);
-    rows.elements.iter().find(|element| rows.is_turned_over(element, model, &motion)).map(|element| Problem {
+    rows.elements.iter().find(|element| is_turned_over(element, model, &motion)).map(|element| Problem {
         element: place_of(element.owner),
         field: "between".to_owned(),
         message: format!(
@@ -317,49 +298,63 @@ fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     })
 }
 
-/// Mechanisms in which nothing can move: the coordinates between the ends of their loops are all taken.
-fn locked(model: &Model, rows: &Constraints, independent: &[bool]) -> Vec<Problem> {
-    let count = rows.elements.len();
-    let inner: Vec<Vec<usize>> = rows.elements.iter().map(between_ends).collect();
-    let is_drive = |e: usize| matches!(rows.elements[e].owner, Owner::Drive(_));
-    let tied: Vec<Vec<usize>> =
-        inner.iter().enumerate().map(|(e, links)| if is_drive(e) { Vec::new() } else { links.clone() }).collect();
-    let of = sharing(&tied, model.links.len());
+/// Components in which nothing can move without their drives. Loops that hold all coordinates between their ends (a truss)
+/// are said in a note: what their rows carry is statics. Gears that do contradict each other or the loops.
+fn locked(model: &Model, rows: &Constraints, independent: &[bool], notes: &mut Vec<String>) -> Vec<Problem> {
+    let elements = &rows.elements;
+    let is = |e: usize, of: fn(&Owner) -> bool| of(&elements[e].owner);
+    let is_drive = |e: usize| is(e, |owner| matches!(owner, Owner::Drive(_)));
+    let inner: Vec<Vec<usize>> =
+        (0..elements.len()).map(|e| if is_drive(e) { Vec::new() } else { between_ends(&elements[e]) }).collect();
     let mut problems = Vec::new();
-    for first in 0..count {
-        if of[first] != first || is_drive(first) {
-            continue;
-        }
-        let members: Vec<usize> = (0..count).filter(|e| of[*e] == first && !is_drive(*e)).collect();
+    for members in members(&sharing(&inner, model.links.len())) {
+        let members: Vec<usize> = members.into_iter().filter(|e| !is_drive(*e)).collect();
         let mut links: Vec<usize> = members.iter().flat_map(|e| inner[*e].iter().copied()).collect();
         links.sort_unstable();
         links.dedup();
         let freedoms: usize = links.iter().map(|link| model.links[*link].joint.counts().1).sum();
-        let taken = members.iter().flat_map(|e| rows.elements[*e].rows.clone()).filter(|row| independent[*row]).count();
-        if taken >= freedoms && taken > 0 {
-            let names: Vec<&str> = members.iter().map(|e| rows.elements[*e].name.as_str()).collect();
-            let mut bodies: Vec<&str> =
-                links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
-            bodies.dedup();
+        let taken = members.iter().flat_map(|e| elements[*e].rows.clone()).filter(|row| independent[*row]).count();
+        if taken < freedoms || taken == 0 {
+            continue;
+        }
+        let names: Vec<&str> = members.iter().map(|e| elements[*e].name.as_str()).collect();
+        let mut bodies: Vec<&str> = links.iter().map(|l| model.bodies[model.links[*l].body].name.as_str()).collect();
+        bodies.dedup();
+        let (names, bodies) = (listed(&names, ""), listed(&bodies, "`"));
+        if members.iter().any(|e| is(*e, |owner| matches!(owner, Owner::Gear(_)))) {
             problems.push(Problem {
-                element: place_of(rows.elements[first].owner),
+                element: place_of(elements[members[0]].owner),
                 field: "type".to_owned(),
                 message: format!(
-                    "{} lock the mechanism: {taken} conditions on {freedoms} coordinates leave {} nothing to move",
-                    listed(&names, ""),
-                    listed(&bodies, "`")
+                    "{names} lock the mechanism: {taken} conditions on {freedoms} coordinates leave {bodies} nothing to move"
                 ),
                 help: Some("take one off, free a hinge, or weld the bodies with fixed hinges".to_owned()),
             });
+        } else {
+            notes.push(format!("{bodies} cannot move: {taken} conditions of {names} on {freedoms} coordinates"));
         }
     }
     problems
 }
 
-/// The links whose coordinates move the ends against each other.
-fn between_ends(element: &Element) -> Vec<usize> {
-    let named = element.named.iter().copied().filter(|link| *link != 0);
-    element.branches.iter().flatten().copied().chain(named).collect()
+/// Whether the axes of a loop stand against each other instead of together.
+fn is_turned_over(element: &Element, model: &Model, motion: &Motion) -> bool {
+    let Owner::Loop(index) = element.owner else { return false };
+    let closed = &model.loops[index];
+    let [first, second] = [&motion.links[closed.ends[0].link], &motion.links[closed.ends[1].link]];
+    let Some(second_frame) = closed.second_frame else { return false };
+    let against =
+        |axis: &Vector3<f64>| (first.turn * (closed.frame * axis)).dot(&(second.turn * (second_frame * axis))) < 0.0;
+    match &closed.closure {
+        Closure::Hinge(HingeKind::Revolute { axis } | HingeKind::Cylindrical { axis }) => against(axis),
+        Closure::Hinge(HingeKind::Planar) => against(&Vector3::z()),
+        Closure::Hinge(HingeKind::Fixed | HingeKind::Prismatic { .. }) => {
+            (0..3).any(|axis| against(&Vector3::ith(axis, 1.0)))
+        }
+        Closure::Hinge(HingeKind::Universal { .. } | HingeKind::Spherical | HingeKind::Free) | Closure::Rod { .. } => {
+            false
+        }
+    }
 }
 
 /// Drives of a motion that others already prescribe.

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! is the step of Levenberg and Marquardt for `½ |g|²`: the damping μ makes it short where the gaps are wide and the rows
-//! hang on each other, and goes away as they close. All rows take part; none has to be independent.
+//! linearly dependent, and goes away as they close. All rows take part; none has to be independent.
 //!
 //! In that metric the lightest bodies move first. The tip of a long chain that is drawn straight would whip about by
 //! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole. Short ways back
@@ -19,7 +19,7 @@ use crate::transfer::Reduction;
 use crate::transfer::reduce::{Load, Singular};
 use nalgebra::{DMatrix, DVector};
 
-/// Gaps below this part of the scene's length are round-off.
+/// Gaps below this part of the component's reach are round-off.
 pub(crate) const ROUND_OFF: f64 = 1e-14;
 /// A gap that counts as closed where rows with few digits are redundant.
 const LEFT_OPEN: f64 = 1e-6;
@@ -38,7 +38,7 @@ const LONGEST_STEP: f64 = 0.3;
 pub struct OpenGap {
     /// Its element: ``loop `coupler-ground` ``.
     pub element: String,
-    /// (m; rad times the scene's length)
+    /// (m; rad times the reach of the mechanism)
     pub gap: f64,
 }
 
@@ -53,7 +53,7 @@ impl<'m> Closer<'m> {
     /// Closes `q`; false where a gap is left, or the tree is singular.
     pub(crate) fn close(&mut self, q: &mut [f64]) -> bool {
         let before = self.0.gap(q);
-        if before <= ROUND_OFF * self.0.length {
+        if before <= ROUND_OFF {
             return true;
         }
         let given = q.to_vec();
@@ -64,7 +64,7 @@ impl<'m> Closer<'m> {
             q.copy_from_slice(&given);
             closed = self.0.close_within(q, Metric::Coordinates, MOST_STEPS);
         }
-        matches!(closed, Ok((gap, _)) if gap <= LEFT_OPEN * self.0.length)
+        matches!(closed, Ok((gap, _)) if gap <= LEFT_OPEN)
     }
 }
 
@@ -88,7 +88,6 @@ pub(super) struct Closing<'m> {
     pub(super) rows: Constraints,
     pub(super) motion: Motion,
     pub(super) reduction: Reduction,
-    length: f64,
     loads: Vec<Wrench>,
     tau: Vec<f64>,
     step: Vec<f64>,
@@ -111,7 +110,6 @@ impl<'m> Closing<'m> {
             rows,
             motion: Motion::new(model),
             reduction: Reduction::new(model),
-            length,
             units,
             loads: vec![Wrench::ZERO; model.links.len()],
             tau: vec![0.0; n],
@@ -121,11 +119,11 @@ impl<'m> Closing<'m> {
         }
     }
 
-    /// The widest gap of all rows at a position.
+    /// The widest gap of all rows at a position (parts of the component's reach; rad).
     pub(super) fn gap(&mut self, q: &[f64]) -> f64 {
         self.motion.update(self.model, q, &self.rest);
         self.rows.place(self.model, &self.motion, q, true);
-        self.rows.largest(&self.motion, Rate::Gap, true).0
+        self.rows.largest(&self.motion, Rate::Gap, true).relative
     }
 
     /// The metric for a short way back onto the rows.
@@ -152,14 +150,13 @@ impl<'m> Closing<'m> {
     fn close_within(&mut self, q: &mut [f64], metric: Metric, most: usize) -> Result<(f64, bool), Singular> {
         let mut gap = self.gap(q);
         // Damping that falls with the gap converges quadratically, also where rows are redundant (Yamashita & Fukushima).
-        let length = self.length;
-        let damped = |damping: f64, gap: f64| damping.min(gap / length).max(LEAST_DAMPING);
+        let damped = |damping: f64, gap: f64| damping.min(gap).max(LEAST_DAMPING);
         let mut damping = damped(FIRST_DAMPING, gap);
         let mut size = self.squares();
         let mut trial = q.to_vec();
         let mut exhausted = true;
         for _ in 0..most {
-            if gap <= ROUND_OFF * self.length {
+            if gap <= ROUND_OFF {
                 exhausted = false;
                 break;
             }
@@ -182,13 +179,13 @@ impl<'m> Closing<'m> {
                 (gap, size) = (wider, new_size);
                 q.copy_from_slice(&trial);
                 damping = damped(0.1 * damping, gap);
-                if stalled && gap < 1e-12 * self.length {
+                if stalled && gap < 1e-12 {
                     exhausted = false;
                     break;
                 }
             } else {
                 damping *= 10.0;
-                if damping > MOST_DAMPING || gap < 1e-13 * self.length {
+                if damping > MOST_DAMPING || gap < 1e-13 {
                     exhausted = false;
                     break;
                 }
@@ -197,20 +194,21 @@ impl<'m> Closing<'m> {
         Ok((self.gap(q), exhausted))
     }
 
-    /// Closes velocities at a closed position; gives the largest rate left of the rows solved for (m/s; rad/s times the scene's length).
+    /// Closes velocities at a closed position; gives the largest rate left of the rows solved for (parts of the component's
+    /// reach, or radians, per second).
     pub(super) fn close_rates(&mut self, q: &[f64], v: &mut [f64]) -> Result<f64, Singular> {
         self.motion.update(self.model, q, v);
         self.rows.place(self.model, &self.motion, q, true);
         self.reduction.prepare(self.model, &self.motion, &self.rest)?;
         self.rows.factorize(self.model, &self.motion, &self.reduction, LEAST_DAMPING);
-        let mut left = self.rows.largest(&self.motion, Rate::Speed(v), false).0;
+        let mut left = self.rows.largest(&self.motion, Rate::Speed(v), false).relative;
         // Damping by 1e-11 leaves that part of a rate: two rounds bring it to round-off.
         for _ in 0..4 {
             self.push(Rate::Speed(v));
             let before = v.to_vec();
             v.iter_mut().zip(&self.step).for_each(|(v, step)| *v += step);
             self.motion.update(self.model, q, v);
-            let now = self.rows.largest(&self.motion, Rate::Speed(v), false).0;
+            let now = self.rows.largest(&self.motion, Rate::Speed(v), false).relative;
             if now >= left {
                 v.copy_from_slice(&before);
                 self.motion.update(self.model, q, v);
@@ -221,18 +219,13 @@ impl<'m> Closing<'m> {
         Ok(left)
     }
 
-    /// Factorizes the tree where the motion is; false where it is singular there.
-    pub(super) fn prepare(&mut self) -> bool {
-        self.reduction.prepare(self.model, &self.motion, &self.rest).is_ok()
-    }
-
-    /// The rates of all rows at a closed position.
-    pub(super) fn speeds(&mut self, q: &[f64], v: &[f64]) -> DVector<f64> {
+    /// The rates of the rows solved for at a closed position, and the largest beside its component's reach (rad/s).
+    pub(super) fn speeds(&mut self, q: &[f64], v: &[f64]) -> (DVector<f64>, f64) {
         self.motion.update(self.model, q, v);
         self.rows.place(self.model, &self.motion, q, true);
         let mut rates = DVector::zeros(self.rows.rank());
         self.rows.rates(&self.motion, Rate::Speed(v), rates.as_mut_slice());
-        rates
+        (rates, self.rows.largest(&self.motion, Rate::Speed(v), false).relative)
     }
 
     /// The entries of `G` for the rows solved for, as placed last: `put(row, velocity, entry)`.
@@ -253,7 +246,7 @@ impl<'m> Closing<'m> {
     /// `step ← −Bᵀ (B Bᵀ + μ)⁻¹ g`, the rows `B` taken in equal units of coordinates and gaps.
     fn bend(&mut self, damping: f64) {
         let weights: DVector<f64> =
-            DVector::from_iterator(self.rows.rank(), self.rows.plan.rows().map(|row| self.rows.weights[row]));
+            DVector::from_iterator(self.rows.rank(), self.rows.plan.rows().map(|row| self.rows.relative(row, 1.0)));
         let mut gaps = DVector::zeros(self.rows.rank());
         self.rows.rates(&self.motion, Rate::Gap, gaps.as_mut_slice());
         let mut rows = DMatrix::<f64>::zeros(self.rows.rank(), self.rest.len());
@@ -278,7 +271,6 @@ impl<'m> Closing<'m> {
     }
 
     fn squares(&self) -> f64 {
-        let rows = self.rows.placed.iter().zip(&self.rows.weights);
-        rows.map(|(placed, weight)| (weight * placed.gap).powi(2)).sum()
+        (0..self.rows.placed.len()).map(|row| self.rows.relative_gap(row).powi(2)).sum()
     }
 }

@@ -1,6 +1,7 @@
 //! A symmetric positive definite matrix whose rows start where their first neighbour stands: `L D Lᵀ` in place.
 
-/// A pivot below this part of its row's size is round-off: there the row hangs on the others.
+/// A pivot below this part of its row's own entry is round-off: the row is linearly dependent on those before it. So is an
+/// entry below the square of this part of the row's size: the row has no entries in this position.
 const DEPENDENT: f64 = 1e-14;
 
 /// The lower half of a symmetric matrix, each row from its first entry to the diagonal.
@@ -44,7 +45,7 @@ impl Envelope {
         if column < self.first[row] { 0.0 } else { self.entries[self.start[row] + column - self.first[row]] }
     }
 
-    /// `A = L D Lᵀ`; `sizes` are what the pivots are compared with.
+    /// `A = L D Lᵀ`; `sizes` are those of the rows.
     pub(super) fn factorize(&mut self, sizes: &[f64]) {
         self.smallest = 1.0;
         for row in 0..self.first.len() {
@@ -56,14 +57,15 @@ impl Envelope {
                 let dot = dot(&self.entries[mine..mine + length], &self.entries[other..other + length]);
                 self.entries[at + column - first] -= dot;
             }
-            let mut pivot = self.entries[at + row - first];
+            let own = self.entries[at + row - first];
+            let mut pivot = own;
             for column in first..row {
                 let g = self.entries[at + column - first];
                 let l = g * self.inverse[column];
                 pivot -= g * l;
                 self.entries[at + column - first] = l;
             }
-            let dependent = !(pivot > DEPENDENT * sizes[row]);
+            let dependent = !(pivot > DEPENDENT * own && own > DEPENDENT * DEPENDENT * sizes[row]);
             self.inverse[row] = if dependent { 0.0 } else { 1.0 / pivot };
             self.smallest = self.smallest.min((pivot / sizes[row]).max(0.0));
         }

@@ -6,19 +6,17 @@ use super::{Constraints, Owner};
 use crate::model::Model;
 use crate::model::prescribed::Instant;
 use crate::motion::Motion;
-use crate::transfer::Reduction;
 
 impl Constraints {
     /// Holds these velocity coordinates from now on, each where and at the rate that it is told, and lets go of those
     /// held before. Says which of them have a row that counts: the others move as loops, drives, gears and those before
     /// them have it.
     ///
-    /// The tree is factorized at `q`, where the motion is.
+    /// The motion is at `q`.
     pub(crate) fn hold(
         &mut self,
         model: &Model,
         motion: &Motion,
-        reduction: &Reduction,
         q: &[f64],
         targets: &[(usize, Instant)],
     ) -> Vec<bool> {
@@ -27,6 +25,7 @@ impl Constraints {
         self.ways.truncate(elements);
         self.rules.truncate(rows);
         self.weights.truncate(rows);
+        self.reaches.truncate(rows);
         self.placed.truncate(rows);
         self.multipliers.truncate(rows);
         self.not_unique.truncate(rows);
@@ -40,6 +39,7 @@ impl Constraints {
         self.ways.extend(self.elements[elements..].iter().map(|element| rows::way(model, element)));
         let length = model.length_scale();
         self.weights.extend(self.rules[rows..].iter().map(|rule| if rule.turns() { length } else { 1.0 }));
+        self.reaches.resize(self.rules.len(), length);
         self.placed.resize(self.rules.len(), Placed::default());
         self.multipliers.resize(self.rules.len(), 0.0);
         self.not_unique.resize(self.rules.len(), false);
@@ -49,13 +49,12 @@ impl Constraints {
             return Vec::new();
         }
         self.place(model, motion, q, false);
-        self.assemble(model, motion, reduction);
-        let counts = self.independent_now()[rows..].to_vec();
+        let counts = self.independent_now(model, motion)[rows..].to_vec();
         if counts.contains(&false) {
             // Without a row nothing asks whether they are where they are held.
             let counted: Vec<(usize, Instant)> =
                 targets.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(target, _)| *target).collect();
-            self.hold(model, motion, reduction, q, &counted);
+            self.hold(model, motion, q, &counted);
         }
         counts
     }

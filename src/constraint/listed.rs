@@ -1,7 +1,8 @@
 //! Rows and their multipliers apart from the tree: for reports, files, and equations in other coordinates.
 
-use super::{Constraints, Element, Owner, Rule, plan};
-use crate::model::{End, Model};
+use super::component::between_ends;
+use super::{Constraints, Element, Rule, plan};
+use crate::model::{End, Joint, Model};
 
 /// An independent row apart from the tree: for equations in other coordinates.
 pub(crate) struct IndependentRow {
@@ -23,6 +24,25 @@ impl Constraints {
             group.rows.iter().map(row).collect::<Vec<_>>()
         };
         self.plan.groups.iter().flat_map(of_group).collect()
+    }
+
+    /// Units in which the rows solved for and the coordinates between their ends are of one size, whatever else is in the
+    /// scene: the lever of their component (m), 1 for turns. For each row in their order; for each velocity coordinate, 0 where
+    /// it stands in no row.
+    pub(crate) fn units(&self, model: &Model) -> (Vec<f64>, Vec<f64>) {
+        let mut of_velocity = vec![0.0; model.velocity_count()];
+        for (element, lengths) in self.elements.iter().zip(&self.lengths) {
+            for link in between_ends(element).into_iter().map(|link| &model.links[link]) {
+                let unit = if matches!(link.joint, Joint::Slide { .. }) { lengths.lever } else { 1.0 };
+                of_velocity[link.velocity..link.velocity + link.joint.counts().1].fill(unit);
+            }
+        }
+        let mut of_row = Vec::with_capacity(self.rank());
+        for group in &self.plan.groups {
+            let lever = self.lengths.get(group.element).map_or(1.0, |lengths| lengths.lever);
+            of_row.extend(group.rows.iter().map(|row| if self.rules[*row].turns() { 1.0 } else { lever }));
+        }
+        (of_row, of_velocity)
     }
 
     /// The multipliers of the rows that are solved for, in their order.
@@ -58,12 +78,8 @@ impl Constraints {
         kept
     }
 
-    /// The drives and what each pushes at the last solution (N or N m).
-    pub fn drive_forces(&self) -> impl Iterator<Item = (String, f64)> {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| {
-            let name = element.name.trim_start_matches("drive `").trim_end_matches('`');
-            (name.to_owned(), self.multipliers[element.rows.start])
-        })
+    /// The drives and what each pushes at the last solution (N or N m), with the accelerations that belong to it.
+    pub fn drive_forces(&self, model: &Model, accelerations: &[f64]) -> impl Iterator<Item = (String, f64)> {
+        model.drives.iter().map(|drive| drive.name.clone()).zip(self.drive_pushes(model, accelerations))
     }
 }

@@ -24,7 +24,7 @@ pub struct LoopReaction {
     pub moment: Vector3<f64>,
     /// What pulls the ends together along the line between them (N); of a rod, whose only load it is.
     pub pull: Option<f64>,
-    /// Widest gap (m; rad times the scene's length).
+    /// Widest gap (m; rad times the reach of the mechanism).
     pub gap: f64,
     /// Whether nothing else balances: false where rows are redundant. Of all reactions that do, this one is the smallest.
     pub unique: bool,
@@ -102,16 +102,28 @@ impl Constraints {
         sum
     }
 
-    /// Power that drives put in at the last solution (W).
-    pub fn power(&self) -> f64 {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| -self.multipliers[element.rows.start] * self.placed[element.rows.start].drift).sum()
+    /// Power that drives put in at the last solution (W), with the accelerations that belong to it.
+    pub fn power(&self, model: &Model, accelerations: &[f64]) -> f64 {
+        let speed = |(element, _): (&Element, usize)| -self.placed[element.rows.start].drift;
+        self.driven().map(speed).zip(self.drive_pushes(model, accelerations)).map(|(speed, push)| speed * push).sum()
     }
 
-    /// What drives push with at the last solution, in the order of the model (N or N m).
-    pub(crate) fn drive_pushes(&self) -> impl Iterator<Item = f64> {
-        let driven = self.elements.iter().filter(|element| matches!(element.owner, Owner::Drive(_)));
-        driven.map(|element| self.multipliers[element.rows.start])
+    /// What drives push with at the last solution, in the order of the model (N or N m), with the accelerations that belong to
+    /// it: the multipliers without what the drives' own armatures take.
+    pub(crate) fn drive_pushes(&self, model: &Model, accelerations: &[f64]) -> impl Iterator<Item = f64> {
+        let push = |(element, index): (&Element, usize)| {
+            let drive = &model.drives[index];
+            self.multipliers[element.rows.start] - drive.armature * accelerations[drive.coordinate.velocity]
+        };
+        self.driven().map(push)
+    }
+
+    /// Rows of drives, and their indices in the model.
+    fn driven(&self) -> impl Iterator<Item = (&Element, usize)> {
+        self.elements.iter().filter_map(|element| match element.owner {
+            Owner::Drive(index) => Some((element, index)),
+            _ => None,
+        })
     }
 
     /// What gears push with on the first of their coordinates (N or N m), and their gaps (m or rad), in the order of the
@@ -122,12 +134,13 @@ impl Constraints {
     }
 
     /// Of all multipliers that balance what the last ones do, takes the smallest: the least sum of squares, moments
-    /// divided by the scene's length. `all` are the same rows, none left out. At the position of the tree's last
+    /// divided by the lever of their component. `all` are the same rows, none left out. At the position of the tree's last
     /// factorization.
     ///
     /// ```text
     /// G_d = C G_i      the rows left out, by those solved for:   C = A_di A_ii⁻¹
     /// λ_i ← λ_i − Cᵀ z,   λ_d = z,   (1 + C Cᵀ) z = C λ_i
+    /// ω = (−Cᵀ e, e)   self-stresses, Gᵀ ω = 0, one for each row left out
     /// ```
     pub(crate) fn share(&mut self, all: &mut Self, model: &Model, motion: &Motion, reduction: &Reduction, q: &[f64]) {
         self.clear_shares();
@@ -149,6 +162,7 @@ impl Constraints {
         let solved: Vec<usize> = self.plan.rows().collect();
         let mut redundant: Vec<usize> = (0..self.rules.len()).filter(|row| !solved.contains(row)).collect();
         redundant.iter().for_each(|row| self.not_unique[*row] = true);
+        self.self_stresses.clear();
         // By rows, in the units of the sum of squares.
         let mut parts: Vec<Vec<f64>> = Vec::new();
         redundant.retain(|row| {
@@ -159,6 +173,11 @@ impl Constraints {
                 *part *= self.weights[*row] / self.weights[*other];
             }
             let follows = part.iter().any(|part| part.abs() > PART);
+            let mut stress = vec![(*row, self.weights[*row])];
+            if follows {
+                stress.extend(part.iter().zip(&solved).map(|(part, row)| (*row, -part * self.weights[*row])));
+            }
+            self.self_stresses.push(stress);
             if follows {
                 parts.push(part);
             }
@@ -183,6 +202,27 @@ impl Constraints {
         }
     }
 
+    /// Marks the rows solved for whose clearance at the last factorization is not above a limit, and takes their
+    /// multipliers as zero.
+    pub(crate) fn drop_weak(&mut self, limit: f64, weak: &mut [bool]) {
+        for (unknown, (row, weak)) in self.plan.rows().zip(weak).enumerate() {
+            *weak = !(self.matrix.pivot(unknown, self.sizes[unknown]) > limit * limit);
+            if *weak {
+                self.multipliers[row] = 0.0;
+            }
+        }
+    }
+
+    /// Takes these as the multipliers, one per row solved for.
+    pub(crate) fn set_multipliers(&mut self, unknowns: &[f64]) {
+        if self.is_shared {
+            self.clear_shares();
+        }
+        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
+            self.multipliers[row] = *unknown;
+        }
+    }
+
     /// Rows that are left out push nothing again.
     pub(super) fn clear_shares(&mut self) {
         if self.is_shared {
@@ -192,6 +232,29 @@ impl Constraints {
             self.is_shared = false;
         }
         self.not_unique.fill(false);
+    }
+
+    /// Rows that are left out as linearly dependent on others.
+    pub(crate) fn left_out(&self) -> usize {
+        self.rules.len() - self.rank()
+    }
+
+    /// The self-stresses found by [`Constraints::share`].
+    pub(crate) fn self_stresses(&self) -> usize {
+        self.self_stresses.len()
+    }
+
+    /// Adds self-stresses, one number for each (N or N m at the row left out), to multipliers that are shared.
+    pub(crate) fn add_self_stress(&mut self, alpha: &[f64]) {
+        for (stress, alpha) in self.self_stresses.iter().zip(alpha) {
+            stress.iter().for_each(|(row, x)| self.multipliers[*row] += alpha * x);
+        }
+        self.is_shared = true;
+    }
+
+    /// The root of the sum of squares of all multipliers, moments divided by the lever of their component (N).
+    pub(crate) fn multiplier_size(&self) -> f64 {
+        self.multipliers.iter().zip(&self.weights).map(|(x, weight)| (x / weight).powi(2)).sum::<f64>().sqrt()
     }
 
     /// Whether rows that are left out of the solution push, after [`Constraints::share`].
@@ -220,7 +283,7 @@ impl Constraints {
                 force: at_end.force,
                 moment: at_end.moment,
                 pull: is_rod.then(|| -self.multipliers[element.rows.start]),
-                gap: element.rows.clone().map(|row| self.weights[row] * self.placed[row].gap.abs()).fold(0.0, f64::max),
+                gap: element.rows.clone().map(|row| self.reaches[row] * self.relative_gap(row)).fold(0.0, f64::max),
                 unique: !element.rows.clone().any(|row| self.not_unique[row]),
                 around,
             })

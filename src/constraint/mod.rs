@@ -19,6 +19,7 @@
 
 pub mod assembly;
 mod close;
+mod component;
 mod envelope;
 mod hold;
 mod listed;
@@ -29,8 +30,6 @@ mod row;
 mod rows;
 mod sizes;
 
-use crate::model::couplings::Closure;
-use crate::model::description::HingeKind;
 use crate::model::{Joint, Model};
 use crate::motion::variation::LinkAcceleration;
 use crate::motion::{LinkMotion, Motion};
@@ -40,6 +39,7 @@ pub use assembly::{Assembly, assemble};
 pub(crate) use close::Closer;
 pub use close::OpenGap;
 pub(crate) use close::ROUND_OFF;
+use component::Lengths;
 use envelope::Envelope;
 pub(crate) use listed::IndependentRow;
 pub use loads::LoopReaction;
@@ -62,8 +62,10 @@ pub struct Constraints {
     placed: Vec<Placed>,
     /// From each element's ends to the root, tips first.
     ways: Vec<Vec<usize>>,
-    /// What makes angles comparable with lengths (m), per row; 1 for lengths.
+    /// What makes angles comparable with lengths, per row: the lever of its component (m); 1 for lengths.
     weights: Vec<f64>,
+    /// What gaps are small beside, per row: the reach of its component (m).
+    reaches: Vec<f64>,
     plan: Plan,
     matrix: Envelope,
     /// `u` and `D⁻¹ u` of eq. (2), per group, link of its way and row.
@@ -78,8 +80,22 @@ pub struct Constraints {
     /// Whether rows that are left out push too, and which rows' multipliers are not unique: known once they are shared.
     is_shared: bool,
     not_unique: Vec<bool>,
+    /// Multipliers that balance each other, by rows: one list for each row left out, once they are shared.
+    self_stresses: Vec<Vec<(usize, f64)>>,
+    /// Lengths of the model's own elements.
+    lengths: Vec<Lengths>,
     /// (s)
     time: f64,
+}
+
+/// The largest rate among rows, and the row.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Largest {
+    /// In parts of the component's reach, or radians.
+    pub(crate) relative: f64,
+    /// In metres, radians times the component's reach.
+    pub(crate) absolute: f64,
+    row: Option<usize>,
 }
 
 /// What a rate of the rows is made of.
@@ -96,15 +112,23 @@ pub(crate) enum Rate<'a> {
 impl Constraints {
     /// All rows of a model and those that hold coordinates beside them, none left out.
     fn all(model: &Model, held: &[Held]) -> Self {
-        let (elements, rules) = rows::of_model(model, held);
+        let (elements, rules, given) = rows::of_model(model, held);
         let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
-        let length = model.length_scale();
-        let weights = rules.iter().map(|rule| if rule.turns() { length } else { 1.0 }).collect();
+        let (mut weights, mut reaches) = (vec![1.0; rules.len()], vec![1.0; rules.len()]);
+        let lengths = component::lengths(model, &elements, &rules, &given);
+        for (element, lengths) in elements.iter().zip(&lengths) {
+            for row in element.rows.clone() {
+                weights[row] = if rules[row].turns() { lengths.lever } else { 1.0 };
+                reaches[row] = lengths.reach;
+            }
+        }
         let mut all = Self {
             placed: vec![Placed::default(); rules.len()],
             multipliers: vec![0.0; rules.len()],
             is_shared: false,
             not_unique: vec![false; rules.len()],
+            self_stresses: Vec::new(),
+            lengths,
             passed: vec![Wrench::ZERO; model.links.len()],
             own: elements.len(),
             independent: vec![true; rules.len()],
@@ -112,6 +136,7 @@ impl Constraints {
             rules,
             ways,
             weights,
+            reaches,
             plan: Plan::default(),
             matrix: Envelope::default(),
             pushes: Vec::new(),
@@ -214,17 +239,13 @@ impl Constraints {
     }
 
     /// Eq. (2) and its factorization, at the position of the tree's last factorization; `damping` (0 for none) is added
-    /// to the diagonal in units of the largest entry.
+    /// to the diagonal in units of the largest entry of the same element.
     pub(crate) fn factorize(&mut self, model: &Model, motion: &Motion, reduction: &Reduction, damping: f64) {
         self.assemble(model, motion, reduction);
         self.size_rows();
         if damping > 0.0 {
-            let weight = |row: usize| self.weights[row] * self.weights[row];
-            let rows: Vec<usize> = self.plan.rows().collect();
-            let largest = rows.iter().enumerate().map(|(i, row)| weight(*row) * self.matrix.get(i, i));
-            let shift = damping * largest.fold(0.0, f64::max);
-            for (i, row) in rows.iter().enumerate() {
-                *self.matrix.entry(i, i) += shift / weight(*row);
+            for (i, size) in self.sizes.iter().enumerate() {
+                *self.matrix.entry(i, i) += damping * size;
             }
         }
         self.matrix.factorize(&self.sizes);
@@ -343,13 +364,14 @@ impl Constraints {
         }
     }
 
-    /// The largest rate of the rows, angles times the scene's length, and the row; of all rows or of those solved for.
-    pub(crate) fn largest(&self, motion: &Motion, rate: Rate<'_>, all: bool) -> (f64, Option<usize>) {
-        let mut largest = (0.0, None);
+    /// The largest rate of the rows beside their components; of all rows or of those solved for.
+    pub(crate) fn largest(&self, motion: &Motion, rate: Rate<'_>, all: bool) -> Largest {
+        let mut largest = Largest::default();
         let mut look = |element: &Element, row: usize| {
-            let value = self.weights[row] * self.rate(row, element.links(), motion, rate).abs();
-            if value > largest.0 || value.is_nan() {
-                largest = (value, Some(row));
+            let value = self.rate(row, element.links(), motion, rate).abs();
+            let relative = self.relative(row, value);
+            if relative > largest.relative || relative.is_nan() {
+                largest = Largest { relative, absolute: relative * self.reaches[row], row: Some(row) };
             }
         };
         if all {
@@ -364,9 +386,19 @@ impl Constraints {
 
     /// Where the widest gap of the last placement of all rows is.
     pub(crate) fn widest(&self, motion: &Motion) -> OpenGap {
-        let (gap, row) = self.largest(motion, Rate::Gap, true);
+        let Largest { absolute: gap, row, .. } = self.largest(motion, Rate::Gap, true);
         let element = row.and_then(|row| self.element_of(row)).map_or(String::new(), |e| e.name.clone());
         OpenGap { element, gap }
+    }
+
+    /// What a row says in metres or radians, in parts of its component's reach or radians.
+    fn relative(&self, row: usize, value: f64) -> f64 {
+        if self.rules[row].turns() { value } else { value / self.reaches[row] }
+    }
+
+    /// The gap of a row as placed last (part of its component's reach; rad).
+    fn relative_gap(&self, row: usize) -> f64 {
+        self.relative(row, self.placed[row].gap.abs())
     }
 
     /// The entries of `G` for the rows solved for, as placed last: `put(unknown, velocity, entry)`.
@@ -399,47 +431,6 @@ impl Constraints {
                     passed[given.parent] += w.shifted(at.arm);
                 }
             }
-        }
-    }
-
-    /// Marks the rows solved for whose clearance at the last factorization is not above a limit, and takes their
-    /// multipliers as zero.
-    pub(crate) fn drop_weak(&mut self, limit: f64, weak: &mut [bool]) {
-        for (unknown, (row, weak)) in self.plan.rows().zip(weak).enumerate() {
-            *weak = !(self.matrix.pivot(unknown, self.sizes[unknown]) > limit * limit);
-            if *weak {
-                self.multipliers[row] = 0.0;
-            }
-        }
-    }
-
-    /// Takes these as the multipliers, one per row solved for.
-    pub(crate) fn set_multipliers(&mut self, unknowns: &[f64]) {
-        if self.is_shared {
-            self.clear_shares();
-        }
-        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
-            self.multipliers[row] = *unknown;
-        }
-    }
-
-    /// Whether the axes of a loop stand against each other instead of together.
-    fn is_turned_over(&self, element: &Element, model: &Model, motion: &Motion) -> bool {
-        let Owner::Loop(index) = element.owner else { return false };
-        let closed = &model.loops[index];
-        let [first, second] = [&motion.links[closed.ends[0].link], &motion.links[closed.ends[1].link]];
-        let Some(second_frame) = closed.second_frame else { return false };
-        let against = |axis: &Vector3<f64>| {
-            (first.turn * (closed.frame * axis)).dot(&(second.turn * (second_frame * axis))) < 0.0
-        };
-        match &closed.closure {
-            Closure::Hinge(HingeKind::Revolute { axis } | HingeKind::Cylindrical { axis }) => against(axis),
-            Closure::Hinge(HingeKind::Planar) => against(&Vector3::z()),
-            Closure::Hinge(HingeKind::Fixed | HingeKind::Prismatic { .. }) => {
-                (0..3).any(|axis| against(&Vector3::ith(axis, 1.0)))
-            }
-            Closure::Hinge(HingeKind::Universal { .. } | HingeKind::Spherical | HingeKind::Free)
-            | Closure::Rod { .. } => false,
         }
     }
 

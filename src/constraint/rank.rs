@@ -1,19 +1,34 @@
-//! Which rows are independent: decided on closed positions, by a pivoted factorization of `A`.
+//! Which rows are linearly independent: decided on closed positions, by a pivoted factorization of the rows themselves.
 //!
-//! A row that hangs on others keeps a pivot of the size of round-off. It is looked for at the position itself and at
-//! closed positions around it: at a singular position (a change point, a dead centre) rows hang on each other that do
-//! not elsewhere, and those have to be kept.
+//! ```text
+//! (1)  Ĝ = W G L        rows of unit size over turns (rad) and slides (parts of the component's lever)
+//! (2)  P Ĝ Ĝᵀ Pᵀ = L Lᵀ    Cholesky with the largest pivot first; a pivot is the squared sine of the angle between a row
+//!                       and those chosen before it
+//! ```
+//!
+//! Rank is a matter of geometry: `Ĝ` knows no masses, and each component (see [`super::component`]) is decided by itself. The
+//! rows are looked at in the position itself and in closed positions around it: in a singular position (a change point, a dead
+//! centre) rows are linearly dependent that are not elsewhere, and those have to be kept.
 
 use super::Constraints;
 use super::close::Closing;
+use super::component::{between_ends, components, lengths, members};
 use super::rows::Owner;
 use crate::model::{Joint, Model};
+use crate::motion::Motion;
 
-/// A pivot below this part of the row's own entry, and an entry below this part of the largest of its element, counts as
-/// zero: axes that are parallel to five digits are meant to be parallel.
+/// A row is linearly dependent if the squared sine of its angle to the others is below this, and has no entries if their
+/// squares are below this part of those of the largest row of its element: axes that are parallel to five digits are meant to
+/// be parallel.
 const DEPENDENT: f64 = 1e-10;
-/// How far around the position is looked (rad; part of the scene's length).
+/// Pivots within this part of each other are equal: round-off must not choose among rows.
+const EQUAL: f64 = 1.0 + 1e-9;
+/// How far around the position is looked (rad; part of the component's reach).
 const AROUND: f64 = 0.05;
+/// Other positions that are looked at.
+const OTHERS: usize = 2;
+/// Positions whose gaps are below this part of the component's reach are closed.
+const CLOSED: f64 = 1e-9;
 
 /// What was decided.
 #[derive(Debug, Clone)]
@@ -27,127 +42,137 @@ pub(super) struct Ranking {
 /// Decides at a closed position, at the time of the drives.
 pub(super) fn decide(model: &Model, q: &[f64], time: f64) -> Ranking {
     let mut closing = Closing::new(model, &[], time);
-    let here = independent_at(model, &mut closing, q);
-    let mut best = here.clone();
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
-    for _ in 0..2 {
+    closing.gap(q);
+    let mut independent = closing.rows.independent_now(model, &closing.motion);
+    let components = members(&components(model, &closing.rows.elements));
+    let steps = (1..=OTHERS).map(|attempt| around(model, &closing, &components, attempt)).collect::<Vec<_>>();
+    let mut singular = false;
+    for step in steps {
         let mut near = q.to_vec();
-        let step = random.step(model);
         crate::motion::displace(model, &mut near, &step);
         let metric = closing.nearby();
-        let closed = matches!(closing.close(&mut near, metric), Ok(gap) if gap <= 1e-9 * model.length_scale());
-        if closed {
-            let there = independent_at(model, &mut closing, &near);
-            if count(&there) > count(&best) {
-                best = there;
+        if closing.close(&mut near, metric).is_err() {
+            continue;
+        }
+        closing.gap(&near);
+        let there = closing.rows.independent_now(model, &closing.motion);
+        let rows = &closing.rows;
+        for component in &components {
+            let members = || component.iter().flat_map(|e| rows.elements[*e].rows.clone());
+            let count = |kept: &[bool]| members().filter(|row| kept[*row]).count();
+            let is_closed = || members().all(|row| rows.relative_gap(row) <= CLOSED);
+            if count(&there) > count(&independent) && is_closed() {
+                members().for_each(|row| independent[row] = there[row]);
+                singular = true;
             }
         }
     }
-    let singular = count(&best) > count(&here);
-    let independent = if singular { best } else { here };
     Ranking { independent, singular }
 }
 
-fn count(rows: &[bool]) -> usize {
-    rows.iter().filter(|row| **row).count()
-}
-
-/// Independent rows at one position; none where the tree itself is singular there.
-fn independent_at(model: &Model, closing: &mut Closing<'_>, q: &[f64]) -> Vec<bool> {
-    closing.gap(q);
-    if !closing.prepare() {
-        return vec![false; closing.rows.rules.len()];
-    }
-    closing.rows.assemble(model, &closing.motion, &closing.reduction);
-    closing.rows.independent_now()
-}
-
 impl Constraints {
-    /// Independent rows among all, from the matrix as assembled: loops first, then gears, drives last.
-    pub(super) fn independent_now(&self) -> Vec<bool> {
+    /// Independent rows among those solved for, as placed last: loops first, then gears, drives last.
+    pub(super) fn independent_now(&mut self, model: &Model, motion: &Motion) -> Vec<bool> {
+        let unknowns = self.unit_rows(model, motion);
         let rows: Vec<usize> = self.plan.rows().collect();
         let mut kept = vec![false; self.rules.len()];
-        for component in self.components() {
-            let unknowns: Vec<usize> = component
-                .iter()
-                .flat_map(|group| {
-                    let group = &self.plan.groups[*group];
-                    group.first..group.first + group.rows.len()
-                })
-                .collect();
-            self.choose(&unknowns, &rows, &mut kept);
+        let of = components(model, &self.elements);
+        let mut members = vec![Vec::new(); self.elements.len()];
+        for group in &self.plan.groups {
+            members[of[group.element]].extend(group.first..group.first + group.rows.len());
+        }
+        members.iter_mut().for_each(|members: &mut Vec<usize>| members.sort_by_key(|unknown| rows[*unknown]));
+        let mut scratch = vec![0.0; model.velocity_count()];
+        let classes: Vec<usize> =
+            self.plan.groups.iter().flat_map(|g| g.rows.iter().map(|_| self.elements[g.element].class())).collect();
+        for members in members.iter().filter(|members| !members.is_empty()) {
+            for unknown in choose(members, &unknowns, &classes, &mut scratch) {
+                kept[rows[unknown]] = true;
+            }
         }
         kept
     }
 
-    /// Groups that meet, directly or through others.
-    fn components(&self) -> Vec<Vec<usize>> {
-        let mut root: Vec<usize> = (0..self.plan.groups.len()).collect();
-        let find = |root: &[usize], mut at: usize| {
-            while root[at] != at {
-                at = root[at];
+    /// Eq. (1): velocities and entries of every row that is solved for; none of one that is nearly nothing beside the largest
+    /// of its element.
+    fn unit_rows(&mut self, model: &Model, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
+        let levers = lengths(model, &self.elements, &self.rules, motion);
+        let (mut of_unknown, mut slides) = (Vec::new(), vec![false; model.velocity_count()]);
+        self.plan.groups.iter().for_each(|group| of_unknown.extend(group.rows.iter().map(|_| group.element)));
+        for link in model.links.iter().filter(|link| matches!(link.joint, Joint::Slide { .. })) {
+            slides[link.velocity] = true;
+        }
+        let mut inner = vec![Vec::new(); self.elements.len()];
+        for (inner, element) in inner.iter_mut().zip(&self.elements) {
+            let velocities = |link: usize| {
+                let link = &model.links[link];
+                link.velocity..link.velocity + link.joint.counts().1
+            };
+            *inner = between_ends(element).into_iter().flat_map(velocities).collect::<Vec<usize>>();
+            inner.sort_unstable();
+        }
+        let mut entries: Vec<Vec<(usize, f64)>> = vec![Vec::new(); of_unknown.len()];
+        self.gradient(model, motion, |unknown, velocity, entry| {
+            // Hinges that both ends of a loop stand on carry nothing of it.
+            if inner[of_unknown[unknown]].binary_search(&velocity).is_ok() {
+                let unit = if slides[velocity] { levers[of_unknown[unknown]].lever } else { 1.0 };
+                entries[unknown].push((velocity, unit * entry));
             }
-            at
-        };
-        for meeting in &self.plan.meetings {
-            let [a, b] = meeting.groups.map(|group| find(&root, group));
-            root[a.max(b)] = a.min(b);
-        }
-        let mut components: Vec<Vec<usize>> = vec![Vec::new(); root.len()];
-        for group in 0..root.len() {
-            components[find(&root, group)].push(group);
-        }
-        components.retain(|component| !component.is_empty());
-        components
-    }
-
-    /// Cholesky with the largest pivot first, within one component.
-    fn choose(&self, unknowns: &[usize], rows: &[usize], kept: &mut [bool]) {
-        let weight = |unknown: usize| self.weights[rows[unknown]];
-        let entry = |i: usize, j: usize| {
-            let (i, j) = (unknowns[i], unknowns[j]);
-            weight(i) * weight(j) * self.matrix.get(i, j)
-        };
-        let n = unknowns.len();
-        let own: Vec<f64> = (0..n).map(|i| entry(i, i)).collect();
-        let rank_of = |i: usize| self.element_of(rows[unknowns[i]]).map_or(0, |element| element.class());
-        let classes: Vec<usize> = (0..n).map(rank_of).collect();
-        let element: Vec<usize> = (0..n).map(|i| self.element_index(rows[unknowns[i]])).collect();
-        let largest = |i: usize| {
-            let same = (0..n).filter(|j| element[*j] == element[i]);
-            same.map(|j| own[j]).fold(0.0, f64::max)
-        };
-        let floor: Vec<f64> = (0..n).map(|i| DEPENDENT * largest(i)).collect();
-        let mut pivots = own.clone();
-        // By rows, what is not zero: chains of loops leave little.
-        let mut factor: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
-        let mut of_next = vec![0.0; n];
-        let mut steps = 0;
-        let mut open: Vec<usize> = (0..n).filter(|i| own[*i] > floor[*i] && own[*i] > 0.0).collect();
-        while !open.is_empty() {
-            open.retain(|i| pivots[*i] > DEPENDENT * own[*i]);
-            let Some(class) = open.iter().map(|i| classes[*i]).min() else { return };
-            let candidates = open.iter().copied().filter(|i| classes[*i] == class);
-            let Some(next) = candidates.max_by(|a, b| pivots[*a].total_cmp(&pivots[*b])) else { return };
-            kept[rows[unknowns[next]]] = true;
-            open.retain(|i| *i != next);
-            let root = pivots[next].sqrt();
-            of_next.fill(0.0);
-            factor[next].iter().for_each(|(step, l)| of_next[*step] = *l);
-            for i in &open {
-                let known: f64 = factor[*i].iter().map(|(step, l)| l * of_next[*step]).sum();
-                let l = (entry(*i, next) - known) / root;
-                if l != 0.0 {
-                    factor[*i].push((steps, l));
-                    pivots[*i] -= l * l;
+        });
+        for group in &self.plan.groups {
+            let lever = levers[group.element].lever;
+            let unit = |row: usize| if self.rules[row].turns() { 1.0 } else { 1.0 / lever };
+            let square = |(k, row): (usize, &usize)| {
+                unit(*row).powi(2) * entries[group.first + k].iter().map(|(_, entry)| entry * entry).sum::<f64>()
+            };
+            let squares: Vec<f64> = group.rows.iter().enumerate().map(square).collect();
+            let largest = squares.iter().fold(0.0, |m: f64, x| m.max(*x));
+            for (k, (row, square)) in group.rows.iter().zip(&squares).enumerate() {
+                let entries = &mut entries[group.first + k];
+                match *square > DEPENDENT * largest {
+                    true => entries.iter_mut().for_each(|(_, entry)| *entry *= unit(*row) / square.sqrt()),
+                    false => entries.clear(),
                 }
             }
-            steps += 1;
         }
+        entries
     }
+}
 
-    fn element_index(&self, row: usize) -> usize {
-        self.elements.iter().position(|element| element.rows.contains(&row)).unwrap_or(0)
+/// Eq. (2) within one component: the independent ones of its `members`. `next_row` is zero, one per velocity.
+fn choose(members: &[usize], rows: &[Vec<(usize, f64)>], classes: &[usize], next_row: &mut [f64]) -> Vec<usize> {
+    let n = members.len();
+    let mut pivots: Vec<f64> = members.iter().map(|row| f64::from(u8::from(!rows[*row].is_empty()))).collect();
+    // By rows, what is not zero: chains of loops leave little.
+    let mut factor: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
+    let mut of_next = vec![0.0; n];
+    let mut open: Vec<usize> = (0..n).collect();
+    let mut chosen = Vec::new();
+    loop {
+        open.retain(|i| pivots[*i] > DEPENDENT);
+        let Some(class) = open.iter().map(|i| classes[members[*i]]).min() else { return chosen };
+        let candidates = open.iter().copied().filter(|i| classes[members[*i]] == class);
+        // Of equal ones the first, whatever round-off makes of them.
+        let Some(next) = candidates.reduce(|best, i| if pivots[i] > EQUAL * pivots[best] { i } else { best }) else {
+            return chosen;
+        };
+        let step = chosen.len();
+        chosen.push(members[next]);
+        open.retain(|i| *i != next);
+        let root = pivots[next].sqrt();
+        factor[next].iter().for_each(|(step, l)| of_next[*step] = *l);
+        rows[members[next]].iter().for_each(|(velocity, entry)| next_row[*velocity] += entry);
+        for i in &open {
+            let known: f64 = factor[*i].iter().map(|(step, l)| l * of_next[*step]).sum();
+            let entry: f64 = rows[members[*i]].iter().map(|(velocity, entry)| entry * next_row[*velocity]).sum();
+            let l = (entry - known) / root;
+            if l != 0.0 {
+                factor[*i].push((step, l));
+                pivots[*i] -= l * l;
+            }
+        }
+        factor[next].iter().for_each(|(step, _)| of_next[*step] = 0.0);
+        rows[members[next]].iter().for_each(|(velocity, _)| next_row[*velocity] = 0.0);
     }
 }
 
@@ -163,7 +188,28 @@ impl super::Element {
     }
 }
 
-/// Numbers without a pattern, the same in every run (xorshift).
+/// A small step of every coordinate between the ends of loops: numbers without a pattern, the same in every run and whatever
+/// else is in the scene.
+fn around(model: &Model, closing: &Closing<'_>, components: &[Vec<usize>], attempt: usize) -> Vec<f64> {
+    let mut step = vec![0.0; model.velocity_count()];
+    let elements = &closing.rows.elements;
+    let sizes = lengths(model, elements, &closing.rows.rules, &closing.motion);
+    for component in components.iter().filter(|component| !component.is_empty()) {
+        let reach = sizes[component[0]].reach;
+        let mut links: Vec<usize> = component.iter().flat_map(|e| between_ends(&elements[*e])).collect();
+        links.sort_unstable();
+        links.dedup();
+        let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ ((attempt as u64) << 32));
+        for link in links.into_iter().map(|link| &model.links[link]) {
+            let per = if matches!(link.joint, Joint::Slide { .. }) { AROUND * reach } else { AROUND };
+            let (_, count) = link.joint.counts();
+            step[link.velocity..link.velocity + count].iter_mut().for_each(|x| *x = per * random.next());
+        }
+    }
+    step
+}
+
+/// Xorshift.
 struct Random(u64);
 
 impl Random {
@@ -172,16 +218,5 @@ impl Random {
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    fn step(&mut self, model: &Model) -> Vec<f64> {
-        let mut step = vec![0.0; model.velocity_count()];
-        let length = model.length_scale();
-        for link in &model.links {
-            let per = if matches!(link.joint, Joint::Slide { .. }) { AROUND * length } else { AROUND };
-            let (_, count) = link.joint.counts();
-            step[link.velocity..link.velocity + count].iter_mut().for_each(|x| *x = per * self.next());
-        }
-        step
     }
 }

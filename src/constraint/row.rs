@@ -112,6 +112,11 @@ impl<'a> Ends<'a> {
         Self { links, arms, between: between + rounding }
     }
 
+    /// From the first end to the second (m).
+    pub(super) fn between(&self) -> Vector3<f64> {
+        self.between
+    }
+
     pub(super) fn place(&self, rule: &Rule) -> Placed {
         let ([a, b], [arm_a, arm_b], d) = (self.links, self.arms, self.between);
         let (wa, wb) = (a.angular_velocity, b.angular_velocity);

@@ -116,8 +116,8 @@ pub(super) fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
     })
 }
 
-/// Elements and rows of a model, and of coordinates that are held beside them.
-pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>) {
+/// Elements and rows of a model, and of coordinates that are held beside them; and the positions as given.
+pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>, Motion) {
     let mut rules = Vec::new();
     let mut elements = Vec::new();
     let mut given = Motion::new(model);
@@ -163,7 +163,7 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
             held: nothing,
         });
     }
-    (elements, rules)
+    (elements, rules, given)
 }
 
 /// The row of a sum of coordinates.

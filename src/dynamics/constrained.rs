@@ -1,7 +1,7 @@
 //! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
 
 use super::{Fault, System};
-use crate::constraint::{Constraints, LoopReaction, OpenGap, ROUND_OFF, Rate};
+use crate::constraint::{Constraints, Largest, LoopReaction, OpenGap, ROUND_OFF, Rate};
 use crate::model::Model;
 use crate::model::prescribed::Instant;
 use crate::motion::variation::LinkVariation;
@@ -14,17 +14,16 @@ use faer::Mat;
 const MOST_ROUNDS: usize = 12;
 /// A wider gap at the start means that the model has not been assembled.
 const ROUGH: f64 = 1e-6;
-/// A gap that may be left where rows are left out as redundant: this part of the scene's length.
+/// A gap that may be left where rows are left out as redundant: this part of their component's reach.
 const OPEN: f64 = 1e-9;
 
 /// The rows of a model and scratch memory to push with them.
 #[derive(Debug, Clone)]
 pub(super) struct Constrained {
     rows: Constraints,
-    /// The same with none left out, once reactions are shared among rows that hang on each other.
+    /// The same with none left out, once reactions are shared among linearly dependent rows.
     every_row: Option<Box<Constraints>>,
-    length: f64,
-    /// Widest gap of redundant rows at the start: what numbers with few digits leave open.
+    /// Widest gap of redundant rows at the start, in parts of the reach: what numbers with few digits leave open.
     left_open: f64,
     loads: Vec<Wrench>,
     tau: Vec<f64>,
@@ -40,11 +39,11 @@ pub(super) struct Constrained {
 pub struct Settled {
     /// Whether the state changed.
     pub moved: bool,
-    /// Widest gap before (m; rad times the scene's length).
+    /// Widest gap before (m; rad times the reach of the mechanism).
     pub gap_before: f64,
     /// Widest gap left.
     pub gap: f64,
-    /// How far the mechanism is from a singular position, where rows hang on each other that do not elsewhere: the sine
+    /// How far the mechanism is from a singular position, where rows are linearly dependent that are not elsewhere: the sine
     /// of the smallest angle between a row and those before it, in the metric of the inertia. 1 without rows.
     pub clearance: f64,
 }
@@ -60,13 +59,12 @@ impl Constrained {
         let mut given = Motion::new(model);
         given.update(model, &model.start_position, &model.start_velocity);
         rows.place(model, &given, &model.start_position, true);
-        let left_open = rows.largest(&given, Rate::Gap, true).0;
-        let (n, length) = (model.velocity_count(), model.length_scale());
+        let left_open = rows.largest(&given, Rate::Gap, true).relative;
+        let n = model.velocity_count();
         Some(Box::new(Self {
             rows,
             every_row: None,
-            length,
-            left_open: if left_open <= ROUGH * length { left_open } else { 0.0 },
+            left_open: if left_open <= ROUGH { left_open } else { 0.0 },
             loads: vec![Wrench::ZERO; model.links.len()],
             tau: vec![0.0; n],
             step: vec![0.0; n],
@@ -179,6 +177,36 @@ impl System<'_> {
         Ok(())
     }
 
+    /// Number of rows that are left out as linearly dependent on others.
+    pub fn left_out_rows(&self) -> usize {
+        self.constraints.as_ref().map_or(0, |constrained| constrained.rows.left_out())
+    }
+
+    /// Number of self-stresses after [`System::share_multipliers`]: multipliers that balance each other.
+    pub fn self_stresses(&self) -> usize {
+        self.constraints.as_ref().map_or(0, |constrained| constrained.rows.self_stresses())
+    }
+
+    /// Adds self-stresses, one number for each (N or N m at the row left out), to the multipliers of
+    /// [`System::share_multipliers`].
+    pub fn add_self_stress(&mut self, alpha: &[f64]) {
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.add_self_stress(alpha);
+        }
+    }
+
+    /// The root of the sum of squares of all multipliers, moments divided by the lever of their mechanism (N).
+    pub fn multiplier_size(&self) -> f64 {
+        self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.multiplier_size())
+    }
+
+    /// Units in which the independent rows, and the velocity coordinates that stand in them, are of one size (m, or 1 for
+    /// turns; 0 for a coordinate in no row).
+    pub fn row_units(&self) -> (Vec<f64>, Vec<f64>) {
+        let none = || (Vec::new(), vec![0.0; self.model.velocity_count()]);
+        self.constraints.as_ref().map_or_else(none, |constrained| constrained.rows.units(self.model))
+    }
+
     /// What the loops pass, after [`System::share_multipliers`]; empty without loops.
     pub fn loop_reactions(&self) -> Vec<LoopReaction> {
         let rows = self.constraints.as_ref().map(|constrained| &constrained.rows);
@@ -248,8 +276,8 @@ impl System<'_> {
         let evaluated = self.accelerations(q, v, &mut a);
         self.scratch = a;
         evaluated?;
-        let Self { constraints, model, motion, reduction, .. } = self;
-        Ok(constraints.as_mut().map_or(Vec::new(), |tied| tied.rows.hold(model, motion, reduction, q, held)))
+        let Self { constraints, model, motion, .. } = self;
+        Ok(constraints.as_mut().map_or(Vec::new(), |tied| tied.rows.hold(model, motion, q, held)))
     }
 
     /// What holds a velocity coordinate given to [`System::hold`], at the last accelerations (N or N m); 0 where it has
@@ -264,18 +292,18 @@ impl System<'_> {
         let evaluated = self.accelerations(q, v, &mut a);
         self.scratch = a;
         match (evaluated, &self.constraints) {
-            (Ok(()), Some(constrained)) => constrained.rows.power(),
+            (Ok(()), Some(constrained)) => constrained.rows.power(self.model, &self.scratch),
             _ => f64::NAN,
         }
     }
 
-    /// The widest gap of loops, gears and drives at a position (m; rad times the scene's length); 0 without any.
+    /// The widest gap of loops, gears and drives at a position (m; rad times the reach of the mechanism); 0 without any.
     pub fn gap(&mut self, q: &[f64]) -> f64 {
         let Some(constrained) = &mut self.constraints else { return 0.0 };
         self.scratch.fill(0.0);
         self.motion.update(self.model, q, &self.scratch);
         constrained.rows.place(self.model, &self.motion, q, true);
-        constrained.rows.largest(&self.motion, Rate::Gap, true).0
+        constrained.rows.largest(&self.motion, Rate::Gap, true).absolute
     }
 
     /// Brings a state onto the loops, drives and gears: positions, then velocities, each the nearest in the metric of
@@ -288,7 +316,7 @@ impl System<'_> {
             return Ok(Settled::FREE);
         }
         self.motion.update(self.model, q, v);
-        let gap_before = self.place_gap(q);
+        let gap_before = self.place_gap(q).absolute;
         if let Some(constrained) = &mut self.constraints {
             constrained.tau.fill(0.0);
             let Constrained { rows, tau, .. } = &mut **constrained;
@@ -301,27 +329,28 @@ impl System<'_> {
         let moved = self.settle_velocity(q, v) || moved;
         let gap = self.place_gap(q);
         let Some(constrained) = &self.constraints else { return Ok(Settled::FREE) };
-        if !(gap <= OPEN * constrained.length + 2.0 * constrained.left_open) {
+        if !(gap.relative <= OPEN + 2.0 * constrained.left_open) {
             if let Some(fault) = self.not_finite_formula() {
                 return Err(fault);
             }
+            let left = gap.relative;
             let OpenGap { element, gap } = constrained.rows.widest(&self.motion);
-            let (solved, _) = constrained.rows.largest(&self.motion, Rate::Gap, false);
+            let solved = constrained.rows.largest(&self.motion, Rate::Gap, false).relative;
             // Those solved for may be closed while one left out is not.
-            return Err(match solved < 0.1 * gap {
+            return Err(match solved < 0.1 * left {
                 true => Fault::Independent { element, gap },
                 false => Fault::Open { element, gap },
             });
         }
         let clearance = constrained.rows.clearance();
-        Ok(Settled { moved, gap_before, gap, clearance })
+        Ok(Settled { moved, gap_before, gap: gap.absolute, clearance })
     }
 
     /// Places all rows where the motion is; the widest gap.
-    fn place_gap(&mut self, q: &[f64]) -> f64 {
-        let Some(constrained) = &mut self.constraints else { return 0.0 };
+    fn place_gap(&mut self, q: &[f64]) -> Largest {
+        let Some(constrained) = &mut self.constraints else { return Largest::default() };
         constrained.rows.place(self.model, &self.motion, q, true);
-        constrained.rows.largest(&self.motion, Rate::Gap, true).0
+        constrained.rows.largest(&self.motion, Rate::Gap, true)
     }
 
     /// Rounds of eq. (3) of [`crate::constraint`] with one factorization, while they help.
@@ -329,8 +358,8 @@ impl System<'_> {
         let mut moved = false;
         let Some(constrained) = &self.constraints else { return false };
         // Near a singular position a small gap stands for a large distance.
-        let enough = ROUND_OFF * constrained.length * constrained.rows.clearance().powi(2);
-        let mut gap = constrained.rows.largest(&self.motion, Rate::Gap, false).0;
+        let enough = ROUND_OFF * constrained.rows.clearance().powi(2);
+        let mut gap = constrained.rows.largest(&self.motion, Rate::Gap, false).relative;
         for _ in 0..MOST_ROUNDS {
             if gap <= enough {
                 break;
@@ -343,7 +372,7 @@ impl System<'_> {
             displace(self.model, q, &constrained.step);
             self.motion.update(self.model, q, v);
             constrained.rows.place(self.model, &self.motion, q, false);
-            let now = constrained.rows.largest(&self.motion, Rate::Gap, false).0;
+            let now = constrained.rows.largest(&self.motion, Rate::Gap, false).relative;
             if !(now < 0.5 * gap) {
                 q.copy_from_slice(&constrained.before[..q.len()]);
                 self.motion.update(self.model, q, v);
@@ -362,9 +391,9 @@ impl System<'_> {
         let mut left = f64::INFINITY;
         for _ in 0..MOST_ROUNDS {
             let Some(constrained) = &mut self.constraints else { break };
-            let now = constrained.rows.largest(&self.motion, Rate::Speed(v), false).0;
+            let now = constrained.rows.largest(&self.motion, Rate::Speed(v), false).relative;
             let size = v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-            let enough = ROUND_OFF * constrained.length * size * constrained.rows.clearance().powi(2);
+            let enough = ROUND_OFF * size * constrained.rows.clearance().powi(2);
             if !(now < 0.5 * left) || now <= enough {
                 break;
             }

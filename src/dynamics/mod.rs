@@ -322,8 +322,10 @@ impl<'m> System<'m> {
     pub fn energies(&mut self, q: &[f64], v: &[f64]) -> Energies {
         self.motion.update(self.model, q, v);
         let rotors: f64 = self.model.coordinates.iter().zip(v).map(|(c, v)| 0.5 * c.armature * v * v).sum();
+        // What drives add to armatures is no inertia of the scene.
+        let added = self.model.drives.iter().map(|drive| 0.5 * drive.armature * v[drive.coordinate.velocity].powi(2));
         Energies {
-            kinetic: self.motion.kinetic_energy(self.model) + rotors,
+            kinetic: self.motion.kinetic_energy(self.model) + (rotors - added.sum::<f64>()),
             potential: forces::potential(self.model, &self.motion, q),
         }
     }

@@ -4,6 +4,7 @@ use super::build::{Place, Places};
 use super::couplings::{Closure, CoordinateName, GearKind, LoopDescription, MotionDescription};
 use super::description::{Description, HingeKind};
 use super::motor;
+use super::point_mass::NO_INERTIA;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem, number};
 use super::{End, Link, Model};
@@ -48,6 +49,10 @@ pub struct Drive {
     pub coordinate: Scalar,
     /// How it moves.
     pub motion: Prescribed,
+    /// What has been added to the armature of its coordinate (kg, kg m²): a motion that is given needs no inertia, but the
+    /// articulated inertia of its hinge is divided by. With the row `q̈ = s̈` of the drive nothing else feels it:
+    /// `(M + a e eᵀ) q̈ = f + e λ'` is `M q̈ = f + e λ` with `λ = λ' − a q̈`. 0 where the body of the hinge itself resists.
+    pub armature: f64,
 }
 
 /// A gear, compiled: `q₁ − ratio q₂ = offset`.
@@ -276,7 +281,11 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
             add("hinge", message, "one coordinate follows one motion");
         }
         match Prescribed::compile(&drive.motion, model.start_position[coordinate.position]) {
-            Ok(motion) => model.drives.push(Drive { name: drive.name.clone(), coordinate, motion }),
+            Ok(motion) => {
+                let armature = armature(model, &coordinate);
+                model.coordinates[coordinate.velocity].armature += armature;
+                model.drives.push(Drive { name: drive.name.clone(), coordinate, motion, armature });
+            }
             Err(message) => {
                 let field = match drive.motion {
                     MotionDescription::Table { .. } => "times",
@@ -287,6 +296,22 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
             }
         }
     }
+}
+
+/// What a driven coordinate needs beside its own link's inertia: nothing where that resists in every position. Else the
+/// inertia of what it carries, or of the scene: any number is exact, and one of that size keeps all digits.
+fn armature(model: &Model, coordinate: &Scalar) -> f64 {
+    let link = &model.links[coordinate.link];
+    let (own, whole) = if coordinate.slides { (link.mass, 0.0) } else { (link.inertia.zz, link.inertia.trace()) };
+    if own + model.coordinates[coordinate.velocity].armature > NO_INERTIA * whole {
+        return 0.0;
+    }
+    let subtree = &model.links[coordinate.link..link.subtree_end];
+    let masses = [subtree, &model.links].map(|links| links.iter().map(|link| link.mass).sum::<f64>());
+    let mass = masses.into_iter().find(|mass| *mass > 0.0).unwrap_or(1.0);
+    let extent = subtree.iter().map(|link| model.bodies[link.body].extent()).fold(0.0, f64::max);
+    let extent = if extent > 0.0 { extent } else { model.length_scale() };
+    if coordinate.slides { mass } else { mass * extent * extent }
 }
 
 fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Problem>) {

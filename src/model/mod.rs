@@ -103,6 +103,17 @@ pub struct Body {
     pub hinge: Hinge,
 }
 
+impl Body {
+    /// The longest of the distances that it is described by: to its markers and its centre, its radius of gyration, and from
+    /// its parent's root marker to its hinge (m).
+    pub fn extent(&self) -> f64 {
+        let gyration = if self.mass.mass > 0.0 { (self.mass.inertia.trace() / self.mass.mass).sqrt() } else { 0.0 };
+        let markers = self.markers.iter().map(|(_, at)| at.norm());
+        let hinge = self.hinge.parent_from_hinge.translation.vector.norm();
+        markers.chain([self.mass.center.norm(), gyration, hinge]).fold(0.0, f64::max)
+    }
+}
+
 /// Where a hinge's coordinates stand, and where it sits.
 #[derive(Debug, Clone)]
 pub struct Hinge {
@@ -238,12 +249,7 @@ impl Model {
     /// A length that is typical of the scene (m): the largest distance within one body or one hinge, 1 where all are
     /// zero.
     pub fn length_scale(&self) -> f64 {
-        let within = self.bodies.iter().flat_map(|body| {
-            let gyration = if body.mass.mass > 0.0 { (body.mass.inertia.trace() / body.mass.mass).sqrt() } else { 0.0 };
-            let markers = body.markers.iter().map(|(_, at)| at.norm());
-            markers.chain([body.mass.center.norm(), gyration, body.hinge.parent_from_hinge.translation.vector.norm()])
-        });
-        let largest = within.fold(0.0_f64, f64::max);
+        let largest = self.bodies.iter().map(Body::extent).fold(0.0_f64, f64::max);
         if largest > 0.0 { largest } else { 1.0 }
     }
 

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 /// Below this part of the sum of its moments a body has no inertia about a line: round-off of the others, as it is to the
 /// sweeps of `transfer`.
-const NO_INERTIA: f64 = 4.0 * f64::EPSILON;
+pub(super) const NO_INERTIA: f64 = 4.0 * f64::EPSILON;
 
 pub(super) fn problems(description: &Description, model: &Model) -> Vec<Problem> {
     let links = model.links.iter().enumerate().skip(1);

@@ -159,12 +159,13 @@ impl<'a> Tree<'a> {
     /// Hinges on which nothing with inertia hangs: their acceleration is not determined.
     pub(super) fn massless_subtrees(&self) -> Vec<Problem> {
         let mut carried: Vec<bool> = self.links.iter().map(|link| !link.is_massless()).collect();
+        let driven = self.driven();
         let mut problems = Vec::new();
         for index in (1..self.links.len()).rev() {
             let link = &self.links[index];
             let undetermined = |body: &Body| {
                 let range = body.hinge.velocity..body.hinge.velocity + body.hinge.kind.counts().1;
-                body.link == index && self.coordinates[range].iter().any(|c| c.armature == 0.0)
+                body.link == index && range.into_iter().any(|i| self.coordinates[i].armature == 0.0 && !driven[i])
             };
             if carried[index] {
                 carried[link.parent] = true;
@@ -186,6 +187,20 @@ impl<'a> Tree<'a> {
         }
         problems.reverse();
         problems
+    }
+
+    /// Which velocity coordinates follow a drive: their accelerations are given.
+    fn driven(&self) -> Vec<bool> {
+        let mut driven = vec![false; self.coordinates.len()];
+        for drive in &self.description.drives {
+            let scalars = self.links.iter().skip(1).filter(|link| {
+                self.description.bodies[link.body].name == drive.coordinate.body && link.joint.counts().0 == 1
+            });
+            if let Some(link) = scalars.into_iter().nth(drive.coordinate.index) {
+                driven[link.velocity] = true;
+            }
+        }
+        driven
     }
 
     pub(super) fn finish(

@@ -43,11 +43,11 @@ pub(super) fn channels(model: &Model) -> Vec<Channel> {
     all
 }
 
-/// The numbers at the last evaluation, multipliers shared and all rows placed.
-pub(super) fn fill(system: &System<'_>, out: &mut Vec<f64>) {
+/// The numbers at the last evaluation with its accelerations, multipliers shared and all rows placed.
+pub(super) fn fill(system: &System<'_>, accelerations: &[f64], out: &mut Vec<f64>) {
     out.clear();
     let rows = system.constraints();
-    out.extend(rows.into_iter().flat_map(|rows| rows.drive_pushes()));
+    out.extend(rows.into_iter().flat_map(|rows| rows.drive_pushes(system.model(), accelerations)));
     out.extend(system.motor_pushes());
     out.extend(rows.into_iter().flat_map(|rows| rows.gear_pushes().flatten()));
     for reaction in system.loop_reactions() {

@@ -96,7 +96,7 @@ impl Sampler {
         let system = motion.at(time);
         system.share_multipliers(q, v).map_err(fault)?;
         system.residual(q, v, &self.accelerations, &mut self.residual).map_err(fault)?;
-        couplings::fill(system, &mut self.couplings);
+        couplings::fill(system, &self.accelerations, &mut self.couplings);
         system.reactions(&mut self.reactions);
         system.poses(&mut self.poses);
         let energy = ledger.energy(&motion.energies(time, q, v));

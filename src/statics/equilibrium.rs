@@ -319,7 +319,11 @@ pub(super) fn certify(
     notes.extend(tied::notes(&landscape));
     let balanced = place.is_balanced();
     let (residual_acceleration, stability) = match landscape.ties.is_some() {
-        true => tied::examine(&mut landscape, &place)?,
+        true => {
+            let examined = tied::examine(&mut landscape, &place)?;
+            notes.extend(tied::prestress_note(&landscape));
+            examined
+        }
         false => {
             let system = landscape.system();
             let acceleration = held_acceleration(system, &place, &free)?;
@@ -338,7 +342,7 @@ pub(super) fn certify(
     let (mut poses, mut reactions) = (Vec::new(), Vec::new());
     system.poses(&mut poses);
     system.reactions(&mut reactions);
-    let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces().collect());
+    let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(model, &rest).collect());
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
     let relative = place.residual().0;

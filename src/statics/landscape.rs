@@ -1,6 +1,7 @@
 //! Statics seen as a landscape: generalized forces, stiffness and potential as functions of the free coordinates.
 
 mod limits;
+mod prestress;
 mod split;
 mod tied;
 
@@ -12,6 +13,7 @@ use crate::model::{Joint, Model};
 use faer::Mat;
 use limits::Limits;
 pub(super) use limits::{Weak, within_limits};
+pub(super) use prestress::Prestress;
 use std::borrow::Cow;
 use tied::Ties;
 pub(super) use tied::{Branch, by_sweeps};

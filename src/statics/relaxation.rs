@@ -99,7 +99,7 @@ fn hold_by_rows(model: &mut Model, q: &[f64], steady: &[f64]) {
             let slides = matches!(link.joint, Joint::Slide { .. });
             let coordinate = Scalar { link: index, position: link.position, velocity: link.velocity, slides };
             let motion = Prescribed::Line { start: q[link.position], rate: 0.0 };
-            model.drives.push(Drive { name: String::new(), coordinate, motion });
+            model.drives.push(Drive { name: String::new(), coordinate, motion, armature: 0.0 });
         }
     }
     model.start_position.copy_from_slice(q);

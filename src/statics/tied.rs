@@ -2,7 +2,7 @@
 
 use super::bordered::Rows;
 use super::damped;
-use super::landscape::Landscape;
+use super::landscape::{Landscape, Prestress};
 use super::search::Place;
 use super::stability::{
     Mode, Stability, Verdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized,
@@ -21,6 +21,7 @@ pub(super) fn examine(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
     }
     let (model, free, steady) = (landscape.model(), landscape.free.clone(), landscape.steady.clone());
     let z = landscape.tangent(&place.q)?;
+    let shares = landscape.share_prestress(&place.q, &z)?;
     let rest = vec![0.0; steady.len()];
     let full = landscape.system().linearize(&place.q, &steady, &rest)?;
     let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
@@ -34,8 +35,55 @@ pub(super) fn examine(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
     let acceleration = acceleration(&linear, &z, &place.force);
     let spins = steady.iter().any(|v| *v != 0.0);
     let conservative = landscape.conservative && !spins;
-    let stability = place.is_balanced().then(|| classify(model, &free, &z, &mass, &linear, place, conservative));
-    Ok((acceleration, stability))
+    if !place.is_balanced() {
+        return Ok((acceleration, None));
+    }
+    let mut stability = classify(model, &free, &z, &mass, &linear, place, conservative);
+    if shares {
+        prestressed(landscape, place, (&z, &linear.stiffness), &mut stability)?;
+    }
+    Ok((acceleration, Some(stability)))
+}
+
+/// Where prestress of dependent rows stiffens motions: an equilibrium that equally stiff rows do not hold is stable if some
+/// other share of the load certifies it. Nothing is told of its frequencies then.
+fn prestressed(
+    landscape: &mut Landscape<'_, '_>,
+    place: &Place,
+    (z, stiffness): (&Mat<f64>, &Mat<f64>),
+    stability: &mut Stability,
+) -> Result<(), Fault> {
+    let mut found = Prestress::Shared;
+    if stability.verdict != Verdict::Stable
+        && landscape.conservative
+        && landscape.certified(&place.q, z, stiffness, &sizes(Some(z), &place.scales.stiffness))?.is_some()
+    {
+        found = Prestress::Certified;
+        (stability.verdict, stability.unstable_directions, stability.neutral_directions) = (Verdict::Stable, 0, 0);
+        stability.modes.clear();
+        stability.damped.clear();
+    }
+    if let Some(ties) = &mut landscape.ties {
+        ties.prestress = found;
+    }
+    Ok(())
+}
+
+/// What a person should know of the prestress at the end of a search.
+pub(super) fn prestress_note(landscape: &Landscape<'_, '_>) -> Option<String> {
+    let text = match landscape.ties.as_ref()?.prestress {
+        Prestress::None => return None,
+        Prestress::Shared => {
+            "rows that are linearly dependent here allow a motion of first order and none of second: rigid rows do not \
+             determine how they share the load, nor the frequencies; these are the ones of equally stiff rows, in the limit of \
+             large stiffness"
+        }
+        Prestress::Certified => {
+            "rows that are linearly dependent here allow a motion of first order and none of second: rigid rows are stable, \
+             equally stiff ones would give way by a distance that vanishes as they become stiffer; no frequencies are determined"
+        }
+    };
+    Some(text.to_owned())
 }
 
 /// The same by sweeps, which take time in proportion to the size of the scene.

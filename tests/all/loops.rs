@@ -7,9 +7,13 @@ mod couplings;
 mod identities;
 mod linkages;
 mod locks;
+mod massless;
 mod motors;
 mod order;
+mod prestress;
+mod rank;
 mod stops;
+mod trusses;
 
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;

@@ -7,18 +7,18 @@
 //! Gᵀ = Q [R; 0]  the same from Q₂ and R⁻¹ Q₁ᵀ b where the rows are clearly independent: 1/|R⁻¹| tells
 //! ```
 //!
-//! The second costs a small part of the first; singular values are left to the places where rows hang on each other: there
+//! The second costs a small part of the first; singular values are left to the places where rows are linearly dependent: there
 //! `S⁻¹ Uᵀ G` of those that count takes the place of `G`. Which count is asked without the masses.
 //!
 //! Few rows across a large scene are told by what they hold, `Q₁` or `V₁`, instead of by what they leave: `n × m` numbers
-//! instead of `n × (n − m)`. Where rows hang on each other the branch decides what is held beside `V₁`: of what was held
+//! instead of `n × (n − m)`. Where rows are linearly dependent the branch decides what is held beside `V₁`: of what was held
 //! before, the part that no row feels here, `Q y` with `V₁ᵀ Q y = 0`.
 
 use super::tied::Branch;
 use faer::linalg::solvers::Qr;
 use faer::{Mat, Par};
 
-/// A singular value below this part of the largest belongs to a row that hangs on the others.
+/// A singular value below this part of the largest belongs to a linearly dependent row.
 pub(super) const DEPENDENT: f64 = 1e-10;
 /// Below this part of what it was elsewhere a row is left to the branch that the search came along.
 pub(super) const NEARLY: f64 = 1e-2;
@@ -114,8 +114,8 @@ pub(super) struct Split {
 pub(super) struct Given {
     /// In the metric, each of about unit size.
     pub(super) rows: Mat<f64>,
-    /// The same rows over turns and parts of the scene's length, of about unit size there: whether they hang on each other
-    /// is a matter of geometry. A body a million times heavier than its neighbours does not make rows dependent.
+    /// The same rows over turns and parts of their component's lever, of about unit size there: whether they are linearly
+    /// dependent is a matter of geometry. A body a million times heavier than its neighbours does not make rows dependent.
     pub(super) plain: Mat<f64>,
     /// In the metric.
     pub(super) forces: Vec<f64>,

@@ -18,9 +18,11 @@
 //! **Drives** stay where they are at t = 0, and where the rest can be at rest beside a driven motion (a governor that
 //! spins), they keep their velocity: the kinetic energy then counts as a potential of the opposite sign.
 //! **Locks** take their coordinates out of all of this.
-//! **Singular positions**: where rows hang on each other that are independent elsewhere, the motions that only exist
-//! there do not count: the branch that the search came along is kept.
+//! **Singular positions**: where rows are linearly dependent that are independent elsewhere, the motions that only exist
+//! there do not count: the branch that the search came along is kept. Dependent rows whose prestress stiffens motions push
+//! with the rest (see `prestress`).
 
+use super::prestress::Prestress;
 use super::split::{Given, Motions, NEARLY, Split, split};
 use super::{Landscape, Scales};
 use crate::constraint::{Closer, Constraints};
@@ -52,6 +54,10 @@ pub(in super::super) struct Ties<'m> {
     /// The problem at the last position.
     pub(in super::super) view: Option<View>,
     branch: Option<Branch>,
+    /// Whether prestress of dependent rows stiffens motions; `None` before it has been looked at.
+    pub(super) stiffens: Option<bool>,
+    /// What it did where the search ended.
+    pub(in super::super) prestress: Prestress,
 }
 
 /// The motions where the last step began.
@@ -69,7 +75,7 @@ pub(in super::super) struct View {
     motions: Motions,
     /// `λ`, one per independent row.
     pub(in super::super) multipliers: Vec<f64>,
-    /// Rows hang on each other here that do not elsewhere.
+    /// Rows are linearly dependent here that are not elsewhere.
     pub(in super::super) singular: bool,
     force: Vec<f64>,
     scales: Scales,
@@ -78,7 +84,8 @@ pub(in super::super) struct View {
 
 impl<'m> Ties<'m> {
     pub(super) fn new(model: &'m Model, frozen: Vec<String>, sweeps: bool) -> Self {
-        Self { closer: Closer::new(model), sweeps, frozen, view: None, branch: None }
+        let (view, branch, stiffens, prestress) = (None, None, None, Prestress::None);
+        Self { closer: Closer::new(model), sweeps, frozen, view, branch, stiffens, prestress }
     }
 }
 
@@ -160,8 +167,9 @@ impl Landscape<'_, '_> {
     /// `Z` and `H` at a closed position.
     pub(in super::super) fn stiffness_along(&mut self, q: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
         let z = self.tangent(q)?;
+        let shares = self.share_prestress(q, &z)?;
         let (n, count) = (z.nrows(), z.ncols());
-        let along = match 2 * count < n {
+        let along = match 2 * count < n || shares {
             // A sweep for each motion.
             true => {
                 let mut all = Mat::zeros(self.steady.len(), count);
@@ -178,6 +186,14 @@ impl Landscape<'_, '_> {
             true => Mat::from_fn(count, count, |i, j| 0.5 * (h[(i, j)] + h[(j, i)])),
             false => h,
         };
+        if shares && self.conservative {
+            // No step leads along what only first order allows.
+            let magnitude = self.ties.as_ref().and_then(|ties| ties.view.as_ref()).map(|view| &view.scales.stiffness);
+            let sizes =
+                magnitude.map_or(vec![1.0; count], |magnitude| crate::statics::tied::sizes(Some(&z), magnitude));
+            let held = self.certified(q, &z, &h, &sizes)?;
+            return Ok((z, held.unwrap_or(h)));
+        }
         Ok((z, h))
     }
 
@@ -199,9 +215,12 @@ impl Landscape<'_, '_> {
         let of_rows = self.system.constraint_matrix(q);
         let all = Mat::from_fn(rows, n, |i, j| of_rows[(i, free[j])]);
         let root: Vec<f64> = self.metric.iter().map(|b| b.sqrt()).collect();
-        let per: Vec<f64> = free.iter().map(|i| if self.slides[*i] { 1.0 / self.length } else { 1.0 }).collect();
+        let (of_row, of_velocity) = self.system.row_units();
+        let per: Vec<f64> =
+            free.iter().map(|i| 1.0 / if of_velocity[*i] > 0.0 { of_velocity[*i] } else { 1.0 }).collect();
+        let geometric = Mat::from_fn(rows, n, |i, j| all[(i, j)] / of_row[i]);
         let sizes = row_sizes(&all, &root);
-        let plain = row_sizes(&all, &per);
+        let plain: Vec<f64> = row_sizes(&geometric, &per).iter().zip(&of_row).map(|(size, unit)| size * unit).collect();
         let given = Given {
             rows: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (root[j] * sizes[i])),
             plain: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (per[j] * plain[i])),

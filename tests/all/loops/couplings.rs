@@ -160,8 +160,8 @@ fn redundant_hinges_share_what_they_carry() {
     let still = vec![0.0; model.velocity_count()];
     let both = loops(&model, &model.start_position, &still);
     let weight = mass * 9.80665;
-    // 2 h x + 2 m = w d with x² + (m / L)² least.
-    let length = model.length_scale();
+    // 2 h x + 2 m = w d with x² + (m / L)² least, L the lever from the door's root marker to a hinge.
+    let length = f64::hypot(height, width);
     let share = weight * width / (2.0 * (height * height + length * length));
     for (reaction, side) in both.iter().zip([1.0, -1.0]) {
         let (force, moment) = (Vector3::new(-side * share * height, 0.0, 0.5 * weight), share * length * length);

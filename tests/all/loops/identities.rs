@@ -141,7 +141,7 @@ fn drives_report_their_force_and_their_work() {
         system.accelerations(&q, &v, &mut a).expect("accelerations");
         let expected = 1.0 - 0.9 * (3.0 * time).sin();
         let rows = system.constraints().expect("rows");
-        let (name, force) = rows.drive_forces().next().expect("a drive");
+        let (name, force) = rows.drive_forces(&model, &a).next().expect("a drive");
         assert_eq!(name, "winch");
         assert!((a[0] - expected).abs() < 1e-13 && (force - 3.0 * (expected + 10.0)).abs() < 1e-12);
     }

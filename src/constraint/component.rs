@@ -1,0 +1,132 @@
+//! Components of a mechanism: elements whose rows share hinges, directly or through others.
+//!
+//! Only hinges between the two ends of a loop move these against each other, so rows of different components have no
+//! column of `G` in common: each component is closed, and its rank decided, by itself and in lengths of its own. Nothing
+//! that another component, a mass, or a unit is made of enters.
+//!
+//! ```text
+//! lever   the longest distance from a revolute or spherical hinge of the component to the end of a loop that it moves (m)
+//! reach   the longest way along links from one end of a loop of the component to the other (m)
+//! ```
+//!
+//! A lever makes the entries of `G` comparable: a turn by 1 rad moves ends by about one lever. A reach is what gaps are
+//! small or large beside: the round-off of a gap is that of the way it is summed over.
+
+use super::row::{Ends, Rule};
+use super::rows::Element;
+use crate::model::{Joint, Model};
+use crate::motion::Motion;
+
+/// Levers below this part of the reach are round-off.
+const NO_LEVER: f64 = 1e-9;
+
+/// Lengths of one component (m).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Lengths {
+    pub(super) lever: f64,
+    pub(super) reach: f64,
+}
+
+impl Lengths {
+    fn max(self, other: Self) -> Self {
+        Self { lever: self.lever.max(other.lever), reach: self.reach.max(other.reach) }
+    }
+}
+
+/// The links whose coordinates move the ends of an element against each other.
+pub(super) fn between_ends(element: &Element) -> Vec<usize> {
+    let named = element.named.iter().copied().filter(|link| *link != 0);
+    element.branches.iter().flatten().copied().chain(named).collect()
+}
+
+/// Lists of elements, one for each component, by its first element; empty for the others.
+pub(super) fn members(of: &[usize]) -> Vec<Vec<usize>> {
+    let mut members = vec![Vec::new(); of.len()];
+    of.iter().enumerate().for_each(|(element, first)| members[*first].push(element));
+    members
+}
+
+/// Of every element the first one of its component.
+pub(super) fn components(model: &Model, elements: &[Element]) -> Vec<usize> {
+    let inner: Vec<Vec<usize>> = elements.iter().map(between_ends).collect();
+    sharing(&inner, model.links.len())
+}
+
+/// Of lists of links, for each the first one that it shares a link with, directly or through others.
+pub(super) fn sharing(lists: &[Vec<usize>], links: usize) -> Vec<usize> {
+    let mut root: Vec<usize> = (0..lists.len()).collect();
+    fn find(root: &mut [usize], mut at: usize) -> usize {
+        while root[at] != at {
+            root[at] = root[root[at]];
+            at = root[at];
+        }
+        at
+    }
+    let mut owner = vec![usize::MAX; links];
+    for (list, links) in lists.iter().enumerate() {
+        for link in links {
+            match owner[*link] {
+                usize::MAX => owner[*link] = list,
+                other => {
+                    let (a, b) = (find(&mut root, list), find(&mut root, other));
+                    root[a.max(b)] = a.min(b);
+                }
+            }
+        }
+    }
+    (0..lists.len()).map(|list| find(&mut root, list)).collect()
+}
+
+/// The lengths of every element's component, where `motion` is.
+pub(super) fn lengths(model: &Model, elements: &[Element], rules: &[Rule], motion: &Motion) -> Vec<Lengths> {
+    let of = components(model, elements);
+    let mut found = vec![Lengths::default(); elements.len()];
+    for (element, first) in elements.iter().zip(&of) {
+        found[*first] = found[*first].max(of_element(element, rules, model, motion));
+    }
+    // Where no hinge reaches from end to end, the bodies themselves are the only lengths there are.
+    let mut bodies = vec![0.0_f64; elements.len()];
+    for (element, first) in elements.iter().zip(&of).filter(|(_, first)| found[**first].reach == 0.0) {
+        for link in between_ends(element) {
+            bodies[*first] = bodies[*first].max(model.bodies[model.links[link].body].extent());
+        }
+    }
+    for (lengths, body) in found.iter_mut().zip(&bodies) {
+        if lengths.reach == 0.0 {
+            lengths.reach = if *body > 0.0 { *body } else { 1.0 };
+        }
+        if lengths.lever <= NO_LEVER * lengths.reach {
+            lengths.lever = lengths.reach;
+        }
+    }
+    of.into_iter().map(|first| found[first]).collect()
+}
+
+fn of_element(element: &Element, rules: &[Rule], model: &Model, motion: &Motion) -> Lengths {
+    let Some(ends) = &element.ends else {
+        // Metres per radian of a rack or a screw.
+        let ratio = |rule: &Rule| match rule {
+            Rule::Motion { parts: [(first, _), (second, factor)] } if first.slides && !second.slides => factor.abs(),
+            _ => 0.0,
+        };
+        let lever = rules[element.rows.clone()].iter().map(ratio).fold(0.0, f64::max);
+        return Lengths { lever, reach: lever };
+    };
+    let arms = ends.map(|end| motion.links[end.link].turn * end.point);
+    let way = |branch: &Vec<usize>| branch.iter().map(|link| motion.links[*link].arm.norm()).sum::<f64>();
+    let reach = element.branches.iter().map(way).sum::<f64>() + arms[0].norm() + arms[1].norm();
+    // Rows along axes of the first link act on it where the second end is.
+    let slides = rules[element.rows.clone()].iter().any(|rule| matches!(rule, Rule::Along { .. }));
+    let between = if slides { Ends::of(ends, &element.branches, motion).between() } else { Default::default() };
+    let mut lever = 0.0_f64;
+    for (end, branch) in element.branches.iter().enumerate() {
+        let mut arm = if end == 0 { arms[0] + between } else { arms[1] };
+        for link in branch {
+            if matches!(model.links[*link].joint, Joint::Turn | Joint::Ball { .. }) {
+                lever = lever.max(arm.norm());
+            }
+            arm += motion.links[*link].arm;
+        }
+    }
+    Lengths { lever, reach }
+}

@@ -1,0 +1,118 @@
+//! Rods whose lines meet in a point, or are parallel: a motion of first order and none of second.
+
+use super::read;
+use crate::common::Random;
+use std::fmt::Write;
+use stillpoint::model::Model;
+use stillpoint::scenario;
+use stillpoint::statics::{Equilibrium, Settings, Verdict, equilibrium};
+
+/// A planar body on bars, as rods or as springs of this stiffness. Weight and bars meet in one point: what balances is a line.
+fn scene(seed: u64, stiffness: Option<f64>) -> String {
+    let mut random = Random::new(seed);
+    let bars = 3 + random.below(2);
+    let parallel = random.below(3) == 0;
+    let (x, z) = (random.between(-0.5, 0.5), random.between(-1.0, 1.0));
+    let center = random.between(-0.4, 0.4);
+    let mut text = format!(
+        "[[body]]\nname = \"p\"\nmass = 1.0\ncenter = [{x:?}, {center:?}, 0]\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = {{ type = \"planar\", rpy = [1.5707963267948966, 0, 0] }}\n"
+    );
+    for bar in 0..bars {
+        // The last one stands under the weight, so that bars push and pull.
+        let angle = if parallel { 0.0 } else { random.between(-1.2, 1.2) + if bar % 2 == 0 { 0.0 } else { 3.1 } };
+        let (sin, cos) = f64::sin_cos(angle);
+        let (near, length) = (random.between(0.1, 0.6), random.between(0.3, 1.5));
+        let sign = if parallel && bar % 2 == 1 { -1.0 } else { 1.0 };
+        let place = |from: f64| match parallel {
+            true => (x + [-0.6, 0.2, 0.5, 0.9][bar], sign * from),
+            false => (x + from * sin, z + from * cos),
+        };
+        let ((ax, az), (bx, bz)) = (place(near + length), place(near));
+        let length = (ax - bx).hypot(az - bz);
+        let kind = match stiffness {
+            None => "[[loop]]\ntype = \"rod\"\n".to_owned(),
+            Some(stiffness) => format!("[[force]]\ntype = \"spring\"\nstiffness = {stiffness:?}\n"),
+        };
+        let _ = write!(
+            text,
+            "{kind}length = {length:?}\n\
+             between = [{{ body = \"ground\", at = [{ax:?}, 0, {az:?}] }}, {{ body = \"p\", at = [{bx:?}, {bz:?}, 0] }}]\n"
+        );
+    }
+    text
+}
+
+fn statics(model: &Model) -> Equilibrium {
+    equilibrium(model, &Settings::default(), &model.start_position).expect("statics")
+}
+
+#[test]
+fn concurrent_and_parallel_bars_agree_with_stiff_springs() {
+    let (mut frequencies, mut certified) = (0, 0);
+    for seed in 0..60 {
+        let (_, model) = read(&scene(seed, None));
+        let rigid = statics(&model);
+        assert!(rigid.converged, "seed {seed}: {:?}", rigid.notes);
+        let stability = rigid.stability.as_ref().expect("an equilibrium");
+        assert_eq!(stability.verdict, Verdict::Stable, "seed {seed}: {:?}", rigid.notes);
+        assert!(rigid.notes.iter().any(|note| note.contains("of first order and none of second")), "seed {seed}");
+        // Towards the limit of large stiffness; beyond 1e8 N/m the stiffness of the motion is round-off beside them.
+        let springs = [1e6, 1e7].map(|stiffness| {
+            let scene = scenario::parse("scene.toml", &scene(seed, Some(stiffness)), &[]).expect("a scene");
+            statics(&Model::build(&scene.description).expect("a model"))
+        });
+        let near = |found: &Equilibrium| {
+            found.position.iter().zip(&rigid.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        match stability.modes.first() {
+            Some(mode) => {
+                let is_stable =
+                    |found: &Equilibrium| found.stability.as_ref().is_some_and(|it| it.verdict == Verdict::Stable);
+                if !springs.iter().all(is_stable) {
+                    // Next to buckling the stiffness of the motion is round-off beside the springs.
+                    assert!(mode.frequency_hz < 0.1, "seed {seed}: {}", mode.frequency_hz);
+                    continue;
+                }
+                let lowest = springs.each_ref().map(|found| {
+                    assert!(found.converged && near(found) < 1e-3, "seed {seed}: {:?}", found.notes);
+                    found.stability.as_ref().expect("an equilibrium").modes[0].frequency_hz
+                });
+                // Springs are not rigid: the difference is a multiple of their compliance, and its square.
+                let limit = ((10.0 * lowest[1].powi(2) - lowest[0].powi(2)) / 9.0).max(0.0).sqrt();
+                let apart = (limit / mode.frequency_hz - 1.0).abs();
+                assert!(apart < 1e-4, "seed {seed}: {} and {lowest:?} Hz, {limit}", mode.frequency_hz);
+                frequencies += 1;
+            }
+            None => {
+                // They give way to a neighbouring pose, the nearer the stiffer they are: as the root of the compliance.
+                let gone = springs.each_ref().map(near);
+                assert!(gone[1] < 0.5 * gone[0] && gone[1] > 1e-6, "seed {seed}: {gone:?}");
+                certified += 1;
+            }
+        }
+    }
+    println!("{frequencies} with frequencies, {certified} that rigid rows alone make stable");
+    assert!(frequencies > 10 && certified > 10);
+}
+
+/// Parallel bars of one length move on a circle: a finite motion, and an ordinary one.
+#[test]
+fn parallel_bars_of_one_length_swing() {
+    let mut text = "[[body]]\nname = \"p\"\nmass = 2.0\ninertia = [0.1, 0.1, 0.1]\n\
+                    hinge = { type = \"planar\", rpy = [1.5707963267948966, 0, 0] }\n"
+        .to_owned();
+    for x in [-0.5, 0.1, 0.7] {
+        let _ = write!(
+            text,
+            "[[loop]]\ntype = \"rod\"\nlength = 0.8\n\
+             between = [{{ body = \"ground\", at = [{x:?}, 0, 0.8] }}, {{ body = \"p\", at = [{x:?}, 0, 0] }}]\n"
+        );
+    }
+    let (_, model) = read(&text);
+    let found = statics(&model);
+    let modes = &found.stability.as_ref().expect("an equilibrium").modes;
+    let expected = (9.80665_f64 / 0.8).sqrt() / std::f64::consts::TAU;
+    assert!(modes.len() == 1 && (modes[0].frequency_hz - expected).abs() < 1e-9, "{modes:?} {expected}");
+    assert!(!found.notes.iter().any(|note| note.contains("of first order")), "{:?}", found.notes);
+}
