@@ -44,6 +44,7 @@
 mod chunks;
 mod events;
 mod frames;
+mod layout;
 mod names;
 mod numbers;
 mod partial;
@@ -56,8 +57,8 @@ mod schema;
 mod survey;
 mod writer;
 
-pub use partial::RecordingFile;
-pub use reader::Recording;
+pub use partial::{RecordingFile, keep_complete};
+pub use reader::{Ending, Recording};
 pub use recover::{Lost, Recovered};
 pub use samples::Samples;
 pub use survey::{ChannelSurvey, Survey};
