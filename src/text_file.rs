@@ -6,7 +6,6 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-
 /// Why a file's text cannot be read. `what` is what was looked for: `scenario`, `model`.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
@@ -86,6 +85,20 @@ pub fn read(path: &Path, what: &'static str) -> Result<String, ReadError> {
         return Err(ReadError::TooLarge { what, path: path.to_owned() });
     }
     from_reader(file, path, what)
+}
+
+/// As [`read`], of a file that another file names: it must be a regular one, for a pipe may be waited for without end.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_regular(path: &Path, what: &'static str) -> Result<String, ReadError> {
+    match path.metadata() {
+        Ok(about) if !about.is_file() && !about.is_dir() => {
+            let source = io::Error::other("it is a device or a pipe, and a file is needed");
+            Err(ReadError::Unreadable { path: path.to_owned(), source })
+        }
+        _ => read(path, what),
+    }
 }
 
 fn from_reader(reader: impl Read, path: &Path, what: &'static str) -> Result<String, ReadError> {

@@ -123,9 +123,7 @@ pub fn sync_folder(file: &Path) -> io::Result<()> {
     // A folder that may not be read, or a file system that flushes no folders, gives no such promise to anybody.
     let Ok(folder) = File::open(folder) else { return Ok(()) };
     match folder.sync_all() {
-        Err(error) if !matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => {
-            Err(error)
-        }
+        Err(error) if !matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported) => Err(error),
         _ => Ok(()),
     }
 }

@@ -10,6 +10,7 @@
 //! becomes a note by itself. Nothing is dropped in silence, nothing is guessed: what cannot be meant is a problem, and
 //! all problems of a file are said at once.
 
+mod bounds;
 mod draft;
 mod files;
 mod log;

@@ -16,6 +16,7 @@ mod event;
 mod fanout;
 pub mod file;
 mod memory;
+mod meshes;
 pub mod sample;
 pub mod scene;
 mod solids;

@@ -88,7 +88,9 @@ impl<R: Read> Records<R> {
         self.claimed = self.claimed.saturating_add(size);
         if self.claimed > self.allowed {
             let Self { claimed, allowed, .. } = self;
-            return Err(format!("chunks of {claimed} bytes unpacked, where at most {allowed} are read of a file of this size"));
+            return Err(format!(
+                "chunks of {claimed} bytes unpacked, where at most {allowed} are read of a file of this size"
+            ));
         }
         Ok(())
     }

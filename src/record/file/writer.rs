@@ -1,7 +1,7 @@
 //! Writing while a run goes on.
 
-use super::partial::Paths;
 use super::numbers::{put_more, put_nested, put_nested_row, put_row, row_length};
+use super::partial::Paths;
 use super::pictures::scene_update;
 use super::ros::{self, Joints};
 use super::schema::{self, Schema};

@@ -47,7 +47,7 @@ mod with_rerun {
         let folder = tempfile::tempdir().expect("a folder");
         let (mcap, rrd) = (folder.path().join("swing.mcap"), folder.path().join("swing.rrd"));
         record(&mcap, &Motion::double_link(), 1.0);
-        let wishes = Wishes { at: Some(0.501), reactions: true };
+        let wishes = Wishes { at: Some(0.501), reactions: true, ..Wishes::default() };
         let shown = view(&mcap, &Sink::Save(rrd.clone()), &wishes).expect("saved");
         assert_eq!(shown.samples, 1);
         verify(&rrd);
