@@ -166,6 +166,9 @@ pub struct Memory {
 /// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator.
 pub fn main(memory: fn() -> Memory) -> ExitCode {
     output::quiet_foreign_panics();
+    if let Err(error) = output::survive_file_limits() {
+        output::warning(&format!("{error:#}"));
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {

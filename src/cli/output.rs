@@ -80,6 +80,20 @@ fn color(text: &str) -> Option<usize> {
     codes[length..].starts_with('m').then_some(length + 3)
 }
 
+/// A file that may not grow further (`ulimit -f`) is an error of its writer, with the file's name, and not the end of the
+/// program without a word.
+#[cfg(unix)]
+pub(super) fn survive_file_limits() -> anyhow::Result<()> {
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+    Ok(())
+}
+
+/// Other systems have no such signal.
+#[cfg(not(unix))]
+pub(super) fn survive_file_limits() -> anyhow::Result<()> {
+    Ok(())
+}
+
 /// Panics of foreign parsers become errors with the file's name: nothing more is said of them.
 pub(super) fn quiet_foreign_panics() {
     let usual = std::panic::take_hook();

@@ -82,6 +82,8 @@ pub(super) fn open<'a>(document: &mut DeTable<'a>) {
 
 /// Takes the models out of a document and imports them. `folder` is that of the scenario.
 pub(super) fn import<'a>(document: &mut DeTable<'a>, folder: &Path, findings: &Findings) -> Vec<Model<'a>> {
+    // Changes may have named another file.
+    open(document);
     let Some((key, value)) = document.remove_entry("model") else { return Vec::new() };
     let mut written = DeTable::new();
     written.insert(key, value);

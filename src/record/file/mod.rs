@@ -43,6 +43,8 @@
 
 mod chunks;
 mod events;
+#[cfg(test)]
+mod faults;
 mod frames;
 mod layout;
 mod names;

@@ -137,36 +137,45 @@ enum Claim {
 
 fn claim(name: &Path, target: &Path) -> Result<Claim, RecordError> {
     let failed = |source| RecordError::Create { path: target.into(), source };
-    let busy = || RecordError::Busy { path: name.into() };
     for _ in 0..MOST_TRIES {
-        let (file, is_new) = match open(name).map_err(failed)? {
-            Opened::New(file) => (file, true),
-            Opened::There(file) => (file, false),
-            Opened::Gone => continue,
-            Opened::Foreign => return Ok(Claim::Foreign),
-        };
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(busy()),
-            // A file system without locks: only what was not there before is surely nobody else's.
-            Err(TryLockError::Error(_)) if is_new => return Ok(Claim::Ours(file)),
-            Err(TryLockError::Error(_)) => return Ok(Claim::Left(file)),
+        let opened = open(name).map_err(failed)?;
+        if let Some(claim) = lock(opened, name, target)? {
+            return Ok(claim);
         }
-        if !whole_file::is_still(&file, name).map_err(failed)? {
-            continue;
-        }
-        if file.metadata().map_err(failed)?.len() == 0 {
-            return Ok(Claim::Ours(file));
-        }
-        // Whoever comes between these two meets the same file, and one of both is refused here.
-        file.unlock().map_err(failed)?;
-        return match file.try_lock_shared() {
-            Ok(()) => Ok(Claim::Left(file)),
-            Err(TryLockError::WouldBlock) => Err(busy()),
-            Err(TryLockError::Error(error)) => Err(failed(error)),
-        };
     }
-    Err(busy())
+    Err(RecordError::Busy { path: name.into() })
+}
+
+/// Locks what was opened and says what it is; nothing if another run has renamed or removed it meanwhile.
+fn lock(opened: Opened, name: &Path, target: &Path) -> Result<Option<Claim>, RecordError> {
+    let failed = |source| RecordError::Create { path: target.into(), source };
+    let busy = || RecordError::Busy { path: name.into() };
+    let (file, is_new) = match opened {
+        Opened::New(file) => (file, true),
+        Opened::There(file) => (file, false),
+        Opened::Gone => return Ok(None),
+        Opened::Foreign => return Ok(Some(Claim::Foreign)),
+    };
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => return Err(busy()),
+        // A file system without locks: only what was not there before is surely nobody else's.
+        Err(TryLockError::Error(_)) if is_new => return Ok(Some(Claim::Ours(file))),
+        Err(TryLockError::Error(_)) => return Ok(Some(Claim::Left(file))),
+    }
+    if !whole_file::is_still(&file, name).map_err(failed)? {
+        return Ok(None);
+    }
+    if file.metadata().map_err(failed)?.len() == 0 {
+        return Ok(Some(Claim::Ours(file)));
+    }
+    // Whoever comes between these two meets the same file, and one of both is refused here.
+    file.unlock().map_err(failed)?;
+    match file.try_lock_shared() {
+        Ok(()) => Ok(Some(Claim::Left(file))),
+        Err(TryLockError::WouldBlock) => Err(busy()),
+        Err(TryLockError::Error(error)) => Err(failed(error)),
+    }
 }
 
 /// A regular file that was opened without touching its content.
@@ -238,4 +247,67 @@ pub fn keep_complete(target: &Path) -> Result<Option<PathBuf>, RecordError> {
     fs::rename(&place, &kept).map_err(failed)?;
     whole_file::sync_folder(&kept).map_err(failed)?;
     Ok(Some(kept))
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use crate::record::{Outcome, Recorder, Scene};
+
+    fn begun(target: &Path) -> FileWriter {
+        let scene = Scene::default();
+        let opening = Opening { scene: &scene, scenario: "", statics: None };
+        RecordingFile::create(target).and_then(|file| file.begin(&opening)).expect("begun")
+    }
+
+    fn finish(mut writer: FileWriter) {
+        writer.finish(&Outcome { summary: "{}".to_owned() }).expect("finished");
+    }
+
+    /// The steps of a second run, with the end of the first between opening and locking.
+    #[test]
+    fn a_run_that_ends_between_opening_and_locking_keeps_its_recording() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("run.mcap");
+        let partial = folder.path().join("run.mcap.partial");
+        let first = begun(&target);
+        let opened = open(&partial).expect("opened");
+        assert!(matches!(opened, Opened::There(_)));
+        finish(first);
+        let whole = fs::read(&target).expect("read");
+        let claim = lock(opened, &partial, &target).expect("not busy: the first one has ended");
+        assert!(claim.is_none(), "what was opened is the finished recording now");
+        assert_eq!(fs::read(&target).expect("read"), whole);
+        finish(begun(&target));
+        assert!(!partial.exists());
+    }
+
+    #[test]
+    fn a_run_that_gives_up_between_opening_and_locking_leaves_a_free_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("run.mcap");
+        let partial = folder.path().join("run.mcap.partial");
+        let first = RecordingFile::create(&target).expect("created");
+        let opened = open(&partial).expect("opened");
+        drop(first);
+        assert!(lock(opened, &partial, &target).expect("not busy").is_none());
+        finish(begun(&target));
+    }
+
+    #[test]
+    fn what_is_left_is_locked_against_other_runs_and_free_to_be_recovered() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("run.mcap");
+        drop(begun(&target));
+        let left = fs::read(folder.path().join("run.mcap.partial")).expect("left");
+        let second = RecordingFile::create(&target).expect("another name");
+        assert_eq!(second.left().collect::<Vec<_>>(), [folder.path().join("run.mcap.partial")]);
+        assert!(folder.path().join("run.2.mcap.partial").exists());
+        assert!(matches!(RecordingFile::create(&target), Err(RecordError::Busy { .. })));
+        let saved = folder.path().join("saved.mcap");
+        Recording::open(&folder.path().join("run.mcap.partial")).expect("ours").recover(&saved).expect("recovered");
+        drop(second);
+        assert!(!folder.path().join("run.2.mcap.partial").exists());
+        assert_eq!(fs::read(folder.path().join("run.mcap.partial")).expect("left"), left);
+    }
 }

@@ -111,7 +111,7 @@ fn io_error(error: McapError) -> io::Error {
 }
 
 /// The open file and everything that is reused from sample to sample.
-struct Output<W: Write + Seek> {
+pub(super) struct Output<W: Write + Seek> {
     mcap: mcap::Writer<BufWriter<W>>,
     channels: Channels,
     joints: Option<(u16, Joints)>,
@@ -134,7 +134,7 @@ struct Channels {
 }
 
 impl<W: Write + Seek> Output<W> {
-    fn begin(file: W, opening: &Opening, ros: bool) -> McapResult<Self> {
+    pub(super) fn begin(file: W, opening: &Opening, ros: bool) -> McapResult<Self> {
         let mut mcap = options().create(BufWriter::new(file))?;
         describe(&mut mcap, opening)?;
         let scene = opening.scene;
@@ -164,7 +164,7 @@ impl<W: Write + Seek> Output<W> {
         Ok(Self { mcap, channels, joints, sequence: 0, buffer: Vec::new(), chunk_bytes: 0, flushed: Instant::now() })
     }
 
-    fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
+    pub(super) fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
         // Negative and not-a-number times become zero; the exact time is in the messages.
         let time = (sample.time * 1e9).round() as u64;
         let channels = self.channels;
@@ -194,10 +194,16 @@ impl<W: Write + Seek> Output<W> {
 
         self.sequence = self.sequence.wrapping_add(1);
         if self.chunk_bytes >= CHUNK_BYTES || self.flushed.elapsed() >= FLUSH_PERIOD {
-            self.mcap.flush()?;
-            self.chunk_bytes = 0;
-            self.flushed = Instant::now();
+            self.flush()?;
         }
+        Ok(())
+    }
+
+    /// Closes the chunk, so that what is in it outlives this program.
+    pub(super) fn flush(&mut self) -> McapResult<()> {
+        self.mcap.flush()?;
+        self.chunk_bytes = 0;
+        self.flushed = Instant::now();
         Ok(())
     }
 
@@ -221,7 +227,7 @@ impl<W: Write + Seek> Output<W> {
     }
 
     /// Writes the end, and gives back what was written to.
-    fn finish(mut self, outcome: &Outcome) -> McapResult<W> {
+    pub(super) fn finish(mut self, outcome: &Outcome) -> McapResult<W> {
         metadata(&mut self.mcap, RUN, &[(JSON, &outcome.summary)])?;
         self.mcap.finish()?;
         Ok(self.mcap.into_inner().into_inner().map_err(io::IntoInnerError::into_error)?)
