@@ -42,7 +42,7 @@ pub const MESH_CORNERS: usize = 6_000_000;
 pub const MESH_TRIANGLES: usize = 6_000_000;
 
 /// Visits of nodes and primitives of a glTF file: a node that stands in several places is visited in each.
-pub const MESH_NODES: usize = 1_000_000;
+pub const MESH_NODES: usize = 100_000;
 
 /// Nodes within nodes of a glTF file.
 pub const MESH_DEPTH: usize = 100;
@@ -53,13 +53,10 @@ pub const RECORD_BYTES: usize = 256 << 20;
 
 /// Bytes of one chunk of a recording once it is unpacked. Those that are written have little over a mebibyte, or one
 /// sample of the scene if that has more.
-pub const CHUNK_BYTES: u64 = 128 << 20;
+pub const CHUNK_BYTES: u64 = 256 << 20;
 
-/// Bytes that all chunks of a recording may have once they are unpacked: so many, …
-pub const UNPACKED_BYTES: u64 = 512 << 20;
+/// What one chunk, and all chunks together, may unpack to at any rate, in bytes: so many, …
+pub const UNPACKED_BYTES: u64 = 32 << 20;
 
-/// … and so many more for every byte of the file.
+/// … and so many more for every byte that they take in the file. Motions are packed to a fifth; a scene at rest to less.
 pub const UNPACKED_RATIO: u64 = 200;
-
-/// Numbers in one sample of a recording.
-pub const SAMPLE_NUMBERS: usize = 20_000_000;

@@ -33,8 +33,7 @@ pub(super) enum Stop {
 impl<R: Read> Records<R> {
     /// Chunks come as records of their own, not unpacked. `length` is that of the file in bytes.
     pub(super) fn outline(source: R, length: u64) -> Self {
-        let allowed = length.saturating_mul(budget::UNPACKED_RATIO).saturating_add(budget::UNPACKED_BYTES);
-        Self { file: Reader::new(source), chunk: None, unpacks: false, claimed: 0, allowed }
+        Self { file: Reader::new(source), chunk: None, unpacks: false, claimed: 0, allowed: unpacked(length) }
     }
 
     /// Chunks are checked, unpacked, and their messages come as records.
@@ -81,9 +80,12 @@ impl<R: Read> Records<R> {
     /// Whether a chunk keeps within the budgets, by its own words. That it keeps its word is checked when it is unpacked.
     fn check(&mut self, header: &ChunkHeader) -> Result<(), String> {
         let size = header.uncompressed_size;
-        if size > budget::CHUNK_BYTES {
-            let most = budget::CHUNK_BYTES;
-            return Err(format!("a chunk of {size} bytes unpacked, where at most {most} are read"));
+        let most = unpacked(header.compressed_size).min(budget::CHUNK_BYTES);
+        if size > most {
+            let packed = header.compressed_size;
+            return Err(format!(
+                "a chunk of {size} bytes unpacked, where at most {most} are read of {packed} packed ones"
+            ));
         }
         self.claimed = self.claimed.saturating_add(size);
         if self.claimed > self.allowed {
@@ -94,6 +96,11 @@ impl<R: Read> Records<R> {
         }
         Ok(())
     }
+}
+
+/// The most that so many bytes may unpack to.
+fn unpacked(packed: u64) -> u64 {
+    packed.saturating_mul(budget::UNPACKED_RATIO).saturating_add(budget::UNPACKED_BYTES)
 }
 
 /// Calls `take` with the records of a chunk. It may have been called when the chunk turns out to be damaged.

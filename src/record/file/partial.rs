@@ -15,9 +15,6 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// Files that are renamed or removed under our hands so many times are not ours to wait for.
-const MOST_TRIES: usize = 100;
-
 /// A recording file that is open for writing but has no content yet. Create it before the long work, so that a wrong
 /// folder or a full disk shows at once. Dropped unused, it leaves nothing behind.
 #[derive(Debug)]
@@ -136,43 +133,38 @@ enum Claim {
 }
 
 fn claim(name: &Path, target: &Path) -> Result<Claim, RecordError> {
-    let failed = |source| RecordError::Create { path: target.into(), source };
-    for _ in 0..MOST_TRIES {
-        let opened = open(name).map_err(failed)?;
-        if let Some(claim) = lock(opened, name, target)? {
-            return Ok(claim);
-        }
-    }
-    Err(RecordError::Busy { path: name.into() })
+    let opened = open(name).map_err(|source| RecordError::Create { path: target.into(), source })?;
+    lock(opened, name, target)
 }
 
-/// Locks what was opened and says what it is; nothing if another run has renamed or removed it meanwhile.
-fn lock(opened: Opened, name: &Path, target: &Path) -> Result<Option<Claim>, RecordError> {
+/// Locks what was opened and says what it is. If another run has renamed or removed it meanwhile, both wanted the output
+/// at one time, and this one is refused.
+fn lock(opened: Opened, name: &Path, target: &Path) -> Result<Claim, RecordError> {
     let failed = |source| RecordError::Create { path: target.into(), source };
     let busy = || RecordError::Busy { path: name.into() };
     let (file, is_new) = match opened {
         Opened::New(file) => (file, true),
         Opened::There(file) => (file, false),
-        Opened::Gone => return Ok(None),
-        Opened::Foreign => return Ok(Some(Claim::Foreign)),
+        Opened::Gone => return Err(busy()),
+        Opened::Foreign => return Ok(Claim::Foreign),
     };
     match file.try_lock() {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => return Err(busy()),
         // A file system without locks: only what was not there before is surely nobody else's.
-        Err(TryLockError::Error(_)) if is_new => return Ok(Some(Claim::Ours(file))),
-        Err(TryLockError::Error(_)) => return Ok(Some(Claim::Left(file))),
+        Err(TryLockError::Error(_)) if is_new => return Ok(Claim::Ours(file)),
+        Err(TryLockError::Error(_)) => return Ok(Claim::Left(file)),
     }
     if !whole_file::is_still(&file, name).map_err(failed)? {
-        return Ok(None);
+        return Err(busy());
     }
     if file.metadata().map_err(failed)?.len() == 0 {
-        return Ok(Some(Claim::Ours(file)));
+        return Ok(Claim::Ours(file));
     }
     // Whoever comes between these two meets the same file, and one of both is refused here.
     file.unlock().map_err(failed)?;
     match file.try_lock_shared() {
-        Ok(()) => Ok(Some(Claim::Left(file))),
+        Ok(()) => Ok(Claim::Left(file)),
         Err(TryLockError::WouldBlock) => Err(busy()),
         Err(TryLockError::Error(error)) => Err(failed(error)),
     }
@@ -275,8 +267,8 @@ mod tests {
         assert!(matches!(opened, Opened::There(_)));
         finish(first);
         let whole = fs::read(&target).expect("read");
-        let claim = lock(opened, &partial, &target).expect("not busy: the first one has ended");
-        assert!(claim.is_none(), "what was opened is the finished recording now");
+        // What was opened is the finished recording now.
+        assert!(matches!(lock(opened, &partial, &target), Err(RecordError::Busy { .. })));
         assert_eq!(fs::read(&target).expect("read"), whole);
         finish(begun(&target));
         assert!(!partial.exists());
@@ -290,7 +282,7 @@ mod tests {
         let first = RecordingFile::create(&target).expect("created");
         let opened = open(&partial).expect("opened");
         drop(first);
-        assert!(lock(opened, &partial, &target).expect("not busy").is_none());
+        assert!(matches!(lock(opened, &partial, &target), Err(RecordError::Busy { .. })));
         finish(begun(&target));
     }
 
