@@ -105,16 +105,21 @@
 //! | [`pages`] | lists in large pages of memory |
 //! | [`suggest`] | “did you mean …?” |
 //! | [`text_file`] | reading text, with a limit |
+//! | [`whole_file`] | writing files that appear whole or not at all |
+//! | [`foreign`] | foreign parsers, whose panics become errors |
+//! | [`budget`] | how much an input may ask for before it is refused |
 //!
 //! SI units and radians everywhere; `world_from_body` is a pose that takes body axes to inertial ones; quaternions are
 //! w, x, y, z. Errors name the element, the value and what is allowed.
 
+pub mod budget;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod constraint;
 pub mod dynamics;
 pub mod force;
 pub mod forces;
+pub mod foreign;
 pub mod formula;
 #[cfg(feature = "scenario")]
 pub mod import;
@@ -135,3 +140,4 @@ pub mod suggest;
 #[cfg(feature = "scenario")]
 pub mod text_file;
 pub mod transfer;
+pub mod whole_file;

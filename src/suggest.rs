@@ -1,9 +1,14 @@
 //! "Did you mean": the known name nearest to one that is not known.
 
+use crate::budget;
+use strsim::osa_distance;
+
 /// The known name nearest to `wanted`, if it is near enough to be what was meant.
 ///
-/// Near is measured in inserted, removed, replaced and swapped neighbouring characters, letter case aside: at most one
-/// for every three characters of the longer name. Of equally near names the first wins.
+/// Near is measured in inserted, removed, replaced and swapped neighbouring characters (optimal string alignment), letter
+/// case aside: at most one for every three characters of the longer name. Of equally near names the first wins. Of very
+/// many names the first [`SUGGESTED_NAMES`](budget::SUGGESTED_NAMES) are looked at, and a name longer than
+/// [`SUGGESTED_LENGTH`](budget::SUGGESTED_LENGTH) is no slip of the finger.
 ///
 /// ```
 /// use stillpoint::suggest::closest;
@@ -11,43 +16,33 @@
 /// assert_eq!(closest("colour", ["damping", "stiffness"].into_iter()), None);
 /// ```
 pub fn closest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let wanted = letters(wanted);
+    if wanted.len() > budget::SUGGESTED_LENGTH {
+        return None;
+    }
+    let wanted = wanted.to_lowercase();
+    let length = wanted.chars().count();
     let mut best: Option<(usize, &'a str)> = None;
-    for name in known {
-        let letters = letters(name);
-        let near_enough = (wanted.len().max(letters.len()) / 3).max(1);
+    let short = |name: &&str| name.len() <= budget::SUGGESTED_LENGTH;
+    for name in known.take(budget::SUGGESTED_NAMES).filter(short) {
+        let lower = name.to_lowercase();
+        let letters = lower.chars().count();
+        let near_enough = (length.max(letters) / 3).max(1);
         let limit = best.map_or(near_enough, |(distance, _)| near_enough.min(distance.saturating_sub(1)));
-        if wanted.len().abs_diff(letters.len()) > limit {
+        if length.abs_diff(letters) > limit {
             continue;
         }
-        let distance = distance(&wanted, &letters);
-        if distance <= limit && best.is_none_or(|(least, _)| distance < least) && distance < letters.len() {
+        let distance = osa_distance(&wanted, &lower);
+        if distance <= limit && best.is_none_or(|(least, _)| distance < least) && distance < letters {
             best = Some((distance, name));
         }
     }
     best.map(|(_, name)| name)
 }
 
-fn letters(name: &str) -> Vec<char> {
-    name.chars().flat_map(char::to_lowercase).collect()
-}
-
-/// Edits between two names, a swap of neighbours counting once (optimal string alignment).
-fn distance(a: &[char], b: &[char]) -> usize {
-    let mut before_last = vec![0; b.len() + 1];
-    let mut last: Vec<usize> = (0..=b.len()).collect();
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let replaced = last[j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            row[j] = replaced.min(last[j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(before_last[j - 2] + 1);
-            }
-        }
-        before_last = std::mem::replace(&mut last, row);
-    }
-    last[b.len()]
+/// The same for the problem that comes after `before` others of its kind: where very many names are wrong, the last ones
+/// get no suggestion. Each costs a comparison with all known names.
+pub fn closest_of_many<'a>(before: usize, wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    if before < budget::SUGGESTIONS { closest(wanted, known) } else { None }
 }
 
 #[cfg(test)]

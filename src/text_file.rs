@@ -1,12 +1,10 @@
 //! Reading text from a file or from standard input.
 
+use crate::budget::TEXT_BYTES;
 use crate::suggest::closest;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-
-/// The largest file that is read, in bytes: some 100 000 bodies one by one. Reading takes up to 50 times as much memory.
-pub const LARGEST_FILE: usize = 32 * 1024 * 1024;
 
 /// Why a file's text cannot be read. `what` is what was looked for: `scenario`, `model`.
 #[derive(Debug, thiserror::Error)]
@@ -37,8 +35,8 @@ pub enum ReadError {
         /// What the operating system says.
         source: io::Error,
     },
-    /// It is larger than [`LARGEST_FILE`].
-    #[error("`{}` is larger than {} MiB, the most that is read{}", path.display(), LARGEST_FILE >> 20, if *what == "scenario" { "; use `repeat` for chains of equal bodies" } else { "" })]
+    /// It is larger than [`TEXT_BYTES`].
+    #[error("`{}` is larger than {} MiB, the most that is read{}", path.display(), TEXT_BYTES >> 20, if *what == "scenario" { "; use `repeat` for chains of equal bodies" } else { "" })]
     TooLarge {
         /// What was looked for.
         what: &'static str,
@@ -67,7 +65,7 @@ pub const STANDARD_INPUT: &str = "standard input";
 /// The text of a file, or of standard input for `-`. `what` is what the file should be, for messages.
 ///
 /// # Errors
-/// Where it is not there, cannot be read, is no UTF-8 text or larger than [`LARGEST_FILE`].
+/// Where it is not there, cannot be read, is no UTF-8 text or larger than [`TEXT_BYTES`].
 pub fn read(path: &Path, what: &'static str) -> Result<String, ReadError> {
     if path == Path::new("-") {
         return from_reader(io::stdin().lock(), Path::new(STANDARD_INPUT), what);
@@ -83,20 +81,34 @@ pub fn read(path: &Path, what: &'static str) -> Result<String, ReadError> {
     if about.is_dir() {
         return Err(folder());
     }
-    if about.len() > LARGEST_FILE as u64 {
+    if about.len() > TEXT_BYTES as u64 {
         return Err(ReadError::TooLarge { what, path: path.to_owned() });
     }
     from_reader(file, path, what)
 }
 
+/// As [`read`], of a file that another file names: it must be a regular one, for a pipe may be waited for without end.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_regular(path: &Path, what: &'static str) -> Result<String, ReadError> {
+    match path.metadata() {
+        Ok(about) if !about.is_file() && !about.is_dir() => {
+            let source = io::Error::other("it is a device or a pipe, and a file is needed");
+            Err(ReadError::Unreadable { path: path.to_owned(), source })
+        }
+        _ => read(path, what),
+    }
+}
+
 fn from_reader(reader: impl Read, path: &Path, what: &'static str) -> Result<String, ReadError> {
     let mut bytes = Vec::new();
-    let limit = LARGEST_FILE as u64 + 1;
+    let limit = TEXT_BYTES as u64 + 1;
     reader
         .take(limit)
         .read_to_end(&mut bytes)
         .map_err(|source| ReadError::Unreadable { path: path.to_owned(), source })?;
-    if bytes.len() > LARGEST_FILE {
+    if bytes.len() > TEXT_BYTES {
         return Err(ReadError::TooLarge { what, path: path.to_owned() });
     }
     decode(bytes, path)

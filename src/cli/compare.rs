@@ -3,7 +3,7 @@
 mod plot;
 
 use super::output::{self, bold};
-use super::{Common, Exit, scene, statics, text};
+use super::{Common, Exit, scene, text};
 use crate::model::Model;
 use crate::scenario::Scenario;
 use crate::statics::{Equilibrium, Method, Settings, equilibrium_observed};
@@ -132,9 +132,9 @@ fn write_all(prefix: &Path, csv: &str, svg: &str, table: &Value) -> anyhow::Resu
         PathBuf::from(name)
     };
     let [sheet, plot, all] = ENDINGS.map(with);
-    statics::write(&sheet, csv)?;
-    statics::write(&plot, svg)?;
-    statics::write(&all, &format!("{table:#}\n"))
+    output::save(&sheet, csv.as_bytes())?;
+    output::save(&plot, svg.as_bytes())?;
+    output::save(&all, format!("{table:#}\n").as_bytes())
 }
 
 /// The cascade has to find what was wanted, everywhere.

@@ -3,7 +3,7 @@
 use super::samples::{self, Rows};
 use super::text::{count, number, small};
 use super::{Exit, output};
-use crate::record::{OwnedSample, RecordError, Recording, Table};
+use crate::record::{OwnedSample, RecordError, Recording, Samples, Table};
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
@@ -49,6 +49,8 @@ struct Difference {
     unit: String,
     /// The largest difference; infinite where one of both is not a number.
     largest: f64,
+    /// Samples in which one of both is not a number and the other is.
+    not_numbers: usize,
     /// When (s).
     at: f64,
     /// The largest number of the column in either recording.
@@ -64,6 +66,7 @@ impl Difference {
         }
         let same = a == b || (a.is_nan() && b.is_nan());
         let apart = if same { 0.0 } else { (a - b).abs() };
+        self.not_numbers += usize::from(a.is_nan() != b.is_nan());
         let apart = if apart.is_nan() { f64::INFINITY } else { apart };
         if apart > self.largest {
             (self.largest, self.at) = (apart, time);
@@ -81,6 +84,7 @@ impl Difference {
             "unit": self.unit,
             // JSON has no infinity.
             "largest": if self.largest.is_finite() { json!(self.largest) } else { json!("infinite") },
+            "not_numbers": self.not_numbers,
             "time": self.at,
             "size": self.size,
             "same": self.within(arguments),
@@ -173,7 +177,14 @@ fn compare(
         .iter()
         .map(|[at, _]| {
             let column = &places[0][*at].column;
-            Difference { name: column.name.clone(), unit: column.unit.clone(), largest: 0.0, at: f64::NAN, size: 0.0 }
+            Difference {
+                name: column.name.clone(),
+                unit: column.unit.clone(),
+                largest: 0.0,
+                not_numbers: 0,
+                at: f64::NAN,
+                size: 0.0,
+            }
         })
         .collect();
     let mut rows = [0, 1].map(|side: usize| Rows::new(&tables[side], &places[side]));
@@ -189,14 +200,39 @@ fn compare(
     Ok((differences, missing, times))
 }
 
+/// Samples whose times are numbers that increase, so that those of two recordings can be paired.
+struct Timed<'r> {
+    recording: &'r Recording,
+    samples: Samples,
+    last: f64,
+}
+
+impl<'r> Timed<'r> {
+    fn new(recording: &'r Recording) -> Result<Self, RecordError> {
+        Ok(Self { recording, samples: recording.samples()?, last: f64::NEG_INFINITY })
+    }
+
+    fn next(&mut self) -> Result<Option<OwnedSample>, RecordError> {
+        let sample = self.samples.next().transpose()?;
+        if let Some(time) = sample.as_ref().map(|sample| sample.time) {
+            if !(time >= self.last && time.is_finite()) {
+                let what = format!("a sample at {time} s comes after one at {} s", self.last);
+                return Err(RecordError::Damaged { path: self.recording.path.clone(), what });
+            }
+            self.last = time;
+        }
+        Ok(sample)
+    }
+}
+
 /// Calls `take` with the samples of both that belong to one time (to the nanosecond of the file).
 fn pair_samples(
     recordings: &[Recording; 2],
     mut take: impl FnMut(&OwnedSample, &OwnedSample),
 ) -> Result<Times, RecordError> {
     let nanoseconds = |sample: &OwnedSample| (sample.time * 1e9).round() as i64;
-    let [mut first, mut second] = [recordings[0].samples()?, recordings[1].samples()?];
-    let (mut a, mut b) = (first.next().transpose()?, second.next().transpose()?);
+    let [mut first, mut second] = [Timed::new(&recordings[0])?, Timed::new(&recordings[1])?];
+    let (mut a, mut b) = (first.next()?, second.next()?);
     let mut times = Times::default();
     loop {
         match (&a, &b) {
@@ -204,15 +240,15 @@ fn pair_samples(
             (Some(one), Some(other)) if nanoseconds(one) == nanoseconds(other) => {
                 take(one, other);
                 times.common += 1;
-                (a, b) = (first.next().transpose()?, second.next().transpose()?);
+                (a, b) = (first.next()?, second.next()?);
             }
             (Some(one), other) if other.as_ref().is_none_or(|other| one.time < other.time) => {
                 times.only_first += 1;
-                a = first.next().transpose()?;
+                a = first.next()?;
             }
             _ => {
                 times.only_second += 1;
-                b = second.next().transpose()?;
+                b = second.next()?;
             }
         }
     }
@@ -222,6 +258,9 @@ fn report(arguments: &Arguments, differences: &[Difference], missing: &[Vec<Stri
     let different: Vec<&Difference> = differences.iter().filter(|one| !one.within(arguments)).collect();
     let columns = count(differences.len(), "column", "columns");
     let mut out = match (different.len(), differences.first().filter(|one| one.largest > 0.0)) {
+        (0, None) if times.only_first + times.only_second > 0 => {
+            format!("{columns} are the same to the last bit at the times that both have")
+        }
         (0, None) => format!("{columns} are the same to the last bit"),
         (0, Some(largest)) => {
             format!("{columns} are the same within the tolerance; furthest apart: {}", line(largest))
@@ -253,6 +292,14 @@ fn report(arguments: &Arguments, differences: &[Difference], missing: &[Vec<Stri
 }
 
 fn line(one: &Difference) -> String {
+    if one.not_numbers > 0 {
+        let samples = count(one.not_numbers, "sample", "samples");
+        return format!(
+            "{:<24} is not a number in one of both in {samples}, the first at {} s",
+            one.name,
+            number(one.at)
+        );
+    }
     let unit = if one.unit == "1" { String::new() } else { format!(" {}", one.unit) };
     format!("{:<24} {}{unit} at {} s (of {} at most)", one.name, small(one.largest), number(one.at), small(one.size))
 }

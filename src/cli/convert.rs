@@ -102,7 +102,7 @@ fn write(out: &Path, scenario: &str) -> anyhow::Result<Option<PathBuf>> {
             Some(kept)
         }
     };
-    std::fs::write(out, scenario).with_context(|| format!("cannot write `{}`", out.display()))?;
+    output::save(out, scenario.as_bytes())?;
     Ok(kept)
 }
 

@@ -4,14 +4,17 @@
 mod columnar;
 mod delimited;
 
+use super::inputs::Inputs;
 use super::samples::{self, Place, Rows};
 use super::text::count;
 use super::{Exit, output};
 use crate::record::table::Column;
 use crate::record::{Recording, Table};
+use crate::whole_file::WholeFile;
 use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
@@ -44,8 +47,8 @@ trait Sheet {
     fn finish(self: Box<Self>) -> anyhow::Result<()>;
 }
 
-/// Opens a file for a table of these columns.
-type Create = fn(&Path, &[Column]) -> anyhow::Result<Box<dyn Sheet>>;
+/// Begins a table of these columns in a file.
+type Create = fn(File, &[Column]) -> anyhow::Result<Box<dyn Sheet>>;
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let recording = samples::open(&arguments.recording, arguments.quiet)?;
@@ -134,25 +137,16 @@ impl Export<'_> {
 
     /// Writes under another name until the file is whole.
     fn sheet(&self, file: PathBuf, places: &[Place], create: Create) -> anyhow::Result<Written> {
-        let mut unfinished = file.clone().into_os_string();
-        unfinished.push(".partial");
-        let unfinished = PathBuf::from(unfinished);
-        let rows = self.fill(&unfinished, places, create).and_then(|rows| {
-            std::fs::rename(&unfinished, &file)?;
-            Ok(rows)
-        });
-        let rows = rows.map_err(|error| {
-            // It is ours and of no use; where it cannot be removed it does no harm.
-            let _ = std::fs::remove_file(&unfinished);
-            error.context(format!("cannot write `{}`", file.display()))
-        })?;
+        Inputs::new([self.recording.path.as_path()]).spare(&file)?;
+        let rows = self.fill(&file, places, create).with_context(|| format!("cannot write `{}`", file.display()))?;
         Ok(Written { file, rows, columns: places.len() + 1 })
     }
 
     fn fill(&self, file: &Path, places: &[Place], create: Create) -> anyhow::Result<usize> {
         let mut columns = vec![Column { name: "time".into(), unit: "s".into() }];
         columns.extend(places.iter().map(|place| place.column.clone()));
-        let mut sheet = create(file, &columns)?;
+        let whole = WholeFile::create(file)?;
+        let mut sheet = create(whole.handle()?, &columns)?;
         let mut rows = Rows::new(self.tables, places);
         let mut written = 0;
         samples::each(self.recording, |sample| {
@@ -160,6 +154,7 @@ impl Export<'_> {
             sheet.row(sample.time, &mut rows.read(sample))
         })?;
         sheet.finish()?;
+        whole.finish()?;
         Ok(written)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::text::{self, count, number};
 use super::{Exit, output};
-use crate::record::file::{ChannelSurvey, Survey};
+use crate::record::file::{ChannelSurvey, Ending, Survey};
 use crate::record::{Recording, Table};
 use clap::Args;
 use serde_json::{Map, Value, json};
@@ -42,13 +42,15 @@ fn state(recording: &Recording, survey: &Survey) -> (&'static str, String) {
     if let Some(damage) = &survey.damage {
         return ("damaged", format!("damaged: {damage}; `stillpoint recover` keeps what is intact"));
     }
-    if recording.recovered.is_some() {
-        return ("recovered", "what was saved of a recording that was cut or damaged".to_owned());
-    }
-    match recording.complete {
-        true => ("complete", "complete".to_owned()),
-        false => ("cut", "cut: the run was killed or is still going on, or the file lost its end".to_owned()),
-    }
+    let ending = recording.ending();
+    let sentence = match ending {
+        Ending::Complete => "complete",
+        Ending::Interrupted => "interrupted: the run was stopped before its end",
+        Ending::Failed => "failed: the run could not go on",
+        Ending::Recovered => "what was saved of a recording that was cut or damaged",
+        Ending::Cut => "cut: the run was killed or is still going on, or the file lost its end",
+    };
+    (ending.name(), sentence.to_owned())
 }
 
 /// First and last time of the samples (s): those of the channel with most messages.

@@ -10,6 +10,7 @@ mod examples;
 mod export;
 mod frame;
 mod info;
+mod inputs;
 mod inspect;
 mod json;
 mod man;
@@ -165,6 +166,10 @@ pub struct Memory {
 /// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator, if that is
 /// counted.
 pub fn main(memory: Option<fn() -> Memory>) -> ExitCode {
+    output::quiet_foreign_panics();
+    if let Err(error) = output::survive_file_limits() {
+        output::warning(&format!("{error:#}"));
+    }
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -200,6 +205,8 @@ pub fn main(memory: Option<fn() -> Memory>) -> ExitCode {
         }
     };
     match result {
+        // The work is done; that nobody could read of it is an error all the same.
+        Ok(Exit::Done) if output::was_lost() => Exit::Wrong.into(),
         Ok(exit) => exit.into(),
         Err(error) => {
             output::error(&error);

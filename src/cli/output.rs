@@ -1,23 +1,107 @@
 //! Standard output and standard error, colours, progress, Ctrl-C.
 
+use crate::whole_file::{self, WholeFile};
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// A line on standard output. A reader that went away is no error of ours; a full disk is one.
 pub(super) fn print(text: &str) -> anyhow::Result<()> {
-    match writeln!(std::io::stdout().lock(), "{text}") {
+    match writeln!(std::io::stdout().lock(), "{}", visible(text)) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("cannot write to standard output"),
         _ => Ok(()),
     }
 }
 
+/// A line on standard output before work whose result goes elsewhere: a disk that is full there is said, and stops
+/// nothing. The program ends with an error all the same.
+pub(super) fn announce(text: &str) {
+    if let Err(error) = print(text)
+        && !LOST.swap(true, Ordering::Relaxed)
+    {
+        warning(&format!("{error:#}; the work goes on"));
+    }
+}
+
+/// Set where an announcement could not be printed.
+static LOST: AtomicBool = AtomicBool::new(false);
+
+/// Whether an announcement could not be printed.
+pub(super) fn was_lost() -> bool {
+    LOST.load(Ordering::Relaxed)
+}
+
 /// A line on standard error.
 pub(super) fn note(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", visible(text));
+}
+
+/// A text as it may be shown on a terminal. Titles and names come from files, and their control characters would be obeyed
+/// there: all but line ends, tabs and colours stand as `\u001b`, and so do the marks that turn the direction of writing.
+/// JSON stays the same JSON.
+fn visible(text: &str) -> Cow<'_, str> {
+    let hidden = |c: char| {
+        c.is_control() && !matches!(c, '\n' | '\t') || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    };
+    if !text.contains(hidden) {
+        return Cow::Borrowed(text);
+    }
+    let mut shown = String::with_capacity(text.len() + 16);
+    let mut rest = text;
+    while let Some(at) = rest.find(hidden) {
+        shown += &rest[..at];
+        rest = &rest[at..];
+        let length = match color(rest) {
+            Some(length) => {
+                shown += &rest[..length];
+                length
+            }
+            None => {
+                let hidden = rest.chars().next().unwrap_or_default();
+                shown += &format!("\\u{:04x}", u32::from(hidden));
+                hidden.len_utf8()
+            }
+        };
+        rest = &rest[length..];
+    }
+    shown += rest;
+    Cow::Owned(shown)
+}
+
+/// The length of the code for a colour or a weight of letters with which a text begins: `ESC [ 1 ; 31 m`.
+fn color(text: &str) -> Option<usize> {
+    let codes = text.strip_prefix("\u{1b}[")?;
+    let length = codes.find(|c: char| !c.is_ascii_digit() && c != ';')?;
+    codes[length..].starts_with('m').then_some(length + 3)
+}
+
+/// A file that may not grow further (`ulimit -f`) is an error of its writer, with the file's name, and not the end of the
+/// program without a word.
+#[cfg(unix)]
+pub(super) fn survive_file_limits() -> anyhow::Result<()> {
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())?;
+    Ok(())
+}
+
+/// Other systems have no such signal.
+#[cfg(not(unix))]
+pub(super) fn survive_file_limits() -> anyhow::Result<()> {
+    Ok(())
+}
+
+/// Panics of foreign parsers become errors with the file's name: nothing more is said of them.
+pub(super) fn quiet_foreign_panics() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !crate::foreign::is_parsing() {
+            usual(panic);
+        }
+    }));
 }
 
 /// An error with its causes, those left out that the message before has told already.
@@ -61,6 +145,22 @@ fn in_color(terminal: bool) -> bool {
         return true;
     }
     terminal && set("CLICOLOR").is_none_or(|value| value != "0")
+}
+
+/// Writes a file whole or not at all.
+///
+/// # Errors
+/// If it cannot be written, with its name.
+pub(super) fn save(path: &Path, content: &[u8]) -> anyhow::Result<()> {
+    whole_file::write(path, content).with_context(|| format!("cannot write `{}`", path.display()))
+}
+
+/// The file under a table whose rows are all there.
+///
+/// # Errors
+/// If the last rows cannot be written.
+pub(super) fn whole(table: csv::Writer<WholeFile>) -> anyhow::Result<WholeFile> {
+    Ok(table.into_inner().map_err(csv::IntoInnerError::into_error)?)
 }
 
 /// Set by the first Ctrl-C; a second one ends the program at once.
@@ -137,5 +237,29 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::visible;
+
+    #[test]
+    fn what_a_terminal_would_obey_is_shown() {
+        assert_eq!(visible("Körper\n\tplain"), "Körper\n\tplain");
+        assert_eq!(visible("\u{1b}[1;31merror:\u{1b}[0m x"), "\u{1b}[1;31merror:\u{1b}[0m x");
+        assert_eq!(visible("a\u{1b}]0;title\u{7}b\u{1b}[2Jc\r"), "a\\u001b]0;title\\u0007b\\u001b[2Jc\\u000d");
+        assert_eq!(visible("\u{9b}2J\u{7f}\u{202e}"), "\\u009b2J\\u007f\\u202e");
+        assert_eq!(visible("\u{1b}[31"), "\\u001b[31");
+    }
+
+    #[test]
+    fn json_stays_the_same_json() {
+        let name = "\u{0}\u{1b}[2J\u{7f}\u{85}\u{9b}\u{202e}ü";
+        let text = serde_json::json!({ "name": name }).to_string();
+        let shown = visible(&text);
+        assert!(!shown.contains(char::is_control), "{shown}");
+        let back: serde_json::Value = serde_json::from_str(&shown).expect("JSON");
+        assert_eq!(back["name"], name);
     }
 }

@@ -2,13 +2,14 @@
 
 mod plot;
 
-use super::output::{Interrupt, Progress, bold};
-use super::{Common, json, text};
+use super::output::{self, Interrupt, Progress, bold};
+use super::{Common, json, run, text};
 use crate::model::Model;
-use crate::record::{Energy, Opening, Outcome, Recorder, RecordingFile, Sample, Scene};
+use crate::record::{Energy, Opening, Outcome, Recorder, Sample, Scene};
 use crate::scenario::Scenario;
 use crate::simulate;
 use crate::statics::path::{Branch, End, Path, PathPoint, Settings, follow};
+use crate::whole_file::WholeFile;
 use anyhow::Context;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -65,7 +66,7 @@ pub(super) fn main(
     followed.table(model, &csv).with_context(|| format!("cannot write `{}`", csv.display()))?;
     let title = if model.title.is_empty() { &scenario.name } else { &model.title };
     let picture = plot::draw(&followed, title)?;
-    std::fs::write(&svg, picture).with_context(|| format!("cannot write `{}`", svg.display()))?;
+    output::save(&svg, picture.as_bytes())?;
     followed.record(scenario, model, &mcap)?;
     followed.files = vec![csv, svg, mcap];
     Ok(followed)
@@ -112,7 +113,7 @@ impl Followed {
 
     /// One line per point, branch by branch.
     fn table(&self, model: &Model, path: &std::path::Path) -> anyhow::Result<()> {
-        let mut csv = csv::Writer::from_path(path)?;
+        let mut csv = csv::Writer::from_writer(WholeFile::create(path)?);
         let scene = simulate::scene(model);
         let fixed = ["branch", "point", "arclength", "parameter", "stability", "unstable_directions", "event"];
         let more = ["relative_residual", "potential"];
@@ -135,8 +136,7 @@ impl Followed {
                 csv.write_record(fields.into_iter().chain(point.position.iter().map(f64::to_string)))?;
             }
         }
-        csv.flush()?;
-        Ok(())
+        Ok(output::whole(csv)?.finish()?)
     }
 
     /// One sample per point; arclength stands for time, branch after branch.
@@ -144,7 +144,7 @@ impl Followed {
         let still = Scene { couplings: Vec::new(), watched: false, ..simulate::scene(model) };
         let statics = json::statics(model, &self.path.start, 0.0).to_string();
         let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
-        let mut file = RecordingFile::create(path)?.begin(&opening)?;
+        let mut file = run::recording_file(path, true)?.begin(&opening)?;
         let rest = vec![0.0; model.velocity_count()];
         let mut before = 0.0;
         for branch in &self.path.branches {

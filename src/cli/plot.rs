@@ -2,6 +2,7 @@
 
 mod draw;
 
+use super::inputs::Inputs;
 use super::samples::{self, Place, Rows};
 use super::text::count;
 use super::{Exit, output};
@@ -68,9 +69,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Some(path) => path.clone(),
         None => Path::new(Path::new(first).file_stem().unwrap_or("plot".as_ref())).with_extension("svg"),
     };
+    let inputs = Inputs::new(recordings.iter().map(|recording| recording.path.as_path()));
     let title = &recordings[0].scene.title;
     let picture = draw::draw(&lines, if title.is_empty() { first } else { title })?;
-    std::fs::write(&out, picture).with_context(|| format!("cannot write `{}`", out.display()))?;
+    inputs.spare(&out)?;
+    output::save(&out, picture.as_bytes())?;
     if arguments.json {
         let line = |line: &Line| json!({ "label": line.label, "unit": line.unit, "points": line.points.len() });
         let lines: Vec<_> = lines.iter().map(line).collect();

@@ -4,7 +4,7 @@ use super::{Common, json, run};
 use crate::dynamics::System;
 use crate::model::Model;
 use crate::record::view::Sink;
-use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, RecordingFile, Sample, Scene};
+use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, Sample, Scene};
 use crate::scenario::Scenario;
 use crate::simulate;
 use crate::statics::Equilibrium;
@@ -41,7 +41,8 @@ fn film(
     let (file, sinks) = outlets;
     let mut recorder = Fanout::new();
     if let Some(path) = file {
-        recorder = recorder.recorder(RecordingFile::create(path)?.with_ros(scenario.record.ros).begin(&opening)?);
+        recorder =
+            recorder.recorder(run::recording_file(path, common.quiet)?.with_ros(scenario.record.ros).begin(&opening)?);
     }
     for sink in sinks {
         recorder = run::add_viewer(recorder, sink, &opening, common.quiet)?;

@@ -6,6 +6,7 @@ use super::output::{self, Interrupt, Progress};
 use super::{Common, Exit, run, scene, text};
 use crate::integrate::Method;
 use crate::simulate::precision::{Plan, Point, Setting, Study, precision};
+use crate::whole_file::WholeFile;
 use anyhow::Context;
 use clap::Args;
 use serde_json::{Value, json};
@@ -70,7 +71,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let title = if model.title.is_empty() { &scenario.name } else { &model.title };
     let drawn = plot::draw(&study, title)?;
     if let Some(picture) = &drawn {
-        std::fs::write(&svg, picture).with_context(|| format!("cannot write `{}`", svg.display()))?;
+        output::save(&svg, picture.as_bytes())?;
     }
     if common.json {
         output::print(&to_json(&study, &scenario.name, found, arguments.error).to_string())?;
@@ -103,7 +104,7 @@ fn setting(point: &Point) -> (Option<f64>, Option<f64>) {
 }
 
 fn write_csv(study: &Study, path: &Path) -> anyhow::Result<()> {
-    let mut csv = csv::Writer::from_path(path)?;
+    let mut csv = csv::Writer::from_writer(WholeFile::create(path)?);
     csv.write_record([
         "integrator",
         "tolerance",
@@ -137,7 +138,7 @@ fn write_csv(study: &Study, path: &Path) -> anyhow::Result<()> {
             point.outcome.as_ref().err().cloned().unwrap_or_default(),
         ])?;
     }
-    Ok(csv.flush()?)
+    Ok(output::whole(csv)?.finish()?)
 }
 
 fn point_json(point: &Point) -> Value {

@@ -1,8 +1,9 @@
 //! `rest`: prove that a run from the equilibrium stays there.
 
+use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
-use super::{Common, Exit, json, output, scene, statics, text};
-use crate::record::{Fanout, Opening, Outcome, Recorder, RecordingFile};
+use super::{Common, Exit, json, output, run, scene, statics, text};
+use crate::record::{Fanout, Opening, Outcome, Recorder};
 use crate::simulate::rest::{Largest, Rest, TOLERANCE, rest};
 use crate::simulate::{self, RunError};
 use clap::Args;
@@ -31,12 +32,14 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if arguments.start.is_some() && model.start_velocity.iter().any(|v| *v != 0.0) {
         anyhow::bail!("the start file gives velocities that are not zero: what moves is not at rest");
     }
-    let file = arguments.out.as_deref().map(RecordingFile::create).transpose()?;
+    let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
+    arguments.out.iter().try_for_each(|out| inputs.spare(out))?;
+    let file = arguments.out.as_deref().map(|out| run::recording_file(out, common.quiet)).transpose()?;
     let (found, wall) = statics::find(&mut scenario, &mut model)?;
     let statics = json::statics(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
-        output::print(&text::heading(&model, &scenario.name))?;
-        output::print(&text::statics(&model, &found, wall))?;
+        output::announce(&text::heading(&model, &scenario.name));
+        output::announce(&text::statics(&model, &found, wall));
     }
     if !found.balanced {
         if common.json {
@@ -69,6 +72,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     };
     let result = to_json(&proof, statics);
+    if let Some(out) = arguments.out.as_deref().filter(|_| proof.interrupted) {
+        run::keep_complete(out, common.quiet)?;
+    }
     recorder.finish(&Outcome { summary: result.to_string() })?;
     if common.json {
         output::print(&result.to_string())?;

@@ -1,10 +1,11 @@
 //! `run`: find the start, simulate, record.
 
+use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
 use super::{Common, Exit, json, output, scene, statics, text};
 use crate::model::Model;
 use crate::record::view::{Sink, Viewer};
-use crate::record::{Fanout, Opening, Outcome, Recorder, RecordingFile};
+use crate::record::{self, Fanout, Opening, Outcome, Recorder, RecordingFile};
 use crate::scenario::Scenario;
 use crate::simulate::verify::{Verified, verify};
 use crate::simulate::{self, RunError, Start, State, Summary};
@@ -56,9 +57,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         scenario.simulate.start = if moves { Start::Given } else { Start::Equilibrium };
     }
     let path = recording_path(arguments.out.as_deref(), &common.scenario);
-    let file = RecordingFile::create(&path)?.with_ros(scenario.record.ros);
+    let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
+    inputs.spare(&path)?;
+    arguments.viewers.rrd().iter().try_for_each(|rrd| inputs.spare(rrd))?;
+    let file = recording_file(&path, common.quiet)?.with_ros(scenario.record.ros);
     if !common.json && !common.quiet {
-        output::print(&text::heading(&model, &scenario.name))?;
+        output::announce(&text::heading(&model, &scenario.name));
     }
     let from_file = || Some((given(&model), json!("given")));
     let started = if arguments.start.is_some() { from_file() } else { start(common, &mut scenario, &mut model)? };
@@ -96,7 +100,7 @@ pub(super) fn start(
     let (found, wall) = statics::find(scenario, model)?;
     let value = json::statics(model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
-        output::print(&text::statics(model, &found, wall))?;
+        output::announce(&text::statics(model, &found, wall));
     }
     if !found.converged {
         if common.json {
@@ -126,6 +130,27 @@ fn given(model: &Model) -> State {
     State { position: model.start_position.clone(), velocity: model.start_velocity.clone() }
 }
 
+/// Opens a recording; what earlier runs left there is said.
+pub(super) fn recording_file(path: &Path, quiet: bool) -> anyhow::Result<RecordingFile> {
+    let file = RecordingFile::create(path)?;
+    for left in file.left().filter(|_| !quiet) {
+        let left = left.display();
+        output::warning(&format!(
+            "`{left}` is what a run left that was cut; it is kept: `stillpoint recover {left}` makes a recording of it"
+        ));
+    }
+    Ok(file)
+}
+
+/// Keeps a complete recording that one of a run that did not reach its end is about to replace, and says so.
+pub(super) fn keep_complete(path: &Path, quiet: bool) -> anyhow::Result<()> {
+    if let Some(kept) = record::file::keep_complete(path)?.filter(|_| !quiet) {
+        let (path, kept) = (path.display(), kept.display());
+        output::note(&format!("`{path}` was there already, of a run that reached its end: it is kept as `{kept}`"));
+    }
+    Ok(())
+}
+
 /// `scenarios/arm.toml` → `arm.mcap`.
 pub(super) fn recording_path(out: Option<&Path>, scenario: &Path) -> PathBuf {
     match out {
@@ -136,6 +161,11 @@ pub(super) fn recording_path(out: Option<&Path>, scenario: &Path) -> PathBuf {
 }
 
 impl Viewers {
+    /// The file that a picture is saved in.
+    pub(super) fn rrd(&self) -> &Option<PathBuf> {
+        &self.rrd
+    }
+
     pub(super) fn sinks(&self) -> Vec<Sink> {
         let view = self.view.then_some(Sink::Spawn);
         let connect = self.connect.clone().map(Sink::Connect);
@@ -190,6 +220,7 @@ impl Run<'_> {
             Err(RunError::Record(error)) => return Err(error.into()),
             Err(error) => {
                 let summary = json!({ "scenario": self.scenario.name, "error": error.to_string() });
+                keep_complete(self.path, self.common.quiet)?;
                 recorder.finish(&Outcome { summary: summary.to_string() })?;
                 if self.common.json {
                     output::print(&summary.to_string())?;
@@ -209,6 +240,9 @@ impl Run<'_> {
         };
         if let Some(verified) = &verified {
             result["verified"] = json::verified(verified);
+        }
+        if summary.interrupted {
+            keep_complete(self.path, self.common.quiet)?;
         }
         recorder.finish(&Outcome { summary: result.to_string() })?;
         for lost in recorder.take_lost() {

@@ -6,7 +6,7 @@ use crate::dynamics::System;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
 use crate::statics::leftover;
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use std::path::Path;
 
 /// A scenario with its model, or the exit code after its problems were printed.
@@ -83,7 +83,8 @@ const SAME: f64 = 1e-6;
 /// Says where a start does not hold itself, and where its loops push otherwise than the file says.
 fn check_start(path: &Path, model: &Model, multipliers: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
     let (q, v) = (&model.start_position, &model.start_velocity);
-    if let Some(left) = leftover(model, q, v)? {
+    let of_file = || path.display().to_string();
+    if let Some(left) = leftover(model, q, v).with_context(of_file)? {
         let share = text::small(left.relative);
         output::warning(&format!(
             "{}: the start does not hold itself: {} N or N m in {} are not balanced ({share} of the forces there)",
@@ -94,7 +95,7 @@ fn check_start(path: &Path, model: &Model, multipliers: &[(String, Vec<f64>)]) -
     }
     let mut system = System::new(model);
     let mut a = vec![0.0; v.len()];
-    system.accelerations(q, v, &mut a)?;
+    system.accelerations(q, v, &mut a).with_context(of_file)?;
     let here = system.constraints().map_or(Vec::new(), Constraints::by_element);
     let largest = here.iter().flat_map(|(_, list)| list).fold(0.0_f64, |m, x| m.max(x.abs()));
     for (name, list) in multipliers {

@@ -1,5 +1,6 @@
 //! `statics`: the equilibrium and what it is.
 
+use super::inputs::Inputs;
 use super::output::Interrupt;
 use super::{Common, Exit, compare, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
@@ -8,7 +9,7 @@ use crate::statics::{Equilibrium, Method, answer, equilibrium_watched};
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
@@ -60,6 +61,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if arguments.compare {
         return compare::main(&scenario, &model, common, arguments.out.as_deref());
     }
+    let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
+    let outputs = [&arguments.save, &arguments.modes, &arguments.iterates, &arguments.out, arguments.viewers.rrd()];
+    outputs.into_iter().flatten().try_for_each(|output| read.spare(output))?;
     let sinks = arguments.viewers.sinks();
     let watched = arguments.iterates.is_some() || !sinks.is_empty();
     let mut trail = Vec::new();
@@ -75,7 +79,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if let Some(followed) = &followed {
         result["path"] = followed.json(&model);
     } else if let Some(path) = &arguments.out {
-        write(path, &format!("{result:#}\n"))?;
+        output::save(path, format!("{result:#}\n").as_bytes())?;
     }
     if watched {
         let outlets = (arguments.iterates.as_deref(), &sinks[..]);
@@ -101,7 +105,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         ));
     } else if let Some(path) = arguments.save.as_deref() {
         let inputs = inputs(&scenario.description, &found);
-        write(path, &start::text(&model, &found.position, &found.velocity, &inputs, &found.carried))?;
+        let text = start::text(&model, &found.position, &found.velocity, &inputs, &found.carried);
+        output::save(path, text.as_bytes())?;
     }
     if common.json {
         output::print(&result.to_string())?;
@@ -114,10 +119,6 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         (false, true) => Exit::Interrupted,
         (false, false) => Exit::No,
     })
-}
-
-pub(super) fn write(path: &Path, text: &str) -> anyhow::Result<()> {
-    std::fs::write(path, text).with_context(|| format!("cannot write `{}`", path.display()))
 }
 
 /// The equilibrium and the time it took. Where inputs are unknown, scene and model get those that were found.

@@ -1,9 +1,13 @@
 //! `view`: a recording in the Rerun viewer.
 
+use super::inputs::Inputs;
 use super::{Exit, output, text};
-use crate::record::view::{Sink, Wishes, view};
+use crate::record::RecordError;
+use crate::record::view::{Shown, Sink, Wishes, view};
+use crate::whole_file::WholeFile;
+use anyhow::Context;
 use clap::Args;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -21,19 +25,21 @@ pub(super) struct Arguments {
     /// Draw what the hinges pass to the bodies as arrows
     #[arg(long)]
     reactions: bool,
+    /// Read mesh files wherever the recording says that they are, not only in its own folder
+    #[arg(long)]
+    meshes: bool,
     /// Print errors only
     #[arg(long, short)]
     quiet: bool,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
-    let sink = match (&arguments.save, &arguments.connect) {
-        (Some(file), _) => Sink::Save(file.clone()),
-        (None, Some(url)) => Sink::Connect(url.clone()),
-        (None, None) => Sink::Spawn,
+    let sink = arguments.connect.clone().map_or(Sink::Spawn, Sink::Connect);
+    let wishes = Wishes { at: arguments.at, reactions: arguments.reactions, meshes: arguments.meshes };
+    let shown = match &arguments.save {
+        None => view(&arguments.recording, &sink, &wishes)?,
+        Some(file) => save(arguments, file, &wishes)?,
     };
-    let wishes = Wishes { at: arguments.at, reactions: arguments.reactions };
-    let shown = view(&arguments.recording, &sink, &wishes)?;
     if !shown.complete {
         output::warning("the recording was not finished: this is what was kept of it");
     }
@@ -46,4 +52,21 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         })?;
     }
     Ok(Exit::Done)
+}
+
+/// Saves the picture whole or not at all. Its writer works in another thread and may not say why it failed; the disk does.
+fn save(arguments: &Arguments, file: &Path, wishes: &Wishes) -> anyhow::Result<Shown> {
+    Inputs::new([arguments.recording.as_path()]).spare(file)?;
+    let context = || format!("cannot write `{}`", file.display());
+    let mut whole = WholeFile::create(file).with_context(context)?;
+    let shown = match view(&arguments.recording, &Sink::Save(whole.path().to_owned()), wishes) {
+        Ok(shown) => shown,
+        Err(error @ RecordError::View { .. }) => {
+            whole.probe().with_context(context)?;
+            return Err(error.into());
+        }
+        Err(error) => return Err(error.into()),
+    };
+    whole.finish().with_context(context)?;
+    Ok(shown)
 }

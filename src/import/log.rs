@@ -1,7 +1,8 @@
 //! What an importer has to say: notes on what was taken how, and problems.
 
+use crate::suggest::closest_of_many;
 use crate::text_file::ReadError;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -169,6 +170,8 @@ pub(super) struct Log {
     problems: RefCell<Vec<Problem>>,
     /// Source and first byte of every element and attribute that was read.
     seen: RefCell<HashSet<(usize, usize)>>,
+    /// How many similar names were looked for.
+    searches: Cell<usize>,
 }
 
 impl Log {
@@ -178,6 +181,7 @@ impl Log {
             notes: RefCell::default(),
             problems: RefCell::default(),
             seen: RefCell::default(),
+            searches: Cell::default(),
         }
     }
 
@@ -206,6 +210,13 @@ impl Log {
 
     pub(super) fn refuse(&self, problem: Problem) {
         self.problems.borrow_mut().push(problem);
+    }
+
+    /// The known name nearest to one that is not known; for the first ones of an import, for each costs a comparison with
+    /// all of them.
+    pub(super) fn near<'n>(&self, name: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+        let before = self.searches.replace(self.searches.get() + 1);
+        closest_of_many(before, name, known)
     }
 
     pub(super) fn is_fine(&self) -> bool {

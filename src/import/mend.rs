@@ -1,7 +1,7 @@
 //! Small faults of XML that others read over: they are mended in a copy in which every byte stays at its place, and said.
 
 use super::log::{Log, Place, Taken};
-use super::xml;
+use super::xml::{self, Unread};
 use roxmltree::Error;
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ pub(super) fn readable(text: Arc<str>, source: usize, log: &Log) -> Arc<str> {
 /// The first prefix that nobody declares.
 fn undeclared(text: &str) -> Option<String> {
     match xml::document(text) {
-        Err(Error::UnknownNamespace(prefix, _)) => Some(prefix),
+        Err(Unread::Syntax(Error::UnknownNamespace(prefix, _))) => Some(prefix),
         _ => None,
     }
 }

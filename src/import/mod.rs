@@ -11,6 +11,8 @@
 //! all problems of a file are said at once.
 
 #[cfg(feature = "import")]
+mod bounds;
+#[cfg(feature = "import")]
 mod draft;
 #[cfg(feature = "import")]
 mod files;

@@ -2,19 +2,22 @@
 //!
 //! Every accessor marks what it was asked for. What an importer never asked for is found by [`Element::sweep`].
 
+use super::bounds;
 use super::log::{Log, Place, Problem, Taken};
-use crate::suggest::closest;
+use crate::budget::XML_NODES;
+use crate::foreign;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::ops::Range;
-
-/// More elements and texts than this are no model.
-const MOST_NODES: u32 = 4_000_000;
 
 /// Parses a text; what is wrong with it is in the log.
 pub(super) fn parse<'t>(text: &'t str, source: usize, log: &Log) -> Option<Document<'t>> {
     match document(text) {
         Ok(document) => Some(document),
-        Err(error) => {
+        Err(Unread::Beyond(at, what)) => {
+            log.refuse(Problem::at(Place { source, span: at..(at + 1).min(text.len()) }, what));
+            None
+        }
+        Err(Unread::Syntax(error)) => {
             let at = byte_at(text, error.pos().row, error.pos().col);
             let span = at..at + text[at..].chars().next().map_or(0, char::len_utf8);
             // The place is shown beside the message.
@@ -30,10 +33,28 @@ pub(super) fn parse<'t>(text: &'t str, source: usize, log: &Log) -> Option<Docum
     }
 }
 
-/// The document of a text, within limits.
-pub(super) fn document(text: &str) -> Result<Document<'_>, roxmltree::Error> {
-    let options = ParsingOptions { nodes_limit: MOST_NODES, allow_dtd: true, ..ParsingOptions::default() };
-    Document::parse_with_options(text, options)
+/// Why a text is no document.
+pub(super) enum Unread {
+    /// It asks for more than its budget, from this byte on, or the parser gave up on it.
+    Beyond(usize, String),
+    /// It is not XML.
+    Syntax(roxmltree::Error),
+}
+
+/// The document of a text, within its budget.
+pub(super) fn document(text: &str) -> Result<Document<'_>, Unread> {
+    if let Some((at, what)) = bounds::beyond(text) {
+        return Err(Unread::Beyond(at, what));
+    }
+    let options = ParsingOptions { nodes_limit: XML_NODES, allow_dtd: true, ..ParsingOptions::default() };
+    match foreign::parse("the reader of XML", || Document::parse_with_options(text, options)) {
+        Ok(Ok(document)) => Ok(document),
+        Ok(Err(roxmltree::Error::NodesLimitReached)) => {
+            Err(Unread::Beyond(0, format!("more than {XML_NODES} elements and texts, the most that is read")))
+        }
+        Ok(Err(error)) => Err(Unread::Syntax(error)),
+        Err(panicked) => Err(Unread::Beyond(0, panicked)),
+    }
 }
 
 /// The byte of a line and a column, both from 1.
@@ -197,7 +218,7 @@ impl<'a> Element<'a> {
         let found = self.attribute(key);
         if found.is_none() {
             let known: Vec<&str> = self.node.attributes().map(|attribute| attribute.name()).collect();
-            let help = closest(key, known.into_iter()).map(|near| format!("`{near}` is there: is it meant?"));
+            let help = self.log.near(key, known.into_iter()).map(|near| format!("`{near}` is there: is it meant?"));
             let message = format!("{}: `{key}` is missing", self.label());
             self.refuse(Problem::at(self.place(), message).maybe_help(help));
         }

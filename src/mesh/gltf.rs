@@ -2,7 +2,8 @@
 //! animations and skins are left out.
 
 use super::Mesh;
-use super::file::{MeshError, bytes};
+use super::file::{MeshError, bytes, bytes_up_to, check_size};
+use crate::budget::{MESH_BYTES, MESH_DEPTH, MESH_NODES};
 use base64::Engine;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
@@ -10,15 +11,13 @@ use gltf::{Accessor, Document, Node, Primitive};
 use nalgebra::{Matrix3, Matrix4, Point3, Vector3};
 use std::path::Path;
 
-/// Nodes within nodes: more than this is a cycle or made to break readers.
-const DEEPEST: usize = 100;
-
 pub(super) fn read(path: &Path) -> Result<Mesh, MeshError> {
     let file = bytes(path)?;
     let gltf::Gltf { document, blob } =
         gltf::Gltf::from_slice(&file).map_err(|error| MeshError::damaged(path, error))?;
     let buffers = buffers(path, &document, blob)?;
-    let mut reading = Reading { path, buffers, whole: Mesh::default(), normals: Vec::new(), colors: Vec::new() };
+    let mut reading =
+        Reading { path, buffers, whole: Mesh::default(), normals: Vec::new(), colors: Vec::new(), visits: 0 };
     let scene = document.default_scene().or_else(|| document.scenes().next());
     match scene {
         Some(scene) => scene.nodes().try_for_each(|node| reading.node(&node, Matrix4::identity(), 0))?,
@@ -36,6 +35,7 @@ pub(super) fn read(path: &Path) -> Result<Mesh, MeshError> {
 
 fn buffers(path: &Path, document: &Document, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>, MeshError> {
     let folder = path.parent().unwrap_or(Path::new(""));
+    let mut left = MESH_BYTES;
     let one = |buffer: gltf::Buffer<'_>| {
         let data = match buffer.source() {
             gltf::buffer::Source::Bin => blob.take().unwrap_or_default(),
@@ -45,7 +45,11 @@ fn buffers(path: &Path, document: &Document, mut blob: Option<Vec<u8>>) -> Resul
                     let decoded = base64::engine::general_purpose::STANDARD.decode(data);
                     decoded.map_err(|error| MeshError::damaged(path, error))?
                 }
-                None => bytes(&folder.join(uri))?,
+                None => {
+                    let data = bytes_up_to(&folder.join(uri), left)?;
+                    left -= data.len() as u64;
+                    data
+                }
             },
         };
         if data.len() < buffer.length() {
@@ -64,13 +68,16 @@ struct Reading<'p> {
     whole: Mesh,
     normals: Vec<[f32; 3]>,
     colors: Vec<[f32; 4]>,
+    /// Of nodes and primitives.
+    visits: usize,
 }
 
 impl Reading<'_> {
     fn node(&mut self, node: &Node<'_>, outer: Matrix4<f32>, depth: usize) -> Result<(), MeshError> {
-        if depth > DEEPEST {
-            return Err(MeshError::damaged(self.path, format!("its nodes are nested deeper than {DEEPEST}")));
+        if depth > MESH_DEPTH {
+            return Err(MeshError::damaged(self.path, format!("its nodes are nested deeper than {MESH_DEPTH}")));
         }
+        self.visit()?;
         let here = outer * Matrix4::from(node.transform().matrix());
         let primitives = node.mesh().into_iter().flat_map(|mesh| mesh.primitives());
         primitives.into_iter().try_for_each(|primitive| self.primitive(&primitive, &here))?;
@@ -78,6 +85,7 @@ impl Reading<'_> {
     }
 
     fn primitive(&mut self, primitive: &Primitive<'_>, place: &Matrix4<f32>) -> Result<(), MeshError> {
+        self.visit()?;
         let Some(positions) = primitive.get(&gltf::Semantic::Positions) else { return Ok(()) };
         if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
             return Ok(());
@@ -93,6 +101,10 @@ impl Reading<'_> {
             self.check(&indices, whole && indices.dimensions() == Dimensions::Scalar)?;
         }
         let first = self.whole.vertices.len();
+        let named = primitive.indices().map_or(positions.count(), |indices| indices.count());
+        let more = if primitive.mode() == Mode::Triangles { named / 3 } else { named };
+        let corners = positions.count().max(normals.as_ref().map_or(0, Accessor::count));
+        check_size(self.path, first.saturating_add(corners), self.whole.triangles.len().saturating_add(more))?;
         let reader = primitive.reader(|buffer| self.buffers.get(buffer.index()).map(Vec::as_slice));
         let corners: Vec<[f32; 3]> = reader.read_positions().into_iter().flatten().collect();
         let turn: Matrix3<f32> = place.fixed_view::<3, 3>(0, 0).into();
@@ -119,6 +131,19 @@ impl Reading<'_> {
         });
         self.whole.triangles.extend(triangles);
         Ok(())
+    }
+
+    /// A node that stands in several places is visited in each, and what it draws is there so many times.
+    fn visit(&mut self) -> Result<(), MeshError> {
+        self.visits += 1;
+        match self.visits > MESH_NODES {
+            true => Err(MeshError::TooLarge {
+                path: self.path.to_owned(),
+                what: "nodes and primitives, each as often as it is placed",
+                most: MESH_NODES as u64,
+            }),
+            false => Ok(()),
+        }
     }
 
     /// What the accessor claims is there, so that reading it neither fails nor allocates more than the file.

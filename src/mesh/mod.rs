@@ -16,10 +16,11 @@ mod solid;
 #[cfg(feature = "import")]
 mod stl;
 
-pub use file::{LARGEST_MESH, MeshError};
+pub use file::{MeshError, bytes as contents};
 pub use hull::{Triangles, hull};
 pub use solid::{NotSolid, Solid};
 
+use crate::foreign;
 use std::path::Path;
 
 /// Triangles with their corners.
@@ -39,17 +40,18 @@ impl Mesh {
     /// Reads a mesh; its format is told by the extension of the file: `stl`, `obj`, `gltf`, `glb`, `msh`.
     ///
     /// # Errors
-    /// Where the file cannot be read, is larger than [`LARGEST_MESH`], or is not what its extension says.
+    /// Where the file cannot be read, is larger than its [`budget`](crate::budget), or is not what its extension says.
     #[cfg(feature = "import")]
     pub fn read(path: &Path) -> Result<Self, MeshError> {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-        let mesh = match extension.to_ascii_lowercase().as_str() {
-            "stl" => stl::read(path),
-            "obj" => obj::read(path),
-            "gltf" | "glb" => gltf::read(path),
-            "msh" => msh::read(path),
+        let (parser, read): (_, fn(&Path) -> Result<Self, MeshError>) = match extension.to_ascii_lowercase().as_str() {
+            "stl" => ("the reader of STL files", stl::read),
+            "obj" => ("the reader of OBJ files", obj::read),
+            "gltf" | "glb" => ("the reader of glTF files", gltf::read),
+            "msh" => ("the reader of MSH files", msh::read),
             _ => return Err(MeshError::Unknown(path.to_owned())),
-        }?;
+        };
+        let mesh = foreign::parse(parser, || read(path)).map_err(|panicked| MeshError::damaged(path, panicked))??;
         mesh.checked(path)
     }
 
@@ -74,6 +76,7 @@ impl Mesh {
     /// Corners that are there and numbers that are finite.
     #[cfg(feature = "import")]
     fn checked(self, path: &Path) -> Result<Self, MeshError> {
+        file::check_size(path, self.vertices.len(), self.triangles.len())?;
         let count = self.vertices.len();
         if let Some(corner) = self.triangles.iter().flatten().find(|corner| **corner as usize >= count) {
             return Err(MeshError::damaged(path, format!("a triangle names corner {corner}, there are {count}")));

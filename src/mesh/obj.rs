@@ -1,7 +1,9 @@
 //! Wavefront OBJ, with the colours of its materials.
 
 use super::Mesh;
-use super::file::{MeshError, bytes};
+use super::file::{MeshError, bytes, bytes_up_to, check_size};
+use crate::budget::MATERIAL_BYTES;
+use std::cell::Cell;
 use std::io::Cursor;
 use std::path::Path;
 
@@ -11,9 +13,15 @@ const OPTIONS: tobj::LoadOptions =
 pub(super) fn read(path: &Path) -> Result<Mesh, MeshError> {
     let text = bytes(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
+    let (corners, triangles) = size(&text);
+    check_size(path, corners, triangles)?;
+    let left = Cell::new(MATERIAL_BYTES);
     // A material that is missing costs its colour.
-    let material = |file: &Path| match bytes(&folder.join(file)) {
-        Ok(bytes) => tobj::load_mtl_buf(&mut Cursor::new(bytes)),
+    let material = |file: &Path| match bytes_up_to(&folder.join(file), left.get()) {
+        Ok(bytes) => {
+            left.set(left.get().saturating_sub(bytes.len() as u64));
+            tobj::load_mtl_buf(&mut Cursor::new(bytes))
+        }
         Err(_) => Err(tobj::LoadError::OpenFileFailed),
     };
     let (parts, materials) = tobj::load_obj_buf(&mut Cursor::new(text), &OPTIONS, material)
@@ -62,4 +70,20 @@ fn cut(face: &[u32], corners: &[[f32; 3]]) -> Vec<[u32; 3]> {
     }
     let fan = face.windows(2).skip(1).map(|pair| [face[0], pair[0], pair[1]]);
     fan.collect()
+}
+
+/// How many corners and triangles a text says, by the letters of its lines.
+fn size(text: &[u8]) -> (usize, usize) {
+    let mut counts = (0, 0);
+    for line in text.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii_start) {
+        match line {
+            [b'v', b' ' | b'\t', ..] => counts.0 += 1,
+            [b'f', b' ' | b'\t', rest @ ..] => {
+                let corners = rest.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count();
+                counts.1 += corners.saturating_sub(2);
+            }
+            _ => {}
+        }
+    }
+    counts
 }

@@ -1,13 +1,15 @@
 //! STL, as text and as bytes.
 
 use super::Mesh;
-use super::file::{MeshError, bytes};
+use super::file::{MeshError, bytes, check_size};
 use std::io::Cursor;
 use std::path::Path;
 
 /// A header of 80 bytes and the number of triangles, and the bytes of each.
 const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
+/// The shortest text of a triangle: `facet normal 0 0 0 outer loop vertex 0 0 0 …`.
+const SHORTEST: usize = 80;
 
 pub(super) fn read(path: &Path) -> Result<Mesh, MeshError> {
     let mut bytes = bytes(path)?;
@@ -24,6 +26,9 @@ pub(super) fn read(path: &Path) -> Result<Mesh, MeshError> {
         };
         return Err(MeshError::damaged(path, what));
     }
+    // As text a triangle takes some 100 bytes at least.
+    let triangles = claimed.filter(|_| length == Some(bytes.len())).unwrap_or(bytes.len() / SHORTEST);
+    check_size(path, 0, triangles)?;
     if length == Some(bytes.len()) {
         // Nothing in this header is text.
         bytes[..5].fill(0);

@@ -65,13 +65,14 @@ fn index_names<'a>(description: &'a Description, problems: &mut Vec<Problem>) ->
     names
 }
 
-fn unknown_body(element: Element, field: &str, name: &str, description: &Description) -> Problem {
+/// `before`: how many problems there are already.
+fn unknown_body(before: usize, element: Element, field: &str, name: &str, description: &Description) -> Problem {
     let known = description.bodies.iter().map(|body| body.name.as_str()).chain([GROUND]);
     Problem {
         element,
         field: field.to_owned(),
         message: format!("there is no body `{name}`"),
-        help: suggest::closest(name, known).map(|near| format!("did you mean `{near}`?")),
+        help: suggest::closest_of_many(before, name, known).map(|near| format!("did you mean `{near}`?")),
     }
 }
 
@@ -87,7 +88,8 @@ fn resolve_parents(
         }
         let found = names.get(parent).copied();
         if found.is_none() {
-            problems.push(unknown_body(Element::Body(index), "hinge.parent", parent, description));
+            let element = Element::Body(index);
+            problems.push(unknown_body(problems.len(), element, "hinge.parent", parent, description));
         }
         found
     };
@@ -212,7 +214,8 @@ impl Places<'_> {
             name => match self.names.get(name) {
                 Some(index) => Some(*index),
                 None => {
-                    self.problems.push(unknown_body(element, field, name, self.description));
+                    let before = self.problems.len();
+                    self.problems.push(unknown_body(before, element, field, name, self.description));
                     return nowhere;
                 }
             },

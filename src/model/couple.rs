@@ -188,7 +188,7 @@ fn check_loop(index: usize, closed: &LoopDescription, add: &mut impl FnMut(Eleme
     }
 }
 
-/// A coordinate by name, or the problem with it.
+/// A coordinate by name, or the problem with it; `before` it there were so many.
 pub(super) fn scalar(
     description: &Description,
     model: &Model,
@@ -196,11 +196,12 @@ pub(super) fn scalar(
     element: Element,
     field: &str,
     owner: &str,
+    before: usize,
 ) -> Result<Scalar, Problem> {
     let problem = |message: String, help: Option<String>| Problem { element, field: field.to_owned(), message, help };
     let Some(body) = model.bodies.iter().find(|body| body.name == wanted.body) else {
         let known = description.bodies.iter().map(|body| body.name.as_str());
-        let help = suggest::closest(&wanted.body, known).map(|near| format!("did you mean `{near}`?"));
+        let help = suggest::closest_of_many(before, &wanted.body, known).map(|near| format!("did you mean `{near}`?"));
         return Err(problem(format!("there is no body `{}`", wanted.body), help));
     };
     let kind = body.hinge.kind;
@@ -262,13 +263,14 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
     let mut driven: HashMap<usize, &str> = HashMap::new();
     for (index, drive) in description.drives.iter().enumerate() {
         let element = Element::Drive(index);
-        let coordinate = match scalar(description, model, &drive.coordinate, element, "hinge", &drive.name) {
-            Ok(coordinate) => coordinate,
-            Err(problem) => {
-                problems.push(problem);
-                continue;
-            }
-        };
+        let coordinate =
+            match scalar(description, model, &drive.coordinate, element, "hinge", &drive.name, problems.len()) {
+                Ok(coordinate) => coordinate,
+                Err(problem) => {
+                    problems.push(problem);
+                    continue;
+                }
+            };
         let mut add = |field: &str, message: String, help: &str| {
             problems.push(Problem { element, field: field.to_owned(), message, help: Some(help.to_owned()) });
         };
@@ -321,7 +323,7 @@ fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Proble
         let element = Element::Gear(index);
         let mut found = Vec::new();
         for (end, wanted) in gear.between.iter().enumerate() {
-            match scalar(description, model, wanted, element, &format!("between[{end}]"), &gear.name) {
+            match scalar(description, model, wanted, element, &format!("between[{end}]"), &gear.name, problems.len()) {
                 Ok(coordinate) => found.push(coordinate),
                 Err(problem) => problems.push(problem),
             }

@@ -176,7 +176,8 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
             WatchedDescription::Hinge { body, coordinate } => match description.bodies.iter().find(|b| b.name == *body)
             {
                 None => {
-                    let help = suggest::closest(body, known()).map(|near| format!("did you mean `{near}`?"));
+                    let near = suggest::closest_of_many(index, body, known());
+                    let help = near.map(|near| format!("did you mean `{near}`?"));
                     add("hinge", format!("there is no body `{body}`"), help);
                 }
                 Some(found) if *coordinate >= found.hinge.kind.plain_coordinates() => {

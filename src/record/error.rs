@@ -27,12 +27,14 @@ pub enum RecordError {
         path: PathBuf,
     },
     /// Writing failed in the middle.
-    #[error("cannot write the recording `{}`: {source}; what was written before stays readable there", path.display())]
+    #[error("cannot write the recording `{}`: {source}; {}", path.display(), if *kept { "what was written before stays readable there" } else { "nothing is kept there" })]
     Write {
         /// File as it stands on disk.
         path: PathBuf,
         /// Why.
         source: io::Error,
+        /// Whether the description and the samples up to the last flush are there.
+        kept: bool,
     },
     /// A sample does not fit the scene it belongs to.
     #[error("the sample at {time} s has {found} {what}, the scene has {expected}")]

@@ -19,6 +19,7 @@ mod fanout;
 #[cfg(feature = "record")]
 pub mod file;
 mod memory;
+mod meshes;
 pub mod sample;
 pub mod scene;
 #[cfg(feature = "record")]

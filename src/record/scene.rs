@@ -1,6 +1,9 @@
 //! What a picture of a recording needs to know beside the samples. Written into the recording, so that a viewer needs
 //! nothing else.
 
+use crate::budget;
+use std::collections::HashSet;
+
 /// The still part of a recording: names, shapes, lines, channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
@@ -118,4 +121,40 @@ pub struct Channel {
     pub name: String,
     /// SI unit.
     pub unit: String,
+}
+
+/// A scene from its JSON text, as far as other numbers follow from its own: indices lead to bodies, names are unique, and
+/// no sample of it is larger than its bodies can make it.
+pub(super) fn parse(json: &str) -> Result<Scene, String> {
+    let scene: Scene = serde_json::from_str(json).map_err(|error| error.to_string())?;
+    let bodies = scene.bodies.len();
+    let most = [
+        ("bodies", bodies, budget::BODIES),
+        ("hinge coordinates", scene.positions.len(), 7 * bodies),
+        ("hinge velocities", scene.velocities.len(), 6 * bodies),
+        ("couplings", scene.couplings.len(), budget::BODIES),
+        ("lines", scene.lines.len(), budget::BODIES),
+        ("loads", scene.loads.len(), budget::BODIES),
+    ];
+    if let Some((what, found, most)) = most.into_iter().find(|(_, found, most)| found > most) {
+        return Err(format!("{found} {what}, where there can be {most} at most"));
+    }
+    let parents = scene.bodies.iter().filter_map(|body| body.parent);
+    let ends = scene.lines.iter().flat_map(|line| &line.ends).filter_map(|(body, _)| *body);
+    let loads = scene.loads.iter().map(|load| load.body);
+    if let Some(index) = parents.chain(ends).chain(loads).find(|index| *index >= bodies) {
+        return Err(format!("body {index} of {bodies}"));
+    }
+    let mut names = HashSet::new();
+    if let Some(twice) = scene.bodies.iter().find(|body| !names.insert(body.name.as_str())) {
+        return Err(format!("two bodies are called `{}`", twice.name));
+    }
+    for channels in [&scene.positions, &scene.velocities] {
+        let mut names = HashSet::new();
+        let key = |channel: &'_ Channel| (channel.body.clone(), channel.name.clone());
+        if let Some(twice) = channels.iter().find(|channel| !names.insert(key(channel))) {
+            return Err(format!("two channels are called `{}.{}`", twice.body, twice.name));
+        }
+    }
+    Ok(scene)
 }

@@ -97,7 +97,7 @@ fn mesh(file: &str, scale: [f64; 3]) -> Option<Form> {
         "dae" => "model/vnd.collada+xml",
         _ => return None,
     };
-    Some(Form::Mesh { file: file.to_owned(), contents: std::fs::read(path).ok()?, media_type, scale })
+    Some(Form::Mesh { file: file.to_owned(), contents: crate::mesh::contents(path).ok()?, media_type, scale })
 }
 
 /// `longest` is the length of all stand-ins in a row.

@@ -2,7 +2,7 @@
 
 use super::scene::Channel;
 use super::{OwnedSample, Scene};
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -73,13 +73,16 @@ impl Table {
     ///
     /// No two columns of a recording have the same name.
     pub fn all(scene: &Scene) -> Vec<Self> {
-        let mut taken = HashSet::new();
+        // How many primes the next column of a name gets: a scene may have any number of equal ones.
+        let mut taken: HashMap<String, usize> = HashMap::new();
         let mut column = |name: String, unit: &str| {
-            let mut name = name;
-            while !taken.insert(name.clone()) {
-                name.push('\'');
+            let mut unique = name.clone();
+            while let Some(count) = taken.get_mut(&unique) {
+                *count += 1;
+                unique = if *count < 4 { format!("{name}{}", "'".repeat(*count)) } else { format!("{name}'{count}") };
             }
-            Column { name, unit: unit.to_owned() }
+            taken.insert(unique.clone(), 0);
+            Column { name: unique, unit: unit.to_owned() }
         };
         let mut hinges = Vec::new();
         for channel in scene.positions.iter().chain(&scene.velocities) {

@@ -72,18 +72,21 @@ pub(super) fn lower<'a>(
 fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, spans: &mut SpanTable<'_>) {
     let tables = scenario.tables("body");
     let templates: Vec<Option<Template>> = tables.iter().map(|table| template(table, folder)).collect();
-    let mut total = 0;
-    for (index, (table, template)) in tables.iter().zip(&templates).enumerate() {
-        let Some(template) = template else {
-            spans.add_nameless();
-            continue;
-        };
-        total += template.count();
+    // All of them before any: every one is made of memory.
+    let mut total = 0_usize;
+    for (table, template) in tables.iter().zip(&templates) {
+        total = total.saturating_add(template.as_ref().map_or(0, Template::count));
         if total > MOST_BODIES {
             let message = format!("{total} bodies are more than the {MOST_BODIES} that a scenario may have");
             scenario.findings.push(Finding::error(table.span_of("repeat"), message));
             return;
         }
+    }
+    for (index, template) in templates.iter().enumerate() {
+        let Some(template) = template else {
+            spans.add_nameless();
+            continue;
+        };
         template.expand(description);
         spans.add_bodies(index, template.repeat);
     }

@@ -53,7 +53,7 @@ pub mod start;
 mod syntax;
 mod unknown;
 
-pub use crate::text_file::{LARGEST_FILE, ReadError};
+pub use crate::text_file::ReadError;
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use model::{convert, convert_text};
 pub use overrides::{Override, OverrideError};
@@ -111,7 +111,7 @@ pub struct Scenario {
 /// this model.
 ///
 /// # Errors
-/// Where the file cannot be read, is no text or larger than [`LARGEST_FILE`], and where something is wrong in it: then
+/// Where the file cannot be read, is no text or larger than [`TEXT_BYTES`](crate::budget::TEXT_BYTES), and where something is wrong in it: then
 /// with all problems at once.
 pub fn load(path: &Path) -> Result<Scenario, LoadError> {
     load_with(path, &[])

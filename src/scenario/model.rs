@@ -11,8 +11,9 @@ use super::reader::Reader;
 use super::sources::Sources;
 use super::spans::walk;
 use super::{LoadError, check, checked, quantities};
+use crate::budget::SUGGESTIONS;
 use crate::import::{self, Imported, Options, Problem, Refused, Source};
-use crate::suggest::closest;
+use crate::suggest::closest_of_many;
 use crate::text_file;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -81,6 +82,8 @@ pub(super) fn open<'a>(document: &mut DeTable<'a>) {
 
 /// Takes the models out of a document and imports them. `folder` is that of the scenario.
 pub(super) fn import<'a>(document: &mut DeTable<'a>, folder: &Path, findings: &Findings) -> Vec<Model<'a>> {
+    // Changes may have named another file.
+    open(document);
     let Some((key, value)) = document.remove_entry("model") else { return Vec::new() };
     let mut written = DeTable::new();
     written.insert(key, value);
@@ -239,7 +242,7 @@ impl<'m> Model<'m> {
             }
             match self.body(imported, word, |name| by_name.contains_key(name)) {
                 Some(body) => by_name.get_mut(&body).into_iter().for_each(|hinge| set(hinge, key, value)),
-                None => findings.push(self.stranger(imported, name, by_name.keys())),
+                None => findings.push(self.stranger(imported, name, by_name.keys(), findings.errors())),
             }
         }
     }
@@ -250,12 +253,20 @@ impl<'m> Model<'m> {
         joint.or_else(|| [format!("{}{name}", self.prefix), name.to_owned()].into_iter().find(|name| known(name)))
     }
 
-    fn stranger<'n>(&self, imported: &Imported, name: &Key<'_>, bodies: impl Iterator<Item = &'n String>) -> Finding {
+    fn stranger<'n>(
+        &self,
+        imported: &Imported,
+        name: &Key<'_>,
+        bodies: impl Iterator<Item = &'n String>,
+        before: usize,
+    ) -> Finding {
         let word = name.get_ref().as_ref();
         let mut known: Vec<&str> = bodies.map(String::as_str).collect();
-        known.sort_unstable();
+        if before < SUGGESTIONS {
+            known.sort_unstable();
+        }
         let joints = imported.joints.iter().map(|(joint, _)| joint.as_str());
-        let near = closest(word, joints.chain(known));
+        let near = closest_of_many(before, word, joints.chain(known));
         let message = format!("the model has no joint or body `{word}`");
         Finding::error(name.span(), message).maybe_help(near.map(|near| format!("did you mean `{near}`?")))
     }

@@ -26,7 +26,7 @@ use crate::model::description::Description;
 use crate::model::parameter::{Field, Parameter};
 use crate::model::problem::{Element, Problem};
 use crate::model::{Body, Model};
-use crate::suggest::closest;
+use crate::suggest::closest_of_many;
 use crate::text_file;
 use std::fmt::Write;
 use std::ops::Range;
@@ -181,7 +181,7 @@ impl File<'_> {
             let Some(numbers) = table.numbers(name) else { continue };
             let Some((element, known)) = rows.iter().find(|(element, _)| plain(element) == name) else {
                 let all: Vec<String> = rows.iter().map(|(element, _)| plain(element)).collect();
-                let near = closest(name, all.iter().map(String::as_str));
+                let near = closest_of_many(self.whole.findings.errors(), name, all.iter().map(String::as_str));
                 let finding = Finding::error(table.key_span(name), format!("the scene has no {name}"));
                 self.whole.findings.push(finding.maybe_help(near.map(|near| format!("did you mean `{near}`?"))));
                 continue;
@@ -200,7 +200,8 @@ impl File<'_> {
         let Some(table) = self.whole.table(list) else { return };
         for (name, _) in self.whole.names(list) {
             let Some(index) = self.changed.bodies.iter().position(|body| body.name == name) else {
-                let near = closest(name, self.changed.bodies.iter().map(|body| body.name.as_str()));
+                let known = self.changed.bodies.iter().map(|body| body.name.as_str());
+                let near = closest_of_many(self.whole.findings.errors(), name, known);
                 let finding = Finding::error(table.key_span(name), format!("the scene has no body `{name}`"));
                 let help = near.map(|near| format!("did you mean `{near}`?"));
                 self.whole.findings.push(finding.maybe_help(help));

@@ -6,9 +6,12 @@ use std::path::{Path, PathBuf};
 
 /// Module → the modules of ours that it may import. Dependencies point one way: no module stands below itself.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
-    ("suggest", &[]),
-    ("text_file", &["suggest"]),
-    ("mesh", &[]),
+    ("budget", &[]),
+    ("foreign", &[]),
+    ("whole_file", &[]),
+    ("suggest", &["budget"]),
+    ("text_file", &["budget", "suggest"]),
+    ("mesh", &["budget", "foreign"]),
     ("pages", &[]),
     ("spatial", &[]),
     ("integrate", &[]),
@@ -23,14 +26,15 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("dynamics", &["model", "motion", "force", "forces", "transfer", "constraint", "spatial"]),
     // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
     ("statics", &["model", "motion", "force", "forces", "constraint", "dynamics", "transfer", "spatial"]),
-    ("record", &["mesh", "spatial"]),
+    ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
     ("simulate", &["force", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     // `model` for the mass properties of solids.
-    ("import", &["mesh", "model", "suggest", "text_file"]),
+    ("import", &["budget", "foreign", "mesh", "model", "suggest", "text_file"]),
     // `force` for the tables of curves.
     (
         "scenario",
         &[
+            "budget",
             "force",
             "formula",
             "import",
@@ -48,6 +52,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "foreign",
+            "whole_file",
             "import",
             "model",
             "constraint",
@@ -65,6 +71,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 
 /// Foreign crate → the modules that may name it.
 const FOREIGN: &[(&str, &[&str])] = &[
+    ("strsim", &["suggest"]),
     ("stl_io", &["mesh"]),
     ("tobj", &["mesh"]),
     ("gltf", &["mesh"]),
@@ -81,6 +88,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),
+    ("signal_hook", &["cli"]),
     ("csv", &["cli"]),
     ("parquet", &["cli"]),
     ("arrow_array", &["cli"]),

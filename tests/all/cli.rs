@@ -6,6 +6,7 @@ mod interrupt;
 mod keys;
 mod models;
 mod output;
+mod outputs;
 mod path;
 mod poses;
 mod precision;

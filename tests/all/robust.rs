@@ -3,6 +3,8 @@
 //! A few hundred cases with a fixed seed belong to the tests; `ROBUST_CASES=100000` looks longer, with another seed each
 //! time.
 
+mod budgets;
+mod meshes;
 mod recordings;
 mod scenarios;
 

@@ -8,7 +8,6 @@ use parquet::arrow::ArrowWriter;
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::properties::WriterProperties;
 use std::fs::File;
-use std::path::Path;
 use std::sync::Arc;
 
 /// Numbers that are held before they are written (8 MiB).
@@ -22,7 +21,7 @@ struct Parquet {
     most: usize,
 }
 
-pub(super) fn create(file: &Path, columns: &[Column]) -> anyhow::Result<Box<dyn Sheet>> {
+pub(super) fn create(file: File, columns: &[Column]) -> anyhow::Result<Box<dyn Sheet>> {
     let field = |column: &Column| {
         let unit = [("unit".to_owned(), column.unit.clone())];
         Field::new(&column.name, DataType::Float64, false).with_metadata(unit.into())
@@ -34,7 +33,7 @@ pub(super) fn create(file: &Path, columns: &[Column]) -> anyhow::Result<Box<dyn 
         .set_dictionary_enabled(false)
         .set_created_by(concat!("stillpoint ", env!("CARGO_PKG_VERSION")).to_owned())
         .build();
-    let writer = ArrowWriter::try_new(File::create(file)?, schema.clone(), Some(properties))?;
+    let writer = ArrowWriter::try_new(file, schema.clone(), Some(properties))?;
     let most = (HELD / columns.len()).max(1);
     Ok(Box::new(Parquet { writer, schema, columns: vec![Vec::new(); columns.len()], most }))
 }

@@ -3,12 +3,11 @@
 use super::Sheet;
 use crate::record::table::Column;
 use std::fs::File;
-use std::path::Path;
 
 struct Csv(csv::Writer<File>);
 
-pub(super) fn create(file: &Path, columns: &[Column]) -> anyhow::Result<Box<dyn Sheet>> {
-    let mut csv = csv::Writer::from_path(file)?;
+pub(super) fn create(file: File, columns: &[Column]) -> anyhow::Result<Box<dyn Sheet>> {
+    let mut csv = csv::Writer::from_writer(file);
     csv.write_record(columns.iter().map(|column| format!("{} [{}]", column.name, column.unit)))?;
     Ok(Box::new(Csv(csv)))
 }

@@ -9,7 +9,6 @@ use super::pose::roll_pitch_yaw;
 use super::scene::{Kind, Scene, WORLD};
 use super::tendon::Tendons;
 use super::tree::Tree;
-use crate::suggest::closest;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// Reads all couplings. Those that hold coordinates against each other also set where these start.
@@ -88,8 +87,8 @@ pub(super) fn find(
         let what = format!("the {what} `{}` of its model is not attached: nor is what refers to it", attribute.value);
         attribute.element.note(Taken::Ignored, what);
     } else if found.is_none() {
-        let near =
-            closest(attribute.value, names.keys().map(String::as_str)).map(|near| format!("did you mean `{near}`?"));
+        let near = attribute.element.log.near(attribute.value, names.keys().map(String::as_str));
+        let near = near.map(|near| format!("did you mean `{near}`?"));
         let problem = attribute.wrong(&format!("is \"{}\": there is no such {what}", attribute.value));
         attribute.element.refuse(problem.maybe_help(near));
     }

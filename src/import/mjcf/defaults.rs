@@ -4,7 +4,6 @@ use super::super::log::Problem;
 use super::super::xml::{Attribute, Element};
 use super::settings::choice;
 use super::tree::Tree;
-use crate::suggest::closest;
 use std::collections::HashMap;
 
 /// The classes of `<default>`.
@@ -76,7 +75,7 @@ impl<'a> Defaults<'a> {
     pub(super) fn class(&self, attribute: &Attribute<'a>) -> Option<usize> {
         let found = self.names.get(attribute.value).copied();
         if found.is_none() && attribute.value != "main" {
-            let near = closest(attribute.value, self.names.keys().copied());
+            let near = attribute.element.log.near(attribute.value, self.names.keys().copied());
             let help = near.map_or_else(
                 || "classes are declared in <default>".to_owned(),
                 |near| format!("did you mean `{near}`?"),

@@ -64,7 +64,7 @@ pub(super) fn geom(
         "mesh" => {
             let name = settled.attribute("mesh").or_else(|| element.required("mesh"))?;
             let Some(mesh) = assets.meshes.get(name.value) else {
-                let near = crate::suggest::closest(name.value, assets.meshes.keys().map(String::as_str));
+                let near = element.log.near(name.value, assets.meshes.keys().map(String::as_str));
                 let help = near.map(|near| format!("did you mean `{near}`?"));
                 let problem = name.wrong(&format!("is \"{}\": there is no such mesh in <asset>", name.value));
                 element.refuse(problem.maybe_help(help));

@@ -3,7 +3,6 @@
 use super::super::log::{Place, Taken};
 use super::super::xml::{self, Element};
 use super::tree::Tree;
-use crate::suggest::closest;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Elements without an equal here, and why.
@@ -294,7 +293,7 @@ fn elements(root: &Element<'_>, in_default: bool, groups: &mut Groups) {
                     places.push(attribute.place());
                 }
                 None => {
-                    let near = closest(attribute.key, KNOWN.into_iter());
+                    let near = element.log.near(attribute.key, KNOWN.into_iter());
                     let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
                     let value = xml::cut(attribute.value);
                     let what = format!("`{} = \"{value}\"` is not known here{near}", attribute.key);

@@ -49,7 +49,7 @@ impl Tendons {
                 format!("the tendon `{}` of its model is not attached: nor is what refers to it", attribute.value);
             attribute.element.note(Taken::Ignored, what);
         } else if found.is_none() {
-            let near = crate::suggest::closest(attribute.value, self.names.keys().map(String::as_str));
+            let near = attribute.element.log.near(attribute.value, self.names.keys().map(String::as_str));
             let help = near.map(|near| format!("did you mean `{near}`?"));
             let problem = attribute.wrong(&format!("is \"{}\": there is no such tendon", attribute.value));
             attribute.element.refuse(problem.maybe_help(help));

@@ -3,6 +3,7 @@
 use super::super::log::{Log, Problem};
 use super::super::mend;
 use super::super::xml::{self, Element};
+use crate::import::is_model;
 use crate::text_file;
 use roxmltree::Document;
 use std::collections::{HashMap, HashSet};
@@ -143,7 +144,13 @@ impl Search {
         top: usize,
         [what, cannot, help]: [&'static str; 3],
     ) -> Option<usize> {
-        match text_file::read(path, what) {
+        match text_file::read_regular(path, what) {
+            // What is no XML may be anything, and is not shown.
+            Ok(text) if !is_model(&text) => {
+                let file = element.attribute("file")?;
+                element.refuse(file.wrong(&format!("is \"{}\", which is no XML file", file.value)));
+                None
+            }
             Ok(text) => {
                 let source = element.log.add(path, text);
                 let text = mend::readable(element.log.text(source), source, element.log);

@@ -255,7 +255,7 @@ pub(super) fn gears(tree: &Tree<'_>, bodies: &[String], draft: &mut Draft, optio
         let Some(leader) = mimic.required("joint") else { continue };
         let Some(other) = tree.joint(leader.value) else {
             let message = format!("{}: there is no joint `{}`", mimic.label(), leader.value);
-            let help = match tree.near(leader.value) {
+            let help = match tree.near(leader.value, leader.element.log) {
                 Some(near) => format!("did you mean `{near}`? {WITHOUT_MIMICS}"),
                 None => WITHOUT_MIMICS.to_owned(),
             };

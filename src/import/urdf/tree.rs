@@ -1,10 +1,9 @@
 //! Which link hangs on which.
 
 use crate::import::Options;
-use crate::import::log::{Place, Problem, Taken};
+use crate::import::log::{Log, Place, Problem, Taken};
 use crate::import::xml::{Attribute, Element};
 use crate::model::description::GROUND;
-use crate::suggest::closest;
 use std::collections::HashMap;
 
 /// A `<link>`.
@@ -71,10 +70,10 @@ impl<'a> Tree<'a> {
     }
 
     /// The joint's name that is nearest to this one, or the only one that ends with it.
-    pub(super) fn near(&self, name: &str) -> Option<&'a str> {
+    pub(super) fn near(&self, name: &str, log: &Log) -> Option<&'a str> {
         let names = || self.joints.iter().map(|joint| joint.name);
         let mut longer = names().filter(|joint| !name.is_empty() && joint.ends_with(name));
-        match (closest(name, names()), longer.next(), longer.next()) {
+        match (log.near(name, names()), longer.next(), longer.next()) {
             (Some(near), ..) => Some(near),
             (None, Some(only), None) => Some(only),
             _ => None,
@@ -94,7 +93,7 @@ impl<'a> Tree<'a> {
         let link = element.required("link")?;
         let found = by_link.get(link.value).map(|index| (*index, link.place()));
         if found.is_none() {
-            let near = closest(link.value, self.links.iter().map(|link| link.name));
+            let near = joint.log.near(link.value, self.links.iter().map(|link| link.name));
             let help = near.map(|near| format!("did you mean `{near}`?"));
             let message = format!("{}: there is no link `{}`", joint.label(), link.value);
             joint.refuse(Problem::at(link.place(), message).maybe_help(help));

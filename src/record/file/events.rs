@@ -2,6 +2,7 @@
 
 use super::chunks::{Records, Stop};
 use super::{EVENTS_TOPIC, frames};
+use crate::foreign;
 use crate::record::Event;
 use foxglove::messages::Log;
 use foxglove::messages::log::Level;
@@ -27,12 +28,13 @@ pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<Event>, String
         match records.next() {
             Some(Ok(Record::Channel(found))) if found.topic == EVENTS_TOPIC => channel = Some(found.id),
             Some(Ok(Record::Message { header, data })) if Some(header.channel_id) == channel => {
-                let log = Log::decode(&data[..]).map_err(|error| error.to_string())?;
+                let log = foreign::parse("the reader of protobuf", || Log::decode(&data[..]))?;
+                let log = log.map_err(|error| error.to_string())?;
                 events.push(Event { time: header.log_time as f64 * 1e-9, name: log.name, text: log.message });
             }
             Some(Ok(_)) => {}
             None | Some(Err(Stop::Truncated)) => return Ok(events),
-            Some(Err(Stop::Damaged(error))) => return Err(error.to_string()),
+            Some(Err(Stop::Damaged(what))) => return Err(what),
             Some(Err(Stop::Io(error))) => return Err(error.to_string()),
         }
     }

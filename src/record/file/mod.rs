@@ -43,7 +43,10 @@
 
 mod chunks;
 mod events;
+#[cfg(test)]
+mod faults;
 mod frames;
+mod layout;
 mod names;
 mod numbers;
 mod partial;
@@ -56,8 +59,8 @@ mod schema;
 mod survey;
 mod writer;
 
-pub use partial::RecordingFile;
-pub use reader::Recording;
+pub use partial::{RecordingFile, keep_complete};
+pub use reader::{Ending, Recording};
 pub use recover::{Lost, Recovered};
 pub use samples::Samples;
 pub use survey::{ChannelSurvey, Survey};

@@ -1,7 +1,7 @@
 //! Names that protobuf allows, made from names that a scenario allows.
 
 use crate::record::scene::Channel;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Field names for hinge coordinates: `upper_angle`, `link_2_quaternion_w`.
 pub(super) fn channel_fields(channels: &[Channel]) -> Vec<String> {
@@ -14,15 +14,17 @@ pub(super) fn channel_fields(channels: &[Channel]) -> Vec<String> {
 /// a number.
 pub(super) fn fields(names: impl IntoIterator<Item = String>) -> Vec<String> {
     let mut taken = HashSet::new();
+    // The next number of every name that had to get one: names may be equal by the thousand.
+    let mut numbers: HashMap<String, usize> = HashMap::new();
     names
         .into_iter()
         .map(|name| {
             let base = legal(&name);
             let mut candidate = base.clone();
-            let mut count = 2;
             while !taken.insert(bare(&candidate)) {
-                candidate = format!("{base}_n{count}");
-                count += 1;
+                let number = numbers.entry(base.clone()).or_insert(2);
+                candidate = format!("{base}_n{number}");
+                *number += 1;
             }
             candidate
         })

@@ -2,10 +2,10 @@
 
 use super::chunks::{Records, Stop};
 use super::*;
-use crate::record::{Event, RecordError, Scene};
+use crate::record::{Event, RecordError, Scene, scene};
 use mcap::records::Record;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 /// A recording on disk, finished or not.
@@ -29,6 +29,34 @@ pub struct Recording {
     pub complete: bool,
 }
 
+/// How a recording ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// The run reached its end.
+    Complete,
+    /// The run was stopped by a person, in good order.
+    Interrupted,
+    /// The run could not go on.
+    Failed,
+    /// This is what was saved of another recording.
+    Recovered,
+    /// The run was killed or is still going on, or the file lost its end.
+    Cut,
+}
+
+impl Ending {
+    /// In one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Complete => "complete",
+            Self::Interrupted => "interrupted",
+            Self::Failed => "failed",
+            Self::Recovered => "recovered",
+            Self::Cut => "cut",
+        }
+    }
+}
+
 impl Recording {
     /// Reads what a file says beside its samples. The file is read once from front to back without unpacking; a killed
     /// run's file is read to its last whole chunk.
@@ -37,7 +65,8 @@ impl Recording {
     /// When the file cannot be read, is not MCAP, is not one of ours, was written by a newer version, or ends before its
     /// description does.
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let mut records = Records::outline(open(path)?);
+        let (source, bytes) = open(path)?;
+        let mut records = Records::outline(source, bytes);
         let mut found = Found::default();
         let ended = loop {
             match records.next() {
@@ -52,12 +81,29 @@ impl Recording {
         found.into_recording(path, ended)
     }
 
+    /// How it ended.
+    pub fn ending(&self) -> Ending {
+        if self.recovered.is_some() {
+            return Ending::Recovered;
+        }
+        if !self.complete {
+            return Ending::Cut;
+        }
+        let summary = self.outcome.as_deref().and_then(|json| serde_json::from_str::<serde_json::Value>(json).ok());
+        match summary.unwrap_or_default() {
+            summary if summary.get("error").is_some_and(|error| !error.is_null()) => Ending::Failed,
+            summary if summary["interrupted"] == true => Ending::Interrupted,
+            _ => Ending::Complete,
+        }
+    }
+
     /// The samples, read from disk as they are asked for.
     ///
     /// # Errors
     /// When the file cannot be opened.
     pub fn samples(&self) -> Result<Samples, RecordError> {
-        Ok(Samples::new(self.path.clone(), open(&self.path)?, &self.scene))
+        let (source, bytes) = open(&self.path)?;
+        Ok(Samples::new(self.path.clone(), Records::contents(source, bytes), &self.scene))
     }
 
     /// What happened in the run, in the order it was written; the whole file is read.
@@ -65,18 +111,25 @@ impl Recording {
     /// # Errors
     /// When the file cannot be read or its content is wrong.
     pub fn events(&self) -> Result<Vec<Event>, RecordError> {
-        events::read(Records::contents(open(&self.path)?))
+        let (source, bytes) = open(&self.path)?;
+        events::read(Records::contents(source, bytes))
             .map_err(|what| RecordError::Damaged { path: self.path.clone(), what })
     }
 }
 
-pub(super) fn open(path: &Path) -> Result<BufReader<File>, RecordError> {
+/// The file and its length (bytes).
+pub(super) fn open(path: &Path) -> Result<(BufReader<File>, u64), RecordError> {
     let failed = |source| RecordError::Read { path: path.into(), source };
-    let file = File::open(path).map_err(failed)?;
-    if file.metadata().map_err(failed)?.is_dir() {
-        return Err(failed(std::io::ErrorKind::IsADirectory.into()));
+    // Asked before it is opened: opening a pipe waits for its writer.
+    let about = std::fs::metadata(path).map_err(failed)?;
+    if about.is_dir() {
+        return Err(failed(io::ErrorKind::IsADirectory.into()));
     }
-    Ok(BufReader::new(file))
+    if !about.is_file() {
+        return Err(failed(io::Error::other("it is a device or a pipe, and a recording is read more than once")));
+    }
+    let file = File::open(path).map_err(failed)?;
+    Ok((BufReader::new(file), about.len()))
 }
 
 /// What the scan met, before it is judged.
@@ -126,7 +179,7 @@ impl Found {
             return Err(not_ours(&why));
         }
         let Some(scene) = self.scene else { return Err(not_ours("it ends before its description")) };
-        let scene = read_scene(&scene)
+        let scene = scene::parse(&scene)
             .map_err(|what| RecordError::Damaged { path: path.into(), what: format!("scene: {what}") })?;
         Ok(Recording {
             path: path.into(),
@@ -138,16 +191,5 @@ impl Found {
             recovered: self.recovered,
             version: program.remove("version").unwrap_or_default(),
         })
-    }
-}
-
-fn read_scene(json: &str) -> Result<Scene, String> {
-    let scene: Scene = serde_json::from_str(json).map_err(|error| error.to_string())?;
-    let parents = scene.bodies.iter().filter_map(|body| body.parent);
-    let ends = scene.lines.iter().flat_map(|line| &line.ends).filter_map(|(body, _)| *body);
-    let loads = scene.loads.iter().map(|load| load.body);
-    match parents.chain(ends).chain(loads).find(|index| *index >= scene.bodies.len()) {
-        Some(index) => Err(format!("body {index} of {}", scene.bodies.len())),
-        None => Ok(scene),
     }
 }

@@ -1,16 +1,19 @@
 //! From a file that was cut or damaged to a whole one.
 
-use super::chunks::{Records, Stop};
+use super::chunks::{Records, Stop, each_of_chunk};
 use super::reader::open;
+use super::samples::Assembly;
 use super::writer::options;
 use super::{FRAMES_TOPIC, JSON, RECOVERED, Recording};
 use crate::record::RecordError;
+use crate::whole_file::{self, WholeFile};
 use mcap::records::{ChunkHeader, MessageHeader, Metadata, Record, op};
 use mcap::{Attachment, McapError, McapResult};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::fs::{self, File, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What was saved and what was not.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
@@ -45,33 +48,25 @@ impl Recording {
     /// When a run is still writing this recording, when it cannot be read, and when `target` cannot be written; nothing
     /// is left there then.
     pub fn recover(&self, target: &Path) -> Result<Recovered, RecordError> {
-        let same =
-            fs::canonicalize(target).is_ok_and(|there| fs::canonicalize(&self.path).is_ok_and(|own| own == there));
         let failed = |source| RecordError::Create { path: target.into(), source };
-        if same {
+        if whole_file::is_same(target, &self.path) {
             return Err(failed(io::Error::other("it would replace what is being recovered; choose another name")));
         }
         // The lock lives as long as the file.
-        let lock = open(&self.path)?;
+        let (lock, _) = open(&self.path)?;
         if let Err(TryLockError::WouldBlock) = lock.get_ref().try_lock_shared() {
             return Err(RecordError::Unfinished { path: self.path.clone() });
         }
         let known = self.definitions()?;
-        let mut name = target.as_os_str().to_owned();
-        name.push(".recovering");
-        let unfinished = PathBuf::from(name);
-        let file = File::create(&unfinished).map_err(failed)?;
-        let written = self.copy(file, &known).and_then(|recovered| {
-            fs::rename(&unfinished, target).map_err(|source| Failure::Write(source.into()))?;
-            Ok(recovered)
-        });
+        let file = WholeFile::create(target).map_err(failed)?;
+        let written = file.handle().map_err(failed).map(|handle| self.copy(handle, &known))?;
+        let written = written.and_then(|recovered| file.finish().map(|()| recovered).map_err(Failure::from));
         written.map_err(|failure| {
-            // It is ours and of no use; where it cannot be removed it does no harm.
-            let _ = fs::remove_file(&unfinished);
+            let write = |source| RecordError::Write { path: target.into(), source, kept: false };
             match failure {
                 Failure::Read(source) => RecordError::Read { path: self.path.clone(), source },
-                Failure::Write(McapError::Io(source)) => RecordError::Write { path: target.into(), source },
-                Failure::Write(other) => RecordError::Write { path: target.into(), source: io::Error::other(other) },
+                Failure::Write(McapError::Io(source)) => write(source),
+                Failure::Write(other) => write(io::Error::other(other)),
             }
         })
     }
@@ -80,7 +75,8 @@ impl Recording {
     /// what later ones use.
     fn definitions(&self) -> Result<Definitions, RecordError> {
         let mut known = Definitions::default();
-        let mut records = Records::outline(open(&self.path)?);
+        let (source, bytes) = open(&self.path)?;
+        let mut records = Records::outline(source, bytes);
         while let Some(Ok(record)) = records.next() {
             match record {
                 Record::Chunk { header, data } => {
@@ -96,8 +92,11 @@ impl Recording {
         let read = |error: RecordError| Failure::Read(io::Error::other(error));
         let mut mcap = options().create(BufWriter::new(file))?;
         let mut recovered = Recovered::default();
-        let mut records = Records::outline(open(&self.path).map_err(read)?);
+        let (source, bytes) = open(&self.path).map_err(read)?;
+        let mut records = Records::outline(source, bytes);
         known.write(&mut mcap)?;
+        let mut assembly = Assembly::new(&self.scene);
+        known.channels.values().for_each(|channel| assembly.channel(channel.id, &channel.topic));
         loop {
             match records.next() {
                 Some(Ok(Record::Attachment { header, data, .. })) => mcap.attach(&Attachment {
@@ -108,23 +107,15 @@ impl Recording {
                     data,
                 })?,
                 Some(Ok(Record::Metadata(metadata))) => mcap.write_metadata(&metadata)?,
-                Some(Ok(Record::Chunk { header, data })) => {
-                    let mut messages = Vec::new();
-                    let mut take = |record: Record<'static>| {
-                        if let Record::Message { header, data } = record {
-                            messages.push((header, data));
+                Some(Ok(Record::Chunk { header, data })) => match messages(&header, &data, &mut assembly) {
+                    Ok(messages) => {
+                        for (header, data) in &messages {
+                            recovered.write(&mut mcap, known, header, data)?;
                         }
-                    };
-                    match each_of_chunk(&header, &data, &mut take) {
-                        Ok(()) => {
-                            for (header, data) in &messages {
-                                recovered.write(&mut mcap, known, header, data)?;
-                            }
-                            mcap.flush()?;
-                        }
-                        Err(why) => recovered.lost.push(Lost { span: span(&header), why }),
+                        mcap.flush()?;
                     }
-                }
+                    Err(why) => recovered.lost.push(Lost { span: span(&header), why }),
+                },
                 Some(Ok(_)) => {}
                 Some(Err(Stop::Io(error))) => return Err(Failure::Read(error)),
                 Some(Err(stop)) => {
@@ -139,8 +130,7 @@ impl Recording {
             mcap.write_metadata(&Metadata { name: RECOVERED.into(), metadata: [(JSON.to_owned(), json)].into() })?;
         }
         mcap.finish()?;
-        let file = mcap.into_inner().into_inner().map_err(io::IntoInnerError::into_error)?;
-        file.sync_all()?;
+        mcap.into_inner().into_inner().map_err(io::IntoInnerError::into_error)?;
         Ok(recovered)
     }
 }
@@ -199,7 +189,7 @@ impl Recovered {
                 u64::from_le_bytes(bytes) as f64 / 1e9
             };
             let why = match stop {
-                Stop::Damaged(error) => error.to_string(),
+                Stop::Damaged(what) => what.clone(),
                 _ => "the file was cut in it".to_owned(),
             };
             self.lost.push(Lost { span: (time(9), time(17)), why });
@@ -244,33 +234,27 @@ fn span(header: &ChunkHeader) -> (f64, f64) {
     (header.message_start_time as f64 / 1e9, header.message_end_time as f64 / 1e9)
 }
 
-/// Calls `take` with the records of a chunk. It may have been called when the chunk turns out to be damaged.
-fn each_of_chunk(header: &ChunkHeader, data: &[u8], take: &mut dyn FnMut(Record<'static>)) -> Result<(), String> {
-    // A file that holds nothing but this chunk, for the reader that checks and unpacks files.
-    let mut chunk = Vec::new();
-    for number in [header.message_start_time, header.message_end_time, header.uncompressed_size] {
-        chunk.extend(number.to_le_bytes());
-    }
-    chunk.extend(header.uncompressed_crc.to_le_bytes());
-    chunk.extend((header.compression.len() as u32).to_le_bytes());
-    chunk.extend(header.compression.as_bytes());
-    chunk.extend((data.len() as u64).to_le_bytes());
-    let mut start = mcap::MAGIC.to_vec();
-    start.push(op::CHUNK);
-    start.extend(((chunk.len() + data.len()) as u64).to_le_bytes());
-    start.extend(chunk);
-    let mut end = vec![op::FOOTER];
-    end.extend(20_u64.to_le_bytes());
-    end.extend([0; 20]);
-    end.extend(mcap::MAGIC);
-    let mut records = Records::contents(start.as_slice().chain(data).chain(end.as_slice()));
-    loop {
-        match records.next() {
-            Some(Ok(record)) => take(record),
-            None => return Ok(()),
-            Some(Err(Stop::Truncated)) => return Err("it ends in the middle of a record".to_owned()),
-            Some(Err(Stop::Damaged(error))) => return Err(error.to_string()),
-            Some(Err(Stop::Io(error))) => return Err(error.to_string()),
+/// The messages of a chunk, if all of them are intact and make whole samples of the scene.
+fn messages(
+    header: &ChunkHeader,
+    data: &[u8],
+    assembly: &mut Assembly,
+) -> Result<Vec<(MessageHeader, Cow<'static, [u8]>)>, String> {
+    let mut messages = Vec::new();
+    let mut decoded = Ok(());
+    assembly.reset();
+    let mut take = |record: Record<'static>| {
+        if let Record::Message { header, data } = record {
+            if decoded.is_ok() {
+                decoded = assembly.message(&header, &data).map(drop);
+            }
+            messages.push((header, data));
         }
+    };
+    each_of_chunk(header, data, &mut take)?;
+    decoded?;
+    if !assembly.is_between_samples() {
+        return Err("its last sample has not all its messages".to_owned());
     }
+    Ok(messages)
 }

@@ -4,6 +4,7 @@ use super::chunks::{Records, Stop};
 use super::frames;
 use super::numbers::{each_field, get_row};
 use super::*;
+use crate::foreign;
 use crate::record::{Energy, OwnedSample, RecordError, Scene};
 use crate::spatial::Wrench;
 use foxglove::messages::FrameTransforms;
@@ -22,9 +23,16 @@ use std::path::PathBuf;
 pub struct Samples {
     path: PathBuf,
     records: Records<BufReader<File>>,
+    assembly: Assembly,
+    over: bool,
+}
+
+/// Makes samples of the messages that they were written as.
+pub(super) struct Assembly {
     topics: HashMap<u16, Topic>,
     blank: OwnedSample,
-    over: bool,
+    /// The sample whose messages are coming, and their sequence number.
+    begun: Option<(OwnedSample, u32)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,8 +44,8 @@ enum Topic {
     Frames,
 }
 
-impl Samples {
-    pub(super) fn new(path: PathBuf, source: BufReader<File>, scene: &Scene) -> Self {
+impl Assembly {
+    pub(super) fn new(scene: &Scene) -> Self {
         let blank = OwnedSample {
             positions: vec![0.0; scene.positions.len()],
             velocities: vec![0.0; scene.velocities.len()],
@@ -47,41 +55,67 @@ impl Samples {
             couplings: vec![0.0; scene.couplings.len()],
             ..OwnedSample::default()
         };
-        Self { path, records: Records::contents(source), topics: HashMap::new(), blank, over: false }
+        Self { topics: HashMap::new(), blank, begun: None }
+    }
+
+    /// Takes note of a channel.
+    pub(super) fn channel(&mut self, id: u16, name: &str) {
+        self.topics.extend(topic(name).map(|topic| (id, topic)));
+    }
+
+    /// Takes a message; with the last one of a sample that is whole.
+    pub(super) fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<Option<OwnedSample>, String> {
+        let Some(&topic) = self.topics.get(&header.channel_id) else { return Ok(None) };
+        let bodies = self.blank.reactions.len();
+        let (sample, sequence) = self.begun.get_or_insert_with(|| (self.blank.clone(), header.sequence));
+        if *sequence != header.sequence {
+            return Err(wrong("a sample without all its messages", header));
+        }
+        let decoded = match topic {
+            Topic::Hinges => get_hinges(data, sample),
+            Topic::Energy => get_energy(data, &mut sample.energy),
+            Topic::Reactions => get_reactions(data, &mut sample.reactions),
+            Topic::Couplings => get_couplings(data, &mut sample.couplings),
+            Topic::Frames => get_frames(data, bodies, sample),
+        };
+        decoded.ok_or_else(|| wrong("a message that does not fit the scene", header))?;
+        // The last one written of each sample.
+        if topic != Topic::Frames {
+            return Ok(None);
+        }
+        Ok(self.begun.take().map(|(sample, _)| sample))
+    }
+
+    /// Whether the last sample that was begun is whole.
+    pub(super) fn is_between_samples(&self) -> bool {
+        self.begun.is_none()
+    }
+
+    /// Forgets what was begun.
+    pub(super) fn reset(&mut self) {
+        self.begun = None;
+    }
+}
+
+impl Samples {
+    pub(super) fn new(path: PathBuf, records: Records<BufReader<File>>, scene: &Scene) -> Self {
+        Self { path, records, assembly: Assembly::new(scene), over: false }
     }
 
     /// Reads the messages of one sample, which follow one another.
     fn read(&mut self) -> Result<Option<OwnedSample>, String> {
-        let mut sample = self.blank.clone();
-        let mut sequence = None;
-        let bodies = self.blank.reactions.len();
         loop {
-            let (header, data) = match self.records.next() {
-                Some(Ok(Record::Message { header, data })) => (header, data),
-                Some(Ok(Record::Channel(channel))) => {
-                    self.topics.extend(topic(&channel.topic).map(|topic| (channel.id, topic)));
-                    continue;
+            match self.records.next() {
+                Some(Ok(Record::Message { header, data })) => {
+                    if let Some(sample) = self.assembly.message(&header, &data)? {
+                        return Ok(Some(sample));
+                    }
                 }
-                Some(Ok(_)) => continue,
+                Some(Ok(Record::Channel(channel))) => self.assembly.channel(channel.id, &channel.topic),
+                Some(Ok(_)) => {}
                 None | Some(Err(Stop::Truncated)) => return Ok(None),
-                Some(Err(Stop::Damaged(error))) => return Err(error.to_string()),
+                Some(Err(Stop::Damaged(what))) => return Err(what),
                 Some(Err(Stop::Io(error))) => return Err(error.to_string()),
-            };
-            let Some(&topic) = self.topics.get(&header.channel_id) else { continue };
-            if *sequence.get_or_insert(header.sequence) != header.sequence {
-                return Err(wrong("a sample without all its messages", &header));
-            }
-            let decoded = match topic {
-                Topic::Hinges => get_hinges(&data, &mut sample),
-                Topic::Energy => get_energy(&data, &mut sample.energy),
-                Topic::Reactions => get_reactions(&data, &mut sample.reactions),
-                Topic::Couplings => get_couplings(&data, &mut sample.couplings),
-                Topic::Frames => get_frames(&data, bodies, &mut sample),
-            };
-            decoded.ok_or_else(|| wrong("a message that does not fit the scene", &header))?;
-            // The last one written of each sample.
-            if topic == Topic::Frames {
-                return Ok(Some(sample));
             }
         }
     }
@@ -157,7 +191,7 @@ fn get_couplings(message: &[u8], couplings: &mut [f64]) -> Option<()> {
 }
 
 fn get_frames(message: &[u8], bodies: usize, sample: &mut OwnedSample) -> Option<()> {
-    let message = FrameTransforms::decode(message).ok()?;
+    let message = foreign::parse("the reader of protobuf", || FrameTransforms::decode(message)).ok()?.ok()?;
     sample.bodies.extend(frames::poses(&message));
     (sample.bodies.len() == bodies).then_some(())
 }

@@ -46,9 +46,9 @@ impl Recording {
     /// When the file cannot be read.
     pub fn survey(&self) -> Result<Survey, RecordError> {
         let failed = |source| RecordError::Read { path: self.path.clone(), source };
-        let source = open(&self.path)?;
-        let mut survey = Survey { bytes: source.get_ref().metadata().map_err(failed)?.len(), ..Survey::default() };
-        let mut records = Records::contents(source);
+        let (source, bytes) = open(&self.path)?;
+        let mut survey = Survey { bytes, ..Survey::default() };
+        let mut records = Records::contents(source, bytes);
         let mut schemas: BTreeMap<u16, String> = BTreeMap::new();
         let mut channels: BTreeMap<u16, ChannelSurvey> = BTreeMap::new();
         loop {
@@ -80,8 +80,8 @@ impl Recording {
                 Some(Ok(Record::Metadata(metadata))) => survey.metadata.push(metadata.name),
                 Some(Ok(_)) => {}
                 None | Some(Err(Stop::Truncated)) => break,
-                Some(Err(Stop::Damaged(error))) => {
-                    survey.damage = Some(error.to_string());
+                Some(Err(Stop::Damaged(what))) => {
+                    survey.damage = Some(what);
                     break;
                 }
                 Some(Err(Stop::Io(source))) => return Err(failed(source)),

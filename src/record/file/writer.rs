@@ -1,6 +1,7 @@
 //! Writing while a run goes on.
 
 use super::numbers::{put_more, put_nested, put_nested_row, put_row, row_length};
+use super::partial::Paths;
 use super::pictures::scene_update;
 use super::ros::{self, Joints};
 use super::schema::{self, Schema};
@@ -8,6 +9,7 @@ use super::*;
 use super::{events, frames};
 use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Sample, Scene};
 use crate::spatial::Wrench;
+use crate::whole_file;
 use foxglove::Encode;
 use foxglove::messages::{FrameTransforms, Log, SceneUpdate};
 use mcap::records::{MessageHeader, Metadata};
@@ -16,8 +18,7 @@ use prost::Message;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufWriter};
-use std::path::PathBuf;
+use std::io::{self, BufWriter, Seek, Write};
 use std::time::{Duration, Instant};
 
 /// A chunk is closed and flushed when it is this old, so that a killed run loses little …
@@ -29,39 +30,45 @@ const CHUNK_BYTES: usize = 1 << 20;
 ///
 /// Dropped without [`finish`](Recorder::finish), it leaves a readable `.partial` file.
 pub struct FileWriter {
-    target: PathBuf,
-    /// What is written until then; the target itself where that is no regular file.
-    partial: PathBuf,
+    paths: Paths,
     /// `None` once finished or failed.
-    output: Option<Output>,
+    output: Option<Output<File>>,
     scene: Scene,
     transforms: FrameTransforms,
+    /// On what earlier runs left: as long as it lives, no other run writes this output.
+    _locks: Vec<File>,
 }
 
 impl FileWriter {
     pub(super) fn begin(
         file: File,
-        target: PathBuf,
-        partial: PathBuf,
+        paths: Paths,
         opening: &Opening,
         ros: bool,
+        locks: Vec<File>,
     ) -> Result<Self, RecordError> {
-        let output = Output::begin(file, opening, ros).map_err(|error| write_error(&partial, error))?;
+        let output = Output::begin(file, opening, ros)
+            .map_err(|error| RecordError::Create { path: paths.asked.clone(), source: io_error(error) })?;
         let transforms = frames::transforms(opening.scene);
-        Ok(Self { target, partial, output: Some(output), scene: opening.scene.clone(), transforms })
+        Ok(Self { paths, output: Some(output), scene: opening.scene.clone(), transforms, _locks: locks })
     }
 
     /// After a failure nothing more is written.
     fn lost_where_failed(&mut self, written: McapResult<()>) -> Result<(), RecordError> {
         written.map_err(|error| {
             self.output = None;
-            write_error(&self.partial, error)
+            self.failed(error)
         })
+    }
+
+    fn failed(&self, error: McapError) -> RecordError {
+        let kept = self.paths.place.is_some();
+        RecordError::Write { path: self.paths.written.clone(), source: io_error(error), kept }
     }
 
     /// Where the finished recording will be.
     pub fn path(&self) -> &std::path::Path {
-        &self.target
+        &self.paths.asked
     }
 }
 
@@ -69,7 +76,7 @@ impl Recorder for FileWriter {
     fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
         sample.check(&self.scene)?;
         let Some(output) = &mut self.output else {
-            return Err(write_error(&self.partial, McapError::AttemptedWriteAfterFailure));
+            return Err(self.failed(McapError::AttemptedWriteAfterFailure));
         };
         let written = output.sample(sample, &mut self.transforms);
         self.lost_where_failed(written)
@@ -77,7 +84,7 @@ impl Recorder for FileWriter {
 
     fn event(&mut self, event: &Event) -> Result<(), RecordError> {
         let Some(output) = &mut self.output else {
-            return Err(write_error(&self.partial, McapError::AttemptedWriteAfterFailure));
+            return Err(self.failed(McapError::AttemptedWriteAfterFailure));
         };
         let written = output.event(event);
         self.lost_where_failed(written)
@@ -85,25 +92,27 @@ impl Recorder for FileWriter {
 
     fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         let Some(output) = self.output.take() else { return Ok(()) };
-        output.finish(outcome).map_err(|error| write_error(&self.partial, error))?;
-        if self.partial == self.target {
-            return Ok(());
-        }
-        std::fs::rename(&self.partial, &self.target).map_err(|error| write_error(&self.partial, error.into()))
+        // The file carries the lock: it lives until it has its name.
+        let file = output.finish(outcome).map_err(|error| self.failed(error))?;
+        let Some(place) = &self.paths.place else { return Ok(()) };
+        let named = file
+            .sync_all()
+            .and_then(|()| std::fs::rename(&self.paths.written, place))
+            .and_then(|()| whole_file::sync_folder(place));
+        named.map_err(|error| self.failed(error.into()))
     }
 }
 
-fn write_error(path: &std::path::Path, error: McapError) -> RecordError {
-    let source = match error {
+fn io_error(error: McapError) -> io::Error {
+    match error {
         McapError::Io(source) => source,
         other => io::Error::other(other),
-    };
-    RecordError::Write { path: path.into(), source }
+    }
 }
 
 /// The open file and everything that is reused from sample to sample.
-struct Output {
-    mcap: mcap::Writer<BufWriter<File>>,
+pub(super) struct Output<W: Write + Seek> {
+    mcap: mcap::Writer<BufWriter<W>>,
     channels: Channels,
     joints: Option<(u16, Joints)>,
     sequence: u32,
@@ -124,12 +133,12 @@ struct Channels {
     events: Option<u16>,
 }
 
-impl Output {
-    fn begin(file: File, opening: &Opening, ros: bool) -> McapResult<Self> {
+impl<W: Write + Seek> Output<W> {
+    pub(super) fn begin(file: W, opening: &Opening, ros: bool) -> McapResult<Self> {
         let mut mcap = options().create(BufWriter::new(file))?;
         describe(&mut mcap, opening)?;
         let scene = opening.scene;
-        let pictures = foxglove_channel::<SceneUpdate>(&mut mcap, SCENE_TOPIC)?;
+        let pictures = foxglove_channel::<SceneUpdate, _>(&mut mcap, SCENE_TOPIC)?;
         let channels = Channels {
             hinges: number_channel(&mut mcap, HINGES_TOPIC, schema::hinges(scene))?,
             energy: number_channel(&mut mcap, ENERGY_TOPIC, schema::energy())?,
@@ -138,7 +147,7 @@ impl Output {
                 true => None,
                 false => Some(number_channel(&mut mcap, COUPLINGS_TOPIC, schema::couplings(scene))?),
             },
-            frames: foxglove_channel::<FrameTransforms>(&mut mcap, FRAMES_TOPIC)?,
+            frames: foxglove_channel::<FrameTransforms, _>(&mut mcap, FRAMES_TOPIC)?,
             events: None,
         };
         let header = MessageHeader { channel_id: pictures, sequence: 0, log_time: 0, publish_time: 0 };
@@ -155,7 +164,7 @@ impl Output {
         Ok(Self { mcap, channels, joints, sequence: 0, buffer: Vec::new(), chunk_bytes: 0, flushed: Instant::now() })
     }
 
-    fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
+    pub(super) fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
         // Negative and not-a-number times become zero; the exact time is in the messages.
         let time = (sample.time * 1e9).round() as u64;
         let channels = self.channels;
@@ -185,17 +194,23 @@ impl Output {
 
         self.sequence = self.sequence.wrapping_add(1);
         if self.chunk_bytes >= CHUNK_BYTES || self.flushed.elapsed() >= FLUSH_PERIOD {
-            self.mcap.flush()?;
-            self.chunk_bytes = 0;
-            self.flushed = Instant::now();
+            self.flush()?;
         }
+        Ok(())
+    }
+
+    /// Closes the chunk, so that what is in it outlives this program.
+    pub(super) fn flush(&mut self) -> McapResult<()> {
+        self.mcap.flush()?;
+        self.chunk_bytes = 0;
+        self.flushed = Instant::now();
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> McapResult<()> {
         let channel = match self.channels.events {
             Some(channel) => channel,
-            None => *self.channels.events.insert(foxglove_channel::<Log>(&mut self.mcap, EVENTS_TOPIC)?),
+            None => *self.channels.events.insert(foxglove_channel::<Log, _>(&mut self.mcap, EVENTS_TOPIC)?),
         };
         let time = (event.time * 1e9).round() as u64;
         Message::encode(&events::log(event, time), &mut self.buffer).map_err(io::Error::other)?;
@@ -211,14 +226,11 @@ impl Output {
         Ok(())
     }
 
-    fn finish(mut self, outcome: &Outcome) -> McapResult<()> {
+    /// Writes the end, and gives back what was written to.
+    pub(super) fn finish(mut self, outcome: &Outcome) -> McapResult<W> {
         metadata(&mut self.mcap, RUN, &[(JSON, &outcome.summary)])?;
         self.mcap.finish()?;
-        let file = self.mcap.into_inner().into_inner().map_err(io::IntoInnerError::into_error)?;
-        match file.metadata()?.is_file() {
-            true => Ok(file.sync_all()?),
-            false => Ok(()),
-        }
+        Ok(self.mcap.into_inner().into_inner().map_err(io::IntoInnerError::into_error)?)
     }
 }
 
@@ -233,7 +245,7 @@ pub(super) fn options() -> WriteOptions {
         .disable_seeking(true)
 }
 
-fn describe(mcap: &mut mcap::Writer<BufWriter<File>>, opening: &Opening) -> McapResult<()> {
+fn describe<W: Write + Seek>(mcap: &mut mcap::Writer<W>, opening: &Opening) -> McapResult<()> {
     mcap.attach(&Attachment {
         log_time: 0,
         create_time: 0,
@@ -247,12 +259,12 @@ fn describe(mcap: &mut mcap::Writer<BufWriter<File>>, opening: &Opening) -> Mcap
     opening.statics.map_or(Ok(()), |statics| metadata(mcap, STATICS, &[(JSON, statics)]))
 }
 
-fn metadata(mcap: &mut mcap::Writer<BufWriter<File>>, name: &str, entries: &[(&str, &str)]) -> McapResult<()> {
+fn metadata<W: Write + Seek>(mcap: &mut mcap::Writer<W>, name: &str, entries: &[(&str, &str)]) -> McapResult<()> {
     let metadata = entries.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
     mcap.write_metadata(&Metadata { name: name.into(), metadata })
 }
 
-fn foxglove_channel<M: Encode>(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str) -> McapResult<u16> {
+fn foxglove_channel<M: Encode, W: Write + Seek>(mcap: &mut mcap::Writer<W>, topic: &str) -> McapResult<u16> {
     let schema = match M::get_schema() {
         Some(schema) => mcap.add_schema(&schema.name, &schema.encoding, &schema.data)?,
         None => 0,
@@ -260,12 +272,12 @@ fn foxglove_channel<M: Encode>(mcap: &mut mcap::Writer<BufWriter<File>>, topic: 
     mcap.add_channel(schema, topic, &M::get_message_encoding(), &BTreeMap::new())
 }
 
-fn ros_channel(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str, name: &str, schema: &str) -> McapResult<u16> {
+fn ros_channel<W: Write + Seek>(mcap: &mut mcap::Writer<W>, topic: &str, name: &str, schema: &str) -> McapResult<u16> {
     let schema = mcap.add_schema(name, "ros2msg", schema.as_bytes())?;
     mcap.add_channel(schema, topic, "cdr", &BTreeMap::new())
 }
 
-fn number_channel(mcap: &mut mcap::Writer<BufWriter<File>>, topic: &str, schema: Schema) -> McapResult<u16> {
+fn number_channel<W: Write + Seek>(mcap: &mut mcap::Writer<W>, topic: &str, schema: Schema) -> McapResult<u16> {
     let id = mcap.add_schema(schema.name, "protobuf", &schema.data)?;
     mcap.add_channel(id, topic, "protobuf", &schema.fields)
 }

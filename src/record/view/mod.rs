@@ -74,6 +74,9 @@ pub struct Wishes {
     pub at: Option<f64>,
     /// What the hinges pass to the bodies, as arrows.
     pub reactions: bool,
+    /// Mesh files from anywhere. A recording of somebody else may name any file: without this only those in its own folder
+    /// are read.
+    pub meshes: bool,
 }
 
 /// What was shown of a recording.

@@ -11,6 +11,7 @@ use super::picture::{Picture, point};
 use super::sdk::{RecordingStream, RecordingStreamBuilder};
 use super::survey::{Survey, Trace, center_of_mass};
 use super::{Shown, Sink, Wishes, marks, text};
+use crate::record::meshes;
 use crate::record::solids::solids;
 use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};
 use std::path::Path;
@@ -268,7 +269,8 @@ impl Recorder for Viewer {
 /// # Errors
 /// When the recording cannot be read, or there is no viewer.
 pub fn view(recording: &Path, sink: &Sink, wishes: &Wishes) -> Result<Shown, RecordError> {
-    let recording = Recording::open(recording)?;
+    let mut recording = Recording::open(recording)?;
+    let left_out = if wishes.meshes { Vec::new() } else { meshes::keep_own(&mut recording.scene, &recording.path) };
     let mut viewer = Viewer::with_scene(sink, &recording.scene, recording.statics.as_deref())?;
     // Of one instant alone there is nothing to tell.
     viewer.events = if wishes.at.is_none() { recording.events()? } else { Vec::new() };
@@ -301,5 +303,6 @@ pub fn view(recording: &Path, sink: &Sink, wishes: &Wishes) -> Result<Shown, Rec
         }
     }
     viewer.finish(&Outcome { summary: String::new() })?;
-    Ok(Shown { samples, complete: recording.complete, notes: viewer.notes })
+    let notes = left_out.into_iter().chain(viewer.notes).collect();
+    Ok(Shown { samples, complete: recording.complete, notes })
 }

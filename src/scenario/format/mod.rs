@@ -23,7 +23,7 @@ pub use start::START;
 use super::fields::{ANY_UNIT, Key, Kind, Range, Table};
 
 /// The most bodies a scenario may have, copies counted.
-pub const MOST_BODIES: usize = 1_000_000;
+pub const MOST_BODIES: usize = crate::budget::BODIES;
 
 const NUMBER: Kind = Kind::Number(Range::Any);
 const NOT_NEGATIVE: Kind = Kind::Number(Range::AtLeast(0.0));

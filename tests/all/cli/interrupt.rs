@@ -73,10 +73,12 @@ fn a_killed_run_leaves_all_but_about_its_last_second() {
     for (index, sample) in kept.iter().enumerate() {
         assert!((sample.time - index as f64 / 1000.0).abs() < 1e-12, "no gap: {} at {index}", sample.time);
     }
-    // The next run takes the name again.
-    let again = ["run", &shipped("pencil"), "--out", "run.mcap", "--quiet"];
-    bench.call(&again).code(0);
-    assert_eq!(bench.names(), ["run.mcap"]);
+    // The next run takes the name, says what is there, and leaves it.
+    let left = std::fs::read(&partial).expect("read");
+    let said = bench.call(&["run", &shipped("pencil"), "--out", "run.mcap"]).code(0).err;
+    assert!(said.contains("stillpoint recover run.mcap.partial"), "{said}");
+    assert_eq!(bench.names(), ["run.mcap", "run.mcap.partial"]);
+    assert_eq!(std::fs::read(&partial).expect("read"), left);
 }
 
 #[test]

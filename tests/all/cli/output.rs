@@ -102,8 +102,8 @@ fn standard_output_that_is_full_is_an_error() {
     for (arguments, left) in [
         (&["statics", "--json"][..], vec![]),
         (&["inspect", "--json"], vec![]),
-        // The heading fails before anything runs; JSON is printed when the recording is whole.
-        (&["run"], vec![]),
+        // A report that nobody can read costs no run.
+        (&["run"], vec!["pencil.mcap".to_owned()]),
         (&["run", "--json"], vec!["pencil.mcap".to_owned()]),
     ] {
         let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("the device");

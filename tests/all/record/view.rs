@@ -49,7 +49,7 @@ mod with_view {
     fn save_instant(folder: &TempDir) -> PathBuf {
         let (mcap, rrd) = (folder.path().join("instant.mcap"), folder.path().join("instant.rrd"));
         record(&mcap, &Motion::double_link(), 1.0);
-        let wishes = Wishes { at: Some(0.501), reactions: true };
+        let wishes = Wishes { at: Some(0.501), reactions: true, ..Wishes::default() };
         let shown = view(&mcap, &Sink::Save(rrd.clone()), &wishes).expect("saved");
         assert_eq!(shown.samples, 1);
         rrd

@@ -1,0 +1,49 @@
+//! The files that a command reads: none of them is ever written by it.
+
+use super::Common;
+use crate::model::shape::Geometry;
+use crate::scenario::Scenario;
+use crate::whole_file;
+use anyhow::bail;
+use std::path::{Path, PathBuf};
+
+/// Every file that a command reads.
+#[derive(Debug, Default)]
+pub(super) struct Inputs(Vec<PathBuf>);
+
+impl Inputs {
+    /// These files.
+    pub(super) fn new<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Self {
+        Self(paths.into_iter().map(Path::to_owned).collect())
+    }
+
+    /// The scenario with its models and meshes, and the start file.
+    pub(super) fn of_scenario(common: &Common, scenario: &Scenario, start: Option<&Path>) -> Self {
+        let models = scenario.models.iter().flat_map(|model| &model.sources).map(|source| source.path.as_path());
+        let shapes = scenario.description.bodies.iter().flat_map(|body| &body.shapes);
+        let meshes = shapes.filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh { file, .. } => Some(file.as_path()),
+            _ => None,
+        });
+        let scenario = Some(common.scenario.as_path()).filter(|path| path.as_os_str() != "-");
+        let mut all: Vec<PathBuf> = models.chain(meshes).chain(scenario).chain(start).map(Path::to_owned).collect();
+        all.sort_unstable();
+        all.dedup();
+        Self(all)
+    }
+
+    /// Refuses an output that is one of these files, by whatever name or link.
+    ///
+    /// # Errors
+    /// If writing it would replace an input.
+    pub(super) fn spare(&self, output: &Path) -> anyhow::Result<()> {
+        if let Some(input) = self.0.iter().find(|input| whole_file::is_same(input, output)) {
+            bail!(
+                "`{}` is not written: it would replace `{}`, which this command reads",
+                output.display(),
+                input.display()
+            );
+        }
+        Ok(())
+    }
+}
