@@ -31,6 +31,9 @@ pub struct Mesh {
     pub colors: Option<Vec<[f32; 4]>>,
 }
 
+/// Reads a mesh of one format.
+type Read = fn(&Path) -> Result<Mesh, MeshError>;
+
 impl Mesh {
     /// Reads a mesh; its format is told by the extension of the file: `stl`, `obj`, `gltf`, `glb`, `msh`.
     ///
@@ -38,7 +41,7 @@ impl Mesh {
     /// Where the file cannot be read, is larger than its [`budget`](crate::budget), or is not what its extension says.
     pub fn read(path: &Path) -> Result<Self, MeshError> {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-        let (parser, read): (_, fn(&Path) -> Result<Self, MeshError>) = match extension.to_ascii_lowercase().as_str() {
+        let (parser, read): (_, Read) = match extension.to_ascii_lowercase().as_str() {
             "stl" => ("the reader of STL files", stl::read),
             "obj" => ("the reader of OBJ files", obj::read),
             "gltf" | "glb" => ("the reader of glTF files", gltf::read),
