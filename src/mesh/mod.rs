@@ -36,6 +36,9 @@ pub struct Mesh {
     pub colors: Option<Vec<[f32; 4]>>,
 }
 
+/// Reads a mesh of one format.
+type Read = fn(&Path) -> Result<Mesh, MeshError>;
+
 impl Mesh {
     /// Reads a mesh; its format is told by the extension of the file: `stl`, `obj`, `gltf`, `glb`, `msh`.
     ///
@@ -44,7 +47,7 @@ impl Mesh {
     #[cfg(feature = "import")]
     pub fn read(path: &Path) -> Result<Self, MeshError> {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-        let (parser, read): (_, fn(&Path) -> Result<Self, MeshError>) = match extension.to_ascii_lowercase().as_str() {
+        let (parser, read): (_, Read) = match extension.to_ascii_lowercase().as_str() {
             "stl" => ("the reader of STL files", stl::read),
             "obj" => ("the reader of OBJ files", obj::read),
             "gltf" | "glb" => ("the reader of glTF files", gltf::read),

@@ -234,12 +234,10 @@ fn span(header: &ChunkHeader) -> (f64, f64) {
     (header.message_start_time as f64 / 1e9, header.message_end_time as f64 / 1e9)
 }
 
+type Message = (MessageHeader, Cow<'static, [u8]>);
+
 /// The messages of a chunk, if all of them are intact and make whole samples of the scene.
-fn messages(
-    header: &ChunkHeader,
-    data: &[u8],
-    assembly: &mut Assembly,
-) -> Result<Vec<(MessageHeader, Cow<'static, [u8]>)>, String> {
+fn messages(header: &ChunkHeader, data: &[u8], assembly: &mut Assembly) -> Result<Vec<Message>, String> {
     let mut messages = Vec::new();
     let mut decoded = Ok(());
     assembly.reset();
