@@ -177,10 +177,16 @@ fn mode(mode: &crate::statics::Mode) -> Value {
 
 /// What `run --verify` found.
 pub(super) fn verified(verified: &Verified) -> Value {
-    let Verified { method, tolerance, length, angle, speed, rate, time } = verified;
+    let Verified { method, tolerance, length, angle, speed, rate, time, events } = verified;
+    let events = events.as_ref().map(|found| {
+        json!({
+            "events": found.events, "same": found.same, "apart": found.apart, "differ_from": found.differ_from,
+            "scanned": found.scanned, "beyond": found.beyond,
+        })
+    });
     json!({
         "method": method.name(), "tolerance": tolerance,
-        "length": length, "angle": angle, "speed": speed, "rate": rate, "time": time,
+        "length": length, "angle": angle, "speed": speed, "rate": rate, "time": time, "events": events,
     })
 }
 

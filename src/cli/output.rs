@@ -7,7 +7,7 @@ use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// A line on standard output. A reader that went away is no error of ours; a full disk is one.
@@ -170,8 +170,9 @@ pub(super) struct Interrupt(Arc<AtomicBool>);
 impl Interrupt {
     /// The one of this program: installed by the first call, the same for all later ones.
     pub(super) fn install() -> anyhow::Result<Self> {
-        static INSTALLED: OnceLock<Interrupt> = OnceLock::new();
-        if let Some(installed) = INSTALLED.get() {
+        static INSTALLED: Mutex<Option<Interrupt>> = Mutex::new(None);
+        let mut installed = INSTALLED.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(installed) = &*installed {
             return Ok(installed.clone());
         }
         let flag = Arc::new(AtomicBool::new(false));
@@ -181,7 +182,7 @@ impl Interrupt {
                 std::process::exit(130);
             }
         })?;
-        Ok(INSTALLED.get_or_init(|| Self(flag)).clone())
+        Ok(installed.insert(Self(flag)).clone())
     }
 
     pub(super) fn requested(&self) -> bool {

@@ -7,7 +7,7 @@ use crate::model::Model;
 pub(super) use crate::model::problem::number;
 use crate::simulate::Summary;
 use crate::simulate::events::Kind;
-use crate::simulate::verify::Verified;
+use crate::simulate::verify::{Verified, VerifiedEvents};
 use crate::statics::{Equilibrium, Mode, Stability};
 use std::fmt::Write;
 use std::time::Duration;
@@ -294,7 +294,19 @@ pub(super) fn verified(verified: &Verified) -> String {
         .collect();
     let errors = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
     let (method, tolerance) = (verified.method.name(), verified.tolerance);
-    format!("  error        {errors} at the end, estimated by a second run: {method} at {tolerance:.0e}")
+    let mut out = format!("  error        {errors} at the end, estimated by a second run: {method} at {tolerance:.0e}");
+    if let Some(VerifiedEvents { events, same, apart, differ_from, scanned, beyond }) = &verified.events {
+        let _ = write!(out, "\n  checked      {same} of {} in both runs", count(*events, "event", "events"));
+        if *same > 0 {
+            let _ = write!(out, ", times within {} s", small(*apart));
+        }
+        if let Some(time) = differ_from {
+            let _ = write!(out, "; they differ from {} s on", number(*time));
+        }
+        let passed = if *beyond > 0.0 { format!("by {} at most", small(*beyond)) } else { "nowhere".to_owned() };
+        let _ = write!(out, "\n               rigid stops passed {passed} in {}", count(*scanned, "state", "states"));
+    }
+    out
 }
 
 /// The end of a run.

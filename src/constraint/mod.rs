@@ -105,6 +105,8 @@ pub(crate) enum Rate<'a> {
     Gap,
     /// `ġ` with these hinge velocities; the links' are in the motion.
     Speed(&'a [f64]),
+    /// `G ν` of a change of hinge velocities `ν`, as `ġ` without what drives prescribe; the links' are in the motion.
+    Change(&'a [f64]),
     /// `g̈` with these accelerations of links and hinges.
     Acceleration(&'a [LinkAcceleration], &'a [f64]),
 }
@@ -319,15 +321,14 @@ impl Constraints {
         let over_ends = |of: &dyn Fn(&Wrench, usize) -> f64| {
             ends.map_or(0.0, |ends| of(&placed.wrenches[0], ends[0]) + of(&placed.wrenches[1], ends[1]))
         };
+        let speed = |w: &Wrench, link: usize| {
+            let at: &LinkMotion = &motion.links[link];
+            power(w, &at.velocity, &at.angular_velocity)
+        };
         match rate {
             Rate::Gap => placed.gap,
-            Rate::Speed(v) => {
-                let speed = |w: &Wrench, link: usize| {
-                    let at: &LinkMotion = &motion.links[link];
-                    power(w, &at.velocity, &at.angular_velocity)
-                };
-                over_ends(&speed) + parts(v) + placed.drift
-            }
+            Rate::Speed(v) => over_ends(&speed) + parts(v) + placed.drift,
+            Rate::Change(v) => over_ends(&speed) + parts(v),
             Rate::Acceleration(links, hinges) => {
                 let acceleration = |w: &Wrench, link: usize| power(w, &links[link].linear, &links[link].angular);
                 over_ends(&acceleration) + parts(hinges) + placed.bias

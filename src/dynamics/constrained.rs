@@ -286,6 +286,28 @@ impl System<'_> {
         self.constraints.as_ref().map_or(0.0, |tied| tied.rows.held_force(velocity))
     }
 
+    /// `change ← (M⁻¹ − M⁻¹ Gᵀ A⁻¹ G M⁻¹) impulse`: how velocities answer an impulse beside loops, drives and gears, with the
+    /// last factorization of [`System::accelerations`].
+    pub fn answer_impulse(&mut self, q: &[f64], impulse: &[f64], change: &mut [f64]) {
+        self.solve_mass(impulse, change);
+        if self.constraints.is_none() {
+            return;
+        }
+        self.motion.update(self.model, q, change);
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.solve(&self.motion, Rate::Change(change));
+        }
+        self.push();
+        if let Some(constrained) = &self.constraints {
+            change.iter_mut().zip(&constrained.step).for_each(|(change, step)| *change += step);
+        }
+    }
+
+    /// What drives do in an impulse that changes velocities so, after [`System::answer_impulse`] (J): their impulse times their speed.
+    pub fn impulse_work(&self, change: &[f64]) -> f64 {
+        self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.power(self.model, change))
+    }
+
     /// Power that drives put in (W).
     pub(super) fn drive_power(&mut self, q: &[f64], v: &[f64]) -> f64 {
         let mut a = std::mem::take(&mut self.scratch);

@@ -1,7 +1,9 @@
 //! What a picture of a recording needs to know beside the samples. Written into the recording, so that a viewer needs
 //! nothing else.
 
+#[cfg(feature = "record")]
 use crate::budget;
+#[cfg(feature = "record")]
 use std::collections::HashSet;
 
 /// The still part of a recording: names, shapes, lines, channels.
@@ -125,6 +127,7 @@ pub struct Channel {
 
 /// A scene from its JSON text, as far as other numbers follow from its own: indices lead to bodies, names are unique, and
 /// no sample of it is larger than its bodies can make it.
+#[cfg(feature = "record")]
 pub(super) fn parse(json: &str) -> Result<Scene, String> {
     let scene: Scene = serde_json::from_str(json).map_err(|error| error.to_string())?;
     let bodies = scene.bodies.len();

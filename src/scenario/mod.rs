@@ -182,15 +182,17 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
     let whole = Reader::new(&document, 0..0, &findings);
     let unknown = unknown::read(&whole, &description);
     let path = path::read(&whole, &description, &numbers);
+    let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));
+    settings::check_samples(&whole, &simulate, &record);
     let scenario = Scenario {
         name: name.to_owned(),
         text: String::new(),
         description,
-        simulate: settings::simulate(&whole),
+        simulate,
         statics: settings::statics(&whole),
         unknown,
         path,
-        record: settings::record(&whole),
+        record,
         models: models.iter().filter_map(|model| model.result.as_ref().ok().cloned()).collect(),
         warnings: Diagnostics::default(),
     };

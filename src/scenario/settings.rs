@@ -1,8 +1,12 @@
 //! `(simulate)`, `(statics)` and `[record]`.
 
+use super::findings::Finding;
 use super::reader::Reader;
 use crate::simulate::settings::{Integrator, Settings as Simulate, Start};
 use crate::statics::settings::{Method, Settings as Statics, Want};
+
+/// The samples of a run: with a few coordinates a recording of tens of gigabytes.
+const MOST_SAMPLES: f64 = 1e8;
 
 pub(super) fn simulate(scenario: &Reader<'_>) -> Simulate {
     let mut settings = Simulate::default();
@@ -42,4 +46,23 @@ pub(super) fn record(scenario: &Reader<'_>) -> crate::record::Settings {
         rate: table.number("rate").unwrap_or(default.rate),
         ros: table.flag("ros").unwrap_or(default.ros),
     }
+}
+
+/// A recording that no disk would hold is refused before the run.
+pub(super) fn check_samples(scenario: &Reader<'_>, simulate: &Simulate, record: &crate::record::Settings) {
+    let samples = record.rate * simulate.duration;
+    if samples <= MOST_SAMPLES {
+        return;
+    }
+    let keys = [("record", "rate"), ("simulate", "duration")];
+    let mut places = keys.iter().filter_map(|(table, key)| {
+        scenario.table(table).filter(|table| table.has(key)).map(|table| table.span_of(key))
+    });
+    let message = format!(
+        "{} samples per second for {} s are {samples:.1e} samples, more than {MOST_SAMPLES:.0e}",
+        record.rate, simulate.duration
+    );
+    let place = places.next().unwrap_or_else(|| scenario.span.clone());
+    let help = "lower `record.rate` or `simulate.duration`";
+    scenario.findings.push(Finding::error(place, message).label("too many samples").help(help));
 }

@@ -70,6 +70,53 @@ pub enum RunError {
         /// What drives it.
         by: String,
     },
+    /// A rigid stop that was passed without an event: the guard behind the search for events.
+    #[error(
+        "at t = {time} s the hinge of `{hinge}` is at {value}, beyond its rigid limit {limit}: the stop was passed between two \
+         looks; try a smaller `tolerance` or `step`, or a compliant stop, and please report the scene"
+    )]
+    Passed {
+        /// (s)
+        time: f64,
+        /// Body whose hinge it is.
+        hinge: String,
+        /// Where it is (m or rad).
+        value: f64,
+        /// (m or rad)
+        limit: f64,
+    },
+    /// Events in ever shorter times.
+    #[error(
+        "at t = {time} s the run creeps: {count} events within {span:.1e} s, the last at `{name}`, and \
+         {left:.0e} s to go; try a smaller `restitution`, a compliant stop with `damping`, or a shorter run"
+    )]
+    Storm {
+        /// (s)
+        time: f64,
+        /// Events counted.
+        count: u64,
+        /// The time they took (s).
+        span: f64,
+        /// Time to the end (s).
+        left: f64,
+        /// Body whose hinge the last one was at, or the force.
+        name: String,
+    },
+    /// An angle with too few digits after the point.
+    #[error(
+        "the hinge coordinate {hinge} starts at {angle:e} rad, where angles are {rounding:.1e} rad apart and the tolerance is \
+         {tolerance:.1e}; take whole turns off its position"
+    )]
+    Coarse {
+        /// The coordinate.
+        hinge: String,
+        /// (rad)
+        angle: f64,
+        /// (rad)
+        rounding: f64,
+        /// Tolerance of the run.
+        tolerance: f64,
+    },
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
     Sample {

@@ -1,15 +1,19 @@
 //! Events: numbers that change sign as a scene moves, found on the dense output of a step.
 //!
-//! Every function is looked at five times in a step, so that a coordinate which goes there and back within one is
-//! seen where it stays long enough; between two looks of different sign the time is found by bisection to 10⁻¹² of
-//! itself. How exact that is in the motion itself is a matter of the step's tolerance.
+//! Every function is looked at several times in a step, and between two looks at its extremum if its rate says that there is
+//! one on the far side, so that a coordinate which goes there and back within one look is seen, too. Between two times of
+//! different sign the event is located to 10⁻¹² of the time (`search.rs`). How exact that is in the motion itself is a matter
+//! of the step's tolerance. Beside loops, drives and gears states are settled on them first, as samples are.
 //!
-//! A function that made an event keeps the sign it has afterwards until it is seen with the other one: rounding at the
-//! start of the next step makes no second event.
+//! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding:
+//! that at the start of the next step makes no second event.
 
-use super::error::{RunError, named};
+use super::error::RunError;
+use super::instant::sides;
+use super::ledger::interpolate;
 use super::problem::Motion;
 use super::run::State;
+use super::search::Search;
 use super::stops::Side;
 use crate::force::Act;
 use crate::integrate::Stepper;
@@ -17,10 +21,12 @@ use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, Watched};
 use std::fmt;
 
-/// Looks within a step, its end included.
-const LOOKS: u32 = 5;
 /// The time of an event is known to this part of itself.
 const TIME: f64 = 1e-12;
+/// A crossing that was noted is noted again when the number has come back by more than this part of itself.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Halvings in search of an extremum.
+const MOST_HALVINGS: u32 = 50;
 
 /// What happened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,8 +109,38 @@ enum Function {
 #[derive(Debug)]
 struct Watch {
     function: Function,
-    /// Positive before the event.
+    /// Its sign before the event.
     positive: bool,
+    /// Values up to this beyond zero are rounding, unless the number changes faster than `still`.
+    band: f64,
+    /// Infinite for a function whose rate is not known or does not count.
+    still: f64,
+    /// Value and rate at the last look; 0 for a rate that is not known.
+    last: [f64; 2],
+    /// The same at the next one.
+    next: [f64; 2],
+}
+
+impl Watch {
+    /// A value or rate as it is below zero before the event and above after it.
+    fn towards(&self, value: f64) -> f64 {
+        if self.positive { -value } else { value }
+    }
+
+    /// A value and its rate: above zero if the event has happened.
+    fn beyond(&self, [value, rate]: [f64; 2]) -> f64 {
+        let (value, rate) = (self.towards(value), self.towards(rate));
+        match value > self.band || rate > self.still {
+            true => value,
+            // On the far side by rounding, or on the way back from there.
+            false => -value.abs(),
+        }
+    }
+
+    /// Whether the sign has changed at the next look.
+    fn changed(&self) -> bool {
+        self.beyond(self.next) > 0.0
+    }
 }
 
 /// An event that changes how the scene goes on.
@@ -113,7 +149,7 @@ pub(super) enum Turn {
     /// A rigid stop is hit.
     Strike(Side),
     /// A held coordinate is let go.
-    Release(usize),
+    Release(Side),
     /// A compliant stop pushes from now on, or no longer.
     Push(Side, bool),
     /// A force element switched: the step ends there, so that none goes across the kink of its force.
@@ -132,63 +168,73 @@ pub(super) struct Hit {
 /// What is watched, and what happened so far.
 #[derive(Debug)]
 pub(super) struct Events {
+    search: Search,
     watches: Vec<Watch>,
+    /// The velocity coordinate of each event that watches a position.
+    velocities: Vec<usize>,
     pub(super) happened: Vec<Occurrence>,
     state: State,
 }
 
 impl Events {
     /// `None` for a model without stops, events and force elements that switch.
-    pub(super) fn new(model: &Model, start: &State) -> Option<Self> {
+    pub(super) fn new(model: &Model, start: &State, search: Search) -> Option<Self> {
         let any = !model.stops.is_empty() || !model.events.is_empty() || model.switching().next().is_some();
-        any.then(|| Self { watches: Vec::new(), happened: Vec::new(), state: start.clone() })
+        let velocity = |of: &Watched| match of {
+            Watched::Position(index) => {
+                let link = model.links.iter().find(|link| link.joint.counts().0 == 1 && link.position == *index);
+                link.map_or(0, |link| link.velocity)
+            }
+            Watched::Point(..) => 0,
+        };
+        let velocities = model.events.iter().map(|event| velocity(&event.of)).collect();
+        let state = start.clone();
+        any.then(|| Self { search, watches: Vec::new(), velocities, happened: Vec::new(), state })
     }
 
-    /// Takes the signs at the start of a run or after a turn; what is watched depends on what is held.
+    /// Takes the signs at the start of a run or after a turn; what is watched depends on the mode.
     pub(super) fn arm(&mut self, motion: &mut Motion<'_>, time: f64, state: &State) {
         let model = motion.model();
-        let held = motion.held().to_vec();
+        let held: Vec<Side> = motion.mode().map_or_else(Vec::new, |mode| mode.held.iter().map(|h| h.side).collect());
         let mut functions: Vec<Function> = (0..held.len()).map(Function::Pressure).collect();
-        for (index, stop) in model.stops.iter().enumerate() {
-            for sign in stop.signs() {
-                let side = Side { stop: index, sign };
-                if held.contains(&side) {
-                    continue;
-                }
-                if !motion.pushes(side) {
-                    functions.push(Function::Depth(side));
-                }
-                if matches!(stop.law, StopLaw::Compliant { .. }) {
-                    functions.push(Function::Push(side));
-                }
+        for side in sides(motion).into_iter().filter(|side| !held.contains(side)) {
+            if !motion.pushes(side) {
+                functions.push(Function::Depth(side));
+            }
+            if matches!(model.stops[side.stop].law, StopLaw::Compliant { .. }) {
+                functions.push(Function::Push(side));
             }
         }
         functions.extend((0..model.events.len()).map(Function::User));
         functions.extend(model.switching().map(Function::Force));
+        self.state.clone_from(state);
         let before = std::mem::take(&mut self.watches);
         for function in functions {
-            let value = self.value(motion, function, time, state);
+            let last = [self.value(motion, function, time), self.rate(motion, function, time)];
+            let band = match function {
+                Function::Depth(side) => motion.touching(side),
+                Function::Push(side) => match model.stops[side.stop].law {
+                    StopLaw::Compliant { stiffness, .. } => stiffness * motion.touching(side),
+                    StopLaw::Rigid { .. } => 0.0,
+                },
+                Function::Pressure(_) => 0.0,
+                Function::User(event) => ROUNDING * model.events[event].value.abs().max(1.0),
+                Function::Force(_) => ROUNDING * model.length_scale(),
+            };
             let positive = match function {
-                // On the limit itself the speed tells, and inside is where a rigid stop leaves it.
-                Function::Depth(side) => {
-                    let stop = &model.stops[side.stop];
-                    let slack = ROUNDINGS * f64::EPSILON * stop.limit(side.sign).abs().max(1.0);
-                    match stop.law {
-                        StopLaw::Rigid { .. } => value > slack,
-                        StopLaw::Compliant { .. } if value.abs() <= slack => {
-                            side.sign * state.velocity[stop.velocity] > 0.0
-                        }
-                        StopLaw::Compliant { .. } => value > 0.0,
-                    }
-                }
-                Function::Push(side) => motion.pushes(side) || value > 0.0,
+                Function::Depth(_) => last[0] > band,
+                Function::Push(side) => motion.pushes(side) || last[0] > band,
                 Function::Pressure(_) => true,
                 Function::User(_) | Function::Force(_) => {
                     let old = before.iter().find(|watch| watch.function == function);
-                    old.map_or(value > 0.0, |watch| watch.positive)
+                    old.map_or(last[0] > 0.0, |watch| watch.positive)
                 }
             };
-            self.watches.push(Watch { function, positive });
+            let still = match function {
+                Function::Depth(side) => motion.still(model.stops[side.stop].velocity),
+                Function::Push(_) | Function::Pressure(_) | Function::User(_) | Function::Force(_) => f64::INFINITY,
+            };
+            self.watches.push(Watch { function, positive, band, still, last, next: last });
         }
     }
 
@@ -199,186 +245,248 @@ impl Events {
         stepper: &mut dyn Stepper<Motion<'m>>,
     ) -> Result<Option<Hit>, RunError> {
         let (from, to) = (stepper.previous_time(), stepper.time());
-        let mut left = from;
-        for look in 1..=LOOKS {
-            let right = if look == LOOKS { to } else { from + (to - from) * f64::from(look) / f64::from(LOOKS) };
-            // All changes between these two looks, in order of time.
-            let mut found: Vec<(f64, usize)> = Vec::new();
-            for index in 0..self.watches.len() {
-                let Watch { function, positive } = self.watches[index];
-                if (self.at(motion, stepper, function, right)? > 0.0) != positive {
-                    let time = self.locate(motion, stepper, index, left, right)?;
-                    found.push((time, index));
+        let (mut left, mut look, looks) = (from, 1, self.search.looks);
+        while look <= looks {
+            let mut right = if look == looks { to } else { from + (to - from) * f64::from(look) / f64::from(looks) };
+            self.look_at(motion, stepper, right)?;
+            match self.excursion(motion, stepper, [left, right])? {
+                Some(beyond) => {
+                    right = beyond;
+                    self.look_at(motion, stepper, right)?;
                 }
+                None => look += 1,
             }
-            found.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (time, index) in found {
-                if let Some(turn) = self.happen(motion, stepper, time, index)? {
-                    return Ok(Some(Hit { time, turn }));
-                }
+            if let Some(hit) = self.first(motion, stepper, [left, right])? {
+                return Ok(Some(hit));
             }
+            self.watches.iter_mut().for_each(|watch| watch.last = watch.next);
             left = right;
         }
         Ok(None)
     }
 
-    /// The first time between two looks at which a function has changed its sign.
+    /// Values and rates at a time within the last step.
+    fn look_at<'m>(
+        &mut self,
+        motion: &mut Motion<'m>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+        time: f64,
+    ) -> Result<(), RunError> {
+        self.move_to(motion, stepper, time)?;
+        for index in 0..self.watches.len() {
+            let function = self.watches[index].function;
+            self.watches[index].next = [self.value(motion, function, time), self.rate(motion, function, time)];
+        }
+        Ok(())
+    }
+
+    /// A time between two looks at which a function has changed its sign that has the old one at both.
+    fn excursion<'m>(
+        &mut self,
+        motion: &mut Motion<'m>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+        interval: [f64; 2],
+    ) -> Result<Option<f64>, RunError> {
+        let mut first: Option<f64> = None;
+        for index in 0..self.watches.len() {
+            let [mut left, mut right] = interval;
+            let watch = &self.watches[index];
+            let (function, band) = (watch.function, watch.band);
+            let mut ends = [watch.last, watch.next].map(|[value, rate]| [watch.towards(value), watch.towards(rate)]);
+            for _ in 0..MOST_HALVINGS {
+                let [[a, rise], [b, fall]] = ends;
+                // A rate that falls from `rise` to `fall` adds no more than this.
+                let reach = a.max(b) + (right - left) * rise.max(-fall);
+                let middle = 0.5 * (left + right);
+                let turns = b <= band && rise > 0.0 && fall < 0.0 && reach > band;
+                if !turns || middle <= left || middle >= right {
+                    break;
+                }
+                self.move_to(motion, stepper, middle)?;
+                let at = [self.value(motion, function, middle), self.rate(motion, function, middle)];
+                let at = at.map(|x| self.watches[index].towards(x));
+                if at[0] > band {
+                    first = Some(first.map_or(middle, |first| first.min(middle)));
+                    break;
+                }
+                if at[1] > 0.0 {
+                    (left, ends[0]) = (middle, at);
+                } else {
+                    (right, ends[1]) = (middle, at);
+                }
+            }
+        }
+        Ok(first)
+    }
+
+    /// Takes note of all changes between two looks up to the first that turns the step; that one.
+    fn first<'m>(
+        &mut self,
+        motion: &mut Motion<'m>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+        interval: [f64; 2],
+    ) -> Result<Option<Hit>, RunError> {
+        let (mut until, mut turning) = (interval[1], None);
+        let mut notes: Vec<(f64, usize)> = Vec::new();
+        for index in 0..self.watches.len() {
+            if !self.watches[index].changed() {
+                continue;
+            }
+            let Some(time) = self.locate(motion, stepper, index, [interval[0], until])? else { continue };
+            match self.turn(motion, index) {
+                Some(turn) => (until, turning) = (time, Some((index, turn))),
+                None => notes.push((time, index)),
+            }
+        }
+        notes.retain(|(time, _)| *time <= until);
+        notes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (time, index) in notes {
+            self.cross(motion, stepper, time, index)?;
+        }
+        let Some((index, turn)) = turning else { return Ok(None) };
+        self.cross(motion, stepper, until, index)?;
+        Ok(Some(Hit { time: until, turn }))
+    }
+
+    /// The first time in an interval at which a function has changed its sign, the state being that then; `None` if it has
+    /// not at its end.
     fn locate<'m>(
         &mut self,
         motion: &mut Motion<'m>,
         stepper: &mut dyn Stepper<Motion<'m>>,
         index: usize,
-        mut left: f64,
-        mut right: f64,
-    ) -> Result<f64, RunError> {
-        let Watch { function, positive } = self.watches[index];
-        let step = right - left;
-        while right - left > 0.5 * TIME * right.abs().max(step) {
-            let middle = 0.5 * (left + right);
-            if middle <= left || middle >= right {
-                break;
-            }
-            match (self.at(motion, stepper, function, middle)? > 0.0) == positive {
-                true => left = middle,
-                false => right = middle,
-            }
+        [left, right]: [f64; 2],
+    ) -> Result<Option<f64>, RunError> {
+        let Watch { function, last, band, .. } = self.watches[index];
+        // At zero, unless that was passed by rounding before.
+        let level = if self.watches[index].towards(last[0]) <= 0.0 { 0.0 } else { band };
+        let mut beyond = |this: &mut Self, time: f64, level: f64| {
+            this.move_to(motion, stepper, time)?;
+            let now = [this.value(motion, function, time), this.rate(motion, function, time)];
+            let watch = &this.watches[index];
+            let value = if watch.still.is_finite() { watch.beyond(now) } else { watch.towards(now[0]) - level };
+            Ok::<f64, RunError>(value)
+        };
+        let end = beyond(self, right, band)?;
+        if !(end > 0.0) {
+            return Ok(None);
         }
-        Ok(right)
+        let ends = [beyond(self, left, level)?, beyond(self, right, level)?];
+        let width = 0.5 * TIME * right.abs().max(right - left);
+        let root = self.search.root;
+        let time = root.locate([left, right], ends, width, |time| beyond(self, time, level))?;
+        self.move_to(motion, stepper, time)?;
+        Ok(Some(time))
     }
 
-    /// Takes note of a change of sign; the turn where it is one.
-    fn happen<'m>(
+    /// The turn that a change of sign is, if it is one, the state being that at its time.
+    fn turn(&self, motion: &Motion<'_>, index: usize) -> Option<Turn> {
+        let Watch { function, positive, .. } = self.watches[index];
+        let model = motion.model();
+        match function {
+            Function::Depth(_) if positive => None,
+            Function::Depth(side) => match model.stops[side.stop].law {
+                StopLaw::Rigid { .. } => Some(Turn::Strike(side)),
+                StopLaw::Compliant { .. } => Some(Turn::Push(side, true)),
+            },
+            Function::Push(side) => {
+                let inside = model.stops[side.stop].depth(side.sign, &self.state.position) > 0.0;
+                match (motion.pushes(side), positive) {
+                    (true, true) => Some(Turn::Push(side, false)),
+                    (false, false) if inside => Some(Turn::Push(side, true)),
+                    _ => None,
+                }
+            }
+            Function::Pressure(held) => motion.mode().map(|mode| Turn::Release(mode.held[held].side)),
+            Function::Force(_) => Some(Turn::Switch),
+            Function::User(event) => {
+                (self.counts(model, index) && model.events[event].stops).then_some(Turn::Stop(event))
+            }
+        }
+    }
+
+    /// Whether a change of sign of an event of the model goes the way that counts.
+    fn counts(&self, model: &Model, index: usize) -> bool {
+        let Watch { function: Function::User(event), positive, .. } = self.watches[index] else { return false };
+        match model.events[event].direction {
+            Direction::Up => !positive,
+            Direction::Down => positive,
+            Direction::Both => true,
+        }
+    }
+
+    /// Takes a change of sign as seen, and notes a crossing that the user asked for and a force that switches. What stops do is told of by the
+    /// instant that follows.
+    fn cross<'m>(
         &mut self,
         motion: &mut Motion<'m>,
         stepper: &mut dyn Stepper<Motion<'m>>,
         time: f64,
         index: usize,
-    ) -> Result<Option<Turn>, RunError> {
-        let Watch { function, positive } = self.watches[index];
-        self.watches[index].positive = !positive;
-        let model = motion.model();
-        let speed = self.speed(motion, stepper, function, time)?;
-        let happened = &mut self.happened;
-        let mut note = |kind: Kind, name: &str, value: f64| {
-            happened.push(Occurrence { time, kind, name: name.to_owned(), value, speed });
-        };
-        let of_stop = |side: Side| {
-            let stop = &model.stops[side.stop];
-            (model.bodies[stop.body].name.as_str(), stop.limit(side.sign))
-        };
-        Ok(match function {
-            Function::Depth(side) => match model.stops[side.stop].law {
-                // Said when it is known whether it comes back.
-                StopLaw::Rigid { .. } if !positive => Some(Turn::Strike(side)),
-                StopLaw::Rigid { .. } => None,
-                StopLaw::Compliant { .. } if !positive => {
-                    let (name, value) = of_stop(side);
-                    note(Kind::Contact, name, value);
-                    Some(Turn::Push(side, true))
-                }
-                StopLaw::Compliant { .. } => None,
-            },
-            Function::Push(side) => {
-                let (name, value) = of_stop(side);
-                let inside = model.stops[side.stop].depth(side.sign, &self.state.position) > 0.0;
-                match (motion.pushes(side), positive) {
-                    (true, true) => {
-                        note(Kind::Separation, name, value);
-                        Some(Turn::Push(side, false))
-                    }
-                    (false, false) if inside => {
-                        note(Kind::Contact, name, value);
-                        Some(Turn::Push(side, true))
-                    }
-                    _ => None,
-                }
+    ) -> Result<(), RunError> {
+        let Watch { function, positive, .. } = self.watches[index];
+        if let Function::Force(index) = function {
+            self.move_to(motion, stepper, time)?;
+            let (switch, force) = (motion.switch(time, index, &self.state), &motion.model().forces[index]);
+            if let Some(names) = force.law.switches() {
+                let (kind, name) = (Kind::Force(names[usize::from(!positive)]), force.name.clone());
+                self.happened.push(Occurrence { time, kind, name, value: switch.at, speed: switch.rate });
             }
-            Function::Pressure(held) => {
-                let (name, value) = of_stop(motion.held()[held]);
-                note(Kind::Release, name, value);
-                Some(Turn::Release(held))
-            }
-            Function::User(event) => {
-                let event_of = &model.events[event];
-                let counts = match event_of.direction {
-                    Direction::Up => !positive,
-                    Direction::Down => positive,
-                    Direction::Both => true,
-                };
-                if counts {
-                    note(Kind::Crossing, &event_of.name, event_of.value);
-                }
-                (counts && event_of.stops).then_some(Turn::Stop(event))
-            }
-            Function::Force(index) => {
-                let force = &model.forces[index];
-                if let Some(names) = force.law.switches() {
-                    let kind = Kind::Force(names[usize::from(!positive)]);
-                    note(kind, &force.name, motion.switch(time, index, &self.state).at);
-                }
-                Some(Turn::Switch)
-            }
-        })
+        }
+        if let Function::User(event) = function
+            && self.counts(motion.model(), index)
+        {
+            self.move_to(motion, stepper, time)?;
+            let (speed, event) = (self.rate(motion, function, time), &motion.model().events[event]);
+            let (kind, name, value) = (Kind::Crossing, event.name.clone(), event.value);
+            self.happened.push(Occurrence { time, kind, name, value, speed });
+        }
+        self.watches[index].positive = !self.watches[index].positive;
+        Ok(())
     }
 
-    /// How fast the watched number changes at a time; that of a push or a pressure is not of interest.
-    fn speed<'m>(
+    /// Takes the state to a time within the last step.
+    fn move_to<'m>(
         &mut self,
         motion: &mut Motion<'m>,
         stepper: &mut dyn Stepper<Motion<'m>>,
-        function: Function,
         time: f64,
-    ) -> Result<f64, RunError> {
-        self.at(motion, stepper, function, time)?;
+    ) -> Result<(), RunError> {
+        interpolate(motion, stepper, time, &mut self.state)
+    }
+
+    /// How fast the watched number changes at the state; 0 for a push or a pressure.
+    fn rate(&self, motion: &mut Motion<'_>, function: Function, time: f64) -> f64 {
         let model = motion.model();
         let velocity = &self.state.velocity;
-        Ok(match function {
-            Function::Depth(side) | Function::Push(side) => velocity[model.stops[side.stop].velocity],
-            Function::Pressure(_) => 0.0,
+        match function {
+            Function::Depth(side) => side.sign * velocity[model.stops[side.stop].velocity],
+            Function::Push(_) | Function::Pressure(_) => 0.0,
             Function::User(event) => match &model.events[event].of {
-                Watched::Position(index) => motion.position_speed(*index, &self.state),
+                Watched::Position(_) => velocity[self.velocities[event]],
                 Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
             },
             Function::Force(index) => motion.switch(time, index, &self.state).rate,
-        })
+        }
     }
 
-    /// A function at a time within the last step; the state there stays in `state`.
-    fn at<'m>(
-        &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
-        function: Function,
-        time: f64,
-    ) -> Result<f64, RunError> {
-        let mut state = std::mem::replace(&mut self.state, State { position: Vec::new(), velocity: Vec::new() });
+    /// A function at the state.
+    fn value(&self, motion: &mut Motion<'_>, function: Function, time: f64) -> f64 {
         let model = motion.model();
-        let found = stepper.interpolate(motion, time, &mut state.position, &mut state.velocity);
-        let value = self.value(motion, function, time, &state);
-        self.state = state;
-        found.map_err(|error| named(model, &error))?;
-        Ok(value)
-    }
-
-    fn value(&self, motion: &mut Motion<'_>, function: Function, time: f64, state: &State) -> f64 {
-        let model = motion.model();
-        let State { position, velocity } = state;
+        let State { position, velocity } = &self.state;
         match function {
             Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),
             Function::Push(side) => model.stops[side.stop].push(side.sign, position, velocity),
-            Function::Pressure(held) => motion.pressure(time, state, held),
+            Function::Pressure(held) => motion.pressure(time, &self.state, held),
             Function::User(event) => {
                 let event = &model.events[event];
                 let number = match &event.of {
                     Watched::Position(index) => position[*index],
-                    Watched::Point(end, axis) => motion.point(time, end, state).dot(axis),
+                    Watched::Point(end, axis) => motion.point(time, end, &self.state).dot(axis),
                 };
                 number - event.value
             }
-            Function::Force(index) => motion.switch(time, index, state).value,
+            Function::Force(index) => motion.switch(time, index, &self.state).value,
         }
     }
 }
-
-/// A coordinate this many roundings from its limit is on it.
-const ROUNDINGS: f64 = 64.0;

@@ -2,10 +2,13 @@
 
 mod bordered;
 mod choice;
+mod complementarity;
 mod couplings;
 mod dead_centre;
 mod error;
 pub mod events;
+mod finite;
+mod instant;
 mod ledger;
 mod pace;
 mod passage;
@@ -15,6 +18,7 @@ pub mod rest;
 mod run;
 mod sampler;
 mod scene;
+mod search;
 pub mod settings;
 mod stiffness;
 mod stops;

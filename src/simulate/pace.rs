@@ -41,9 +41,71 @@ impl Pace {
     }
 }
 
+/// Events over which their pace is taken, per side of a stop and one more.
+const TURNS: u64 = 500;
+/// A pace that would meet more events than this up to the end is too fast.
+const MOST_TURNS: f64 = 1e8;
+/// A run is given up after so many times the pace was too fast, one after the other: bounces that accumulate end before, but
+/// for those that give back all but less than a thousandth of their speed.
+const PATIENCE: u32 = 25;
+
+/// The pace of the last events that changed how a run goes on.
+#[derive(Debug)]
+pub(super) struct Turns {
+    window: u64,
+    count: u64,
+    /// When they began (s).
+    since: f64,
+    /// How often the pace was too fast, one after the other.
+    fast: u32,
+}
+
+/// Events that creep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Storm {
+    /// Events counted.
+    pub(super) count: u64,
+    /// The time they took (s).
+    pub(super) span: f64,
+}
+
+impl Turns {
+    /// Of a scene whose stops have so many sides: many of them have many events at once.
+    pub(super) fn new(sides: usize) -> Self {
+        Self { window: TURNS * (1 + sides as u64), count: 0, since: 0.0, fast: 0 }
+    }
+
+    /// Looks at the time (s) of an event; tells if the `end` is out of reach.
+    pub(super) fn see(&mut self, time: f64, end: f64) -> Option<Storm> {
+        self.count += 1;
+        if self.count < self.window {
+            return None;
+        }
+        let (count, span) = (self.count, time - self.since);
+        (self.count, self.since) = (0, time);
+        let fast = count as f64 * (end - time) > MOST_TURNS * span;
+        self.fast = if fast { self.fast + 1 } else { 0 };
+        (self.fast >= PATIENCE).then_some(Storm { count, span })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn events_are_given_up_on_if_they_take_no_time_and_only_then() {
+        let storm = |events: i32, time_of: &dyn Fn(i32) -> f64| {
+            let mut turns = Turns::new(1);
+            (0..events).find_map(|i| turns.see(time_of(i), 10.0))
+        };
+        assert_eq!(storm(100_000, &|i| 1e-5 * f64::from(i)), None);
+        // A ball that gives back all but a thousandth of its speed, until that is 1e-7 of what it was.
+        assert_eq!(storm(16_000, &|i| 2.0 * (1.0 - 0.999_f64.powi(i))), None);
+        let found = storm(100_000, &|i| 1.0 + 1e-17 * f64::from(i)).expect("a storm");
+        assert_eq!((found.count, found.span), (1000, 0.0));
+        assert!(storm(100_000, &|i| 0.5 + 1e-13 * f64::from(i)).is_some());
+    }
 
     #[test]
     fn a_run_is_given_up_where_its_end_is_out_of_reach_and_only_there() {

@@ -1,13 +1,15 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
 use super::bordered::Bordered;
+use super::error::RunError;
 use super::passage::Passage;
 use crate::dynamics::{Coefficients, DenseTangent, Energies, Fault, Powers, System, TangentSolver};
 use crate::force::{Act, Switch};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
-use crate::model::{End, Joint, Model};
+use crate::model::prescribed::Instant;
+use crate::model::{End, Joint, Model, StopLaw};
 use crate::simulate::run::State;
-use crate::simulate::stops::{Side, Stops};
+use crate::simulate::stops::{Held, Mode, Side, Stops};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -36,18 +38,20 @@ use std::ops::Range;
 /// Loops want [`constraint::assemble`](crate::constraint::assemble) first; stops and events are
 /// [`simulate::run`](super::run)'s.
 pub struct Motion<'m> {
-    system: System<'m>,
+    pub(super) system: System<'m>,
     runs: Vec<Run>,
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
     tangent: Tangent,
     /// `None` for a model without stops.
-    stops: Option<Stops<'m>>,
+    pub(super) stops: Option<Stops<'m>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     passage: Option<Passage>,
     /// Scratch for residuals near those.
     allowed: Vec<f64>,
     balance: Vec<f64>,
+    /// Accelerations at which the pressure on a stop is looked at; empty for a model without stops.
+    scratch: Vec<f64>,
 }
 
 /// Coordinates one after the other.
@@ -110,9 +114,11 @@ impl<'m> Motion<'m> {
         let passage = model.is_constrained().then(|| Passage::new(model, &mut system, sizes));
         let tangent = Tangent::None;
         let stops = Stops::new(model);
-        let scratch = vec![0.0; if passage.is_some() { model.velocity_count() } else { 0 }];
-        let (allowed, balance) = (scratch.clone(), scratch);
-        Self { system, runs: runs(model), position_scales, velocity_scales, tangent, stops, passage, allowed, balance }
+        let room = |wanted: bool| vec![0.0; if wanted { model.velocity_count() } else { 0 }];
+        let (allowed, balance) = (room(passage.is_some()), room(passage.is_some()));
+        let scratch = room(stops.is_some());
+        let runs = runs(model);
+        Self { system, runs, position_scales, velocity_scales, tangent, stops, passage, allowed, balance, scratch }
     }
 
     /// The system at a time (s), for what is recorded between steps.
@@ -164,132 +170,132 @@ impl<'m> Motion<'m> {
 
     /// Powers that no potential stands for, stops included.
     pub fn powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
-        let mut powers = self.at(time).powers(q, v);
+        let system = at_time(&mut self.system, time);
+        // What drives push with depends on what stops push with.
+        if let Some(stops) = &self.stops {
+            stops.press(q, v, system.outside());
+        }
+        let mut powers = system.powers(q, v);
         powers.dissipated += self.stops.as_ref().map_or(0.0, |stops| stops.dissipated(v));
         powers
     }
 
-    /// Coordinates that rest on a rigid stop.
-    pub(super) fn held(&self) -> &[Side] {
-        self.stops.as_ref().map_or(&[], |stops| &stops.held)
+    /// What is discrete; `None` for a model without stops.
+    pub(super) fn mode(&self) -> Option<&Mode> {
+        self.stops.as_ref().map(|stops| &stops.mode)
     }
 
     /// Whether a compliant stop pushes.
     pub(super) fn pushes(&self, side: Side) -> bool {
-        self.stops.as_ref().is_some_and(|stops| stops.pushing.contains(&side))
+        self.mode().is_some_and(|mode| mode.pushing.contains(&side))
     }
 
     /// Lets a compliant stop push from now on, or no longer.
     pub(super) fn push(&mut self, side: Side, pushes: bool) {
         if let Some(stops) = &mut self.stops {
-            stops.pushing.retain(|other| *other != side);
+            stops.mode.pushing.retain(|other| *other != side);
             if pushes {
-                stops.pushing.push(side);
+                stops.mode.pushing.push(side);
             }
         }
     }
 
-    /// Holds a coordinate on a stop from now on.
+    /// Holds these coordinates from now on and no others; beside loops, drives and gears those whose rows are linearly
+    /// independent of theirs.
     ///
     /// # Errors
     /// As [`System::accelerations`].
-    pub(super) fn hold(&mut self, time: f64, state: &State, side: Side) -> Result<(), Fault> {
-        if let Some(stops) = &mut self.stops {
-            stops.held.push(side);
-        }
-        self.tie(time, state)
-    }
-
-    /// Lets the coordinate in this place of the list go.
-    ///
-    /// # Errors
-    /// As [`System::accelerations`].
-    pub(super) fn release(&mut self, time: f64, state: &State, held: usize) -> Result<(), Fault> {
-        if let Some(stops) = &mut self.stops {
-            stops.held.remove(held);
-        }
-        self.tie(time, state)
-    }
-
-    /// Makes rows of what stops hold, beside loops, drives and gears.
-    fn tie(&mut self, time: f64, state: &State) -> Result<(), Fault> {
-        let (Some(stops), Some(passage)) = (&mut self.stops, &mut self.passage) else { return Ok(()) };
+    pub(super) fn hold(&mut self, time: f64, state: &State, held: &[Held]) -> Result<(), Fault> {
+        let Some(stops) = &mut self.stops else { return Ok(()) };
+        stops.set_held(held);
+        let Some(passage) = &mut self.passage else { return Ok(()) };
         let State { position, velocity } = state;
         let system = at_time(&mut self.system, time);
-        stops.counts = Some(system.hold(position, velocity, &stops.rows())?);
+        let rows: Vec<(usize, Instant)> = held.iter().map(|held| stops.row(held.side, 0.0)).collect();
+        let mut counts = system.hold(position, velocity, &rows)?.into_iter();
+        stops.mode.held.retain(|_| counts.next() == Some(true));
         passage.start(system, position, velocity);
         // It has other rows now.
         self.tangent = Tangent::None;
         Ok(())
     }
 
-    /// What presses on the stop in this place of the list; not a number where that cannot be evaluated. One that only
-    /// rests with others is pressed as long as it is not passed.
-    pub(super) fn pressure(&mut self, time: f64, state: &State, held: usize) -> f64 {
-        let mut a = vec![0.0; state.velocity.len()];
-        if self.accelerations(time, &state.position, &state.velocity, &mut a).is_err() {
-            return f64::NAN;
-        }
-        let Some(stops) = &self.stops else { return f64::NAN };
-        let side = stops.held[held];
-        let stop = &stops.stops[side.stop];
-        match &stops.counts {
-            None => stops.pressure(held),
-            Some(_) if self.rests_with_others(held) => {
-                PASSED * self.position_scales[stop.position] - stop.depth(side.sign, &state.position)
-            }
-            Some(_) => self.round_off(stop.velocity) - side.sign * self.system.held_force(stop.velocity),
-        }
-    }
-
-    /// A force (N, N m) that is round-off of the forces in the scene: what pulls a coordinate that loops or gears balance
-    /// exactly off its stop changes its sign as rounding has it.
-    fn round_off(&self, velocity: usize) -> f64 {
-        let model = self.system.model();
-        let (length, time) = (model.length_scale(), model.time_scale());
-        let mass: f64 = model.bodies.iter().map(|body| body.mass.mass).sum();
-        let force = ROUND_OFF * mass * length / (time * time);
-        let slides =
-            model.links.iter().any(|link| link.velocity == velocity && matches!(link.joint, Joint::Slide { .. }));
-        if slides { force } else { force * length }
-    }
-
-    /// Whether the coordinate in this place of the list is held by loops, drives, gears and other stops.
-    pub(super) fn rests_with_others(&self, held: usize) -> bool {
-        let counts = self.stops.as_ref().and_then(|stops| stops.counts.as_ref());
-        counts.is_some_and(|counts| counts.get(held) == Some(&false))
-    }
-
-    /// The velocities after a coordinate hit a stop; false where loops, drives, gears and what rests on stops leave it no
-    /// other speed.
+    /// Puts coordinates on their limits, what loops and gears tie to them along; velocities stay. To be followed by
+    /// [`Motion::hold`].
     ///
     /// # Errors
     /// As [`System::accelerations`].
-    pub(super) fn strike(&mut self, time: f64, state: &mut State, side: Side, restitution: f64) -> Result<bool, Fault> {
-        let Some(stops) = &mut self.stops else { return Ok(true) };
-        let system = at_time(&mut self.system, time);
-        if self.passage.is_some() {
-            let after = -restitution * state.velocity[stops.stops[side.stop].velocity];
-            let mut rows = stops.rows();
-            rows.push(stops.row(side, after));
-            let free = system.hold(&state.position, &state.velocity, &rows)?.last() == Some(&true);
-            if free {
-                system.settle(&mut state.position, &mut state.velocity)?;
+    pub(super) fn lift(&mut self, time: f64, state: &mut State, sides: &[Side]) -> Result<(), Fault> {
+        let Some(stops) = &mut self.stops else { return Ok(()) };
+        if self.passage.is_none() {
+            for side in sides {
+                let stop = &stops.stops[side.stop];
+                state.position[stop.position] = stop.limit(side.sign);
             }
-            return self.tie(time, state).map(|()| free);
+            return Ok(());
         }
-        let State { position, velocity } = state;
-        let mut a = vec![0.0; velocity.len()];
-        system.accelerations(position, velocity, &mut a)?;
-        stops.strike(side, restitution, velocity, &mut |rhs, x| system.solve_mass(rhs, x));
-        Ok(true)
+        let speed = |side: &Side| state.velocity[stops.stops[side.stop].velocity];
+        let rows: Vec<(usize, Instant)> = sides.iter().map(|side| stops.row(*side, speed(side))).collect();
+        let system = at_time(&mut self.system, time);
+        system.hold(&state.position, &state.velocity, &rows)?;
+        system.settle(&mut state.position, &mut state.velocity)?;
+        Ok(())
     }
 
-    /// The rate of a coordinate that has one (not of a quaternion's numbers).
-    pub(super) fn position_speed(&self, index: usize, state: &State) -> f64 {
-        let mut rate = vec![0.0; state.position.len()];
-        self.position_rate(&state.position, &state.velocity, &mut rate);
-        rate[index]
+    /// What presses on the stop in this place of the list of held ones, above its slack (N or N m); not a number if that
+    /// cannot be evaluated.
+    pub(super) fn pressure(&mut self, time: f64, state: &State, held: usize) -> f64 {
+        let mut a = std::mem::take(&mut self.scratch);
+        let evaluated = self.accelerations(time, &state.position, &state.velocity, &mut a);
+        self.scratch = a;
+        let (Ok(()), Some(stops)) = (evaluated, &self.stops) else { return f64::NAN };
+        let Held { side, slack } = stops.mode.held[held];
+        let pressure = match self.passage {
+            None => stops.pressure(held),
+            Some(_) => -side.sign * self.system.held_force(stops.stops[side.stop].velocity),
+        };
+        pressure + slack
+    }
+
+    /// Whether every rigid stop is kept to [`Motion::passing`]: independent of the search for events.
+    ///
+    /// # Errors
+    /// [`RunError::Passed`].
+    pub(super) fn guard(&self, time: f64, state: &State) -> Result<(), RunError> {
+        let Some(stops) = &self.stops else { return Ok(()) };
+        for (index, stop) in stops.stops.iter().enumerate() {
+            for sign in stop.signs() {
+                let side = Side { stop: index, sign };
+                let beyond = !(stop.depth(sign, &state.position) <= self.passing(side));
+                if beyond && matches!(stop.law, StopLaw::Rigid { .. }) {
+                    let hinge = self.model().bodies[stop.body].name.clone();
+                    let (value, limit) = (state.position[stop.position], stop.limit(sign));
+                    return Err(RunError::Passed { time, hinge, value, limit });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A rigid stop may be passed by this and no more (m or rad).
+    pub(super) fn passing(&self, side: Side) -> f64 {
+        PASSED * self.size(side)
+    }
+
+    /// A coordinate this near to a limit is on it (m or rad): rounding of coordinates and times.
+    pub(super) fn touching(&self, side: Side) -> f64 {
+        ON_THE_LIMIT * self.size(side)
+    }
+
+    /// Below this a velocity coordinate is still but for round-off (m/s or rad/s).
+    pub(super) fn still(&self, velocity: usize) -> f64 {
+        ON_THE_LIMIT * self.velocity_scales[velocity]
+    }
+
+    /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
+    fn size(&self, side: Side) -> f64 {
+        let stop = &self.model().stops[side.stop];
+        self.position_scales[stop.position].max(stop.limit(side.sign).abs())
     }
 
     /// Where a point is (m).
@@ -316,10 +322,10 @@ impl<'m> Motion<'m> {
     }
 }
 
-/// Of the forces in a scene, those below this part are round-off.
-const ROUND_OFF: f64 = 1e-12;
-/// A coordinate that is further beyond a stop than this (rad, part of the scene's length) is driven through it.
-const PASSED: f64 = 1e-6;
+/// A rigid stop that is passed by more than this part of its coordinate is passed.
+const PASSED: f64 = 1e-9;
+/// A coordinate on its limit is known to this part.
+const ON_THE_LIMIT: f64 = 1e-12;
 
 /// The one way from a time to the system.
 pub(super) fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {

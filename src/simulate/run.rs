@@ -4,15 +4,17 @@ use super::choice::Choice;
 use super::dead_centre;
 use super::error::{RunError, named};
 use super::events::{Events, Hit, Kind, Occurrence, Turn};
-use super::ledger::{GAUSS, Ledger};
-use super::pace::{Creep, Pace};
+use super::finite;
+use super::instant::{self, Outcome, sides};
+use super::ledger::{Ledger, interpolate};
+use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
 use super::sampler::Sampler;
+use super::search::Search;
 use super::settings::Settings;
 use super::stiffness::fastest;
-use super::stops::Side;
 use super::timetable::Timetable;
-use crate::integrate::{Method, Options, Problem, Start, Statistics, Stepper};
+use crate::integrate::{Method, Options, Start, Statistics, Stepper};
 use crate::model::{Model, StopLaw};
 use crate::record::{Event, Recorder};
 use crate::spatial::Pose;
@@ -24,15 +26,11 @@ const FIXED_STEP: f64 = 0.01;
 /// An explicit method that cannot take longer steps is refused (s).
 const SHORTEST_USEFUL_STEP: f64 = 1e-9;
 
-/// What comes back from an impact with fewer than this many tolerances of a speed comes to rest.
-const REST_SPEEDS: f64 = 10.0;
-/// So does what would rise by fewer than about this many roundings of a coordinate: it would fall as fast by rounding alone.
-const ROUNDED_HEIGHT: f64 = 8.0;
 /// Rounding of a coordinate on its limit, of one and more.
 const ON_THE_LIMIT: f64 = 1e-12;
 
 /// A state to start from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct State {
     /// Hinge coordinates.
     pub position: Vec<f64>,
@@ -79,8 +77,8 @@ pub struct Summary {
     pub wall: Duration,
 }
 
-/// Steps from `start` to the end of the run, hands samples to `recorder` at `rate` per second, and asks `go_on` after
-/// every step with the time reached.
+/// Steps from `start` to the end of the run, hands samples to `recorder` at `rate` per second, and asks `go_on` with the time
+/// reached after every step and now and then between samples.
 ///
 /// # Errors
 /// Where a step cannot be made or a sample cannot be kept; what was recorded until then stays.
@@ -92,81 +90,62 @@ pub fn run(
     recorder: &mut dyn Recorder,
     go_on: &mut dyn FnMut(f64, &State) -> bool,
 ) -> Result<Summary, RunError> {
+    run_with(model, settings, rate, start, recorder, go_on, Search::RUN)
+}
+
+/// As [`run`], with events looked for in another way.
+///
+/// # Errors
+/// As [`run`].
+pub(super) fn run_with(
+    model: &Model,
+    settings: &Settings,
+    rate: f64,
+    start: &State,
+    recorder: &mut dyn Recorder,
+    go_on: &mut dyn FnMut(f64, &State) -> bool,
+    search: Search,
+) -> Result<Summary, RunError> {
     let mut motion = Motion::new(model);
-    let mut start = start.clone();
+    let mut state = start.clone();
     motion
         .at(0.0)
-        .settle(&mut start.position, &mut start.velocity)
+        .settle(&mut state.position, &mut state.velocity)
         .map_err(|fault| RunError::Sample { time: 0.0, fault })?;
-    let start = &start;
-    check_limits(model, start)?;
-    let mut resting = Vec::new();
-    for (index, stop) in model.stops.iter().enumerate() {
-        for side in stop.signs().map(|sign| Side { stop: index, sign }) {
-            let depth = stop.depth(side.sign, &start.position);
-            motion.push(side, depth > 0.0 && stop.push(side.sign, &start.position, &start.velocity) > 0.0);
-            let slack = ON_THE_LIMIT * stop.limit(side.sign).abs().max(1.0);
-            let rigid = matches!(stop.law, StopLaw::Rigid { .. });
-            if rigid && depth.abs() <= slack && start.velocity[stop.velocity] == 0.0 {
-                // What lies on a stop from the start stays there while it presses.
-                let fault = |fault| RunError::Sample { time: 0.0, fault };
-                motion.hold(0.0, start, side).map_err(fault)?;
-                let held = motion.held().len() - 1;
-                match motion.pressure(0.0, start, held) > 0.0 {
-                    true => resting.push(side),
-                    false => motion.release(0.0, start, held).map_err(fault)?,
-                }
-            }
-        }
+    check_limits(model, &state)?;
+    finite::check_start(model, &state, settings.tolerance)?;
+    let outcome = instant::resolve(&mut motion, 0.0, &mut state, settings.absolute_tolerance, None)?;
+    let mut before = motion.energies(0.0, &state.position, &state.velocity);
+    before.kinetic += outcome.lost - outcome.work;
+    let mut ledger = Ledger::new(model, before);
+    ledger.lose(outcome.lost);
+    ledger.put_in(outcome.work);
+    let mut events = Events::new(model, &state, search);
+    if let Some(events) = &mut events {
+        // What a stop pushes with from the start is no event.
+        events.happened = outcome.happened;
+        events.happened.retain(|occurrence| occurrence.kind != Kind::Contact);
+        events.arm(&mut motion, 0.0, &state);
     }
-    let energies = motion.energies(0.0, &start.position, &start.velocity);
     let mut run = Run {
         model,
-        gap: motion.at(0.0).gap(&start.position),
-        ledger: Ledger::new(model, energies),
+        gap: motion.at(0.0).gap(&state.position),
+        ledger,
         sampler: Sampler::new(model, rate, settings.duration),
-        state: start.clone(),
+        state,
         wall: Duration::ZERO,
         integrators: Vec::new(),
         choice: None,
         statistics: Statistics::default(),
-        events: Events::new(model, start),
+        events,
+        turns: Turns::new(sides(&motion).len()),
         happened: Vec::new(),
         stopped_by: None,
         timetable: Timetable::new(model, settings.duration),
     };
-    if let Some(events) = &mut run.events {
-        for side in resting {
-            let stop = &model.stops[side.stop];
-            let (name, value) = (model.bodies[stop.body].name.clone(), stop.limit(side.sign));
-            events.happened.push(Occurrence { time: 0.0, kind: Kind::Rest, name, value, speed: 0.0 });
-        }
-        events.arm(&mut motion, 0.0, start);
-    }
-    run.sampler.sample(&mut motion, &run.ledger, 0.0, start, recorder)?;
+    run.sampler.sample(&mut motion, &run.ledger, 0.0, &run.state.clone(), recorder)?;
     let end_time = run.go(&mut motion, settings, recorder, go_on)?;
-    let now = motion.energies(end_time, &run.state.position, &run.state.velocity);
-    let mut poses = Vec::new();
-    motion.at(end_time).poses(&mut poses);
-    Ok(Summary {
-        end_time,
-        interrupted: end_time < settings.duration && run.stopped_by.is_none(),
-        events: run.happened,
-        stopped_by: run.stopped_by,
-        integrators: run.integrators,
-        choice: run.choice,
-        statistics: run.statistics,
-        energy_start: energies.kinetic + energies.potential,
-        energy_end: now.kinetic + now.potential,
-        work: run.ledger.energy(&now).work,
-        dissipated: run.ledger.energy(&now).dissipated,
-        energy_drift: run.ledger.drift,
-        constraint_error: run.gap,
-        state: run.state,
-        poses,
-        samples: run.sampler.count,
-        wall: run.wall,
-    })
+    Ok(run.summary(&mut motion, settings, end_time, before.kinetic + before.potential))
 }
 
 struct Run<'m> {
@@ -181,6 +160,7 @@ struct Run<'m> {
     statistics: Statistics,
     /// `None` for a model without stops and events.
     events: Option<Events>,
+    turns: Turns,
     /// What is told of so far.
     happened: Vec<Occurrence>,
     stopped_by: Option<String>,
@@ -188,6 +168,32 @@ struct Run<'m> {
 }
 
 impl<'m> Run<'m> {
+    fn summary(self, motion: &mut Motion<'m>, settings: &Settings, end_time: f64, energy_start: f64) -> Summary {
+        let now = motion.energies(end_time, &self.state.position, &self.state.velocity);
+        let account = self.ledger.energy(&now);
+        let mut poses = Vec::new();
+        motion.at(end_time).poses(&mut poses);
+        Summary {
+            end_time,
+            interrupted: end_time < settings.duration && self.stopped_by.is_none(),
+            events: self.happened,
+            stopped_by: self.stopped_by,
+            integrators: self.integrators,
+            choice: self.choice,
+            statistics: self.statistics,
+            energy_start,
+            energy_end: now.kinetic + now.potential,
+            work: account.work,
+            dissipated: account.dissipated,
+            energy_drift: self.ledger.drift,
+            constraint_error: self.gap,
+            state: self.state,
+            poses,
+            samples: self.sampler.count,
+            wall: self.wall,
+        }
+    }
+
     /// Runs with one method, or from one to the other where the choice is the program's.
     fn go(
         &mut self,
@@ -212,15 +218,15 @@ impl<'m> Run<'m> {
                 let hit = self.step(motion, stepper.as_mut())?;
                 time = hit.map_or(stepper.time(), |hit| hit.time);
                 turn = hit.map(|hit| hit.turn);
-                self.tell(motion, Some(stepper.as_mut()), recorder)?;
-                self.sampler.up_to(motion, &self.ledger, stepper.as_mut(), time, recorder)?;
+                stopped = !self.tell(motion, stepper.as_mut(), time, recorder, go_on)?;
+                self.close_step(motion, stepper.as_mut(), time)?;
                 if let Some(creep) = pace.see(time, settings.duration).filter(|_| !choice.method.needs_step()) {
                     return Err(self.creeps(motion, time, creep));
                 }
-                stopped = !go_on(time, &self.state);
+                stopped |= !go_on(time, &self.state);
                 switch = turn.is_none() && choice.review(motion, stepper.as_ref());
             }
-            add(&mut self.statistics, stepper.statistics());
+            self.statistics.add(stepper.statistics());
             if switch {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0 }, recorder)?;
@@ -228,8 +234,8 @@ impl<'m> Run<'m> {
             self.choice = choice.said();
             let turned = turn.is_some();
             if let Some(turn) = turn {
-                self.turn(motion, settings, time, turn)?;
-                self.tell(motion, None, recorder)?;
+                self.turn(motion, settings, choice.method, Hit { time, turn })?;
+                self.mark_all(recorder)?;
             }
             if self.stopped_by.is_some() {
                 let state = self.state.clone();
@@ -244,21 +250,30 @@ impl<'m> Run<'m> {
         }
     }
 
-    /// Hands on what happened since the last call, after the samples before it where those are not made yet.
+    /// Hands on samples and events up to a time within the last step, in order; false if `go_on` asked to stop.
     fn tell(
         &mut self,
         motion: &mut Motion<'m>,
-        mut stepper: Option<&mut dyn Stepper<Motion<'m>>>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+        until: f64,
         recorder: &mut dyn Recorder,
-    ) -> Result<(), RunError> {
+        go_on: &mut dyn FnMut(f64, &State) -> bool,
+    ) -> Result<bool, RunError> {
         let happened = self.events.as_mut().map_or_else(Vec::new, |events| std::mem::take(&mut events.happened));
         for occurrence in happened {
-            if let Some(stepper) = &mut stepper {
-                self.sampler.up_to(motion, &self.ledger, *stepper, occurrence.time, recorder)?;
+            let time = occurrence.time;
+            if !self.sampler.up_to(motion, &mut self.ledger, stepper, time, recorder, go_on)? {
+                return Ok(false);
             }
             self.mark(occurrence, recorder)?;
         }
-        Ok(())
+        self.sampler.up_to(motion, &mut self.ledger, stepper, until, recorder, go_on)
+    }
+
+    /// Hands on what happened at a turn.
+    fn mark_all(&mut self, recorder: &mut dyn Recorder) -> Result<(), RunError> {
+        let happened = self.events.as_mut().map_or_else(Vec::new, |events| std::mem::take(&mut events.happened));
+        happened.into_iter().try_for_each(|occurrence| self.mark(occurrence, recorder))
     }
 
     fn mark(&mut self, occurrence: Occurrence, recorder: &mut dyn Recorder) -> Result<(), RunError> {
@@ -289,7 +304,6 @@ impl<'m> Run<'m> {
             max_step: self.timetable.longest_step.filter(|_| !method.needs_step() && settings.step.is_none()),
             ..Options::default()
         };
-        self.refuse_hopeless(motion, method, time)?;
         let end = self.timetable.end(self.timetable.next(time));
         let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
@@ -320,7 +334,7 @@ impl<'m> Run<'m> {
         dead_centre::beside(RunError::Creep { time, step, left, hinge, rate }, self.model, time, &self.state)
     }
 
-    /// One step, and the account of it up to its end or to what happens before.
+    /// One step, and the state at its end or at what happens before.
     fn step(
         &mut self,
         motion: &mut Motion<'m>,
@@ -332,101 +346,70 @@ impl<'m> Run<'m> {
             .step(motion)
             .map_err(|error| dead_centre::beside(named(model, &error), model, stepper.time(), state))?;
         self.wall += before.elapsed();
-        let hit = match &mut self.events {
-            Some(events) => events.look(motion, stepper)?,
-            None => None,
+        let Some(events) = &mut self.events else {
+            self.state.position.copy_from_slice(stepper.position());
+            self.state.velocity.copy_from_slice(stepper.velocity());
+            return Ok(None);
         };
+        let hit = events.look(motion, stepper)?;
         let until = hit.map_or(stepper.time(), |hit| hit.time);
-        let State { position, velocity } = &mut self.state;
-        stepper.interpolate(motion, until, position, velocity).map_err(|error| named(self.model, &error))?;
-        if self.model.is_constrained() {
-            self.gap = self.gap.max(motion.at(until).gap(position));
-        }
-        if self.ledger.flows() {
-            let (from, length) = (stepper.previous_time(), until - stepper.previous_time());
-            for (node, weight) in GAUSS {
-                let time = from + node * length;
-                self.sampler.interpolate(motion, stepper, time)?;
-                let State { position, velocity } = &self.sampler.state;
-                let powers = motion.powers(time, position, velocity);
-                self.ledger.add(&powers, weight * length);
-            }
-        }
-        self.ledger.close_step(&motion.energies(until, &self.state.position, &self.state.velocity));
+        interpolate(motion, stepper, until, &mut self.state)?;
+        motion.guard(until, &self.state)?;
         Ok(hit)
     }
 
+    /// The account of a step up to its end or to what happened before.
+    fn close_step(
+        &mut self,
+        motion: &mut Motion<'m>,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+        until: f64,
+    ) -> Result<(), RunError> {
+        if self.model.is_constrained() {
+            self.gap = self.gap.max(motion.at(until).gap(&self.state.position));
+        }
+        self.sampler.close(motion, &mut self.ledger, stepper, until)?;
+        self.ledger.close_step(&motion.energies(until, &self.state.position, &self.state.velocity));
+        Ok(())
+    }
+
     /// What follows from an event.
-    fn turn(&mut self, motion: &mut Motion<'m>, settings: &Settings, time: f64, turn: Turn) -> Result<(), RunError> {
-        match turn {
-            Turn::Push(side, pushes) => {
-                // A pad that lets go before it is relaxed takes its spring's energy with it.
-                let before = self.energy(motion, time);
-                motion.push(side, pushes);
-                self.ledger.lose(before - self.energy(motion, time));
-            }
-            Turn::Switch => {}
-            Turn::Stop(event) => self.stopped_by = Some(self.model.events[event].name.clone()),
-            Turn::Release(held) => {
-                if motion.rests_with_others(held) {
-                    return Err(self.jam(time, motion.held()[held]));
-                }
-                motion.release(time, &self.state, held).map_err(|fault| RunError::Sample { time, fault })?;
-            }
-            Turn::Strike(side) => self.strike(motion, settings, time, side)?,
+    fn turn(
+        &mut self,
+        motion: &mut Motion<'m>,
+        settings: &Settings,
+        method: Method,
+        Hit { time, turn }: Hit,
+    ) -> Result<(), RunError> {
+        if let Turn::Stop(event) = turn {
+            self.stopped_by = Some(self.model.events[event].name.clone());
+            return Ok(());
+        }
+        let outcome = match turn {
+            Turn::Switch => Outcome::default(),
+            _ => instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, Some(turn))?,
+        };
+        self.ledger.lose(outcome.lost + outcome.let_go);
+        self.ledger.put_in(outcome.work);
+        self.ledger.close_step(&motion.energies(time, &self.state.position, &self.state.velocity));
+        let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
+        if let Some(storm) = self.turns.see(time, settings.duration) {
+            let last = outcome.happened.last().or(self.happened.last());
+            let name = last.map_or_else(String::new, |last| last.name.clone());
+            return Err(RunError::Storm {
+                time,
+                count: storm.count,
+                span: storm.span,
+                left: settings.duration - time,
+                name,
+            });
         }
         if let Some(events) = &mut self.events {
+            events.happened.extend(outcome.happened);
             events.arm(motion, time, &self.state);
         }
-        Ok(())
-    }
-
-    /// Kinetic plus potential energy now (J).
-    fn energy(&self, motion: &mut Motion<'m>, time: f64) -> f64 {
-        let energies = motion.energies(time, &self.state.position, &self.state.velocity);
-        energies.kinetic + energies.potential
-    }
-
-    /// An impact: the speed comes back, or the coordinate stays where something presses it on.
-    fn strike(&mut self, motion: &mut Motion<'m>, settings: &Settings, time: f64, side: Side) -> Result<(), RunError> {
-        let fault = |fault| RunError::Sample { time, fault };
-        let stop = &self.model.stops[side.stop];
-        let StopLaw::Rigid { restitution } = stop.law else { return Ok(()) };
-        self.state.position[stop.position] = stop.limit(side.sign);
-        let speed = self.state.velocity[stop.velocity];
-        let (_, scales) = motion.scales();
-        let least = (REST_SPEEDS * settings.absolute_tolerance).max((ROUNDED_HEIGHT * f64::EPSILON).sqrt());
-        let slow = restitution * speed.abs() <= least * scales[stop.velocity];
-        let restitution = if slow { 0.0 } else { restitution };
-        let before = self.energy(motion, time);
-        let free = motion.strike(time, &mut self.state, side, restitution).map_err(fault)?;
-        if !free && !slow {
-            return Err(self.jam(time, side));
-        }
-        self.ledger.lose(before - self.energy(motion, time));
-        let mut kind = Kind::Impact;
-        if slow {
-            motion.hold(time, &self.state, side).map_err(fault)?;
-            let held = motion.held().len() - 1;
-            if motion.pressure(time, &self.state, held) > 0.0 {
-                kind = Kind::Rest;
-            } else {
-                motion.release(time, &self.state, held).map_err(fault)?;
-            }
-        }
-        if let Some(events) = &mut self.events {
-            let name = self.model.bodies[stop.body].name.clone();
-            events.happened.push(Occurrence { time, kind, name, value: stop.limit(side.sign), speed });
-        }
-        Ok(())
-    }
-
-    /// A stop that something without another way runs through.
-    fn jam(&self, time: f64, side: Side) -> RunError {
-        let stop = &self.model.stops[side.stop];
-        let drives: Vec<String> = self.model.drives.iter().map(|drive| format!("`{}`", drive.name)).collect();
-        let by = if drives.is_empty() { "loops and gears".to_owned() } else { drives.join(", ") };
-        RunError::Jam { time, hinge: self.model.bodies[stop.body].name.clone(), limit: stop.limit(side.sign), by }
+        // A stiff stop that pushes from now on.
+        if pushed { self.refuse_hopeless(motion, method, time) } else { Ok(()) }
     }
 }
 
@@ -442,14 +425,4 @@ fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
         }
     }
     Ok(())
-}
-
-fn add(sum: &mut Statistics, part: &Statistics) {
-    sum.steps += part.steps;
-    sum.rejected_steps += part.rejected_steps;
-    sum.acceleration_evaluations += part.acceleration_evaluations;
-    sum.residual_evaluations += part.residual_evaluations;
-    sum.jacobian_evaluations += part.jacobian_evaluations;
-    sum.solves += part.solves;
-    sum.newton_iterations += part.newton_iterations;
 }

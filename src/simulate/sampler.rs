@@ -1,14 +1,19 @@
 //! What is recorded of a run, and when.
 
 use super::couplings;
-use super::error::{RunError, named};
-use super::ledger::Ledger;
+use super::error::RunError;
+use super::finite;
+use super::ledger::{Ledger, interpolate};
 use super::problem::Motion;
 use super::run::State;
 use crate::integrate::Stepper;
 use crate::model::Model;
 use crate::record::{Recorder, Sample};
 use crate::spatial::{Pose, Wrench};
+use std::time::{Duration, Instant};
+
+/// Between samples it is asked this often whether to go on: steps that are full of samples take long.
+const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Samples at equal times, and at the very end.
 pub(super) struct Sampler {
@@ -17,8 +22,8 @@ pub(super) struct Sampler {
     pub(super) count: usize,
     /// Index of the next sample: due at `next / rate`.
     next: u64,
-    /// What was interpolated last.
-    pub(super) state: State,
+    /// Scratch.
+    state: State,
     accelerations: Vec<f64>,
     residual: Vec<f64>,
     poses: Vec<Pose>,
@@ -43,45 +48,53 @@ impl Sampler {
         }
     }
 
-    /// The state inside the last step, into `state`.
-    pub(super) fn interpolate<'m>(
-        &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
-        time: f64,
-    ) -> Result<(), RunError> {
-        let State { position, velocity } = &mut self.state;
-        stepper.interpolate(motion, time, position, velocity).map_err(|error| named(motion.model(), &error))?;
-        // Between the ends of a step loops are closed to the accuracy of the interpolation only.
-        motion.settle(time, position, velocity).map_err(|fault| RunError::Sample { time, fault })?;
-        Ok(())
-    }
-
-    /// Every sample due within the last step up to a time.
+    /// Every sample due within the last step up to a time, the ledger with them; false if `go_on` asked to stop.
     pub(super) fn up_to<'m>(
         &mut self,
         motion: &mut Motion<'m>,
-        ledger: &Ledger,
+        ledger: &mut Ledger,
         stepper: &mut dyn Stepper<Motion<'m>>,
         until: f64,
         recorder: &mut dyn Recorder,
-    ) -> Result<(), RunError> {
-        loop {
+        go_on: &mut dyn FnMut(f64, &State) -> bool,
+    ) -> Result<bool, RunError> {
+        let mut asked = Instant::now();
+        // The last one is made once.
+        while ((self.next - 1) as f64) < self.rate * self.end {
             let due = (self.next as f64 / self.rate).min(self.end);
             let last = due >= self.end;
             if due > until {
-                return Ok(());
+                return Ok(true);
             }
-            self.interpolate(motion, stepper, due)?;
-            let state = self.state.clone();
+            let mut state = std::mem::take(&mut self.state);
+            ledger.advance(motion, stepper, &mut state, due)?;
+            interpolate(motion, stepper, due, &mut state)?;
             self.sample(motion, ledger, due, &state, recorder)?;
             self.next += 1;
-            if last {
-                return Ok(());
+            let goes_on = asked.elapsed() < PATIENCE || go_on(due, &state);
+            self.state = state;
+            if last || !goes_on {
+                return Ok(goes_on);
+            }
+            if asked.elapsed() >= PATIENCE {
+                asked = Instant::now();
             }
         }
+        Ok(true)
     }
 
+    /// The ledger up to the end of a step or to what happens before.
+    pub(super) fn close<'m>(
+        &mut self,
+        motion: &mut Motion<'m>,
+        ledger: &mut Ledger,
+        stepper: &mut dyn Stepper<Motion<'m>>,
+        until: f64,
+    ) -> Result<(), RunError> {
+        ledger.advance(motion, stepper, &mut self.state, until)
+    }
+
+    /// One sample. Nothing is recorded that is not a number, nor a state beyond a rigid stop.
     pub(super) fn sample(
         &mut self,
         motion: &mut Motion<'_>,
@@ -90,6 +103,7 @@ impl Sampler {
         state: &State,
         recorder: &mut dyn Recorder,
     ) -> Result<(), RunError> {
+        motion.guard(time, state)?;
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
@@ -100,7 +114,7 @@ impl Sampler {
         system.reactions(&mut self.reactions);
         system.poses(&mut self.poses);
         let energy = ledger.energy(&motion.energies(time, q, v));
-        recorder.sample(&Sample {
+        let sample = Sample {
             time,
             positions: q,
             velocities: v,
@@ -109,7 +123,9 @@ impl Sampler {
             reactions: &self.reactions,
             couplings: &self.couplings,
             energy,
-        })?;
+        };
+        finite::check(motion.model(), &sample)?;
+        recorder.sample(&sample)?;
         self.count += 1;
         Ok(())
     }

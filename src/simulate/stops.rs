@@ -2,17 +2,16 @@
 //!
 //! ```text
 //! (1)  pushing     τ_i −= side · (k p + d ṗ),  p = side · (q_i − limit);  until it would pull
-//! (2)  held        a_i = 0:  a = a₀ + M⁻¹ Hᵀ λ,  (H M⁻¹ Hᵀ) λ = −H a₀;  released where λ would pull
-//! (3)  impact      v⁺ = v⁻ + M⁻¹ Hᵀ λ  such that  v_i⁺ = −e v_i⁻
+//! (2)  held        a_i = 0:  a = a₀ + M⁻¹ Hᵀ λ,  (H M⁻¹ Hᵀ) λ = −H a₀;  released when λ would pull
 //! ```
 //!
-//! Which stops push and which hold changes at events alone (`events.rs`): within a step every law is smooth, so that no
-//! method has to step over a jump. `M⁻¹` of a unit force is one more right side of the factorization that gave the accelerations. A scene without stops
-//! has none of this, and one whose stops are not touched pays a comparison for each.
+//! Which stops push and which hold is the [`Mode`] of a run. It changes at events alone (`instant.rs`): within a step every
+//! law is smooth, so that no method has to step over a jump. `M⁻¹` of a unit force is one more right side of the
+//! factorization that gave the accelerations. A scene without stops has none of this, and one whose stops are not touched
+//! pays a comparison for each.
 //!
-//! **Beside loops, drives and gears** what a stop holds is a row like theirs, while it is held; (3) is then the projection
-//! of velocities, with the speed that comes back as what this row asks for. A stop whose row hangs on theirs and on the
-//! stops before it (the second of two fingers that a gear ties) rests with them and bears nothing of its own.
+//! **Beside loops, drives and gears** a stop that holds is a row like theirs. Stops whose rows depend linearly on theirs and
+//! on other stops' (the second of two fingers that a gear ties) bear nothing of their own and are not held.
 
 use crate::model::prescribed::Instant;
 use crate::model::{Model, Stop, StopLaw};
@@ -26,16 +25,31 @@ pub(super) struct Side {
     pub(super) sign: f64,
 }
 
+/// A rigid stop that holds its coordinate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Held {
+    /// Which.
+    pub(super) side: Side,
+    /// It lets go when it would have to pull by more than this, the round-off of what presses (N or N m).
+    pub(super) slack: f64,
+}
+
+/// The discrete state of a run, beside its positions and velocities.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Mode {
+    /// Compliant stops that push.
+    pub(super) pushing: Vec<Side>,
+    /// Rigid stops that hold their coordinates.
+    pub(super) held: Vec<Held>,
+}
+
 /// The stops of a model and what rests on them.
 #[derive(Debug)]
 pub(super) struct Stops<'m> {
     pub(super) stops: &'m [Stop],
-    /// Compliant stops that push.
-    pub(super) pushing: Vec<Side>,
-    /// Rigid stops that hold their coordinate.
-    pub(super) held: Vec<Side>,
-    /// Beside loops, drives and gears: which of them have a row of their own. `None` in a tree.
-    pub(super) counts: Option<Vec<bool>>,
+    pub(super) mode: Mode,
+    /// Whether what is held has rows beside those of loops, drives and gears.
+    tied: bool,
     /// `M⁻¹ Hᵀ` of the held coordinates, one after the other.
     columns: Vec<Vec<f64>>,
     /// `H M⁻¹ Hᵀ` and λ.
@@ -76,22 +90,34 @@ impl<'m> Stops<'m> {
     /// `None` for a model without stops.
     pub(super) fn new(model: &'m Model) -> Option<Self> {
         let n = model.velocity_count();
+        let room = model.stops.len();
         (!model.stops.is_empty()).then(|| Self {
             stops: &model.stops,
-            pushing: Vec::with_capacity(model.stops.len()),
-            held: Vec::with_capacity(model.stops.len()),
-            counts: model.is_constrained().then(Vec::new),
-            columns: vec![vec![0.0; n]; model.stops.len()],
-            matrix: vec![0.0; model.stops.len() * model.stops.len()],
-            multipliers: vec![0.0; model.stops.len()],
+            mode: Mode { pushing: Vec::with_capacity(room), held: Vec::with_capacity(room) },
+            tied: model.is_constrained(),
+            columns: Vec::new(),
+            matrix: Vec::new(),
+            multipliers: Vec::new(),
             force: vec![0.0; n],
         })
+    }
+
+    /// Holds these from now on, and no others.
+    pub(super) fn set_held(&mut self, held: &[Held]) {
+        self.mode.held.clear();
+        self.mode.held.extend_from_slice(held);
+        if !self.tied {
+            let (m, n) = (held.len(), self.force.len());
+            self.columns.resize_with(m.max(self.columns.len()), || vec![0.0; n]);
+            self.matrix.resize(m * m, 0.0);
+            self.multipliers.resize(m, 0.0);
+        }
     }
 
     /// (1) of all stops that push.
     pub(super) fn press(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
         tau.fill(0.0);
-        for side in &self.pushing {
+        for side in &self.mode.pushing {
             let stop = &self.stops[side.stop];
             tau[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
         }
@@ -99,14 +125,30 @@ impl<'m> Stops<'m> {
 
     /// Corrects the free accelerations of a tree by (2); `solve` is `x ← M⁻¹ rhs`.
     pub(super) fn correct(&mut self, a: &mut [f64], solve: &mut dyn FnMut(&[f64], &mut [f64])) {
-        if !self.held.is_empty() && self.counts.is_none() {
-            self.hold(a, -1.0, solve);
+        if self.mode.held.is_empty() || self.tied {
+            return;
         }
-    }
-
-    /// The coordinates that are held, and where.
-    pub(super) fn rows(&self) -> Vec<(usize, Instant)> {
-        self.held.iter().map(|side| self.row(*side, 0.0)).collect()
+        let m = self.mode.held.len();
+        for (k, Held { side, .. }) in self.mode.held.iter().enumerate() {
+            self.force.fill(0.0);
+            self.force[self.stops[side.stop].velocity] = 1.0;
+            solve(&self.force, &mut self.columns[k]);
+        }
+        for (row, Held { side, .. }) in self.mode.held.iter().enumerate() {
+            let i = self.stops[side.stop].velocity;
+            self.multipliers[row] = -a[i];
+            for k in 0..m {
+                self.matrix[row * m + k] = self.columns[k][i];
+            }
+        }
+        solve_positive(&mut self.matrix[..m * m], &mut self.multipliers[..m]);
+        for k in 0..m {
+            let by = self.multipliers[k];
+            a.iter_mut().zip(&self.columns[k]).for_each(|(a, column)| *a += by * column);
+        }
+        for Held { side, .. } in &self.mode.held {
+            a[self.stops[side.stop].velocity] = 0.0;
+        }
     }
 
     /// A coordinate on the stop of a side, with this speed.
@@ -115,87 +157,29 @@ impl<'m> Stops<'m> {
         (stop.velocity, Instant { position: stop.limit(side.sign), velocity, acceleration: 0.0 })
     }
 
-    /// `x += M⁻¹ Hᵀ λ` such that the held components of `x` are `1 + factor` of what they were; λ is kept.
-    fn hold(&mut self, x: &mut [f64], factor: f64, solve: &mut dyn FnMut(&[f64], &mut [f64])) {
-        let m = self.held.len();
-        for (k, side) in self.held.iter().enumerate() {
-            self.force.fill(0.0);
-            self.force[self.stops[side.stop].velocity] = 1.0;
-            solve(&self.force, &mut self.columns[k]);
-        }
-        for (row, side) in self.held.iter().enumerate() {
-            let i = self.stops[side.stop].velocity;
-            self.multipliers[row] = factor * x[i];
-            for k in 0..m {
-                self.matrix[row * m + k] = self.columns[k][i];
-            }
-        }
-        solve_positive(&mut self.matrix[..m * m], &mut self.multipliers[..m]);
-        for k in 0..m {
-            let by = self.multipliers[k];
-            x.iter_mut().zip(&self.columns[k]).for_each(|(x, column)| *x += by * column);
-        }
-        if factor == -1.0 {
-            for side in &self.held {
-                x[self.stops[side.stop].velocity] = 0.0;
-            }
-        }
-    }
-
-    /// (3): the velocities after coordinates hit the stop of a side, held ones staying put. The restitution is 0 for a
-    /// coordinate that comes to rest.
-    pub(super) fn strike(
-        &mut self,
-        side: Side,
-        restitution: f64,
-        v: &mut [f64],
-        solve: &mut dyn FnMut(&[f64], &mut [f64]),
-    ) {
-        let after = -restitution * v[self.stops[side.stop].velocity];
-        self.held.push(side);
-        self.hold(v, -1.0, solve);
-        let m = self.held.len();
-        if restitution > 0.0 {
-            // The same with what comes back, the held ones still.
-            for (row, held) in self.held.iter().enumerate() {
-                let i = self.stops[held.stop].velocity;
-                self.multipliers[row] = if row + 1 == m { after } else { 0.0 };
-                for k in 0..m {
-                    self.matrix[row * m + k] = self.columns[k][i];
-                }
-            }
-            solve_positive(&mut self.matrix[..m * m], &mut self.multipliers[..m]);
-            for k in 0..m {
-                let by = self.multipliers[k];
-                v.iter_mut().zip(&self.columns[k]).for_each(|(v, column)| *v += by * column);
-            }
-        }
-        self.held.pop();
-    }
-
-    /// What presses on a held stop, of the last corrected accelerations; negative where it would have to pull.
+    /// What presses on a held stop of a tree, of the last corrected accelerations; negative if it would have to pull.
     pub(super) fn pressure(&self, held: usize) -> f64 {
-        -self.held[held].sign * self.multipliers[held]
+        -self.mode.held[held].side.sign * self.multipliers[held]
     }
 
     /// Takes the rows that are held off the force balance of a tree.
     pub(super) fn balance(&self, residual: &mut [f64]) {
-        if self.counts.is_none() {
-            self.held.iter().for_each(|side| residual[self.stops[side.stop].velocity] = 0.0);
+        if !self.tied {
+            self.mode.held.iter().for_each(|held| residual[self.stops[held.side.stop].velocity] = 0.0);
         }
     }
 
-    /// What the stops add to the diagonal of a tangent: infinite where they hold a tree.
+    /// What the stops add to the diagonal of a tangent: infinite for what they hold in a tree.
     pub(super) fn diagonal(&mut self, c1: f64) -> &[f64] {
         self.force.fill(0.0);
-        for side in &self.pushing {
+        for side in &self.mode.pushing {
             let stop = &self.stops[side.stop];
             if let StopLaw::Compliant { stiffness, damping } = stop.law {
                 self.force[stop.velocity] += stiffness + c1 * damping;
             }
         }
-        if self.counts.is_none() {
-            self.held.iter().for_each(|side| self.force[self.stops[side.stop].velocity] = f64::INFINITY);
+        if !self.tied {
+            self.mode.held.iter().for_each(|held| self.force[self.stops[held.side.stop].velocity] = f64::INFINITY);
         }
         &self.force
     }
@@ -206,7 +190,7 @@ impl<'m> Stops<'m> {
             StopLaw::Rigid { .. } => 0.0,
             StopLaw::Compliant { stiffness, .. } => 0.5 * stiffness * self.stops[side.stop].depth(side.sign, q).powi(2),
         };
-        self.pushing.iter().map(of_side).sum()
+        self.mode.pushing.iter().map(of_side).sum()
     }
 
     /// Power that the dampers of stops that push take out (W).
@@ -215,7 +199,7 @@ impl<'m> Stops<'m> {
             StopLaw::Rigid { .. } => 0.0,
             StopLaw::Compliant { damping, .. } => damping * v[self.stops[side.stop].velocity].powi(2),
         };
-        self.pushing.iter().map(of_side).sum()
+        self.mode.pushing.iter().map(of_side).sum()
     }
 }
 

@@ -4,15 +4,22 @@
 //! shares nothing with the first but the system: what the two end states differ by is the error of the first, as long
 //! as the second is much the better one. On a chaotic scene they differ by as much as the motion itself: then no method
 //! can say where it ends.
+//!
+//! **Events** are looked for in another way, too: other looks within other steps, and another root finder. What happens to
+//! each stop and each watched number is compared in order; and between the events of the second run its dense output is
+//! scanned for states beyond a rigid stop, by nothing but their coordinates.
 
 use super::error::RunError;
-use super::run::{State, Summary, run};
+use super::events::{Kind, Occurrence};
+use super::run::{State, Summary, run_with};
+use super::search::Search;
 use super::settings::{Integrator, Settings};
 use crate::integrate::Method;
-use crate::model::{Joint, Model};
+use crate::model::{Joint, Model, Stop, StopLaw};
 use crate::motion::unit_quaternion;
-use crate::record::Fanout;
+use crate::record::{Outcome, RecordError, Recorder, Sample};
 use crate::spatial::rotation::rotation_vector;
+use std::collections::BTreeMap;
 
 /// The second run's tolerance is this part of the first one's.
 const TIGHTER: f64 = 1e-2;
@@ -21,6 +28,9 @@ const TIGHTEST: f64 = 1e-13;
 /// passed over and the second one would follow, it would take days.
 const MOST_STEPS: u64 = 50;
 const FREE_STEPS: u64 = 20_000;
+/// States between events that are looked at, per step of the first run, and at most.
+const STATES: f64 = 4.0;
+const MOST_STATES: f64 = 1e5;
 
 /// The estimated error of a run at its end, the largest of each kind of coordinate.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +49,25 @@ pub struct Verified {
     pub rate: f64,
     /// Of the end itself, where an event ended the run (s).
     pub time: f64,
+    /// Of events; `None` for a scene without stops and events.
+    pub events: Option<VerifiedEvents>,
+}
+
+/// How the events of two runs compare, and what a scan for passed stops found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct VerifiedEvents {
+    /// Events of the first run.
+    pub events: usize,
+    /// Those of them that happen in the second run as well, in the same order for each stop and each watched number.
+    pub same: usize,
+    /// The largest difference of their times (s).
+    pub apart: f64,
+    /// The first event from which on the runs differ (s).
+    pub differ_from: Option<f64>,
+    /// States of the second run that were scanned.
+    pub scanned: usize,
+    /// How far the worst of them is beyond a rigid stop (m or rad).
+    pub beyond: f64,
 }
 
 /// Runs again and compares. `None` where it was stopped from outside.
@@ -68,15 +97,19 @@ pub fn verify(
         step: None,
         ..*settings
     };
-    let rate = 1.0 / settings.duration;
+    let watched = !model.stops.is_empty() || !model.events.is_empty();
+    let states = if watched { (STATES * first.statistics.steps as f64).clamp(1.0, MOST_STATES) } else { 1.0 };
+    let rate = states / settings.duration;
+    let mut scan = Scan { stops: &model.stops, scanned: 0, beyond: 0.0 };
     let most = FREE_STEPS + MOST_STEPS * first.statistics.steps;
     let (mut steps, mut too_long) = (0, false);
-    let second = run(model, &settings, rate, start, &mut Fanout::new(), &mut |time, _| {
+    let mut go_on = |time: f64, _: &State| {
         steps += 1;
         // The pace of a tenth of them tells.
         too_long = steps >= most || (steps >= most / 10 && steps as f64 * settings.duration > most as f64 * time);
         !too_long && go_on(time)
-    })?;
+    };
+    let second = run_with(model, &settings, rate, start, &mut scan, &mut go_on, Search::CHECK)?;
     if too_long && second.interrupted {
         return Err(RunError::Step(gives_up(method, tolerance, steps, second.end_time)));
     }
@@ -91,6 +124,10 @@ pub fn verify(
         speed: 0.0,
         rate: 0.0,
         time: (second.end_time - first.end_time).abs(),
+        events: watched.then(|| {
+            let VerifiedEvents { events, same, apart, differ_from, .. } = compare_events(&first.events, &second.events);
+            VerifiedEvents { events, same, apart, differ_from, scanned: scan.scanned, beyond: scan.beyond }
+        }),
     };
     compare(model, &first.state, &second.state, &mut found);
     Ok(Some(found))
@@ -103,6 +140,57 @@ fn gives_up(method: Method, tolerance: f64, steps: u64, time: f64) -> String {
          tolerance, or damp what vibrates",
         method.name()
     )
+}
+
+/// Looks at the coordinates of samples, and keeps none.
+struct Scan<'m> {
+    stops: &'m [Stop],
+    scanned: usize,
+    beyond: f64,
+}
+
+impl Recorder for Scan<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
+        self.scanned += 1;
+        for stop in self.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+            let value = sample.positions[stop.position];
+            self.beyond = self.beyond.max(stop.range[0] - value).max(value - stop.range[1]);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, _: &Outcome) -> Result<(), RecordError> {
+        Ok(())
+    }
+}
+
+/// Compares what happens to each stop and each watched number, in order.
+fn compare_events(first: &[Occurrence], second: &[Occurrence]) -> VerifiedEvents {
+    let told = |all: &[Occurrence]| -> BTreeMap<(String, u64), Vec<(f64, Kind, bool)>> {
+        let mut of = BTreeMap::<_, Vec<_>>::new();
+        for event in all.iter().filter(|event| event.kind != Kind::Switch) {
+            of.entry((event.name.clone(), event.value.to_bits())).or_default().push((
+                event.time,
+                event.kind,
+                event.speed > 0.0,
+            ));
+        }
+        of
+    };
+    let (first, second) = (told(first), told(second));
+    let mut found = VerifiedEvents { events: first.values().map(Vec::len).sum(), ..VerifiedEvents::default() };
+    let mut differ_from = f64::INFINITY;
+    for key in first.keys().chain(second.keys().filter(|key| !first.contains_key(*key))) {
+        let [one, other] = [&first, &second].map(|of| of.get(key).map_or(&[][..], Vec::as_slice));
+        let same = one.iter().zip(other).take_while(|(a, b)| (a.1, a.2) == (b.1, b.2)).count();
+        found.same += same;
+        let apart = one.iter().zip(other).take(same).map(|(a, b)| (a.0 - b.0).abs());
+        found.apart = apart.fold(found.apart, f64::max);
+        let next = [one, other].map(|of| of.get(same).map_or(f64::INFINITY, |event| event.0));
+        differ_from = differ_from.min(next[0]).min(next[1]);
+    }
+    found.differ_from = differ_from.is_finite().then_some(differ_from);
+    found
 }
 
 fn compare(model: &Model, a: &State, b: &State, found: &mut Verified) {

@@ -1,8 +1,11 @@
 //! Events against closed forms: when a pendulum hits a wall, how deep a pad gives way, what rests and what lets go.
 
+mod account;
+mod generated;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use stillpoint::model::Model;
+use stillpoint::model::{Model, StopLaw};
 use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::Scenario;
 use stillpoint::simulate::events::{Kind, Occurrence};
@@ -17,6 +20,23 @@ fn go(scenario: &Scenario, model: &Model) -> Result<(Summary, Memory), RunError>
     let mut memory = Memory::new(&Opening { scene: &still, scenario: &scenario.text, statics: None });
     let rate = scenario.record.rate;
     simulate::run(model, &scenario.simulate, rate, &start, &mut memory, &mut |_, _| true).map(|done| (done, memory))
+}
+
+/// As [`go`], and how far the state was beyond a rigid stop at worst at any step or event.
+fn go_watched(scenario: &Scenario, model: &Model) -> Result<(Summary, Memory, f64), RunError> {
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let still = simulate::scene(model);
+    let mut memory = Memory::new(&Opening { scene: &still, scenario: &scenario.text, statics: None });
+    let mut deepest = 0.0_f64;
+    let mut look = |_: f64, state: &State| {
+        for stop in model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+            let value = state.position[stop.position];
+            deepest = deepest.max(value - stop.range[1]).max(stop.range[0] - value);
+        }
+        true
+    };
+    let summary = simulate::run(model, &scenario.simulate, scenario.record.rate, &start, &mut memory, &mut look)?;
+    Ok((summary, memory, deepest))
 }
 
 fn run(text: &str) -> (Summary, Memory) {

@@ -108,9 +108,17 @@ impl Iteration {
         if size <= rounding {
             return Ok(true);
         }
-        if !size.is_finite() || self.done >= self.most {
+        if !size.is_finite() {
             return Err(Limit::Newton);
         }
+        match self.judge(size, before) {
+            Ok(false) if self.done >= self.most => Err(Limit::Newton),
+            judged => judged,
+        }
+    }
+
+    /// The rule itself, for a change above rounding with those before it.
+    fn judge(&self, size: f64, before: [Option<f64>; 2]) -> Result<bool, Limit> {
         let [Some(last), second] = before else {
             let contraction = self.prior.filter(|prior| *prior < 1.0);
             return Ok(contraction.is_some_and(|prior| self.remaining(prior, size) <= self.accuracy.left));
@@ -139,6 +147,7 @@ impl Iteration {
             Some(_) if size <= self.accuracy.stalled => Ok(true),
             Some(_) if self.done <= self.grace && size <= HOPELESS * last => Ok(false),
             Some(_) => Err(Limit::Newton),
+            None if self.done > self.patience && size <= self.accuracy.stalled => Ok(true),
             None if size > HOPELESS * last => Err(Limit::Newton),
             None => Ok(false),
         }

@@ -30,4 +30,21 @@ impl Statistics {
         self.largest_step = self.largest_step.max(step);
         self.steps += 1;
     }
+
+    /// Adds what another part of the same run has cost.
+    pub(crate) fn add(&mut self, part: &Self) {
+        self.smallest_step = match (self.steps, part.steps) {
+            (0, _) => part.smallest_step,
+            (_, 0) => self.smallest_step,
+            _ => self.smallest_step.min(part.smallest_step),
+        };
+        self.largest_step = self.largest_step.max(part.largest_step);
+        self.steps += part.steps;
+        self.rejected_steps += part.rejected_steps;
+        self.acceleration_evaluations += part.acceleration_evaluations;
+        self.residual_evaluations += part.residual_evaluations;
+        self.jacobian_evaluations += part.jacobian_evaluations;
+        self.solves += part.solves;
+        self.newton_iterations += part.newton_iterations;
+    }
 }

@@ -119,11 +119,12 @@ fn the_guide_has_the_equations_of_the_core() {
         ("## Jacobians", "transfer/jacobian.rs"),
         ("## Loops", "constraint/mod.rs"),
         ("## Stops", "simulate/stops.rs"),
+        ("## Impacts", "simulate/instant.rs"),
     ] {
         let text = fs::read_to_string(root().join("src").join(file)).expect("a source");
         let part = section(heading);
         let labels = written(&text);
-        assert!(labels.len() > 2, "{file}: {labels:?}");
+        assert!(labels.len() > 1, "{file}: {labels:?}");
         for label in labels {
             let there = part.lines().any(|line| line.trim_start().starts_with(&format!("({label})")));
             assert!(there, "{heading}: equation ({label}) of {file} is not there");

@@ -181,8 +181,8 @@ fn runs_cost_what_they_did() {
     Radau5 body: steps 103, rejected 0, accelerations 2, residuals 1030, jacobians 25, solves 1030, iterations 927
     Radau9 oscillator: steps 20, rejected 0, accelerations 2, residuals 395, jacobians 20, solves 395, iterations 375
     Radau9 body: steps 26, rejected 2, accelerations 2, residuals 558, jacobians 27, solves 558, iterations 530
-    GeneralizedAlpha oscillator: steps 10081, rejected 0, accelerations 2, residuals 40325, jacobians 856, solves 40325, iterations 20163
-    GeneralizedAlpha body: steps 9033, rejected 3, accelerations 2, residuals 36155, jacobians 1177, solves 36155, iterations 18083
+    GeneralizedAlpha oscillator: steps 10080, rejected 0, accelerations 2, residuals 40319, jacobians 851, solves 40319, iterations 20159
+    GeneralizedAlpha body: steps 9031, rejected 3, accelerations 2, residuals 36136, jacobians 1184, solves 36136, iterations 18068
     Gauss oscillator: steps 200, rejected 0, accelerations 1, residuals 1812, jacobians 1, solves 1812, iterations 1812
     Gauss body: steps 200, rejected 0, accelerations 1, residuals 2184, jacobians 1, solves 2184, iterations 2184
     ");

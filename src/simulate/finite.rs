@@ -1,0 +1,73 @@
+//! Numbers that are not finite, found before they are recorded.
+
+use super::couplings;
+use super::error::RunError;
+use super::run::State;
+use crate::dynamics::Fault;
+use crate::model::{Joint, Model};
+use crate::record::{Energy, Sample};
+use crate::spatial::Wrench;
+
+/// The first number of a sample that is not finite is an error that names its owner.
+///
+/// # Errors
+/// [`Fault::NotFinite`].
+pub(super) fn check(model: &Model, sample: &Sample<'_>) -> Result<(), RunError> {
+    let Sample { time, positions, velocities, accelerations, bodies, reactions, couplings, energy } = *sample;
+    let owner = |index: usize| model.owner(index).to_owned();
+    let body = |index: usize| model.bodies[index].name.clone();
+    let first = |numbers: &[f64]| numbers.iter().position(|x| !x.is_finite());
+    let by_position = |index: usize| {
+        let mut of = model.bodies.iter().rev();
+        of.find(|body| body.hinge.position <= index).map_or_else(String::new, |body| body.name.clone())
+    };
+    let pose = |pose: &crate::spatial::Pose| {
+        let turn = pose.rotation.coords.iter().all(|x| x.is_finite());
+        turn && pose.translation.vector.iter().all(|x| x.is_finite())
+    };
+    let wrench = |w: &Wrench| w.force.iter().chain(w.moment.iter()).all(|x| x.is_finite());
+    let Energy { kinetic, potential, work, dissipated, error } = energy;
+    let found = first(positions).map(|index| ("the position", by_position(index)));
+    let found = found.or_else(|| first(velocities).map(|index| ("the velocity", owner(index))));
+    let found = found.or_else(|| first(accelerations).map(|index| ("the acceleration", owner(index))));
+    let found = found.or_else(|| bodies.iter().position(|p| !pose(p)).map(|index| ("the place", body(index))));
+    let found =
+        found.or_else(|| reactions.iter().position(|w| !wrench(w)).map(|i| ("the reaction at the hinge", body(i))));
+    let found = found.or_else(|| {
+        let channel =
+            |index: usize| couplings::channels(model).into_iter().nth(index).map_or_else(String::new, |c| c.body);
+        first(couplings).map(|index| ("what pushes", channel(index)))
+    });
+    let found = found.or_else(|| {
+        let energies = [("the kinetic energy", kinetic), ("the potential energy", potential), ("the work", work)];
+        let energies = energies.into_iter().chain([("the dissipated energy", dissipated), ("the energy error", error)]);
+        let mut bad = energies.filter(|(_, value)| !value.is_finite());
+        // What moves fastest overflows first.
+        let fastest = (0..velocities.len()).max_by(|a, b| velocities[*a].abs().total_cmp(&velocities[*b].abs()));
+        let of = || fastest.map_or_else(|| model.title.clone(), owner);
+        bad.next().map(|(what, _)| (what, of()))
+    });
+    match found {
+        Some((what, element)) => Err(RunError::Sample { time, fault: Fault::NotFinite { what, element } }),
+        None => Ok(()),
+    }
+}
+
+/// Angles of a start that are so large that their rounding is above the tolerance of a run.
+///
+/// # Errors
+/// [`RunError::Coarse`], with the hinge.
+pub(super) fn check_start(model: &Model, start: &State, tolerance: f64) -> Result<(), RunError> {
+    let turns = model.links.iter().filter(|link| matches!(link.joint, Joint::Turn));
+    for link in turns {
+        let angle = start.position[link.position];
+        let rounding = f64::EPSILON * angle.abs();
+        if rounding > tolerance.max(FINEST) {
+            return Err(RunError::Coarse { hinge: model.label(link.velocity), angle, rounding, tolerance });
+        }
+    }
+    Ok(())
+}
+
+/// Rounding of an angle below this is of no account (rad).
+const FINEST: f64 = 1e-10;

@@ -1,0 +1,249 @@
+//! Random scenes between stops: none is passed at any sample, step or event, no blow gains energy, and every run ends.
+//!
+//! `EVENT_CASES=1000` tries more of them.
+
+use super::{go_watched, of};
+use crate::common::{Random, build};
+use std::fmt::Write;
+use stillpoint::model::{Model, StopLaw};
+use stillpoint::record::Memory;
+use stillpoint::scenario::Scenario;
+use stillpoint::simulate::Summary;
+use stillpoint::simulate::events::Kind;
+
+/// A stop is kept to this (m or rad): the program's own bound, 10⁻⁹ of a radian or of the scene's length.
+const KEPT: f64 = 1e-9;
+
+fn cases(usual: u64) -> u64 {
+    std::env::var("EVENT_CASES").map_or(usual, |cases| cases.parse().expect("EVENT_CASES is a number"))
+}
+
+/// What stops the hinges of a chain.
+#[derive(Clone, Copy, PartialEq)]
+enum Between {
+    Walls,
+    Pads,
+}
+
+/// A chain of links between limits ±0.2 rad, each with a coefficient of restitution of its own; some start on a limit.
+fn chain(random: &mut Random, links: usize, between: Between, duration: f64) -> String {
+    let mut text = format!("[record]\nrate = 300.0\n[simulate]\nstart = \"given\"\nduration = {duration}\n");
+    let methods = ["auto", "dop853", "dopri5", "radau9", "sdirk4"];
+    let tolerance = ["1e-6", "1e-8", "1e-10"][random.below(3)];
+    let _ = writeln!(text, "integrator = \"{}\"\ntolerance = {tolerance}", methods[random.below(methods.len())]);
+    for link in 0..links {
+        let mass = random.between(0.3, 2.0);
+        let stop = match between {
+            Between::Walls if random.below(4) == 0 => "restitution = 0.0".to_owned(),
+            Between::Walls => format!("restitution = {}", random.between(0.0, 0.9)),
+            Between::Pads => {
+                let (stiffness, damping) = (random.between(100.0, 1e4), random.between(0.0, 2.0));
+                format!("stiffness = {stiffness}, damping = {damping}")
+            }
+        };
+        let position = match random.below(8) {
+            0 => 0.2,
+            1 => -0.2,
+            _ => random.between(-0.2, 0.2),
+        };
+        let velocity = if random.below(2) == 0 { 0.0 } else { random.between(-2.0, 2.0) };
+        let axis = if link == 0 || random.below(3) > 0 { "[0, 1, 0]" } else { "[1, 0, 0]" };
+        let (parent, at) = if link == 0 { ("ground".to_owned(), 0.0) } else { (format!("l{}", link - 1), 0.2) };
+        let _ = write!(
+            text,
+            "[[body]]\nname = \"l{link}\"\nmass = {mass}\ncenter = [0.1, 0, 0]\n\
+             inertia = [{}, {}, {}]\nhinge = {{ type = \"revolute\", parent = \"{parent}\", at = [{at}, 0, 0], axis = {axis}, \
+             position = {position}, velocity = {velocity}, limits = {{ low = -0.2, high = 0.2, {stop} }} }}\n",
+            1e-3 * mass,
+            3.3e-3 * mass,
+            3.3e-3 * mass
+        );
+    }
+    text
+}
+
+/// The account of a run that nothing puts energy into.
+fn check(seed: u64, scenario: &Scenario, model: &Model, (summary, memory, deepest): &(Summary, Memory, f64)) {
+    let case = || format!("seed {seed}: {}", scenario.text);
+    assert_eq!(summary.end_time, scenario.simulate.duration, "{}", case());
+    let rigid = || model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. }));
+    let mut worst = *deepest;
+    for sample in &memory.samples {
+        for stop in rigid() {
+            let value = sample.positions[stop.position];
+            worst = worst.max(value - stop.range[1]).max(stop.range[0] - value);
+        }
+    }
+    assert!(worst <= KEPT, "{worst:e} beyond a stop, {}", case());
+    // What the method has wrong: with tolerances of 1e-6 some thousand steps add up.
+    let size = summary.energy_start.abs() + summary.dissipated + 1.0;
+    let slack = (1e3 * scenario.simulate.tolerance).max(1e-7) * size;
+    assert!(summary.energy_drift < slack, "{:e} lost, {}", summary.energy_drift, case());
+    let mut energies = memory.samples.iter().map(|sample| sample.energy);
+    let first = energies.next().expect("a sample");
+    let mut before = first;
+    for energy in energies {
+        assert!(energy.kinetic + energy.potential <= first.kinetic + first.potential + slack, "{}", case());
+        // Blows take out; pads that are left before they are relaxed and touched again give back what they took.
+        let pads = rigid().count() < model.stops.len();
+        assert!(pads || energy.dissipated >= before.dissipated, "{}", case());
+        before = energy;
+    }
+}
+
+fn read(text: &str) -> (Scenario, Model) {
+    let scenario = stillpoint::scenario::parse("scene.toml", text, &[]).unwrap_or_else(|found| panic!("{found:?}"));
+    let model = build(&scenario.description);
+    (scenario, model)
+}
+
+fn run_all(cases: u64, text: impl Fn(&mut Random) -> String) -> usize {
+    let mut events = 0;
+    for seed in 0..cases {
+        let (scenario, model) = read(&text(&mut Random::new(seed)));
+        let run =
+            go_watched(&scenario, &model).unwrap_or_else(|error| panic!("seed {seed}: {error}\n{}", scenario.text));
+        check(seed, &scenario, &model, &run);
+        events += run.0.events.len();
+    }
+    events
+}
+
+#[test]
+fn no_stop_is_passed_in_chains_of_two_to_eight_links() {
+    let events = run_all(cases(200), |random| {
+        let links = 2 + random.below(7);
+        chain(random, links, Between::Walls, 0.5)
+    });
+    assert!(events > 1000, "{events}");
+}
+
+#[test]
+fn chains_between_pads_keep_their_account() {
+    run_all(cases(40), |random| {
+        let links = 2 + random.below(4);
+        chain(random, links, Between::Pads, 0.4)
+    });
+}
+
+/// The other path: a gear ties two coordinates of a chain, whose blows go through both.
+#[test]
+fn no_stop_is_passed_beside_gears() {
+    run_all(cases(40), |random| {
+        let links = 2 + random.below(4);
+        let text = chain(random, links, Between::Walls, 0.4);
+        let ratio = ["1.0", "-1.0", "0.5", "-2.0"][random.below(4)];
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        let mut hinges = 0;
+        for line in lines.iter_mut().filter(|line| line.starts_with("hinge")) {
+            if hinges < 2 {
+                let (head, tail) = line.split_once("position = ").expect("a position");
+                let (_, limits) = tail.split_once("limits").expect("limits");
+                *line = format!("{head}position = 0.0, limits{limits}");
+            }
+            hinges += 1;
+        }
+        lines.join("\n")
+            + &format!("\n[[gear]]\nname = \"mesh\"\ntype = \"ratio\"\nratio = {ratio}\nbetween = [\"l1\", \"l0\"]\n")
+    });
+}
+
+/// Masses on one line, each a stop for the next: a blow drives the ones below onto stops that they touch already.
+#[test]
+fn no_stop_is_passed_in_stacks() {
+    run_all(cases(40), |random| {
+        let mut text = "[record]\nrate = 300.0\n[simulate]\nstart = \"given\"\nduration = 1.0\n".to_owned();
+        for level in 0..2 + random.below(5) {
+            let parent = if level == 0 { "ground".to_owned() } else { format!("m{}", level - 1) };
+            let (mass, height) = (random.between(0.1, 3.0), [0.0, 0.3, random.between(0.0, 0.5)][random.below(3)]);
+            let restitution = if random.below(3) == 0 { 0.0 } else { random.between(0.0, 0.9) };
+            let _ = write!(
+                text,
+                "[[body]]\nname = \"m{level}\"\nmass = {mass}\nhinge = {{ type = \"prismatic\", parent = \"{parent}\", \
+                 axis = [0, 0, 1], position = {height}, limits = {{ low = 0.0, restitution = {restitution} }} }}\n"
+            );
+        }
+        text
+    });
+}
+
+/// Balls let go at equal heights land in one blow, each as if it were alone.
+#[test]
+fn balls_dropped_together_land_together() {
+    for stop in ["restitution = 0.7", "stiffness = 1e5, damping = 10.0", "restitution = 0.0"] {
+        let ball = |name: usize| {
+            format!(
+                "[[body]]\nname = \"b{name}\"\nmass = {}.0\nhinge = {{ type = \"prismatic\", axis = [0, 0, 1], \
+                 position = 1.0, limits = {{ low = 0.0, {stop} }} }}\n",
+                1 + name
+            )
+        };
+        let all: String = (0..4).map(ball).collect();
+        let text = format!("simulate = {{ start = \"given\", duration = 2.0 }}\n{all}");
+        let (scenario, model) = read(&text);
+        let run = go_watched(&scenario, &model).unwrap_or_else(|error| panic!("{stop}: {error}"));
+        check(0, &scenario, &model, &run);
+        let first = of(&run.0, "b0")[0];
+        assert!((first.time - (2.0 / 9.80665_f64).sqrt()).abs() < 1e-9);
+        for name in ["b1", "b2", "b3"] {
+            assert_eq!((of(&run.0, name)[0].time, of(&run.0, name)[0].kind), (first.time, first.kind), "{stop}");
+        }
+        // Rigid stops know no mass.
+        if stop.starts_with('r') {
+            let state = &run.0.state.position;
+            assert!(state.iter().all(|height| (height - state[0]).abs() < 1e-12), "{stop}: {state:?}");
+        }
+    }
+}
+
+/// A pendulum whose amplitude is beyond its limit by ever less touches it ever more softly; one that does not reach it
+/// never does. Its step is longer than what lies beyond.
+#[test]
+fn grazing_is_seen_however_slight_it_is() {
+    for method in ["dop853", "radau9", "rk4"] {
+        for beyond in [-1e-6_f64, 1e-3, 1e-6, 1e-9] {
+            let text = format!(
+                "gravity = [0, 0, -9.81]\n[simulate]\nstart = \"given\"\nduration = 3.0\nintegrator = \"{method}\"\n\
+                 tolerance = 1e-12\n[[body]]\nname = \"bob\"\nmass = 1.0\ncenter = [0, 0, -1]\n\
+                 hinge = {{ type = \"revolute\", axis = [0, 1, 0], position = -0.5, \
+                 limits = {{ low = -1.0, high = {}, restitution = 0.5 }} }}\n",
+                0.5 - beyond
+            );
+            let (scenario, model) = read(&text);
+            let run = go_watched(&scenario, &model).unwrap_or_else(|error| panic!("{error}"));
+            check(0, &scenario, &model, &run);
+            let touches = of(&run.0, "bob");
+            assert_eq!(touches.is_empty(), beyond < 0.0, "{method} {beyond:e}: {touches:?}");
+            if beyond > 1e-8 {
+                // ½ ω² = g (cos(½ − δ) − cos ½).
+                let speed = (2.0 * 9.81 * ((0.5 - beyond).cos() - 0.5_f64.cos())).sqrt();
+                assert!(
+                    (touches[0].speed - speed).abs() < 1e-5 * speed + 1e-7 / speed,
+                    "{method} {beyond:e}: {touches:?}"
+                );
+                assert_eq!(touches[0].kind, Kind::Impact);
+            }
+        }
+    }
+}
+
+/// Speeds far below rounding make no blows, and a run of many accumulating ones ends.
+#[test]
+fn accumulating_blows_end_in_rest() {
+    for restitution in [0.3, 0.9, 0.99] {
+        let text = format!(
+            "simulate = {{ start = \"given\", duration = 3.0 }}\n[[body]]\nname = \"ball\"\nmass = 1.0\n\
+             hinge = {{ type = \"prismatic\", axis = [0, 0, 1], position = 0.0, velocity = {}, \
+             limits = {{ low = 0.0, restitution = {restitution} }} }}\n",
+            9.80665 * 0.5 * (1.0 - restitution)
+        );
+        let (scenario, model) = read(&text);
+        let run = go_watched(&scenario, &model).unwrap_or_else(|error| panic!("{error}"));
+        check(0, &scenario, &model, &run);
+        let last = run.0.events.last().expect("events");
+        assert_eq!(last.kind, Kind::Rest);
+        // 2 v/g (1 + e + e² + …) = 1; what is left of the sequence below the speed of rest, and the rounding of each time.
+        assert!((last.time - 1.0).abs() < 1e-6 / (1.0 - restitution), "{restitution}: {last:?}");
+        assert_eq!((run.0.state.position[0], run.0.state.velocity[0]), (0.0, 0.0));
+    }
+}
