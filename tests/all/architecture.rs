@@ -105,7 +105,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
 ];
 
 /// What the core is compiled with: every other crate belongs to a feature.
-const CORE: &[&str] = &["allocator-api2", "exmex", "faer", "hugealloc", "nalgebra", "rayon", "thiserror", "wide"];
+const CORE: &[&str] = &["allocator-api2", "faer", "hugealloc", "nalgebra", "rayon", "strsim", "thiserror", "wide"];
 
 /// A file longer than this is more than one can hold in the head.
 const MOST_LINES: usize = 450;
