@@ -1,286 +1,305 @@
-//! `statics --compare`: every method from the same guess, side by side; `--over`: for several values of a number.
+//! `compare`: how far two recordings are apart.
 
-mod plot;
-
-use super::output::{self, bold};
-use super::{Common, Exit, scene, text};
-use crate::model::Model;
-use crate::scenario::Scenario;
-use crate::statics::{Equilibrium, Method, Settings, equilibrium_observed};
-use anyhow::Context;
+use super::samples::{self, Rows};
+use super::text::{count, number, small};
+use super::{Exit, output};
+use crate::record::{OwnedSample, RecordError, Recording, Samples, Table};
+use anyhow::bail;
+use clap::Args;
 use serde_json::{Value, json};
-use std::fmt::Write;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
-/// The time is that of the best of this many runs, and of as many as fit into [`PATIENCE`].
-const MOST_RUNS: usize = 10;
-const PATIENCE: Duration = Duration::from_millis(500);
-
-/// What one method did.
-struct Row {
-    method: Method,
-    /// The answer, or why there is none.
-    found: Result<Equilibrium, String>,
-    /// Best time of the search, without the certificate that all answers get alike.
-    search: Duration,
-    /// Largest distance between root markers (m) and angle between bodies (rad), this answer against the cascade's.
-    distance: Option<(f64, f64)>,
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The one recording
+    first: PathBuf,
+    /// The other one
+    second: PathBuf,
+    /// Differences up to this are none (in each column's unit)
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    tolerance: f64,
+    /// Differences up to this part of a column's largest number are none either
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
+    relative: f64,
+    /// Only this channel (hinges, energy, reactions, couplings, tf) or this column (upper.angle); may be repeated
+    #[arg(long, value_name = "NAME")]
+    channel: Vec<String>,
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
 }
 
-/// One scene.
-struct Run {
-    /// What was changed, as on the command line; empty for the scene as it stands.
-    value: String,
-    degrees_of_freedom: usize,
-    rows: Vec<Row>,
-}
+/// Columns that are listed for people; `--json` has all.
+const MOST_LINES: usize = 20;
 
-/// There is one method for unknown inputs.
-fn ensure_comparable(scenario: &Scenario) -> anyhow::Result<()> {
-    anyhow::ensure!(scenario.unknown.is_empty(), "there is one method for `statics.unknown`: nothing to compare");
-    Ok(())
-}
-
-pub(super) fn main(scenario: &Scenario, model: &Model, common: &Common, out: Option<&Path>) -> anyhow::Result<Exit> {
-    ensure_comparable(scenario)?;
-    let run = run(String::new(), scenario, model);
-    let table = json!({ "scenario": scenario.name, "methods": methods(&run.rows) });
-    let title = title(scenario, model);
-    if let Some(prefix) = out {
-        write_all(prefix, &csv(std::slice::from_ref(&run)), &plot::residuals(&run.rows, title)?, &table)?;
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number >= 0.0 && number.is_finite() => Ok(number),
+        _ => Err("a number ≥ 0 is wanted".to_owned()),
     }
-    if common.json {
-        output::print(&table.to_string())?;
-    } else if !common.quiet {
-        output::print(&text::heading(model, &scenario.name))?;
-        output::print(&report(&run.rows))?;
-    }
-    Ok(exit([&run]))
 }
 
-/// The same for several values of a number of the file, `path=1,2,3`.
-pub(super) fn over(common: &Common, change: &str, out: Option<&Path>) -> anyhow::Result<Exit> {
-    let (path, values) =
-        change.split_once('=').context("`--over` takes a path and values, as `link.repeat=5,10,20`")?;
-    anyhow::ensure!(
-        common.scenario != Path::new("-"),
-        "`--over` reads its file again and again: standard input cannot"
-    );
-    let mut runs = Vec::new();
-    let mut named = None;
-    for value in values.split(',') {
-        let set = common.set.iter().cloned().chain([format!("{path}={value}")]).collect();
-        let one = Common { scenario: common.scenario.clone(), set, json: common.json, quiet: common.quiet };
-        let (scenario, model) = match scene::load(&one)? {
-            Ok(loaded) => loaded,
-            Err(exit) => return Ok(exit),
-        };
-        ensure_comparable(&scenario)?;
-        let run = run(value.trim().to_owned(), &scenario, &model);
-        if !common.json && !common.quiet {
-            output::print(&format!("{path} = {value}\n{}", text::heading(&model, &scenario.name)))?;
-            output::print(&report(&run.rows))?;
+/// What was found of one column.
+struct Difference {
+    name: String,
+    unit: String,
+    /// The largest difference; infinite where one of both is not a number.
+    largest: f64,
+    /// Samples in which one of both is not a number and the other is.
+    not_numbers: usize,
+    /// When (s).
+    at: f64,
+    /// The largest number of the column in either recording.
+    size: f64,
+}
+
+impl Difference {
+    fn take(&mut self, time: f64, [a, b]: [f64; 2]) {
+        for number in [a, b] {
+            if number.abs() > self.size {
+                self.size = number.abs();
+            }
         }
-        runs.push(run);
-        named.get_or_insert_with(|| (scenario.name.clone(), title(&scenario, &model).to_owned()));
-    }
-    let (name, title) = named.unwrap_or_default();
-    let of_run = |run: &Run| json!({ "value": run.value, "degrees_of_freedom": run.degrees_of_freedom, "methods": methods(&run.rows) });
-    let table = json!({ "scenario": name, "over": path, "runs": runs.iter().map(of_run).collect::<Vec<_>>() });
-    if let Some(prefix) = out {
-        write_all(prefix, &csv(&runs), &plot::times(&runs, &title)?, &table)?;
-    }
-    if common.json {
-        output::print(&table.to_string())?;
-    }
-    Ok(exit(&runs))
-}
-
-fn title<'t>(scenario: &'t Scenario, model: &'t Model) -> &'t str {
-    if model.title.is_empty() { &scenario.name } else { &model.title }
-}
-
-fn methods(rows: &[Row]) -> Vec<Value> {
-    rows.iter().map(Row::json).collect()
-}
-
-/// Every method on one scene.
-fn run(value: String, scenario: &Scenario, model: &Model) -> Run {
-    let mut rows: Vec<Row> = Vec::new();
-    for method in Method::ALL {
-        let mut row = measured(model, &Settings { method, ..scenario.statics });
-        row.distance = match (&rows.first().unwrap_or(&row).found, &row.found) {
-            (Ok(reference), Ok(found)) if reference.converged && found.balanced => Some(apart(reference, found)),
-            _ => None,
-        };
-        rows.push(row);
-    }
-    Run { value, degrees_of_freedom: model.velocity_count(), rows }
-}
-
-/// What `--out` gets.
-const ENDINGS: [&str; 3] = [".csv", ".svg", ".json"];
-
-fn write_all(prefix: &Path, csv: &str, svg: &str, table: &Value) -> anyhow::Result<()> {
-    // `table.svg` stands for `table` as well.
-    let named = |ending: &str| prefix.extension().is_some_and(|given| given == &ending[1..]);
-    let stem = if ENDINGS.into_iter().any(named) { prefix.with_extension("") } else { prefix.to_owned() };
-    let with = |ending: &str| {
-        let mut name = stem.as_os_str().to_owned();
-        name.push(ending);
-        PathBuf::from(name)
-    };
-    let [sheet, plot, all] = ENDINGS.map(with);
-    output::save(&sheet, csv.as_bytes())?;
-    output::save(&plot, svg.as_bytes())?;
-    output::save(&all, format!("{table:#}\n").as_bytes())
-}
-
-/// The cascade has to find what was wanted, everywhere.
-fn exit<'r>(runs: impl IntoIterator<Item = &'r Run>) -> Exit {
-    let found = |run: &Run| run.rows.first().is_some_and(|row| row.found.as_ref().is_ok_and(|found| found.converged));
-    if runs.into_iter().all(found) { Exit::Done } else { Exit::No }
-}
-
-/// One method: its answer, and the time of its search.
-fn measured(model: &Model, settings: &Settings) -> Row {
-    let (begin, mut best) = (Instant::now(), Duration::MAX);
-    let mut run = || {
-        let before = Instant::now();
-        let mut searched = || best = best.min(before.elapsed());
-        equilibrium_observed(model, settings, &model.start_position, &mut searched)
-    };
-    let mut found = run();
-    for _ in 1..MOST_RUNS {
-        if found.is_err() || begin.elapsed() > PATIENCE {
-            break;
-        }
-        found = run();
-    }
-    Row { method: settings.method, found: found.map_err(|error| error.to_string()), search: best, distance: None }
-}
-
-/// Largest distance and largest angle between the bodies of two answers.
-fn apart(a: &Equilibrium, b: &Equilibrium) -> (f64, f64) {
-    let mut largest = (0.0_f64, 0.0_f64);
-    for (a, b) in a.poses.iter().zip(&b.poses) {
-        largest.0 = largest.0.max((a.translation.vector - b.translation.vector).norm());
-        largest.1 = largest.1.max(a.rotation.angle_to(&b.rotation));
-    }
-    largest
-}
-
-impl Row {
-    /// `converged`, or what went wrong.
-    fn outcome(&self) -> String {
-        match &self.found {
-            Err(reason) => reason.clone(),
-            Ok(found) if found.converged => "converged".to_owned(),
-            Ok(found) => format!("failed: {}", found.notes.join("; ")),
+        let same = a == b || (a.is_nan() && b.is_nan());
+        let apart = if same { 0.0 } else { (a - b).abs() };
+        self.not_numbers += usize::from(a.is_nan() != b.is_nan());
+        let apart = if apart.is_nan() { f64::INFINITY } else { apart };
+        if apart > self.largest {
+            (self.largest, self.at) = (apart, time);
         }
     }
 
-    fn stability(&self) -> Option<&'static str> {
-        let found = self.found.as_ref().ok()?;
-        found.stability.as_ref().map(|stability| stability.verdict.name())
+    fn within(&self, arguments: &Arguments) -> bool {
+        self.largest <= arguments.tolerance
+            || self.largest <= arguments.relative * self.size && self.largest.is_finite()
     }
 
-    fn json(&self) -> Value {
-        let found = self.found.as_ref().ok();
+    fn json(&self, arguments: &Arguments) -> Value {
         json!({
-            "method": self.method.name(),
-            "converged": found.is_some_and(|found| found.converged),
-            "balanced": found.is_some_and(|found| found.balanced),
-            "stage": found.map(|found| found.stage),
-            "search_seconds": found.map(|_| self.search.as_secs_f64()),
-            "iterations": found.map(|found| found.iterations),
-            "force_evaluations": found.map(|found| found.force_evaluations),
-            "acceleration_evaluations": found.map(|found| found.acceleration_evaluations),
-            "stiffness_evaluations": found.map(|found| found.stiffness_evaluations),
-            "factorizations": found.map(|found| found.factorizations),
-            "relative_residual": found.map(|found| found.relative_residual),
-            "residual_acceleration": found.map(|found| found.residual_acceleration),
-            "stability": self.stability(),
-            "distance_m": self.distance.map(|(distance, _)| distance),
-            "angle_rad": self.distance.map(|(_, angle)| angle),
-            "outcome": self.outcome(),
-            "history": found.map_or(Vec::new(), |found| found.history.iter().map(|at| at.residual).collect()),
+            "name": self.name,
+            "unit": self.unit,
+            // JSON has no infinity.
+            "largest": if self.largest.is_finite() { json!(self.largest) } else { json!("infinite") },
+            "not_numbers": self.not_numbers,
+            "time": self.at,
+            "size": self.size,
+            "same": self.within(arguments),
         })
     }
 }
 
-const COLUMNS: [&str; 14] = [
-    "method",
-    "converged",
-    "stage",
-    "search_seconds",
-    "iterations",
-    "force_evaluations",
-    "acceleration_evaluations",
-    "stiffness_evaluations",
-    "factorizations",
-    "relative_residual",
-    "stability",
-    "distance_m",
-    "angle_rad",
-    "outcome",
-];
+/// How the samples of both fit together.
+#[derive(Default)]
+struct Times {
+    common: usize,
+    only_first: usize,
+    only_second: usize,
+}
 
-/// One line per method; a number that does not exist is empty. Of several scenes each with its value before.
-fn csv(runs: &[Run]) -> String {
-    let several = runs.iter().any(|run| !run.value.is_empty());
-    let first = if several { "value,degrees_of_freedom," } else { "" };
-    let mut out = format!("{first}{}\n", COLUMNS.join(","));
-    for (run, row) in runs.iter().flat_map(|run| run.rows.iter().map(move |row| (run, row))) {
-        let values = row.json();
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-        let field = |name: &&str| match &values[*name] {
-            Value::Null => String::new(),
-            Value::String(text) => quoted(text),
-            other => other.to_string(),
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let open = |path: &Path| samples::open(path, arguments.quiet);
+    let recordings = [open(&arguments.first)?, open(&arguments.second)?];
+    let (mut differences, missing, times) = compare(arguments, &recordings)?;
+    if times.common == 0 && times.only_first + times.only_second > 0 {
+        bail!("the recordings have no time in common: {} samples and {}", times.only_first, times.only_second);
+    }
+    let different = differences.iter().filter(|one| !one.within(arguments)).count();
+    let same = different == 0 && missing.iter().all(Vec::is_empty);
+    differences.sort_by(|a, b| b.largest.total_cmp(&a.largest));
+    if arguments.json {
+        let answer = json!({
+            "same": same,
+            "tolerance": arguments.tolerance,
+            "relative": arguments.relative,
+            "common_samples": times.common,
+            "only_first": times.only_first,
+            "only_second": times.only_second,
+            "missing_in_second": missing[0],
+            "missing_in_first": missing[1],
+            "columns": differences.iter().map(|one| one.json(arguments)).collect::<Vec<_>>(),
+        });
+        output::print(&answer.to_string())?;
+    } else if !arguments.quiet {
+        output::print(&report(arguments, &differences, &missing, &times))?;
+    }
+    Ok(if same { Exit::Done } else { Exit::No })
+}
+
+/// The columns that both have, the names of those that only the first and only the second has, and how times fit.
+fn compare(
+    arguments: &Arguments,
+    recordings: &[Recording; 2],
+) -> anyhow::Result<(Vec<Difference>, [Vec<String>; 2], Times)> {
+    let tables = recordings.each_ref().map(|recording| Table::all(&recording.scene));
+    let mut all: Vec<String> = tables.iter().flatten().map(|table| table.name.to_owned()).collect();
+    all.sort_unstable();
+    all.dedup();
+    let names = if arguments.channel.is_empty() { &all } else { &arguments.channel };
+    let mut places = [Vec::new(), Vec::new()];
+    for name in names {
+        for side in [0, 1] {
+            // A column that one of both does not have is told below.
+            match samples::columns(&tables[side], name) {
+                Ok(found) => places[side].extend(found),
+                Err(error) if samples::columns(&tables[1 - side], name).is_err() => return Err(error),
+                Err(_) => {}
+            }
+        }
+    }
+    let index = |side: usize| -> HashMap<&str, usize> {
+        places[side].iter().enumerate().map(|(at, place)| (place.column.name.as_str(), at)).collect()
+    };
+    let (in_first, in_second) = (index(0), index(1));
+    let missing = [
+        places[0]
+            .iter()
+            .map(|place| &place.column.name)
+            .filter(|name| !in_second.contains_key(name.as_str()))
+            .cloned()
+            .collect(),
+        places[1]
+            .iter()
+            .map(|place| &place.column.name)
+            .filter(|name| !in_first.contains_key(name.as_str()))
+            .cloned()
+            .collect(),
+    ];
+    let pairs: Vec<[usize; 2]> = places[0]
+        .iter()
+        .enumerate()
+        .filter_map(|(at, place)| Some([at, *in_second.get(place.column.name.as_str())?]))
+        .collect();
+    let mut differences: Vec<Difference> = pairs
+        .iter()
+        .map(|[at, _]| {
+            let column = &places[0][*at].column;
+            Difference {
+                name: column.name.clone(),
+                unit: column.unit.clone(),
+                largest: 0.0,
+                not_numbers: 0,
+                at: f64::NAN,
+                size: 0.0,
+            }
+        })
+        .collect();
+    let mut rows = [0, 1].map(|side: usize| Rows::new(&tables[side], &places[side]));
+    let times = pair_samples(recordings, |first, second| {
+        let numbers: [Vec<f64>; 2] = {
+            let [a, b] = &mut rows;
+            [a.read(first).collect(), b.read(second).collect()]
         };
-        let first = if several { format!("{},{},", quoted(&run.value), run.degrees_of_freedom) } else { String::new() };
-        let _ = writeln!(out, "{first}{}", COLUMNS.iter().map(field).collect::<Vec<_>>().join(","));
+        for ([a, b], difference) in pairs.iter().zip(&mut differences) {
+            difference.take(first.time, [numbers[0][*a], numbers[1][*b]]);
+        }
+    })?;
+    Ok((differences, missing, times))
+}
+
+/// Samples whose times are numbers that increase, so that those of two recordings can be paired.
+struct Timed<'r> {
+    recording: &'r Recording,
+    samples: Samples,
+    last: f64,
+}
+
+impl<'r> Timed<'r> {
+    fn new(recording: &'r Recording) -> Result<Self, RecordError> {
+        Ok(Self { recording, samples: recording.samples()?, last: f64::NEG_INFINITY })
+    }
+
+    fn next(&mut self) -> Result<Option<OwnedSample>, RecordError> {
+        let sample = self.samples.next().transpose()?;
+        if let Some(time) = sample.as_ref().map(|sample| sample.time) {
+            if !(time >= self.last && time.is_finite()) {
+                let what = format!("a sample at {time} s comes after one at {} s", self.last);
+                return Err(RecordError::Damaged { path: self.recording.path.clone(), what });
+            }
+            self.last = time;
+        }
+        Ok(sample)
+    }
+}
+
+/// Calls `take` with the samples of both that belong to one time (to the nanosecond of the file).
+fn pair_samples(
+    recordings: &[Recording; 2],
+    mut take: impl FnMut(&OwnedSample, &OwnedSample),
+) -> Result<Times, RecordError> {
+    let nanoseconds = |sample: &OwnedSample| (sample.time * 1e9).round() as i64;
+    let [mut first, mut second] = [Timed::new(&recordings[0])?, Timed::new(&recordings[1])?];
+    let (mut a, mut b) = (first.next()?, second.next()?);
+    let mut times = Times::default();
+    loop {
+        match (&a, &b) {
+            (None, None) => return Ok(times),
+            (Some(one), Some(other)) if nanoseconds(one) == nanoseconds(other) => {
+                take(one, other);
+                times.common += 1;
+                (a, b) = (first.next()?, second.next()?);
+            }
+            (Some(one), other) if other.as_ref().is_none_or(|other| one.time < other.time) => {
+                times.only_first += 1;
+                a = first.next()?;
+            }
+            _ => {
+                times.only_second += 1;
+                b = second.next()?;
+            }
+        }
+    }
+}
+
+fn report(arguments: &Arguments, differences: &[Difference], missing: &[Vec<String>; 2], times: &Times) -> String {
+    let different: Vec<&Difference> = differences.iter().filter(|one| !one.within(arguments)).collect();
+    let columns = count(differences.len(), "column", "columns");
+    let mut out = match (different.len(), differences.first().filter(|one| one.largest > 0.0)) {
+        (0, None) if times.only_first + times.only_second > 0 => {
+            format!("{columns} are the same to the last bit at the times that both have")
+        }
+        (0, None) => format!("{columns} are the same to the last bit"),
+        (0, Some(largest)) => {
+            format!("{columns} are the same within the tolerance; furthest apart: {}", line(largest))
+        }
+        (many, _) => format!("{many} of {columns} {}", if many == 1 { "differs" } else { "differ" }),
+    };
+    for one in different.iter().take(MOST_LINES) {
+        out += &format!("\n  {}", line(one));
+    }
+    if different.len() > MOST_LINES {
+        out += &format!("\n  … and {} more (`--json` has all)", different.len() - MOST_LINES);
+    }
+    let names = [&arguments.second, &arguments.first];
+    for (list, file) in missing.iter().zip(names).filter(|(list, _)| !list.is_empty()) {
+        out += &format!(
+            "\n  not in {}: {}{}",
+            file.display(),
+            list[..list.len().min(8)].join(", "),
+            if list.len() > 8 { ", …" } else { "" }
+        );
+    }
+    out += &format!("\n  compared at {}", count(times.common, "common time", "common times"));
+    for (count, file) in [(times.only_first, &arguments.first), (times.only_second, &arguments.second)] {
+        if count > 0 {
+            out += &format!("; {count} more only in {}", file.display());
+        }
     }
     out
 }
 
-/// The table for people.
-fn report(rows: &[Row]) -> String {
-    let head =
-        ["method", "time", "iterations", "forces", "accelerations", "factorizations", "residual", "kind", "apart"];
-    let widths = [11, 10, 11, 9, 14, 15, 9, 9, 0];
-    let line = |cells: &[String]| {
-        let padded = cells.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}"));
-        format!("  {}\n", padded.collect::<String>().trim_end())
-    };
-    let mut out = format!("{}\n", bold("every method from the same guess"));
-    out += &line(&head.map(str::to_owned));
-    for row in rows {
-        let Ok(found) = &row.found else {
-            out += &line(&[row.method.name().to_owned(), "failed".to_owned()]);
-            continue;
-        };
-        let apart = match row.distance {
-            Some((distance, angle)) => format!("{} m, {} rad", text::small(distance), text::small(angle)),
-            None => "-".to_owned(),
-        };
-        out += &line(&[
-            row.method.name().to_owned(),
-            text::duration(row.search),
-            found.iterations.to_string(),
-            found.force_evaluations.to_string(),
-            found.acceleration_evaluations.to_string(),
-            found.factorizations.to_string(),
-            text::small(found.relative_residual),
-            row.stability().unwrap_or(if found.balanced { "-" } else { "failed" }).to_owned(),
-            apart,
-        ]);
+fn line(one: &Difference) -> String {
+    if one.not_numbers > 0 {
+        let samples = count(one.not_numbers, "sample", "samples");
+        return format!(
+            "{:<24} is not a number in one of both in {samples}, the first at {} s",
+            one.name,
+            number(one.at)
+        );
     }
-    out += "  apart: the largest distance and angle of a body from where the first line has it";
-    for row in rows.iter().filter(|row| !row.found.as_ref().is_ok_and(|found| found.converged)) {
-        let _ = write!(out, "\n  {:<11}{}", row.method.name(), row.outcome());
-    }
-    out
+    let unit = if one.unit == "1" { String::new() } else { format!(" {}", one.unit) };
+    format!("{:<24} {}{unit} at {} s (of {} at most)", one.name, small(one.largest), number(one.at), small(one.size))
 }

@@ -1,9 +1,9 @@
 //! The command line: the only place that prints.
 
+mod baselines;
 mod bench;
 mod check;
 mod compare;
-mod compare_recordings;
 mod completions;
 mod convert;
 mod examples;
@@ -113,7 +113,7 @@ enum Command {
     Plot(plot::Arguments),
     /// Say how far two recordings are apart; exit code 1 when further than the tolerance
     #[command(after_help = examples::COMPARE)]
-    Compare(compare_recordings::Arguments),
+    Compare(compare::Arguments),
     /// Turn a model of another program (URDF, MJCF) into a scenario; what is not taken over is listed line by line
     #[command(after_help = examples::CONVERT)]
     Convert(convert::Arguments),
@@ -191,7 +191,7 @@ pub fn main(memory: Option<fn() -> Memory>) -> ExitCode {
         Command::Recover(arguments) => recover::main(&arguments),
         Command::Export(arguments) => export::main(&arguments),
         Command::Plot(arguments) => plot::main(&arguments),
-        Command::Compare(arguments) => compare_recordings::main(&arguments),
+        Command::Compare(arguments) => compare::main(&arguments),
         Command::New(arguments) => new::main(&arguments),
         Command::Completions(arguments) => completions::main(&arguments),
         Command::Man(arguments) => man::main(&arguments),

@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use super::output::Interrupt;
-use super::{Common, Exit, compare, json, output, path, poses, run, scene, text};
+use super::{Common, Exit, baselines, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
 use crate::statics::{Equilibrium, Method, answer, equilibrium_watched};
@@ -48,7 +48,7 @@ pub(super) struct Arguments {
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     if let Some(change) = &arguments.over {
-        return compare::over(common, change, arguments.out.as_deref());
+        return baselines::over(common, change, arguments.out.as_deref());
     }
     let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
@@ -59,7 +59,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         scenario.statics.method = named.unwrap_or_default();
     }
     if arguments.compare {
-        return compare::main(&scenario, &model, common, arguments.out.as_deref());
+        return baselines::main(&scenario, &model, common, arguments.out.as_deref());
     }
     let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     let outputs = [&arguments.save, &arguments.modes, &arguments.iterates, &arguments.out, arguments.viewers.rrd()];
