@@ -166,8 +166,8 @@ impl Recorder for Scan<'_> {
 
 /// Compares what happens to each stop and each watched number, in order.
 fn compare_events(first: &[Occurrence], second: &[Occurrence]) -> VerifiedEvents {
-    let told = |all: &[Occurrence]| -> BTreeMap<(String, u64), Vec<(f64, Kind, bool)>> {
-        let mut of = BTreeMap::<_, Vec<_>>::new();
+    let told = |all: &[Occurrence]| {
+        let mut of = BTreeMap::<(String, u64), Vec<(f64, Kind, bool)>>::new();
         for event in all.iter().filter(|event| event.kind != Kind::Switch) {
             of.entry((event.name.clone(), event.value.to_bits())).or_default().push((
                 event.time,
