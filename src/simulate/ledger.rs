@@ -104,10 +104,11 @@ impl Ledger {
         }
     }
 
-    /// Takes note of the state at the end of a step.
-    pub(super) fn close_step(&mut self, now: &Energies) {
+    /// Takes note of the state at the end of what was integrated, of a step or at a sample; gives its ledger.
+    pub(super) fn close(&mut self, now: &Energies) -> Energy {
         let energy = self.energy(now);
         self.drift = self.drift.max(energy.error.abs());
+        energy
     }
 }
 

@@ -63,7 +63,7 @@ pub struct Summary {
     pub work: f64,
     /// What dampers and impacts took out (J).
     pub dissipated: f64,
-    /// Largest |E − E₀ − work done + dissipated| at the ends of steps (J).
+    /// Largest |E − E₀ − work done + dissipated| at the ends of steps and at samples (J).
     pub energy_drift: f64,
     /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
     pub constraint_error: f64,
@@ -143,7 +143,7 @@ pub(super) fn run_with(
         stopped_by: None,
         timetable: Timetable::new(model, settings.duration),
     };
-    run.sampler.sample(&mut motion, &run.ledger, 0.0, &run.state.clone(), recorder)?;
+    run.sampler.sample(&mut motion, &mut run.ledger, 0.0, &run.state.clone(), recorder)?;
     let end_time = run.go(&mut motion, settings, recorder, go_on)?;
     Ok(run.summary(&mut motion, settings, end_time, before.kinetic + before.potential))
 }
@@ -239,7 +239,7 @@ impl<'m> Run<'m> {
             }
             if self.stopped_by.is_some() {
                 let state = self.state.clone();
-                self.sampler.sample(motion, &self.ledger, time, &state, recorder)?;
+                self.sampler.sample(motion, &mut self.ledger, time, &state, recorder)?;
             }
             if time >= settings.duration || stopped || self.stopped_by.is_some() {
                 return Ok(time);
@@ -369,7 +369,7 @@ impl<'m> Run<'m> {
             self.gap = self.gap.max(motion.at(until).gap(&self.state.position));
         }
         self.sampler.close(motion, &mut self.ledger, stepper, until)?;
-        self.ledger.close_step(&motion.energies(until, &self.state.position, &self.state.velocity));
+        self.ledger.close(&motion.energies(until, &self.state.position, &self.state.velocity));
         Ok(())
     }
 
@@ -391,7 +391,7 @@ impl<'m> Run<'m> {
         };
         self.ledger.lose(outcome.lost + outcome.let_go);
         self.ledger.put_in(outcome.work);
-        self.ledger.close_step(&motion.energies(time, &self.state.position, &self.state.velocity));
+        self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
         if let Some(storm) = self.turns.see(time, settings.duration) {
             let last = outcome.happened.last().or(self.happened.last());

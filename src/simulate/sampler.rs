@@ -98,7 +98,7 @@ impl Sampler {
     pub(super) fn sample(
         &mut self,
         motion: &mut Motion<'_>,
-        ledger: &Ledger,
+        ledger: &mut Ledger,
         time: f64,
         state: &State,
         recorder: &mut dyn Recorder,
@@ -113,7 +113,7 @@ impl Sampler {
         couplings::fill(system, &self.accelerations, &mut self.couplings);
         system.reactions(&mut self.reactions);
         system.poses(&mut self.poses);
-        let energy = ledger.energy(&motion.energies(time, q, v));
+        let energy = ledger.close(&motion.energies(time, q, v));
         let sample = Sample {
             time,
             positions: q,
