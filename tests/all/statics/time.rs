@@ -75,7 +75,9 @@ fn the_caller_ends_the_search_within_a_step() {
 #[test]
 fn the_time_limit_of_a_file_is_that_of_the_search() {
     let text = |limit: &str| {
-        format!("[statics]\ntime_limit = {limit}\n[[body]]\nname = \"a\"\nmass = 1\nhinge = \"revolute\"\n")
+        format!(
+            "[statics]\ntime_limit = {limit}\n[[body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\nhinge = { type = \"revolute\", axis = [0, 1, 0] }\n"
+        )
     };
     let read = |limit: &str| scenario::parse("scene.toml", &text(limit), &[]);
     assert_eq!(read("2.5").expect("a sound scene").statics.time_limit, 2.5);

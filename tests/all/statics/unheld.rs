@@ -100,7 +100,9 @@ fn the_certificate_is_given_only_without_an_equilibrium() {
             told += 1;
             let newton = Settings { want: Want::Any, method: Method::Newton, ..settings };
             let other = equilibrium(&model, &newton, &model.start_position).expect("statics");
-            assert!(!other.balanced, "{seed}: {:?}, but at {:?}", found.notes, other.position);
+            // Newton's steps may run away so far that the force is below the round-off of the positions there.
+            let is_near = other.position.iter().all(|q| q.abs() < 1e6);
+            assert!(!(other.balanced && is_near), "{seed}: {:?}, but at {:?}", found.notes, other.position);
         }
     }
     assert!(told > 10, "{told} of 120: the scenes ask for nothing");
