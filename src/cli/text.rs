@@ -98,7 +98,8 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         _ => "no equilibrium found".to_owned(),
     };
     let stage = match found.stage {
-        "start" => "the guess is one already".to_owned(),
+        "start" if found.balanced => "the guess is one already".to_owned(),
+        "start" => "no search".to_owned(),
         "inverse" => "of the given pose".to_owned(),
         stage => format!("{} steps, {stage}", found.iterations),
     };

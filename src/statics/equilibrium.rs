@@ -5,6 +5,7 @@ use super::landscape::Landscape;
 use super::search::{BALANCED, Iteration, Place};
 use super::stability::{Stability, Verdict, classify};
 use super::stops::{self, Bearing};
+use super::unheld::{self, Unheld};
 use super::watch::Watch;
 use super::{Method, Settings, Want, bounded, tied};
 use crate::constraint::LoopReaction;
@@ -24,8 +25,8 @@ pub struct Equilibrium {
     /// `newton` (the method of the differentiated transfer equations), `relaxation` or `lagrange`; `inverse` where the
     /// pose was given.
     pub method: &'static str,
-    /// The stage that won: `start` (nothing to do), `newton`, `trust region`, `release` or `relaxation`; of `lagrange`
-    /// `newton` or `pseudo-transient`.
+    /// The stage that won: `start` (nothing to do, or nothing that would help), `newton`, `trust region`, `release` or
+    /// `relaxation`; of `lagrange` `newton` or `pseudo-transient`.
     pub stage: &'static str,
     /// What each stage of the cascade worked, in their order; empty for the baselines.
     pub stages: Vec<Stage>,
@@ -156,12 +157,39 @@ fn search(
     searched: &mut dyn FnMut(),
     mut trail: Option<Vec<Vec<f64>>>,
 ) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
+    if let Some(found) = unresting(model, settings, start)? {
+        searched();
+        return Ok((found, trail.map_or_else(Vec::new, |_| vec![start.to_vec()])));
+    }
     if model.stops.is_empty() {
         return search_free(model, settings, start, watch, searched, trail);
     }
     let mut found = stops::search(model, settings, start, watch, searched, trail.as_mut())?;
     bounded::examine_weak(model, settings, &mut found)?;
     Ok((found, trail.unwrap_or_default()))
+}
+
+/// What is told at once of a scene with a constant force that nothing feels: the cascade would follow it without end. `None` for
+/// others.
+fn unresting(model: &Model, settings: &Settings, start: &[f64]) -> Result<Option<Equilibrium>, Fault> {
+    let held = || (settings.method == Method::Auto).then(|| unheld::unheld(model)).flatten();
+    let Some(Unheld { body, force }) = held() else { return Ok(None) };
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, start)?;
+    let place = Place::at(&mut landscape, start.to_vec())?;
+    if place.is_balanced() {
+        return Ok(None);
+    }
+    let (size, along) = (number(force.norm()), force.normalize());
+    let notes = vec![
+        unbalanced(&mut landscape, &place),
+        format!(
+            "no position is an equilibrium: {size} N along [{:.3}, {:.3}, {:.3}] move `{body}` and what hangs together with it \
+             wherever it is, and no hinge, force or loop holds it in that direction",
+            along.x, along.y, along.z
+        ),
+    ];
+    certify(landscape, settings, place, Effort { stage: "start", ..Effort::default() }, Vec::new(), notes).map(Some)
 }
 
 /// The same for a model without stops.

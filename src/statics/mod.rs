@@ -41,6 +41,7 @@ mod stops;
 mod subspace;
 mod tied;
 mod trust_region;
+mod unheld;
 mod watch;
 
 pub use answer::answer;

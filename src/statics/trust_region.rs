@@ -41,8 +41,9 @@ const MOST_SHIFTS: usize = 40;
 /// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
 /// next to nothing a long chain crumples, and takes four times as long to unfold.
 const WORTH: f64 = 0.1;
-/// A search that in so many steps neither falls by this part of all that it has fallen nor halves its least residual makes no
-/// progress: forty thousand such steps would gain less than a ten-thousandth.
+/// A search that in so many steps neither falls by this part of all that it has fallen since the first so many of them nor halves
+/// its least residual makes no progress: forty thousand such steps would gain less than a ten-thousandth. What the first ones gain
+/// does not count: stiff springs that they relax hold more than all that is left to gain in the valley after it.
 const WINDOW: usize = 500;
 const PROGRESS: f64 = 1e-6;
 /// A scene that has moved downhill by this many of its own lengths, or of the guess's distance from where its springs
@@ -88,7 +89,7 @@ pub(super) fn run(
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
     let mut search = Search { landscape, radius, first_radius: radius, potential, shift: 0.0, bent: false, outcome };
     let mut travelled = 0.0;
-    let mut progress = Progress { first: potential, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
+    let mut progress = Progress { first: None, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
     let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
     let least = (LEAST_SWEEPS / links).clamp(LEAST_ITERATIONS[0], LEAST_ITERATIONS[1]);
     let most = (MOST_WORK / work).clamp(least, MOST_ITERATIONS);
@@ -122,7 +123,8 @@ pub(super) fn run(
 
 /// What the steps have gained since it was last asked.
 struct Progress {
-    first: f64,
+    /// The potential when it was first asked.
+    first: Option<f64>,
     last: f64,
     /// The least residual when it was last asked, and now.
     residual: f64,
@@ -131,7 +133,8 @@ struct Progress {
 
 impl Progress {
     fn goes_on(&mut self, potential: f64) -> bool {
-        let fell = self.last - potential > PROGRESS * (self.first - potential);
+        let first = *self.first.get_or_insert(potential);
+        let fell = self.last - potential > PROGRESS * (first - potential);
         let halved = self.least < 0.5 * self.residual;
         (self.last, self.residual) = (potential, self.least);
         fell || halved

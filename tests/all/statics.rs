@@ -2,6 +2,8 @@
 
 mod crowns;
 mod limits;
+mod time;
+mod unheld;
 
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Vector3};

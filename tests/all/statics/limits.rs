@@ -2,6 +2,7 @@
 
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
+use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
 use stillpoint::scenario;
@@ -19,6 +20,8 @@ struct Tree {
 
 struct Link {
     parent: Option<usize>,
+    /// Index of its first coordinate: the program keeps branches of a tree together.
+    first: usize,
     at: Vector3<f64>,
     axes: Vec<Unit<Vector3<f64>>>,
     slides: bool,
@@ -27,26 +30,36 @@ struct Link {
 }
 
 impl Tree {
-    /// Weights by forward kinematics, and the springs of compliant stops.
     fn potential(&self, q: &[f64]) -> f64 {
+        let springs = (0..q.len()).map(|i| 0.5 * self.stiffness(i) * self.depth(q, i).powi(2));
+        self.height(q) + springs.sum::<f64>()
+    }
+
+    fn stiffness(&self, i: usize) -> f64 {
+        self.limits[i].1.unwrap_or(0.0)
+    }
+
+    /// How far a coordinate is beyond its limits, with its sign.
+    fn depth(&self, q: &[f64], i: usize) -> f64 {
+        let [low, high] = self.limits[i].0;
+        (q[i] - high).max(0.0) + (q[i] - low).min(0.0)
+    }
+
+    /// The potential of the weights, by forward kinematics.
+    fn height(&self, q: &[f64]) -> f64 {
         let mut places: Vec<(UnitQuaternion<f64>, Vector3<f64>)> = Vec::new();
-        let (mut sum, mut first) = (0.0, 0);
+        let mut sum = 0.0;
         for link in &self.links {
             let (turn, origin) = link.parent.map_or((UnitQuaternion::identity(), Vector3::zeros()), |p| places[p]);
             let mut place = (turn, origin + turn * link.at);
-            for axis in &link.axes {
+            for (axis, x) in link.axes.iter().zip(&q[link.first..]) {
                 match link.slides {
-                    true => place.1 += place.0 * axis.into_inner() * q[first],
-                    false => place.0 *= UnitQuaternion::from_axis_angle(axis, q[first]),
+                    true => place.1 += place.0 * axis.into_inner() * *x,
+                    false => place.0 *= UnitQuaternion::from_axis_angle(axis, *x),
                 }
-                first += 1;
             }
             sum += link.mass * G * (place.1 + place.0 * link.center).z;
             places.push(place);
-        }
-        for (x, (range, stiffness)) in q.iter().zip(&self.limits) {
-            let depth = (range[0] - x).max(x - range[1]).max(0.0);
-            sum += stiffness.map_or(0.0, |k| 0.5 * k * depth * depth);
         }
         sum
     }
@@ -67,13 +80,14 @@ impl Tree {
         }
     }
 
+    /// Of the weights by central differences; that of a compliant stop has a kink, which they would miss by `k h`.
     fn slope(&self, q: &[f64], i: usize) -> f64 {
         let h = 1e-5;
         let mut beside = q.to_vec();
         beside[i] = q[i] + h;
-        let up = self.potential(&beside);
+        let up = self.height(&beside);
         beside[i] = q[i] - h;
-        (up - self.potential(&beside)) / (2.0 * h)
+        (up - self.height(&beside)) / (2.0 * h) + self.stiffness(i) * self.depth(q, i)
     }
 
     /// Projected gradient with backtracking: the potential of the place where it ends.
@@ -107,7 +121,7 @@ fn scene(seed: u64) -> (Tree, Model) {
     let mut random = Random::new(seed);
     let (count, chain) = (2 + random.below(29), random.below(2) == 0);
     let mut tree = Tree { links: Vec::new(), limits: Vec::new() };
-    let mut bodies = Vec::new();
+    let (mut bodies, mut limits) = (Vec::new(), Vec::new());
     for index in 0..count {
         let parent = match (index, chain) {
             (0, _) => None,
@@ -117,6 +131,7 @@ fn scene(seed: u64) -> (Tree, Model) {
         let (kind, axes, slides) = hinge_kind(&mut random);
         let link = Link {
             parent,
+            first: 0,
             at: random.vector(0.4),
             axes: axes.into_iter().map(Unit::new_normalize).collect(),
             slides,
@@ -134,7 +149,7 @@ fn scene(seed: u64) -> (Tree, Model) {
                 hinge.limits.push(LimitDescription { coordinate, low: range[0], high: range[1], law });
             }
             let stiffness = if let StopLaw::Compliant { stiffness, .. } = law { Some(stiffness) } else { None };
-            tree.limits.push((range, stiffness));
+            limits.push((range, stiffness));
             hinge.position.push(start(&mut random, range));
         }
         let inertia = 1e-3 * link.mass * Matrix3::identity();
@@ -148,7 +163,15 @@ fn scene(seed: u64) -> (Tree, Model) {
         });
         tree.links.push(link);
     }
-    (tree, build(&Description { bodies, ..Description::default() }))
+    let model = build(&Description { bodies, ..Description::default() });
+    tree.limits.clone_from(&limits);
+    let mut limits = limits.into_iter();
+    for (link, body) in tree.links.iter_mut().zip(&model.bodies) {
+        link.first = body.hinge.position;
+        let own = limits.by_ref().take(link.axes.len());
+        own.enumerate().for_each(|(i, limit)| tree.limits[link.first + i] = limit);
+    }
+    (tree, model)
 }
 
 fn hinge_kind(random: &mut Random) -> (HingeKind, Vec<Vector3<f64>>, bool) {
@@ -196,6 +219,12 @@ fn find(model: &Model) -> Equilibrium {
     equilibrium(model, &Settings::default(), &model.start_position).expect("a scene that can be evaluated")
 }
 
+/// The program's potential of the weights.
+fn weights(model: &Model, q: &[f64]) -> f64 {
+    let still = vec![0.0; model.velocity_count()];
+    System::new(model).energies_at_rest(q, &still).potential
+}
+
 /// First and second order, all of it by the independent potential.
 fn is_a_minimum(tree: &Tree, q: &[f64], random: &mut Random) -> Result<(), String> {
     let (here, size) = (tree.potential(q), tree.size());
@@ -236,6 +265,12 @@ fn limp_trees_settle_among_their_limits() {
         }
         let mut guess = model.start_position.clone();
         tree.project(&mut guess);
+        let rises = tree.height(&found.position) - tree.height(&guess);
+        let other = weights(&model, &found.position) - weights(&model, &guess);
+        assert!(
+            (rises - other).abs() < 1e-11 * tree.size(),
+            "{seed}: the weights rise by {rises} J, in the program by {other} J"
+        );
         let risen = tree.potential(&found.position) - tree.potential(&guess);
         if risen > 1e-9 * tree.size() {
             failed.push(format!("{seed}: the potential rose by {risen:e}"));

@@ -1,0 +1,88 @@
+//! A search ends when its time is over or the caller says so, and tells what it found until then.
+
+use crate::common::{Random, build};
+use nalgebra::{Matrix3, Vector3};
+use std::cell::Cell;
+use std::time::Instant;
+use stillpoint::model::Model;
+use stillpoint::model::description::*;
+use stillpoint::scenario;
+use stillpoint::statics::{Equilibrium, Method, Settings, Want, equilibrium, equilibrium_while};
+
+/// A crumpled chain: the search takes hundreds of steps.
+fn crumpled(seed: u64) -> Model {
+    let mut random = Random::new(seed);
+    let body = |index: usize| {
+        let mut hinge = HingeDescription::new(HingeKind::Universal { axes: [Vector3::x(), Vector3::y()] });
+        if index > 0 {
+            hinge.parent = format!("b{}", index - 1);
+        }
+        hinge.at = Point::At(Vector3::new(0.0, 0.0, 0.2));
+        hinge.position = random.list(2, -2.0, 2.0);
+        let mass = 10_f64.powf(random.between(-2.0, 2.0));
+        let mass = MassProperties { mass, center: random.vector(0.1), inertia: 1e-3 * mass * Matrix3::identity() };
+        BodyDescription { name: format!("b{index}"), mass, markers: Vec::new(), shapes: Vec::new(), hinge }
+    };
+    build(&Description { bodies: (0..150).map(body).collect(), ..Description::default() })
+}
+
+fn says(found: &Equilibrium, what: &str) -> bool {
+    found.notes.iter().any(|note| note.starts_with(what) && note.contains("the best residual until then is"))
+}
+
+#[test]
+fn the_time_limit_ends_every_method() {
+    for (seed, want, method) in [
+        (0, Want::Stable, Method::Auto),
+        (1, Want::Any, Method::Auto),
+        (2, Want::Stable, Method::Relaxation),
+        (3, Want::Stable, Method::Auto),
+    ] {
+        let model = crumpled(seed);
+        for time_limit in [1e-9, 3e-3] {
+            let settings = Settings { want, method, time_limit };
+            let before = Instant::now();
+            let found = equilibrium(&model, &settings, &model.start_position).expect("statics");
+            let took = before.elapsed().as_secs_f64();
+            let note = format!("the time limit of {time_limit} s ended the search");
+            let ended = !found.converged && says(&found, &note);
+            // Three milliseconds may be enough on a fast machine.
+            assert!(ended || (found.converged && time_limit > 1e-6), "{seed}, {time_limit}: {:?}", found.notes);
+            assert!(took < time_limit + 1.0, "{seed}: {took} s");
+            assert!(found.position.iter().all(|q| q.is_finite()));
+        }
+    }
+    let model = crumpled(0);
+    let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("statics");
+    assert!(found.converged, "{:?}", found.notes);
+}
+
+#[test]
+fn the_caller_ends_the_search_within_a_step() {
+    for most in [1, 5, 20] {
+        let model = crumpled(most);
+        let asked = Cell::new(0);
+        let go_on = || {
+            asked.set(asked.get() + 1);
+            asked.get() <= most
+        };
+        let found = equilibrium_while(&model, &Settings::default(), &model.start_position, &go_on).expect("statics");
+        assert!(!found.converged && says(&found, "the search was stopped"), "{most}: {:?}", found.notes);
+        assert!(found.iterations as u64 <= most, "{} steps", found.iterations);
+    }
+}
+
+#[test]
+fn the_time_limit_of_a_file_is_that_of_the_search() {
+    let text = |limit: &str| {
+        format!(
+            "[statics]\ntime_limit = {limit}\n[[body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\nhinge = { type = \"revolute\", axis = [0, 1, 0] }\n"
+        )
+    };
+    let read = |limit: &str| scenario::parse("scene.toml", &text(limit), &[]);
+    assert_eq!(read("2.5").expect("a sound scene").statics.time_limit, 2.5);
+    for wrong in ["0", "-1", "\"soon\""] {
+        let problems = read(wrong).expect_err("no time limit");
+        assert!(problems.to_string().contains("time_limit"), "{problems}");
+    }
+}
