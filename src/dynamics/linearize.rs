@@ -116,7 +116,7 @@ impl System<'_> {
         let constrained = self.constraints.is_some();
         let forces = (!model.forces.is_empty() || constrained) && !(by.position.is_empty() && by.velocity.is_empty());
         if forces {
-            forces::vary(model, motion, &self.variation.links, &mut self.variation.applied);
+            forces::vary(&self.laws, motion, &self.variation.links, &mut self.variation.applied);
         }
         if forces && constrained {
             let mut applied = std::mem::take(&mut self.variation.applied);

@@ -53,7 +53,7 @@ impl System<'_> {
                 ..Size::default()
             };
         }
-        for force in &model.forces {
+        for force in self.laws.forces.iter() {
             let part = force.law.magnitude(&self.motion.links);
             for end in force.law.ends() {
                 let size = &mut sizes[end.link];

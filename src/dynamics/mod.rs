@@ -2,6 +2,7 @@
 //! `forces` and `transfer` meet.
 
 mod border;
+mod boundaries;
 mod constrained;
 mod dense;
 mod jacobian;
@@ -17,7 +18,8 @@ pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::force::Act;
-use crate::forces;
+pub use crate::forces::Boundary;
+use crate::forces::{self, Laws};
 use crate::model::Model;
 use crate::model::motor::Push;
 use crate::motion::Motion;
@@ -34,6 +36,8 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone)]
 pub struct System<'m> {
     model: &'m Model,
+    /// What pushes, as the model has it or as a run keeps it.
+    laws: Laws<'m>,
     /// Positions and velocities of the last evaluation.
     motion: Motion,
     reduction: Reduction,
@@ -137,6 +141,7 @@ impl<'m> System<'m> {
         let n = model.links.len();
         Self {
             model,
+            laws: Laws::new(model),
             motion: Motion::new(model),
             reduction: Reduction::new(model),
             balance: Balance::new(model),
@@ -165,11 +170,11 @@ impl<'m> System<'m> {
     fn prepare(&mut self, q: &[f64], v: &[f64]) {
         self.motion.update(self.model, q, v);
         if !self.model.forces.is_empty() || self.constraints.is_some() {
-            forces::apply(self.model, &self.motion, &mut self.applied);
+            forces::apply(&self.laws, &self.motion, &mut self.applied);
         }
         forces::hinge::apply(self.model, q, v, &mut self.tau);
         if !self.pushes.is_empty() {
-            forces::motor::pushes(self.model, self.time, q, v, &mut self.pushes);
+            forces::motor::pushes(self.model, &self.laws, self.time, q, v, &mut self.pushes);
             forces::motor::apply(self.model, &self.pushes, &mut self.tau);
         }
         self.tau.iter_mut().zip(&self.outside).for_each(|(tau, outside)| *tau += outside);
@@ -311,7 +316,7 @@ impl<'m> System<'m> {
         let inertia = turn * body.mass.inertia * turn.transpose();
         let force = body.mass.mass * (at_center - self.model.gravity);
         let moment = c.cross(&force) + inertia * dw + w.cross(&(inertia * w));
-        let mut applied = forces::on_body(self.model, &self.motion, index);
+        let mut applied = forces::on_body(&self.laws, &self.motion, index);
         if let Some(constrained) = &self.constraints {
             applied += constrained.on_body(index);
         }
@@ -326,7 +331,7 @@ impl<'m> System<'m> {
         let added = self.model.drives.iter().map(|drive| 0.5 * drive.armature * v[drive.coordinate.velocity].powi(2));
         Energies {
             kinetic: self.motion.kinetic_energy(self.model) + (rotors - added.sum::<f64>()),
-            potential: forces::potential(self.model, &self.motion, q),
+            potential: forces::potential(self.model, &self.laws, &self.motion, q),
         }
     }
 
@@ -349,7 +354,8 @@ impl<'m> System<'m> {
 
     /// The ropes and curves and what each pulls with at the last evaluation (N).
     pub fn pulls(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.model.pulls().map(|(force, _)| (force.name.as_str(), force.law.pull(&self.motion.links)))
+        let told = self.laws.forces.iter().filter(|force| force.law.pull_name().is_some());
+        told.map(|force| (force.name.as_str(), force.law.pull(&self.motion.links)))
     }
 
     /// Powers of a state that no potential stands for.
@@ -357,8 +363,8 @@ impl<'m> System<'m> {
         let driven = if self.model.drives.is_empty() { 0.0 } else { self.drive_power(q, v) };
         self.motion.update(self.model, q, v);
         Powers {
-            input: forces::input(self.model, &self.motion, self.time, q, v) + driven,
-            dissipated: forces::dissipated(self.model, &self.motion, v),
+            input: forces::input(self.model, &self.laws, &self.motion, self.time, q, v) + driven,
+            dissipated: forces::dissipated(self.model, &self.laws, &self.motion, v),
         }
     }
 
@@ -398,7 +404,7 @@ impl<'m> System<'m> {
         if let Some(fault) = self.not_finite_formula() {
             return Err(fault);
         }
-        if let Some((force, what)) = forces::not_finite(self.model, &self.motion) {
+        if let Some((force, what)) = forces::not_finite(&self.laws, &self.motion) {
             return Err(Fault::NotFinite { what, element: force.name.clone() });
         }
         Err(Fault::NotFinite { what, element: self.model.owner(bad).to_owned() })

@@ -282,7 +282,7 @@ impl System<'_> {
 
     /// The variation of the wrenches of an element, by its index among the forces and then the loops.
     fn vary_element(&self, index: usize, by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        match self.model.forces.get(index) {
+        match self.laws.forces.get(index) {
             Some(force) => force.law.vary(&self.motion.links, by, give),
             None => {
                 let wrenches = self.vary_loop(index - self.model.forces.len(), by);

@@ -8,10 +8,11 @@
 //!
 //! What a damper's table pulls with at rest is a constant pull, which has a potential. The tables are read as
 //! [`super::table`] says; one read straight from point to point has kinks, at which the tangent is that of longer or faster.
+//! They are the boundaries of its law: 2 k that at point k of the extension, 2 k + 1 that at point k of the rate.
 
 use super::end::Anchor;
 use super::table::{Interpolation, Table};
-use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report};
+use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report, Switch};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
 use nalgebra::Vector3;
@@ -156,6 +157,36 @@ impl Act for CurveLaw {
         }
     }
 
+    fn boundaries(&self) -> [Option<usize>; 4] {
+        let kinks = |table: &Option<Table>| table.as_ref().map_or([None; 2], Table::kinks);
+        let ([a, b], [c, d]) = (kinks(&self.extension), kinks(&self.rate));
+        [a.map(|k| 2 * k), b.map(|k| 2 * k), c.map(|k| 2 * k + 1), d.map(|k| 2 * k + 1)]
+    }
+
+    fn switch(&self, boundary: usize, links: &[LinkMotion]) -> Switch {
+        let State { distance, rate, .. } = State::of(self, links);
+        let (is_speed, extension) = (boundary % 2 == 1, distance - self.length);
+        let kink = self.table(boundary).map_or(f64::NAN, |table| table.kink(boundary / 2));
+        let (value, of_value) = if is_speed { (rate - kink, 0.0) } else { (extension - kink, rate) };
+        Switch { value, rate: of_value, is_speed, at: extension, speed: rate }
+    }
+
+    fn keep(&mut self, links: &[LinkMotion]) {
+        let State { distance, rate, .. } = State::of(self, links);
+        let extension = distance - self.length;
+        self.extension.iter_mut().for_each(|table| table.keep(extension));
+        self.rate.iter_mut().for_each(|table| table.keep(rate));
+    }
+
+    fn side(&self, boundary: usize) -> bool {
+        self.table(boundary).is_some_and(|table| table.side(boundary / 2))
+    }
+
+    fn cross(&mut self, boundary: usize) {
+        let table = if boundary % 2 == 1 { &mut self.rate } else { &mut self.extension };
+        table.iter_mut().for_each(|table| table.cross(boundary / 2));
+    }
+
     fn pull_name(&self) -> Option<&'static str> {
         Some("pull")
     }
@@ -166,6 +197,13 @@ impl Act for CurveLaw {
 
     fn picture(&self) -> Picture<'_> {
         Picture::Line { through: &self.ends, spring: None, pulls_only: false }
+    }
+}
+
+impl CurveLaw {
+    /// The table to which a boundary belongs.
+    fn table(&self, boundary: usize) -> Option<&Table> {
+        if boundary % 2 == 1 { self.rate.as_ref() } else { self.extension.as_ref() }
     }
 }
 

@@ -130,8 +130,24 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.switches(),)+ }
             }
 
-            fn switch(&self, links: &[LinkMotion]) -> Switch {
-                match self { $(Self::$kind(law) => law.switch(links),)+ }
+            fn boundaries(&self) -> [Option<usize>; 4] {
+                match self { $(Self::$kind(law) => law.boundaries(),)+ }
+            }
+
+            fn switch(&self, boundary: usize, links: &[LinkMotion]) -> Switch {
+                match self { $(Self::$kind(law) => law.switch(boundary, links),)+ }
+            }
+
+            fn keep(&mut self, links: &[LinkMotion]) {
+                match self { $(Self::$kind(law) => law.keep(links),)+ }
+            }
+
+            fn side(&self, boundary: usize) -> bool {
+                match self { $(Self::$kind(law) => law.side(boundary),)+ }
+            }
+
+            fn cross(&mut self, boundary: usize) {
+                match self { $(Self::$kind(law) => law.cross(boundary),)+ }
             }
 
             fn pull_name(&self) -> Option<&'static str> {

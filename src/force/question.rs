@@ -76,16 +76,33 @@ pub trait Act {
         (!finite).then_some("the force")
     }
 
-    /// What the events are called when [`Act::switch`] becomes negative or zero, and positive; `None` for a kind that
-    /// never switches.
+    /// What the events are called when [`Act::switch`] of boundary 0 becomes negative or zero, and positive; `None` for a
+    /// kind that has no such events.
     fn switches(&self) -> Option<[&'static str; 2]> {
         None
     }
 
-    /// A function whose change of sign is an event.
-    fn switch(&self, _links: &[LinkMotion]) -> Switch {
+    /// The boundaries between smooth parts of its law that are next to the part in which it is kept, by their index.
+    fn boundaries(&self) -> [Option<usize>; 4] {
+        [None; 4]
+    }
+
+    /// A function whose change of sign is the crossing of a boundary.
+    fn switch(&self, _boundary: usize, _links: &[LinkMotion]) -> Switch {
         Switch::default()
     }
+
+    /// Keeps the law in the smooth part to which this state belongs, whatever the states are that follow; a law that is not
+    /// kept takes the part of each state.
+    fn keep(&mut self, _links: &[LinkMotion]) {}
+
+    /// Whether the part in which the law is kept is on the positive side of a boundary.
+    fn side(&self, _boundary: usize) -> bool {
+        false
+    }
+
+    /// Keeps the law on the other side of a boundary from now on.
+    fn cross(&mut self, _boundary: usize) {}
 
     /// What recordings and answers call the number of [`Act::pull`] (N); `None` where there is nothing to tell.
     fn pull_name(&self) -> Option<&'static str> {
@@ -116,15 +133,19 @@ pub struct Magnitude {
     pub turn_stiffness: f64,
 }
 
-/// A function whose change of sign is an event.
+/// A function whose change of sign is the crossing of a boundary between two smooth parts of a law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Switch {
-    /// Its value.
+    /// Its value (m or rad, per second if it is a speed).
     pub value: f64,
-    /// The number that an event says beside its name (m), and how fast it changes (m/s).
-    pub at: f64,
-    /// Of `at` (m/s).
+    /// How fast it changes (per second); 0 if that is not known.
     pub rate: f64,
+    /// Whether it is a speed.
+    pub is_speed: bool,
+    /// The number that an event says beside its name (m).
+    pub at: f64,
+    /// How fast that changes (m/s).
+    pub speed: f64,
 }
 
 /// What a picture shows of a force.

@@ -7,6 +7,7 @@
 //! (3) force on point i:  T (u_i − u_{i−1})                       at the first and last point of one segment only
 //! (4) δT = k δe + c δė where T > 0, else 0,   δu_i = (1 − u_i u_iᵀ) δx_i / d_i
 //! (5) potential ½ k max(0, e)²;   dissipated T ė − k max(0, e) ė ≥ 0
+//! (6) boundaries: e + (c/k) ė = 0, from slack to taut;  e = 0, to a path longer than L₀
 //! ```
 //!
 //! (2) is continuous: a damped rope that is pulled out fast begins to pull shortly before its path is as long as it is.
@@ -38,7 +39,24 @@ pub struct RopeLaw {
     stiffness: f64,
     length: f64,
     damping: f64,
+    /// The sides of the boundaries (6) on which it is kept; `None` to take those of each state.
+    kept: Option<Sides>,
 }
+
+/// On which sides of the boundaries (6) a rope is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sides {
+    /// T > 0
+    taut: bool,
+    /// e > 0
+    long: bool,
+}
+
+/// The index of the boundary from slack to taut.
+const TAUT: usize = 0;
+/// The index of the boundary to a path longer than the rope; a rope without damping crosses both at once and has only the
+/// first.
+const LONG: usize = 1;
 
 impl ForceDescription {
     /// A rope through two or more points: stiffness (N/m), unstretched length (m), damping (N s/m).
@@ -83,7 +101,8 @@ impl Describe for Rope {
 
     fn compile(&self, carriers: &[Carrier]) -> RopeLaw {
         let Self { stiffness, length, damping, .. } = *self;
-        RopeLaw { ends: carriers.iter().map(|carrier| carrier.end).collect(), stiffness, length, damping }
+        let ends = carriers.iter().map(|carrier| carrier.end).collect();
+        RopeLaw { ends, stiffness, length, damping, kept: None }
     }
 
     fn numbers(&self, key: &str) -> Vec<(f64, &'static str)> {
@@ -108,10 +127,11 @@ impl Act for RopeLaw {
     }
 
     fn wrenches(&self, links: &[LinkMotion], give: &mut impl FnMut(usize, Wrench)) {
-        let tension = self.stretch(links).tension(self);
-        if tension == 0.0 {
+        let stretch = self.stretch(links);
+        if !stretch.sides(self).taut {
             return;
         }
+        let tension = stretch.pull(self);
         for (i, segment) in self.segments(links).enumerate() {
             let force = tension * segment.direction;
             give(i, Wrench::at_arm(force, segment.points[0].arm));
@@ -120,10 +140,11 @@ impl Act for RopeLaw {
     }
 
     fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        let tension = self.stretch(links).tension(self);
-        if tension == 0.0 {
+        let stretch = self.stretch(links);
+        if !stretch.sides(self).taut {
             return;
         }
+        let tension = stretch.pull(self);
         let varied = |(i, segment): (usize, Segment)| {
             let vary = |side: usize| {
                 let link = self.ends[i + side].link;
@@ -147,12 +168,12 @@ impl Act for RopeLaw {
     }
 
     fn potential(&self, links: &[LinkMotion]) -> f64 {
-        0.5 * self.stiffness * self.stretch(links).extension.max(0.0).powi(2)
+        0.5 * self.stiffness * self.stretch(links).stored(self).powi(2)
     }
 
     fn dissipated(&self, links: &[LinkMotion]) -> f64 {
         let stretch = self.stretch(links);
-        (stretch.tension(self) - self.stiffness * stretch.extension.max(0.0)) * stretch.rate
+        (stretch.tension(self) - self.stiffness * stretch.stored(self)) * stretch.rate
     }
 
     fn has_damping(&self) -> bool {
@@ -161,13 +182,13 @@ impl Act for RopeLaw {
 
     fn magnitude(&self, links: &[LinkMotion]) -> Magnitude {
         let stretch = self.stretch(links);
-        let tension = stretch.tension(self);
+        let (tension, taut) = (stretch.tension(self), stretch.sides(self).taut);
         let reach: f64 = self.ends.iter().map(|end| Anchor::of(end, links).position.norm()).sum();
         Magnitude {
             // Both segments at an inner point pull.
             force: 2.0 * tension,
-            noise: if tension > 0.0 { self.stiffness * (2.0 * reach + self.length) } else { 0.0 },
-            stiffness: if tension > 0.0 { self.stiffness } else { 0.0 },
+            noise: if taut { self.stiffness * (2.0 * reach + self.length) } else { 0.0 },
+            stiffness: if taut { self.stiffness } else { 0.0 },
             ..Magnitude::default()
         }
     }
@@ -183,9 +204,41 @@ impl Act for RopeLaw {
         Some(["slack", "taut"])
     }
 
-    fn switch(&self, links: &[LinkMotion]) -> Switch {
+    fn boundaries(&self) -> [Option<usize>; 4] {
+        [Some(TAUT), self.has_damping().then_some(LONG), None, None]
+    }
+
+    fn switch(&self, boundary: usize, links: &[LinkMotion]) -> Switch {
+        let Stretch { extension, rate } = self.stretch(links);
+        let (value, known) = match boundary {
+            TAUT => (extension + self.damping / self.stiffness * rate, !self.has_damping()),
+            _ => (extension, true),
+        };
+        let (at, rate_of_value) = (self.length + extension, if known { rate } else { 0.0 });
+        Switch { value, rate: rate_of_value, is_speed: false, at, speed: rate }
+    }
+
+    fn keep(&mut self, links: &[LinkMotion]) {
         let stretch = self.stretch(links);
-        Switch { value: stretch.pull(self), at: self.length + stretch.extension, rate: stretch.rate }
+        self.kept = None;
+        self.kept = Some(stretch.sides(self));
+    }
+
+    fn side(&self, boundary: usize) -> bool {
+        self.kept.is_some_and(|sides| if boundary == TAUT { sides.taut } else { sides.long })
+    }
+
+    fn cross(&mut self, boundary: usize) {
+        let undamped = !self.has_damping();
+        if let Some(Sides { taut, long }) = &mut self.kept {
+            match boundary {
+                TAUT => *taut = !*taut,
+                _ => *long = !*long,
+            }
+            if undamped {
+                *long = *taut;
+            }
+        }
     }
 
     fn pull_name(&self) -> Option<&'static str> {
@@ -216,10 +269,19 @@ impl Stretch {
         law.stiffness * self.extension + law.damping * self.rate
     }
 
-    /// (2); what is not a number stays so.
+    /// Where the rope is kept, or is at this state; what is not a number counts as taut, so that it is seen.
+    fn sides(&self, law: &RopeLaw) -> Sides {
+        law.kept.unwrap_or_else(|| Sides { taut: !(self.pull(law) <= 0.0), long: !(self.extension <= 0.0) })
+    }
+
+    /// (2)
     fn tension(&self, law: &RopeLaw) -> f64 {
-        let pull = self.pull(law);
-        if pull <= 0.0 { 0.0 } else { pull }
+        if self.sides(law).taut { self.pull(law) } else { 0.0 }
+    }
+
+    /// The extension that stores energy, `max(0, e)`.
+    fn stored(&self, law: &RopeLaw) -> f64 {
+        if self.sides(law).long { self.extension } else { 0.0 }
     }
 }
 

@@ -43,6 +43,10 @@ pub struct Table {
     pieces: Vec<Piece>,
     /// The integral from the first point to zero.
     origin: f64,
+    /// Whether its slope jumps at its points.
+    has_kinks: bool,
+    /// The piece in which it is kept; `None` to take that of each number.
+    kept: Option<usize>,
 }
 
 /// A cubic from a point on.
@@ -106,13 +110,48 @@ impl Table {
         let mut end = line(points[last + 1], slopes[last + 1]);
         end.area = pieces[last + 1].integral(end.from);
         pieces.push(end);
-        let mut table = Self { at: points.iter().map(|point| point[0]).collect(), pieces, origin: 0.0 };
+        let at = points.iter().map(|point| point[0]).collect();
+        let has_kinks = interpolation == Interpolation::Linear;
+        let mut table = Self { at, pieces, origin: 0.0, has_kinks, kept: None };
         table.origin = table.piece(0.0).integral(0.0);
         table
     }
 
     fn piece(&self, x: f64) -> &Piece {
-        &self.pieces[self.at.partition_point(|at| *at <= x)]
+        &self.pieces[self.kept.unwrap_or_else(|| self.index(x))]
+    }
+
+    fn index(&self, x: f64) -> usize {
+        self.at.partition_point(|at| *at <= x)
+    }
+
+    /// The kinks at the ends of the piece in which the table is kept, by the index of their points.
+    pub fn kinks(&self) -> [Option<usize>; 2] {
+        let piece = self.kept.unwrap_or(0);
+        match self.has_kinks {
+            true => [piece.checked_sub(1), (piece < self.at.len()).then_some(piece)],
+            false => [None; 2],
+        }
+    }
+
+    /// Where the kink at a point is.
+    pub fn kink(&self, point: usize) -> f64 {
+        self.at[point]
+    }
+
+    /// Keeps a table with kinks in the piece to which a number belongs, whatever the numbers are that follow.
+    pub fn keep(&mut self, x: f64) {
+        self.kept = self.has_kinks.then(|| self.index(x));
+    }
+
+    /// Whether the piece in which the table is kept is beyond a point.
+    pub fn side(&self, point: usize) -> bool {
+        self.kept.is_some_and(|piece| piece > point)
+    }
+
+    /// Keeps the table in the piece on the other side of a point at its end.
+    pub fn cross(&mut self, point: usize) {
+        self.kept = Some(if self.side(point) { point } else { point + 1 });
     }
 
     /// The force and its slope.

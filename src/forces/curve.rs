@@ -6,7 +6,7 @@
 //! ```
 
 use crate::model::motor::Push;
-use crate::model::{CurveOver, HingeCurve, Model};
+use crate::model::{CurveOver, HingeCurve};
 
 /// What one of them pushes its coordinate with.
 pub(super) fn push(curve: &HingeCurve, q: &[f64], v: &[f64]) -> Push {
@@ -23,7 +23,7 @@ pub(super) fn push(curve: &HingeCurve, q: &[f64], v: &[f64]) -> Push {
     }
 }
 
-pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
+pub(super) fn potential(curves: &[HingeCurve], q: &[f64]) -> f64 {
     let of = |curve: &HingeCurve| {
         let far = q[curve.coordinate.position] - curve.rest;
         match curve.over {
@@ -31,12 +31,12 @@ pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
             CurveOver::Velocity => curve.at_rest * far,
         }
     };
-    model.curves.iter().map(of).sum()
+    curves.iter().map(of).sum()
 }
 
 /// Power taken out by those that take out, and put in by those that put in (W), each ≥ 0.
-pub(super) fn powers(model: &Model, v: &[f64]) -> [f64; 2] {
-    let dampers = model.curves.iter().filter(|curve| curve.over == CurveOver::Velocity);
+pub(super) fn powers(curves: &[HingeCurve], v: &[f64]) -> [f64; 2] {
+    let dampers = curves.iter().filter(|curve| curve.over == CurveOver::Velocity);
     dampers.fold([0.0; 2], |[out, input], curve| {
         let v = v[curve.coordinate.velocity];
         let power = (curve.table.value(v)[0] - curve.at_rest) * v;

@@ -5,7 +5,10 @@
 
 mod curve;
 pub mod hinge;
+mod laws;
 pub mod motor;
+
+pub use laws::{Boundary, Laws};
 
 use crate::force::{Act, Force};
 use crate::model::Model;
@@ -14,27 +17,27 @@ use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
 
 /// The wrenches of all force elements on the links at their root markers; `wrenches` has one entry per link.
-pub fn apply(model: &Model, motion: &Motion, wrenches: &mut [Wrench]) {
+pub fn apply(laws: &Laws<'_>, motion: &Motion, wrenches: &mut [Wrench]) {
     wrenches.fill(Wrench::ZERO);
-    for force in &model.forces {
+    for force in laws.forces.iter() {
         let ends = force.law.ends();
         force.law.wrenches(&motion.links, &mut |end, wrench| wrenches[ends[end].link] += wrench);
     }
 }
 
 /// The variation of the wrenches of [`apply`] with the variation of the motion.
-pub fn vary(model: &Model, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
+pub fn vary(laws: &Laws<'_>, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
     wrenches.fill(Wrench::ZERO);
-    for force in &model.forces {
+    for force in laws.forces.iter() {
         let ends = force.law.ends();
         force.law.vary(&motion.links, by, &mut |end, wrench| wrenches[ends[end].link] += wrench);
     }
 }
 
 /// What all force elements attached to one named body do to it, at the root marker of its link.
-pub fn on_body(model: &Model, motion: &Motion, body: usize) -> Wrench {
+pub fn on_body(laws: &Laws<'_>, motion: &Motion, body: usize) -> Wrench {
     let mut sum = Wrench::ZERO;
-    for force in &model.forces {
+    for force in laws.forces.iter() {
         let ends = force.law.ends();
         force.law.wrenches(&motion.links, &mut |end, wrench| {
             if ends[end].body == Some(body) {
@@ -46,33 +49,33 @@ pub fn on_body(model: &Model, motion: &Motion, body: usize) -> Wrench {
 }
 
 /// The first force element of which something is not a finite number, and what.
-pub fn not_finite<'m>(model: &'m Model, motion: &Motion) -> Option<(&'m Force, &'static str)> {
-    model.forces.iter().find_map(|force| Some((force, force.law.not_finite(&motion.links)?)))
+pub fn not_finite<'a>(laws: &'a Laws<'_>, motion: &Motion) -> Option<(&'a Force, &'static str)> {
+    laws.forces.iter().find_map(|force| Some((force, force.law.not_finite(&motion.links)?)))
 }
 
 /// Potential energy of gravity, force elements and hinge springs and of the loads and motors that have one (J).
-pub fn potential(model: &Model, motion: &Motion, q: &[f64]) -> f64 {
+pub fn potential(model: &Model, laws: &Laws<'_>, motion: &Motion, q: &[f64]) -> f64 {
     let weight: f64 = model
         .links
         .iter()
         .zip(&motion.links)
         .map(|(link, at)| -link.mass * model.gravity.dot(&(at.position + at.center)))
         .sum();
-    let elements: f64 = model.forces.iter().map(|force| force.law.potential(&motion.links)).sum();
-    weight + elements + hinge::potential(model, q) + curve::potential(model, q)
+    let elements: f64 = laws.forces.iter().map(|force| force.law.potential(&motion.links)).sum();
+    weight + elements + hinge::potential(model, q) + curve::potential(&laws.curves, q)
 }
 
 /// Power taken out by dampers (W), ≥ 0.
-pub fn dissipated(model: &Model, motion: &Motion, v: &[f64]) -> f64 {
-    model.forces.iter().map(|force| force.law.dissipated(&motion.links)).sum::<f64>()
+pub fn dissipated(model: &Model, laws: &Laws<'_>, motion: &Motion, v: &[f64]) -> f64 {
+    laws.forces.iter().map(|force| force.law.dissipated(&motion.links)).sum::<f64>()
         + hinge::dissipated(model, v)
-        + curve::powers(model, v)[0]
+        + curve::powers(&laws.curves, v)[0]
 }
 
 /// Power put in by loads and motors without a potential (W).
-pub fn input(model: &Model, motion: &Motion, time: f64, q: &[f64], v: &[f64]) -> f64 {
-    model.forces.iter().map(|force| force.law.input(&motion.links)).sum::<f64>()
+pub fn input(model: &Model, laws: &Laws<'_>, motion: &Motion, time: f64, q: &[f64], v: &[f64]) -> f64 {
+    laws.forces.iter().map(|force| force.law.input(&motion.links)).sum::<f64>()
         + hinge::input(model, v)
-        + curve::powers(model, v)[1]
+        + curve::powers(&laws.curves, v)[1]
         + motor::input(model, time, q, v)
 }

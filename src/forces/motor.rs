@@ -1,17 +1,18 @@
 //! What pushes single hinge coordinates: motors with laws (the laws themselves: [`crate::model::motor`]), then springs and
 //! dampers by tables.
 
+use super::Laws;
 use crate::model::Model;
 use crate::model::motor::Push;
 
 /// What everything that pushes a single coordinate does at a state, in the order of [`Model::pushed`].
-pub fn pushes(model: &Model, time: f64, q: &[f64], v: &[f64], out: &mut [Push]) {
+pub fn pushes(model: &Model, laws: &Laws<'_>, time: f64, q: &[f64], v: &[f64], out: &mut [Push]) {
     let (motors, curves) = out.split_at_mut(model.motors.len());
     for (push, motor) in motors.iter_mut().zip(&model.motors) {
         let at = motor.coordinate;
         *push = motor.at(time, q[at.position], v[at.velocity]);
     }
-    for (push, curve) in curves.iter_mut().zip(&model.curves) {
+    for (push, curve) in curves.iter_mut().zip(laws.curves.iter()) {
         *push = super::curve::push(curve, q, v);
     }
 }

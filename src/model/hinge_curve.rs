@@ -4,6 +4,7 @@ use super::couple::Scalar;
 use super::description::{BodyDescription, Description};
 use super::problem::{Element, Problem};
 use super::{Body, Joint, Link};
+use crate::force::Switch;
 use crate::force::table::{Interpolation, Table};
 
 /// A spring or damper of a hinge by a table of points: what opposes the distance from rest, or the speed.
@@ -51,6 +52,24 @@ pub struct HingeCurve {
     pub rest: f64,
     /// What a damper's table pulls with at rest (N or N m).
     pub at_rest: f64,
+}
+
+impl HingeCurve {
+    /// The number over which the table is, at a state.
+    pub fn argument(&self, q: &[f64], v: &[f64]) -> f64 {
+        match self.over {
+            CurveOver::Position => q[self.coordinate.position] - self.rest,
+            CurveOver::Velocity => v[self.coordinate.velocity],
+        }
+    }
+
+    /// The function whose change of sign is the crossing of the kink at a point.
+    pub fn switch(&self, point: usize, q: &[f64], v: &[f64]) -> Switch {
+        let (far, speed) = (q[self.coordinate.position] - self.rest, v[self.coordinate.velocity]);
+        let is_speed = self.over == CurveOver::Velocity;
+        let value = self.argument(q, v) - self.table.kink(point);
+        Switch { value, rate: if is_speed { 0.0 } else { speed }, is_speed, at: far, speed }
+    }
 }
 
 /// The problems of all curves in hinges.

@@ -197,10 +197,16 @@ impl Model {
         self.forces.iter().filter_map(|force| Some((force, force.law.pull_name()?)))
     }
 
-    /// The force elements that switch, by their index.
+    /// The force elements that have events of their own, by their index.
     pub fn switching(&self) -> impl Iterator<Item = usize> {
         let forces = self.forces.iter().enumerate();
         forces.filter(|(_, force)| force.law.switches().is_some()).map(|(index, _)| index)
+    }
+
+    /// Whether laws change within the reach of a motion, where steps end: ropes, and tables with kinks.
+    pub fn has_boundaries(&self) -> bool {
+        self.forces.iter().any(|force| force.law.boundaries().iter().any(Option::is_some))
+            || self.curves.iter().any(|curve| curve.table.kinks().iter().any(Option::is_some))
     }
 
     /// Index of a body by name.

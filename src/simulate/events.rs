@@ -5,6 +5,8 @@
 //! different sign the event is located to 10⁻¹² of the time (`search.rs`). How exact that is in the motion itself is a matter
 //! of the step's tolerance. Beside loops, drives and gears states are settled on them first, as samples are.
 //!
+//! Laws that are smooth in parts only (ropes, straight tables) are watched as stops are, see `switching.rs`.
+//!
 //! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding:
 //! that at the start of the next step makes no second event.
 
@@ -15,7 +17,7 @@ use super::problem::Motion;
 use super::run::State;
 use super::search::Search;
 use super::stops::Side;
-use crate::force::Act;
+use crate::dynamics::Boundary;
 use crate::integrate::Stepper;
 use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, Watched};
@@ -102,8 +104,8 @@ enum Function {
     Pressure(usize),
     /// An event of the model.
     User(usize),
-    /// Where a force element switches.
-    Force(usize),
+    /// Where a law changes that is smooth elsewhere.
+    Law(Boundary),
 }
 
 #[derive(Debug)]
@@ -152,8 +154,8 @@ pub(super) enum Turn {
     Release(Side),
     /// A compliant stop pushes from now on, or no longer.
     Push(Side, bool),
-    /// A force element switched: the step ends there, so that none goes across the kink of its force.
-    Switch,
+    /// A law changes: the step ends there, so that none goes across.
+    Switch(Boundary),
     /// The run ends; index of the event.
     Stop(usize),
 }
@@ -172,14 +174,16 @@ pub(super) struct Events {
     watches: Vec<Watch>,
     /// The velocity coordinate of each event that watches a position.
     velocities: Vec<usize>,
+    /// Absolute tolerance of the run.
+    tolerance: f64,
     pub(super) happened: Vec<Occurrence>,
     state: State,
 }
 
 impl Events {
-    /// `None` for a model without stops, events and force elements that switch.
-    pub(super) fn new(model: &Model, start: &State, search: Search) -> Option<Self> {
-        let any = !model.stops.is_empty() || !model.events.is_empty() || model.switching().next().is_some();
+    /// `None` for a model without stops, events and laws that change.
+    pub(super) fn new(model: &Model, start: &State, search: Search, tolerance: f64) -> Option<Self> {
+        let any = !model.stops.is_empty() || !model.events.is_empty() || model.has_boundaries();
         let velocity = |of: &Watched| match of {
             Watched::Position(index) => {
                 let link = model.links.iter().find(|link| link.joint.counts().0 == 1 && link.position == *index);
@@ -189,7 +193,7 @@ impl Events {
         };
         let velocities = model.events.iter().map(|event| velocity(&event.of)).collect();
         let state = start.clone();
-        any.then(|| Self { search, watches: Vec::new(), velocities, happened: Vec::new(), state })
+        any.then(|| Self { search, watches: Vec::new(), velocities, tolerance, happened: Vec::new(), state })
     }
 
     /// Takes the signs at the start of a run or after a turn; what is watched depends on the mode.
@@ -206,7 +210,7 @@ impl Events {
             }
         }
         functions.extend((0..model.events.len()).map(Function::User));
-        functions.extend(model.switching().map(Function::Force));
+        functions.extend(motion.system.boundaries().map(Function::Law));
         self.state.clone_from(state);
         let before = std::mem::take(&mut self.watches);
         for function in functions {
@@ -219,20 +223,24 @@ impl Events {
                 },
                 Function::Pressure(_) => 0.0,
                 Function::User(event) => ROUNDING * model.events[event].value.abs().max(1.0),
-                Function::Force(_) => ROUNDING * model.length_scale(),
+                Function::Law(boundary) => {
+                    let is_speed = motion.switch(time, boundary, &self.state).is_speed;
+                    motion.level(boundary, is_speed, self.tolerance)
+                }
             };
             let positive = match function {
                 Function::Depth(_) => last[0] > band,
                 Function::Push(side) => motion.pushes(side) || last[0] > band,
                 Function::Pressure(_) => true,
-                Function::User(_) | Function::Force(_) => {
+                Function::Law(boundary) => motion.system.side(boundary),
+                Function::User(_) => {
                     let old = before.iter().find(|watch| watch.function == function);
                     old.map_or(last[0] > 0.0, |watch| watch.positive)
                 }
             };
             let still = match function {
                 Function::Depth(side) => motion.still(model.stops[side.stop].velocity),
-                Function::Push(_) | Function::Pressure(_) | Function::User(_) | Function::Force(_) => f64::INFINITY,
+                Function::Push(_) | Function::Pressure(_) | Function::User(_) | Function::Law(_) => f64::INFINITY,
             };
             self.watches.push(Watch { function, positive, band, still, last, next: last });
         }
@@ -398,7 +406,7 @@ impl Events {
                 }
             }
             Function::Pressure(held) => motion.mode().map(|mode| Turn::Release(mode.held[held].side)),
-            Function::Force(_) => Some(Turn::Switch),
+            Function::Law(boundary) => Some(Turn::Switch(boundary)),
             Function::User(event) => {
                 (self.counts(model, index) && model.events[event].stops).then_some(Turn::Stop(event))
             }
@@ -415,8 +423,8 @@ impl Events {
         }
     }
 
-    /// Takes a change of sign as seen, and notes a crossing that the user asked for and a force that switches. What stops do is told of by the
-    /// instant that follows.
+    /// Takes a change of sign as seen, and notes a crossing that the user asked for and a force that switches. What stops do
+    /// is told of by the instant that follows.
     fn cross<'m>(
         &mut self,
         motion: &mut Motion<'m>,
@@ -425,13 +433,9 @@ impl Events {
         index: usize,
     ) -> Result<(), RunError> {
         let Watch { function, positive, .. } = self.watches[index];
-        if let Function::Force(index) = function {
+        if let Function::Law(boundary) = function {
             self.move_to(motion, stepper, time)?;
-            let (switch, force) = (motion.switch(time, index, &self.state), &motion.model().forces[index]);
-            if let Some(names) = force.law.switches() {
-                let (kind, name) = (Kind::Force(names[usize::from(!positive)]), force.name.clone());
-                self.happened.push(Occurrence { time, kind, name, value: switch.at, speed: switch.rate });
-            }
+            self.happened.extend(motion.occurrence(time, boundary, !positive, &self.state));
         }
         if let Function::User(event) = function
             && self.counts(motion.model(), index)
@@ -466,7 +470,7 @@ impl Events {
                 Watched::Position(_) => velocity[self.velocities[event]],
                 Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
             },
-            Function::Force(index) => motion.switch(time, index, &self.state).rate,
+            Function::Law(boundary) => motion.switch(time, boundary, &self.state).rate,
         }
     }
 
@@ -486,7 +490,7 @@ impl Events {
                 };
                 number - event.value
             }
-            Function::Force(index) => motion.switch(time, index, &self.state).value,
+            Function::Law(boundary) => motion.switch(time, boundary, &self.state).value,
         }
     }
 }

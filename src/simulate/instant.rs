@@ -114,6 +114,8 @@ pub(super) fn resolve(
     instant.motion.hold(time, instant.state, &[]).map_err(fault)?;
     instant.respond().map_err(fault)?;
     instant.blows()?;
+    let switched = instant.motion.switch_laws(time, instant.state, tolerance);
+    instant.outcome.happened.extend(switched);
     instant.let_push(turn);
     let released = match turn {
         Some(Turn::Release(side)) => Some(side),

@@ -22,6 +22,7 @@ mod search;
 pub mod settings;
 mod stiffness;
 mod stops;
+mod switching;
 mod timetable;
 pub mod verify;
 

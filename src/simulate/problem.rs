@@ -4,7 +4,6 @@ use super::bordered::Bordered;
 use super::error::RunError;
 use super::passage::Passage;
 use crate::dynamics::{Coefficients, DenseTangent, Energies, Fault, Powers, System, TangentSolver};
-use crate::force::{Act, Switch};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::prescribed::Instant;
 use crate::model::{End, Joint, Model, StopLaw};
@@ -304,13 +303,6 @@ impl<'m> Motion<'m> {
         system.energies(&state.position, &state.velocity);
         let link = &system.motion().links[end.link];
         link.position + link.turn * end.point
-    }
-
-    /// Where a force element stands with respect to its switching.
-    pub(super) fn switch(&mut self, time: f64, force: usize, state: &State) -> Switch {
-        let system = self.at(time);
-        system.energies(&state.position, &state.velocity);
-        system.model().forces[force].law.switch(&system.motion().links)
     }
 
     /// How fast a point moves (m/s).

@@ -114,13 +114,16 @@ pub(super) fn run_with(
         .map_err(|fault| RunError::Sample { time: 0.0, fault })?;
     check_limits(model, &state)?;
     finite::check_start(model, &state, settings.tolerance)?;
+    if model.has_boundaries() {
+        motion.at(0.0).keep_laws(&state.position, &state.velocity);
+    }
     let outcome = instant::resolve(&mut motion, 0.0, &mut state, settings.absolute_tolerance, None)?;
     let mut before = motion.energies(0.0, &state.position, &state.velocity);
     before.kinetic += outcome.lost - outcome.work;
     let mut ledger = Ledger::new(model, before);
     ledger.lose(outcome.lost);
     ledger.put_in(outcome.work);
-    let mut events = Events::new(model, &state, search);
+    let mut events = Events::new(model, &state, search, settings.absolute_tolerance);
     if let Some(events) = &mut events {
         // What a stop pushes with from the start is no event.
         events.happened = outcome.happened;
@@ -138,7 +141,7 @@ pub(super) fn run_with(
         choice: None,
         statistics: Statistics::default(),
         events,
-        turns: Turns::new(sides(&motion).len()),
+        turns: Turns::new(sides(&motion).len() + motion.system.boundaries().count()),
         happened: Vec::new(),
         stopped_by: None,
         timetable: Timetable::new(model, settings.duration),
@@ -386,7 +389,10 @@ impl<'m> Run<'m> {
             return Ok(());
         }
         let outcome = match turn {
-            Turn::Switch => Outcome::default(),
+            Turn::Switch(boundary) => {
+                motion.system.cross(boundary);
+                Outcome::default()
+            }
             _ => instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, Some(turn))?,
         };
         self.ledger.lose(outcome.lost + outcome.let_go);

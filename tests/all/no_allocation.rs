@@ -6,34 +6,67 @@ use crate::scenarios::shipped;
 use std::collections::{BTreeSet, HashSet};
 use std::mem::discriminant;
 use stillpoint::constraint::assemble;
-use stillpoint::dynamics::{AccelerationJacobians, System, TangentSolver};
+use stillpoint::dynamics::{AccelerationJacobians, Boundary, System, TangentSolver};
 use stillpoint::integrate::{Method, Options as Settings, Start};
 use stillpoint::model::Model;
+use stillpoint::model::description::*;
 use stillpoint::simulate::problem::Motion;
 
 /// Counted on this thread, from the first call after construction on, over a scene with all eight kinds of hinges and
-/// all three kinds of forces (loads of both kinds of axes).
+/// all five kinds of forces (loads of both kinds of axes), each law taken as the state is and kept in one of its parts.
 #[test]
 fn evaluating_a_system_allocates_nothing() {
-    let description = random_scene(17, &Options { bodies: 40, springs: true, welds: true });
+    let mut description = random_scene(17, &Options { bodies: 40, springs: true, welds: true });
+    add_ropes_and_curves(&mut description);
     let kinds: BTreeSet<&str> = description.bodies.iter().map(|body| body.hinge.kind.name()).collect();
     assert_eq!(kinds.len(), 8, "{kinds:?}");
     let model = build(&description);
     let laws: HashSet<_> = model.forces.iter().map(|force| discriminant(&force.law)).collect();
-    assert_eq!(laws.len(), 3);
+    assert_eq!(laws.len(), 5);
     let (q, v) = (&model.start_position, &model.start_velocity);
     let (mut a, mut residual, mut x, mut inertia) = (v.clone(), v.clone(), v.clone(), v.clone());
     let mut system = System::new(&model);
-    let mut count = |name: &str, call: &mut dyn FnMut(&mut System<'_>)| {
-        let counted = allocation_counter::measure(|| call(&mut system));
-        assert_eq!(counted.count_total, 0, "{name}: {counted:?}");
-    };
-    count("accelerations", &mut |system| system.accelerations(q, v, &mut a).unwrap());
-    count("solve_mass", &mut |system| system.solve_mass(v, &mut x));
-    count("articulated_inertia", &mut |system| system.articulated_inertia(&mut inertia));
-    count("residual", &mut |system| system.residual(q, v, v, &mut residual).unwrap());
-    count("energies", &mut |system| assert!(system.energies(q, v).kinetic > 0.0));
-    count("powers", &mut |system| assert!(system.powers(q, v).dissipated > 0.0));
+    for kept in [false, true] {
+        if kept {
+            system.keep_laws(q, v);
+        }
+        let mut count = |name: &str, call: &mut dyn FnMut(&mut System<'_>)| {
+            let counted = allocation_counter::measure(|| call(&mut system));
+            assert_eq!(counted.count_total, 0, "{name}, kept {kept}: {counted:?}");
+        };
+        count("accelerations", &mut |system| system.accelerations(q, v, &mut a).unwrap());
+        count("solve_mass", &mut |system| system.solve_mass(v, &mut x));
+        count("articulated_inertia", &mut |system| system.articulated_inertia(&mut inertia));
+        count("residual", &mut |system| system.residual(q, v, v, &mut residual).unwrap());
+        count("energies", &mut |system| assert!(system.energies(q, v).kinetic > 0.0));
+        count("powers", &mut |system| assert!(system.powers(q, v).dissipated > 0.0));
+        count("switch", &mut |system| {
+            assert!(
+                model
+                    .forces
+                    .iter()
+                    .enumerate()
+                    .all(|(element, _)| { system.switch(Boundary { element, index: 0 }, q, v).value.is_finite() })
+            );
+        });
+    }
+}
+
+/// A taut and a slack rope through three bodies, and curves of both interpolations.
+fn add_ropes_and_curves(description: &mut Description) {
+    let at = |index: usize| Attachment::from((description.bodies[index].name.as_str(), [0.1, 0.2, -0.3]));
+    let through = || vec![at(3), at(17), at(35)];
+    let table = vec![[-1.0, -2.0], [0.0, 0.5], [0.7, 4.0]];
+    let mut forces = vec![
+        ForceDescription::rope("taut", through(), 10.0, 1e-3, 0.5),
+        ForceDescription::rope("slack", through(), 10.0, 1e3, 0.5),
+    ];
+    for interpolation in [Interpolation::Smooth, Interpolation::Linear] {
+        let (extension, rate) = (table.clone(), table.clone());
+        let kind = Curve { between: [at(5), at(30)], extension, rate, interpolation, length: 0.2 }.into();
+        forces.push(ForceDescription { name: format!("{interpolation:?}"), kind });
+    }
+    description.forces.extend(forces);
 }
 
 /// Nor where accelerations have lost digits and are refined.
@@ -66,9 +99,10 @@ fn jacobians_allocate_nothing() {
 /// Steps of every method, after the first ones; dense output included.
 #[test]
 fn stepping_allocates_nothing() {
-    // With springs and bushings that reach across the tree.
+    // With springs, bushings, ropes and curves that reach across the tree.
     let mut description = random_scene(17, &Options { bodies: 40, springs: true, welds: true });
-    description.forces.truncate(8);
+    description.forces.truncate(4);
+    add_ropes_and_curves(&mut description);
     let model = build(&description);
     assert!(!TangentSolver::covers(&model) && !TangentSolver::is_for_dense(&model));
     count_steps(&model);

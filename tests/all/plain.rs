@@ -25,7 +25,7 @@ impl Case {
         let mut motion = Motion::new(&model);
         motion.update(&model, &q, &v);
         let mut applied = vec![Wrench::ZERO; model.links.len()];
-        forces::apply(&model, &motion, &mut applied);
+        forces::apply(&forces::Laws::new(&model), &motion, &mut applied);
         let mut tau = v.clone();
         forces::hinge::apply(&model, &q, &v, &mut tau);
         Self { model, motion, applied, tau }

@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, Vector3};
 /// What acts on every link without its hinge: weight and force elements, at the root markers.
 pub(super) fn applied(model: &Model, poses: &Poses) -> Vec<Wrench> {
     let mut wrenches = vec![Wrench::ZERO; model.links.len()];
-    forces::apply(model, &poses.motion, &mut wrenches);
+    forces::apply(&forces::Laws::new(model), &poses.motion, &mut wrenches);
     for (index, link) in model.links.iter().enumerate().skip(1) {
         wrenches[index] += Wrench::at_arm(link.mass * model.gravity, poses.motion.links[index].center);
     }
@@ -47,7 +47,7 @@ pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench;
 /// What motors and curves push with at rest.
 fn motors(model: &Model, poses: &Poses) -> Vec<Push> {
     let (rest, mut pushes) = (vec![0.0; model.velocity_count()], vec![Push::default(); model.pushed().count()]);
-    forces::motor::pushes(model, 0.0, &poses.q, &rest, &mut pushes);
+    forces::motor::pushes(model, &forces::Laws::new(model), 0.0, &poses.q, &rest, &mut pushes);
     pushes
 }
 

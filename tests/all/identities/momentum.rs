@@ -123,7 +123,7 @@ fn springs_and_bushings_pull_both_ends_alike() {
             let mut alone = start.model.clone();
             alone.forces = vec![force.clone()];
             let mut wrenches = vec![Wrench::ZERO; alone.links.len()];
-            forces::apply(&alone, system.motion(), &mut wrenches);
+            forces::apply(&forces::Laws::new(&alone), system.motion(), &mut wrenches);
             let mut sum = Wrench::ZERO;
             for (wrench, link) in wrenches.iter().zip(&system.motion().links) {
                 sum += about_origin(wrench.force, wrench.moment, &link.position);
