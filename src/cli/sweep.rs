@@ -269,7 +269,7 @@ fn listed(problems: Vec<crate::model::Problem>) -> String {
 
 fn insert_positions(model: &Model, before: &str, position: &[f64], row: &mut Found) {
     for body in &model.bodies {
-        for (index, (name, _)) in Model::position_names(&body.hinge.kind).iter().enumerate() {
+        for (index, (name, _)) in body.hinge.kind.positions().iter().enumerate() {
             row.push((format!("{before}{}.{name}", body.name), json!(position[body.hinge.position + index])));
         }
     }
