@@ -121,6 +121,7 @@ pub mod force;
 pub mod forces;
 pub mod foreign;
 pub mod formula;
+pub mod hinge;
 #[cfg(feature = "scenario")]
 pub mod import;
 pub mod integrate;

@@ -75,7 +75,7 @@ pub(super) fn main(
 /// The coordinate that was asked for, else the one that moves most.
 fn coordinate(settings: &Settings, model: &Model, path: &Path) -> Coordinate {
     let positions = |body: &crate::model::Body| {
-        let names = Model::position_names(&body.hinge.kind);
+        let names = body.hinge.kind.positions();
         let one = |(i, (name, unit)): (usize, &(&str, &'static str))| Coordinate {
             at: body.hinge.position + i,
             name: if names.len() == 1 { format!("{} {name}", body.name) } else { format!("{} ({name})", body.name) },

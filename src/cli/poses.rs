@@ -102,7 +102,7 @@ pub(super) fn modes(
     let free: Vec<usize> = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock).collect();
     let length = model.length_scale();
     let mut unit = vec![1.0; model.velocity_count()];
-    for link in model.links.iter().filter(|link| matches!(link.joint, crate::model::Joint::Slide { .. })) {
+    for link in model.links.iter().filter(|link| link.joint.is_slide()) {
         unit[link.velocity] = length;
     }
     let frames_each = (SHOWN * RATE) as usize;

@@ -2,6 +2,7 @@
 
 mod grid;
 
+use super::inputs::Inputs;
 use super::output::{self, Progress};
 use super::text::{count, number};
 use super::{Common, Exit, statics};
@@ -77,6 +78,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Err(other) => return Err(other.into()),
     };
     let cases = grid::cases(&arguments.over).map_err(|error| anyhow!(error))?;
+    if let Some(path) = &arguments.out {
+        Inputs::of_scenario(common, &scenario, None).spare(path)?;
+    }
     let sweep = Sweep { arguments, scenario: &scenario, set };
     let rows = sweep.all(&cases)?;
     // A name that is not there is no answer, it is a wrong call.
@@ -269,7 +273,7 @@ fn listed(problems: Vec<crate::model::Problem>) -> String {
 
 fn insert_positions(model: &Model, before: &str, position: &[f64], row: &mut Found) {
     for body in &model.bodies {
-        for (index, (name, _)) in Model::position_names(&body.hinge.kind).iter().enumerate() {
+        for (index, (name, _)) in body.hinge.kind.positions().iter().enumerate() {
             row.push((format!("{before}{}.{name}", body.name), json!(position[body.hinge.position + index])));
         }
     }

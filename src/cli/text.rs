@@ -269,10 +269,9 @@ fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
     let total = hinges.clone().count();
     let length = model.length_scale();
     for (line, body) in hinges.take(MOST_LINES).enumerate() {
-        let names: Vec<&str> = Model::position_names(&body.hinge.kind).iter().map(|(name, _)| *name).collect();
+        let names: Vec<&str> = body.hinge.kind.positions().iter().map(|(name, _)| *name).collect();
         let head = if line == 0 { title } else { "" };
-        let scales =
-            Model::position_names(&body.hinge.kind).iter().map(|(_, unit)| if *unit == "m" { length } else { 1.0 });
+        let scales = body.hinge.kind.positions().iter().map(|(_, unit)| if *unit == "m" { length } else { 1.0 });
         let values = numbers(scales.zip(&position[body.hinge.position..]).map(|(scale, x)| without_noise(*x, scale)));
         let _ = writeln!(out, "  {head:<12} {:<20} {} = {values}", body.name, names.join(", "));
     }

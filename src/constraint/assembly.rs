@@ -5,10 +5,9 @@ use super::component::{between_ends, members, sharing};
 use super::rank::decide;
 use super::rows::{Owner, locks, second_frame};
 use super::{Constraints, Element};
+use crate::model::Model;
 use crate::model::couplings::Closure;
-use crate::model::description::HingeKind;
 use crate::model::problem::{Element as Place, Problem, number};
-use crate::model::{Joint, Model};
 use crate::motion::Motion;
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -346,14 +345,8 @@ fn is_turned_over(element: &Element, model: &Model, motion: &Motion) -> bool {
     let against =
         |axis: &Vector3<f64>| (first.turn * (closed.frame * axis)).dot(&(second.turn * (second_frame * axis))) < 0.0;
     match &closed.closure {
-        Closure::Hinge(HingeKind::Revolute { axis } | HingeKind::Cylindrical { axis }) => against(axis),
-        Closure::Hinge(HingeKind::Planar) => against(&Vector3::z()),
-        Closure::Hinge(HingeKind::Fixed | HingeKind::Prismatic { .. }) => {
-            (0..3).any(|axis| against(&Vector3::ith(axis, 1.0)))
-        }
-        Closure::Hinge(HingeKind::Universal { .. } | HingeKind::Spherical | HingeKind::Free) | Closure::Rod { .. } => {
-            false
-        }
+        Closure::Hinge(kind) => kind.shared().iter().any(against),
+        Closure::Rod { .. } => false,
     }
 }
 
@@ -395,7 +388,7 @@ fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
     let length = model.length_scale();
     let mut step = vec![0.0; model.velocity_count()];
     for (index, link) in model.links.iter().enumerate().skip(1) {
-        let size = if matches!(link.joint, Joint::Slide { .. }) { 0.02 * length } else { 0.1 };
+        let size = if link.joint.is_slide() { 0.02 * length } else { 0.1 };
         for i in link.velocity..link.velocity + link.joint.counts().1 {
             if !model.coordinates[i].lock {
                 step[i] = size * attempt as f64 * ((1 + index * attempt) as f64 * 1.7 + i as f64).sin();
@@ -409,7 +402,7 @@ fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
 fn largest_move(model: &Model, from: &[f64], to: &[f64]) -> f64 {
     let mut largest = 0.0_f64;
     for link in &model.links {
-        let per = if matches!(link.joint, Joint::Slide { .. }) { model.length_scale() } else { 1.0 };
+        let per = link.joint.unit(model.length_scale());
         let (count, _) = link.joint.counts();
         for i in link.position..link.position + count {
             largest = largest.max((to[i] - from[i]).abs() / per);

@@ -12,7 +12,7 @@
 //! onto the rows of long chains are taken like that: the tip would need a hundred steps.
 
 use super::{Constraints, Held, Rate};
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
@@ -103,7 +103,7 @@ impl<'m> Closing<'m> {
         rows.set_time(time);
         let length = model.length_scale();
         let mut units = vec![1.0; n];
-        for link in model.links.iter().filter(|link| matches!(link.joint, Joint::Slide { .. })) {
+        for link in model.links.iter().filter(|link| link.joint.is_slide()) {
             units[link.velocity] = length;
         }
         Self {

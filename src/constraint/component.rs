@@ -14,7 +14,7 @@
 
 use super::row::{Ends, Rule};
 use super::rows::Element;
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::motion::Motion;
 
 /// Levers below this part of the reach are round-off.
@@ -122,7 +122,7 @@ fn of_element(element: &Element, rules: &[Rule], model: &Model, motion: &Motion)
     for (end, branch) in element.branches.iter().enumerate() {
         let mut arm = if end == 0 { arms[0] + between } else { arms[1] };
         for link in branch {
-            if matches!(model.links[*link].joint, Joint::Turn | Joint::Ball { .. }) {
+            if model.links[*link].joint.turns() {
                 lever = lever.max(arm.norm());
             }
             arm += motion.links[*link].arm;

@@ -2,7 +2,7 @@
 
 use super::component::between_ends;
 use super::{Constraints, Element, Rule, plan};
-use crate::model::{End, Joint, Model};
+use crate::model::{End, Model};
 
 /// An independent row apart from the tree: for equations in other coordinates.
 pub(crate) struct IndependentRow {
@@ -33,7 +33,7 @@ impl Constraints {
         let mut of_velocity = vec![0.0; model.velocity_count()];
         for (element, lengths) in self.elements.iter().zip(&self.lengths) {
             for link in between_ends(element).into_iter().map(|link| &model.links[link]) {
-                let unit = if matches!(link.joint, Joint::Slide { .. }) { lengths.lever } else { 1.0 };
+                let unit = link.joint.unit(lengths.lever);
                 of_velocity[link.velocity..link.velocity + link.joint.counts().1].fill(unit);
             }
         }

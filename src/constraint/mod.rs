@@ -30,7 +30,7 @@ mod row;
 mod rows;
 mod sizes;
 
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::motion::variation::LinkAcceleration;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
@@ -419,16 +419,7 @@ impl Constraints {
                 }
                 for link in way {
                     let (given, at, w) = (&model.links[*link], &motion.links[*link], passed[*link]);
-                    let first = given.velocity;
-                    match given.joint {
-                        Joint::None => {}
-                        Joint::Turn => put(unknown, first, at.axis.dot(&w.moment)),
-                        Joint::Slide { .. } => put(unknown, first, at.axis.dot(&w.force)),
-                        Joint::Ball { .. } => {
-                            let moment = at.turn.tr_mul(&w.moment);
-                            (0..3).for_each(|i| put(unknown, first + i, moment[i]));
-                        }
-                    }
+                    crate::motion::project(given, at, &w, |velocity, value| put(unknown, velocity, value));
                     passed[given.parent] += w.shifted(at.arm);
                 }
             }

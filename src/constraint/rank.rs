@@ -14,7 +14,7 @@ use super::Constraints;
 use super::close::Closing;
 use super::component::{between_ends, components, lengths, members};
 use super::rows::Owner;
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::motion::Motion;
 
 /// A row is linearly dependent if the squared sine of its angle to the others is below this, and has no entries if their
@@ -99,7 +99,7 @@ impl Constraints {
         let levers = lengths(model, &self.elements, &self.rules, motion);
         let (mut of_unknown, mut slides) = (Vec::new(), vec![false; model.velocity_count()]);
         self.plan.groups.iter().for_each(|group| of_unknown.extend(group.rows.iter().map(|_| group.element)));
-        for link in model.links.iter().filter(|link| matches!(link.joint, Joint::Slide { .. })) {
+        for link in model.links.iter().filter(|link| link.joint.is_slide()) {
             slides[link.velocity] = true;
         }
         let mut inner = vec![Vec::new(); self.elements.len()];
@@ -201,7 +201,7 @@ fn around(model: &Model, closing: &Closing<'_>, components: &[Vec<usize>], attem
         links.dedup();
         let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ ((attempt as u64) << 32));
         for link in links.into_iter().map(|link| &model.links[link]) {
-            let per = if matches!(link.joint, Joint::Slide { .. }) { AROUND * reach } else { AROUND };
+            let per = if link.joint.is_slide() { AROUND * reach } else { AROUND };
             let (_, count) = link.joint.counts();
             step[link.velocity..link.velocity + count].iter_mut().for_each(|x| *x = per * random.next());
         }

@@ -1,10 +1,10 @@
 //! The rows of a model's loops, drives, gears and locks.
 
 use super::row::Rule;
+use crate::hinge::Condition;
 use crate::model::couplings::Closure;
-use crate::model::description::HingeKind;
 use crate::model::prescribed::Instant;
-use crate::model::{End, Joint, Loop, Model, Scalar};
+use crate::model::{End, Loop, Model, Scalar};
 use crate::motion::Motion;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
@@ -101,18 +101,18 @@ pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
 pub(super) fn locks(model: &Model) -> Vec<Held> {
     let at = |scalar: &Scalar| Instant { position: model.start_position[scalar.position], ..Instant::default() };
     let locked = scalars(model).filter(|scalar| model.coordinates[scalar.velocity].lock);
-    let balls = model.links.iter().enumerate().filter(|(_, link)| matches!(link.joint, Joint::Ball { .. }));
+    let balls = model.links.iter().enumerate().filter(|(_, link)| link.joint.is_ball());
     let balls = balls.filter(|(_, link)| model.coordinates[link.velocity].lock).map(|(index, _)| Held::Ball(index));
     locked.map(|coordinate| Held::Coordinate { coordinate, at: at(&coordinate) }).chain(balls).collect()
 }
 
 pub(super) fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
-    let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.counts().0 == 1);
+    let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.is_scalar());
     plain.map(|(index, link)| Scalar {
         link: index,
         position: link.position,
         velocity: link.velocity,
-        slides: matches!(link.joint, Joint::Slide { .. }),
+        slides: link.joint.is_slide(),
     })
 }
 
@@ -212,43 +212,10 @@ fn of_loop(closed: &Loop, given: &Motion, rules: &mut Vec<Rule>) {
         Closure::Hinge(kind) => kind,
     };
     let (one, other) = (closed.frame, second_frame(closed, given));
-    let along = |axis: &Vector3<f64>| Rule::Along { axis: one * axis };
-    let aligned =
-        |a: &Vector3<f64>, b: &Vector3<f64>, cosine: f64| Rule::Aligned { first: one * a, second: other * b, cosine };
-    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-    match kind {
-        HingeKind::Free => {}
-        HingeKind::Spherical => rules.extend([along(&x), along(&y), along(&z)]),
-        HingeKind::Revolute { axis } => {
-            let [t, u, n] = around(&axis);
-            rules.extend([along(&t), along(&u), along(&n), aligned(&t, &n, 0.0), aligned(&u, &n, 0.0)]);
+    rules.extend(kind.conditions().into_iter().map(|condition| match condition {
+        Condition::Along(axis) => Rule::Along { axis: one * axis },
+        Condition::Aligned { first, second, cosine } => {
+            Rule::Aligned { first: one * first, second: other * second, cosine }
         }
-        HingeKind::Cylindrical { axis } => {
-            let [t, u, n] = around(&axis);
-            rules.extend([along(&t), along(&u), aligned(&t, &n, 0.0), aligned(&u, &n, 0.0)]);
-        }
-        HingeKind::Prismatic { axis } => {
-            let [t, u, n] = around(&axis);
-            rules.extend([along(&t), along(&u)]);
-            rules.extend([aligned(&t, &u, 0.0), aligned(&u, &n, 0.0), aligned(&n, &t, 0.0)]);
-        }
-        HingeKind::Planar => rules.extend([along(&z), aligned(&x, &z, 0.0), aligned(&y, &z, 0.0)]),
-        HingeKind::Universal { axes } => {
-            let [a, b] = [axes[0].normalize(), axes[1].normalize()];
-            rules.extend([along(&x), along(&y), along(&z), aligned(&a, &b, a.dot(&b))]);
-        }
-        HingeKind::Fixed => {
-            rules.extend([along(&x), along(&y), along(&z)]);
-            rules.extend(turns_together(&one, &other));
-        }
-    }
-}
-
-/// Two unit vectors across an axis, and its own; coordinate axes where that is possible.
-fn around(axis: &Vector3<f64>) -> [Vector3<f64>; 3] {
-    let n = axis.normalize();
-    let t = Vector3::ith(n.iamin(), 1.0);
-    let t = (t - n * n.dot(&t)).normalize();
-    let all = Matrix3::from_columns(&[t, n.cross(&t), n]);
-    [all.column(0).into(), all.column(1).into(), all.column(2).into()]
+    }));
 }

@@ -5,7 +5,7 @@
 
 use super::Constraints;
 use super::row::Rule;
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::motion::Motion;
 use nalgebra::Vector3;
 
@@ -56,7 +56,7 @@ impl Constraints {
                     let (given, at) = (&model.links[*link], &motion.links[*link]);
                     let (force, moment) = passed[*link];
                     let (_, count) = given.joint.counts();
-                    let size = if matches!(given.joint, Joint::Slide { .. }) { force.norm() } else { moment };
+                    let size = if given.joint.is_slide() { force.norm() } else { moment };
                     squares[given.velocity..given.velocity + count].iter_mut().for_each(|sum| *sum += size * size);
                     let parent = &mut passed[given.parent];
                     parent.0 += force;

@@ -3,7 +3,6 @@
 
 use super::System;
 use crate::force::Act;
-use crate::model::Joint;
 
 /// Magnitudes per velocity coordinate.
 #[derive(Debug, Clone)]
@@ -74,7 +73,7 @@ impl System<'_> {
         for index in (1..model.links.len()).rev() {
             let link = &model.links[index];
             let size = sizes[index];
-            let slide = matches!(link.joint, Joint::Slide { .. });
+            let slide = link.joint.is_slide();
             let (_, count) = link.joint.counts();
             for i in link.velocity..link.velocity + count {
                 let coordinate = &model.coordinates[i];

@@ -4,7 +4,7 @@ use super::border::{Border, PER_LINK};
 use super::{Fault, System};
 use crate::force::Act;
 use crate::forces;
-use crate::model::{End, Joint, Model};
+use crate::model::{End, Model};
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
@@ -93,7 +93,7 @@ impl TangentSolver {
         }
         let most = elements.iter().map(|element| element.links.len()).max().unwrap_or(0);
         let moved = elements.iter().map(|element| element.links.len()).sum();
-        let is_ball = |index: &usize| matches!(model.links[*index].joint, Joint::Ball { .. });
+        let is_ball = |index: &usize| model.links[*index].joint.is_ball();
         let balls: Vec<usize> = (0..model.links.len()).filter(is_ball).collect();
         let mut springs: Vec<f64> = model.coordinates.iter().map(|coordinate| coordinate.stiffness).collect();
         balls.iter().map(|index| model.links[*index].velocity).for_each(|first| springs[first..first + 3].fill(0.0));

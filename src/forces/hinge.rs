@@ -5,7 +5,7 @@
 //! balls:             τ = −G(φ)ᵀ K φ − c ω + τ₀,   φ = log(rest⁻¹ ∘ p), link axes   (crate::spatial::rotation)
 //! ```
 
-use crate::model::{Coordinate, Joint, Link, Model};
+use crate::model::{Coordinate, Link, Model};
 use crate::motion::unit_quaternion;
 use crate::spatial::rotation::{rotation_vector, torsion_spring};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
@@ -20,14 +20,14 @@ pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
     if !springs {
         return;
     }
-    for_springs(model, |link, coordinates| match link.joint {
-        Joint::Ball { rest } => {
-            let (torque, _) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates), Vector3::zeros());
+    for_springs(model, |link, coordinates| match link.joint.rest() {
+        Some(rest) => {
+            let (torque, _) = torsion_spring(&from_rest(rest, q, link), stiffness(coordinates), Vector3::zeros());
             for (i, t) in torque.iter().enumerate() {
                 tau[link.velocity + i] += t;
             }
         }
-        _ => tau[link.velocity] -= coordinates[0].stiffness * (q[link.position] - coordinates[0].rest),
+        None => tau[link.velocity] -= coordinates[0].stiffness * (q[link.position] - coordinates[0].rest),
     });
 }
 
@@ -41,39 +41,39 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
     }
     for_springs(model, |link, coordinates| {
         let at = link.velocity;
-        match link.joint {
-            Joint::Ball { rest } => {
-                let (_, tangent) = torsion_spring(&from_rest(&rest, q, link), stiffness(coordinates), Vector3::zeros());
+        match link.joint.rest() {
+            Some(rest) => {
+                let (_, tangent) = torsion_spring(&from_rest(rest, q, link), stiffness(coordinates), Vector3::zeros());
                 let change = tangent * Vector3::new(dq[at], dq[at + 1], dq[at + 2]);
                 for (i, t) in change.iter().enumerate() {
                     out[at + i] += t;
                 }
             }
-            _ => out[at] -= coordinates[0].stiffness * dq[at],
+            None => out[at] -= coordinates[0].stiffness * dq[at],
         }
     });
 }
 
 /// `∂τ/∂(turn)` of a ball's spring, link axes; `None` without a spring.
 pub fn ball_tangent(model: &Model, link: &Link, q: &[f64]) -> Option<Matrix3<f64>> {
-    let Joint::Ball { rest } = link.joint else { return None };
+    let rest = link.joint.rest()?;
     let stiffness = stiffness(&model.coordinates[link.velocity..link.velocity + 3]);
-    (stiffness != Vector3::zeros()).then(|| torsion_spring(&from_rest(&rest, q, link), stiffness, Vector3::zeros()).1)
+    (stiffness != Vector3::zeros()).then(|| torsion_spring(&from_rest(rest, q, link), stiffness, Vector3::zeros()).1)
 }
 
 pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
     let mut sum = 0.0;
     for_springs(model, |link, coordinates| {
-        sum += match link.joint {
-            Joint::Ball { rest } => {
-                let phi = rotation_vector(&from_rest(&rest, q, link));
+        sum += match link.joint.rest() {
+            Some(rest) => {
+                let phi = rotation_vector(&from_rest(rest, q, link));
                 0.5 * phi.component_mul(&phi).dot(&stiffness(coordinates))
             }
-            _ => 0.5 * coordinates[0].stiffness * (q[link.position] - coordinates[0].rest).powi(2),
+            None => 0.5 * coordinates[0].stiffness * (q[link.position] - coordinates[0].rest).powi(2),
         };
     });
     for link in &model.links {
-        if matches!(link.joint, Joint::Turn | Joint::Slide { .. }) {
+        if link.joint.is_scalar() {
             sum -= model.coordinates[link.velocity].force * q[link.position];
         }
     }
@@ -86,7 +86,7 @@ pub(super) fn dissipated(model: &Model, v: &[f64]) -> f64 {
 
 /// Motors about balls have no potential.
 pub(super) fn input(model: &Model, v: &[f64]) -> f64 {
-    let ball = |link: &&Link| matches!(link.joint, Joint::Ball { .. });
+    let ball = |link: &&Link| link.joint.is_ball();
     let of_ball =
         |link: &Link| (0..3).map(|i| link.velocity + i).map(|i| model.coordinates[i].force * v[i]).sum::<f64>();
     model.links.iter().filter(ball).map(of_ball).sum()

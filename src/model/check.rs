@@ -99,7 +99,9 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
 fn check_hinge(found: &mut Findings, element: Element, body: &BodyDescription) {
     let (name, hinge) = (&body.name, &body.hinge);
     let (positions, velocities) = hinge.kind.counts();
-    check_axes(found, element, name, &hinge.kind);
+    hinge.kind.check(&format!("hinge of `{name}`"), &mut |key, message, help| {
+        found.add(element, &format!("hinge.{key}"), message, help);
+    });
     if let Point::At(at) = &hinge.at
         && !finite(at)
     {
@@ -135,36 +137,11 @@ fn check_hinge(found: &mut Findings, element: Element, body: &BodyDescription) {
     }
 }
 
-fn check_axes(found: &mut Findings, element: Element, name: &str, kind: &HingeKind) {
-    let zero = |axis: &Vector3<f64>| !finite(axis) || axis.norm() == 0.0;
-    match kind {
-        HingeKind::Revolute { axis } | HingeKind::Prismatic { axis } | HingeKind::Cylindrical { axis } => {
-            if zero(axis) {
-                let message = format!("the axis of the hinge of `{name}` is {}", list(axis));
-                found.add(element, "hinge.axis", message, "allowed: a finite vector that is not zero");
-            }
-        }
-        HingeKind::Universal { axes } => {
-            if axes.iter().any(zero) {
-                let message = format!("an axis of the universal hinge of `{name}` is zero or not finite");
-                found.add(element, "hinge.axes", message, "allowed: two finite vectors that are not zero");
-            } else if axes[0].normalize().cross(&axes[1].normalize()).norm() < 1e-6 {
-                let message = format!("the two axes of the universal hinge of `{name}` are parallel");
-                found.add(element, "hinge.axes", message, "they must span a plane; usually they are perpendicular");
-            }
-        }
-        HingeKind::Fixed | HingeKind::Planar | HingeKind::Spherical | HingeKind::Free => {}
-    }
-}
-
 fn check_quaternion(found: &mut Findings, element: Element, name: &str, path: &str, kind: &HingeKind, values: &[f64]) {
-    let quaternion = match kind {
-        HingeKind::Spherical => values,
-        HingeKind::Free if values.len() == 7 => &values[3..],
-        _ => return,
-    };
+    let plain = kind.plain_coordinates();
+    let Some(quaternion @ [_, ..]) = values.get(plain..) else { return };
     let norm = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if !quaternion.is_empty() && (norm - 1.0).abs() > QUATERNION_SLACK {
+    if (norm - 1.0).abs() > QUATERNION_SLACK {
         let message = format!("the quaternion of the hinge of `{name}` has norm {norm}");
         found.add(element, path, message, "a unit quaternion w, x, y, z is needed; no turn is 1, 0, 0, 0");
     }

@@ -2,14 +2,14 @@
 
 use super::build::{Place, Places};
 use super::couplings::{Closure, CoordinateName, GearKind, LoopDescription, MotionDescription};
-use super::description::{Description, HingeKind};
+use super::description::Description;
 use super::motor;
 use super::point_mass::NO_INERTIA;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem, number};
 use super::{End, Link, Model};
 use crate::suggest;
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion};
 use std::collections::HashMap;
 
 /// What closes a loop, compiled.
@@ -157,7 +157,6 @@ fn check_loop(index: usize, closed: &LoopDescription, add: &mut impl FnMut(Eleme
         let message = format!("both ends of `{name}` are on `{}`", closed.between[0].body);
         add(element, "between", message, "a loop is closed between two different bodies");
     }
-    let zero = |axis: &Vector3<f64>| !axis.iter().all(|x| x.is_finite()) || axis.norm() == 0.0;
     match &closed.closure {
         Closure::Rod { length } if !(length.is_finite() && *length > 0.0) => {
             let message = format!("`length` of `{name}` is {length}");
@@ -169,22 +168,12 @@ fn check_loop(index: usize, closed: &LoopDescription, add: &mut impl FnMut(Eleme
             );
         }
         Closure::Rod { .. } => {}
-        Closure::Hinge(HingeKind::Free) => {
-            add(element, "type", format!("`{name}` is free"), "a free hinge closes nothing");
+        Closure::Hinge(kind) if kind.conditions().is_empty() => {
+            add(element, "type", format!("`{name}` is {}", kind.name()), "a free hinge closes nothing");
         }
-        Closure::Hinge(
-            HingeKind::Revolute { axis } | HingeKind::Prismatic { axis } | HingeKind::Cylindrical { axis },
-        ) if zero(axis) => {
-            let message = format!("the axis of `{name}` is [{}, {}, {}]", axis.x, axis.y, axis.z);
-            add(element, "axis", message, "allowed: a finite vector that is not zero");
+        Closure::Hinge(kind) => {
+            kind.check(&format!("loop `{name}`"), &mut |key, message, help| add(element, key, message, help))
         }
-        Closure::Hinge(HingeKind::Universal { axes }) => {
-            if axes.iter().any(zero) || axes[0].normalize().cross(&axes[1].normalize()).norm() < 1e-6 {
-                let message = format!("the axes of `{name}` are zero or parallel");
-                add(element, "axes", message, "they must span a plane; usually they are perpendicular");
-            }
-        }
-        Closure::Hinge(_) => {}
     }
 }
 
@@ -210,7 +199,7 @@ pub(super) fn scalar(
         .iter()
         .enumerate()
         .skip(1)
-        .filter(|(_, link)| model.bodies[link.body].name == wanted.body && link.joint.counts().0 == 1)
+        .filter(|(_, link)| model.bodies[link.body].name == wanted.body && link.joint.is_scalar())
         .collect();
     let Some((index, link)) = scalars.get(wanted.index) else {
         let message = format!(
@@ -225,7 +214,7 @@ pub(super) fn scalar(
         };
         return Err(problem(message, Some(help)));
     };
-    let slides = matches!(link.joint, super::Joint::Slide { .. });
+    let slides = link.joint.is_slide();
     Ok(Scalar { link: *index, position: link.position, velocity: link.velocity, slides })
 }
 

@@ -33,6 +33,7 @@ pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, W
 pub use crate::force::load::LoadAxes;
 pub use crate::force::table::Interpolation;
 pub use crate::force::{Attachment, Bushing, Curve, ForceDescription, ForceKind, GROUND, Load, Point, Rope, Spring};
+pub use crate::hinge::HingeKind;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
 
@@ -158,87 +159,6 @@ impl HingeDescription {
             lock: false,
             limits: Vec::new(),
             curves: Vec::new(),
-        }
-    }
-}
-
-/// The motions a hinge can leave free. Axes are in the hinge frame and need not be unit length.
-///
-/// | kind | coordinates | velocities |
-/// |---|---|---|
-/// | fixed | – | – |
-/// | revolute | angle | rate |
-/// | prismatic | distance | rate |
-/// | cylindrical | distance, angle | rates |
-/// | universal | angle about the first axis, angle about the second (carried by the first) | rates |
-/// | planar | x, y in the hinge frame, angle about its z | rates |
-/// | spherical | quaternion w, x, y, z (`hinge_from_body`) | relative angular velocity, body axes |
-/// | free | x, y, z in the hinge frame, quaternion | rates in the hinge frame, relative angular velocity in body axes |
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum HingeKind {
-    /// Welded.
-    Fixed,
-    /// Turns about one axis.
-    Revolute {
-        /// Axis, hinge frame.
-        axis: Vector3<f64>,
-    },
-    /// Slides along one axis.
-    Prismatic {
-        /// Axis, hinge frame.
-        axis: Vector3<f64>,
-    },
-    /// Slides along and turns about one axis.
-    Cylindrical {
-        /// Axis, hinge frame.
-        axis: Vector3<f64>,
-    },
-    /// Turns about a first axis, then about a second one carried by the first.
-    Universal {
-        /// Axes, hinge frame (both angles zero).
-        axes: [Vector3<f64>; 2],
-    },
-    /// Slides in the xy plane of the hinge frame and turns about its z.
-    Planar,
-    /// Turns freely.
-    Spherical,
-    /// Moves freely.
-    Free,
-}
-
-impl HingeKind {
-    /// Name in scenario files.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed",
-            Self::Revolute { .. } => "revolute",
-            Self::Prismatic { .. } => "prismatic",
-            Self::Cylindrical { .. } => "cylindrical",
-            Self::Universal { .. } => "universal",
-            Self::Planar => "planar",
-            Self::Spherical => "spherical",
-            Self::Free => "free",
-        }
-    }
-
-    /// Number of leading coordinates that are angles or distances and have a velocity of the same place.
-    pub fn plain_coordinates(&self) -> usize {
-        match self {
-            Self::Spherical => 0,
-            Self::Free => 3,
-            _ => self.counts().0,
-        }
-    }
-
-    /// Number of coordinates and of velocities.
-    pub fn counts(&self) -> (usize, usize) {
-        match self {
-            Self::Fixed => (0, 0),
-            Self::Revolute { .. } | Self::Prismatic { .. } => (1, 1),
-            Self::Cylindrical { .. } | Self::Universal { .. } => (2, 2),
-            Self::Planar => (3, 3),
-            Self::Spherical => (4, 3),
-            Self::Free => (7, 6),
         }
     }
 }

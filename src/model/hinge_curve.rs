@@ -3,7 +3,7 @@
 use super::couple::Scalar;
 use super::description::{BodyDescription, Description};
 use super::problem::{Element, Problem};
-use super::{Body, Joint, Link};
+use super::{Body, Link};
 use crate::force::Switch;
 use crate::force::table::{Interpolation, Table};
 
@@ -108,7 +108,7 @@ pub(super) fn compile(description: &Description, bodies: &[Body], links: &[Link]
             let (position, velocity) = (position + curve.coordinate, velocity + curve.coordinate);
             let of_link = |link: &Link| link.velocity == velocity && link.joint.counts() == (1, 1);
             let link = links.iter().position(of_link)?;
-            let slides = matches!(links[link].joint, Joint::Slide { .. });
+            let slides = links[link].joint.is_slide();
             Some(HingeCurve {
                 coordinate: Scalar { link, position, velocity, slides },
                 over: curve.over,

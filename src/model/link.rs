@@ -1,7 +1,8 @@
 //! The elements of the compiled tree.
 
+use crate::hinge::Joint;
 use crate::spatial::{Principal, Sym3};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// An elementary hinge and the rigid body outboard of it. What every evaluation reads comes first: large trees wait for
 /// memory.
@@ -60,37 +61,5 @@ impl Link {
     #[inline]
     pub fn is_massless(&self) -> bool {
         self.mass == 0.0 && self.inertia == Sym3::ZERO
-    }
-}
-
-/// The elementary hinges.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Joint {
-    /// The ground's.
-    None,
-    /// A turn about the z axis of the link: links that turn have their axes chosen so. One angle (rad).
-    Turn,
-    /// A slide along a unit axis of the hinge frame. One distance (m).
-    Slide {
-        /// Unit axis.
-        axis: Vector3<f64>,
-    },
-    /// Any turn. Four numbers (unit quaternion w, x, y, z: `hinge_from_link`), three velocities (relative angular
-    /// velocity, link axes).
-    Ball {
-        /// Where its torsion spring is relaxed.
-        rest: UnitQuaternion<f64>,
-    },
-}
-
-impl Joint {
-    /// Number of coordinates and of velocities.
-    #[inline]
-    pub fn counts(&self) -> (usize, usize) {
-        match self {
-            Self::None => (0, 0),
-            Self::Turn | Self::Slide { .. } => (1, 1),
-            Self::Ball { .. } => (4, 3),
-        }
     }
 }

@@ -25,11 +25,12 @@ mod tree;
 pub mod watch;
 
 pub use crate::force::{End, Force};
+pub use crate::hinge::Joint;
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use halves::Halves;
 pub use hinge_curve::{CurveOver, HingeCurve};
-pub use link::{Joint, Link};
+pub use link::Link;
 pub use motor::Motor;
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
@@ -222,7 +223,7 @@ impl Model {
     /// A velocity coordinate for people: the body's name, and which coordinate where its hinge has several.
     pub fn label(&self, velocity: usize) -> String {
         let body = &self.bodies[self.coordinates[velocity].body];
-        let names = Self::velocity_names(&body.hinge.kind);
+        let names = body.hinge.kind.velocities();
         match names.len() {
             1 => format!("`{}`", body.name),
             _ => format!("`{}` ({})", body.name, names[velocity - body.hinge.velocity].0),
@@ -240,7 +241,7 @@ impl Model {
         self.forces.iter().all(|force| force.law.has_potential())
             && self.motors.iter().all(Motor::has_potential)
             && self.links.iter().all(|link| {
-                !matches!(link.joint, Joint::Ball { .. })
+                !link.joint.is_ball()
                     || self.coordinates[link.velocity..link.velocity + 3].iter().all(|c| c.force == 0.0)
             })
     }
@@ -263,37 +264,5 @@ impl Model {
     pub fn time_scale(&self) -> f64 {
         let g = self.gravity.norm();
         if g > 0.0 { (self.length_scale() / g).sqrt() } else { 1.0 }
-    }
-
-    /// Names and units of the position coordinates of a body's hinge.
-    pub fn position_names(kind: &HingeKind) -> &'static [(&'static str, &'static str)] {
-        match kind {
-            HingeKind::Fixed => &[],
-            HingeKind::Revolute { .. } => &[("angle", "rad")],
-            HingeKind::Prismatic { .. } => &[("distance", "m")],
-            HingeKind::Cylindrical { .. } => &[("distance", "m"), ("angle", "rad")],
-            HingeKind::Universal { .. } => &[("first angle", "rad"), ("second angle", "rad")],
-            HingeKind::Planar => &[("x", "m"), ("y", "m"), ("angle", "rad")],
-            HingeKind::Spherical => &[("qw", "1"), ("qx", "1"), ("qy", "1"), ("qz", "1")],
-            HingeKind::Free => {
-                &[("x", "m"), ("y", "m"), ("z", "m"), ("qw", "1"), ("qx", "1"), ("qy", "1"), ("qz", "1")]
-            }
-        }
-    }
-
-    /// Names and units of the velocities of a body's hinge.
-    pub fn velocity_names(kind: &HingeKind) -> &'static [(&'static str, &'static str)] {
-        match kind {
-            HingeKind::Fixed => &[],
-            HingeKind::Revolute { .. } => &[("rate", "rad/s")],
-            HingeKind::Prismatic { .. } => &[("speed", "m/s")],
-            HingeKind::Cylindrical { .. } => &[("speed", "m/s"), ("rate", "rad/s")],
-            HingeKind::Universal { .. } => &[("first rate", "rad/s"), ("second rate", "rad/s")],
-            HingeKind::Planar => &[("vx", "m/s"), ("vy", "m/s"), ("rate", "rad/s")],
-            HingeKind::Spherical => &[("wx", "rad/s"), ("wy", "rad/s"), ("wz", "rad/s")],
-            HingeKind::Free => {
-                &[("vx", "m/s"), ("vy", "m/s"), ("vz", "m/s"), ("wx", "rad/s"), ("wy", "rad/s"), ("wz", "rad/s")]
-            }
-        }
     }
 }

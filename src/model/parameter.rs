@@ -19,7 +19,7 @@ mod value;
 
 use super::address::{Entry, resolve, split_component};
 use super::couplings::{Closure, CoordinateName, MotionDescription};
-use super::description::{BodyDescription, Description, ForceDescription, HingeKind};
+use super::description::{BodyDescription, Description, ForceDescription};
 use super::motor::{MotorDescription, MotorLawDescription};
 use super::problem::Element;
 use crate::force::Describe;
@@ -318,7 +318,7 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
 /// Whether a coordinate is a distance.
 fn slides(description: &Description, coordinate: &CoordinateName) -> bool {
     let body = description.bodies.iter().find(|body| body.name == coordinate.body);
-    let unit = body.and_then(|body| Some(super::Model::velocity_names(&body.hinge.kind).get(coordinate.index)?.1));
+    let unit = body.and_then(|body| Some(body.hinge.kind.velocities().get(coordinate.index)?.1));
     unit == Some("m/s")
 }
 
@@ -339,7 +339,7 @@ fn of_motor(description: &Description, motor: &MotorDescription, field: Field) -
 
 fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
     let (positions, velocities) = body.hinge.kind.counts();
-    let slides = super::Model::velocity_names(&body.hinge.kind).iter().map(|(_, unit)| *unit == "m/s");
+    let slides = body.hinge.kind.velocities().iter().map(|(_, unit)| *unit == "m/s");
     let pick = |slide: Quantity, turn: Quantity| slides.map(move |s| if s { slide } else { turn });
     match field {
         Field::Mass => vec![Quantity::Mass],
@@ -370,7 +370,7 @@ fn unknown_element(description: &Description, address: &str) -> UnknownAddress {
 
 fn unknown_key(description: &Description, elements: &[Element], key: &str, address: &str) -> UnknownAddress {
     let element = elements.iter().copied().find(|element| match element {
-        Element::Body(body) => !matches!(description.bodies[*body].hinge.kind, HingeKind::Fixed),
+        Element::Body(body) => !description.bodies[*body].hinge.kind.velocities().is_empty(),
         _ => true,
     });
     let element = element.or(elements.first().copied()).unwrap_or(Element::Scene);

@@ -2,13 +2,15 @@
 
 use super::build::Place;
 use super::couple::couple;
-use super::description::{Description, HingeKind, MassProperties};
-use super::link::{Joint, Link};
+use super::description::{Description, MassProperties};
+use super::link::Link;
 use super::problem::{Element, Problem};
 use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, hinge_curve, watch};
 use crate::force::{Carrier, Describe};
+use crate::hinge::Joint;
+use crate::hinge::joint::quaternion;
 use crate::spatial::{Pose, Principal, Sym3};
-use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
 /// The compiled tree while it grows.
 pub(super) struct Tree<'a> {
@@ -53,7 +55,7 @@ impl<'a> Tree<'a> {
             velocity: self.start_velocity.len(),
             lock: given.hinge.lock,
         };
-        let joints = elementary(&given.hinge.kind, &given.hinge.rest);
+        let joints = given.hinge.kind.elementary(&given.hinge.rest);
         let (link, link_from_body) = match joints.last() {
             None => (carrier, base),
             Some((_, hinge_from_link)) => {
@@ -117,7 +119,7 @@ impl<'a> Tree<'a> {
         let value = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);
         // A list of rest positions of a hinge with a quaternion is longer than its velocities; the quaternion itself
         // is kept in the ball's joint.
-        let scalars = if positions == velocities { positions } else { positions - 4 };
+        let scalars = hinge.kind.plain_coordinates();
         for i in 0..velocities {
             self.coordinates.push(Coordinate {
                 body,
@@ -194,7 +196,7 @@ impl<'a> Tree<'a> {
         let mut driven = vec![false; self.coordinates.len()];
         for drive in &self.description.drives {
             let scalars = self.links.iter().skip(1).filter(|link| {
-                self.description.bodies[link.body].name == drive.coordinate.body && link.joint.counts().0 == 1
+                self.description.bodies[link.body].name == drive.coordinate.body && link.joint.is_scalar()
             });
             if let Some(link) = scalars.into_iter().nth(drive.coordinate.index) {
                 driven[link.velocity] = true;
@@ -255,49 +257,6 @@ impl<'a> Tree<'a> {
 /// moves numbers without rounding them.
 fn seen_from(link_from_body: &Pose, point: &Vector3<f64>) -> Vector3<f64> {
     link_from_body.rotation.to_rotation_matrix() * point + link_from_body.translation.vector
-}
-
-/// Axes whose z is the given unit axis: `hinge_from_link`. For an axis of the hinge frame itself nothing is rounded.
-fn axes_about(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
-    let half = |i, j, k| UnitQuaternion::from_quaternion(Quaternion::new(0.5, 0.5 * i, 0.5 * j, 0.5 * k));
-    match <[f64; 3]>::from(*axis) {
-        [1.0, 0.0, 0.0] => half(1.0, 1.0, 1.0),
-        [-1.0, 0.0, 0.0] => half(1.0, -1.0, -1.0),
-        [0.0, 1.0, 0.0] => half(-1.0, -1.0, -1.0),
-        [0.0, -1.0, 0.0] => half(1.0, -1.0, 1.0),
-        // From z, or from −z after a half turn about x: half the way there, whichever is nearer.
-        [x, y, z] if z >= 0.0 => UnitQuaternion::from_quaternion(Quaternion::new(1.0 + z, -y, x, 0.0)),
-        [x, y, z] => {
-            let half_turn = UnitQuaternion::from_quaternion(Quaternion::new(0.0, 1.0, 0.0, 0.0));
-            UnitQuaternion::from_quaternion(Quaternion::new(1.0 - z, y, -x, 0.0)) * half_turn
-        }
-    }
-}
-
-/// A hinge taken apart, outboard order (the table in [`HingeKind`]), each with the axes of its link.
-fn elementary(kind: &HingeKind, rest: &[f64]) -> Vec<(Joint, UnitQuaternion<f64>)> {
-    let turn = |axis: &Vector3<f64>| (Joint::Turn, axes_about(&axis.normalize()));
-    let slide = |axis: &Vector3<f64>| (Joint::Slide { axis: axis.normalize() }, UnitQuaternion::identity());
-    let ball = |rest: &[f64]| (Joint::Ball { rest: quaternion(rest) }, UnitQuaternion::identity());
-    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
-    match kind {
-        HingeKind::Fixed => vec![],
-        HingeKind::Revolute { axis } => vec![turn(axis)],
-        HingeKind::Prismatic { axis } => vec![slide(axis)],
-        HingeKind::Cylindrical { axis } => vec![slide(axis), turn(axis)],
-        HingeKind::Universal { axes } => vec![turn(&axes[0]), turn(&axes[1])],
-        HingeKind::Planar => vec![slide(&x), slide(&y), turn(&z)],
-        HingeKind::Spherical => vec![ball(rest)],
-        HingeKind::Free => vec![slide(&x), slide(&y), slide(&z), ball(rest.get(3..).unwrap_or(&[]))],
-    }
-}
-
-/// The unit quaternion of four numbers w, x, y, z; the identity of none.
-fn quaternion(list: &[f64]) -> UnitQuaternion<f64> {
-    match list {
-        [w, x, y, z] => UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)),
-        _ => UnitQuaternion::identity(),
-    }
 }
 
 /// Adds a body's mass and inertia to the link it is welded to. Inertia counts also where there is no mass with it.

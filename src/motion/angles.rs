@@ -1,6 +1,6 @@
 //! Sines and cosines of all angles of turns, four at a time.
 
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use wide::f64x4;
 
 /// Angles beyond this are left to the standard library: the products of the number of quarter turns with the parts of π/2
@@ -37,7 +37,7 @@ pub(super) struct Angles {
 
 impl Angles {
     pub(super) fn new(model: &Model) -> Self {
-        let turns = model.links.iter().filter(|link| matches!(link.joint, Joint::Turn));
+        let turns = model.links.iter().filter(|link| link.joint.is_turn());
         let at: Vec<u32> = turns.map(|link| link.position as u32).collect();
         let four = |some: &[u32]| std::array::from_fn(|i| some[i.min(some.len() - 1)]);
         let at: Vec<[u32; 4]> = at.chunks(4).map(four).collect();

@@ -6,9 +6,10 @@ pub mod variation;
 
 use crate::model::{Halves, Joint, Link, Model};
 use crate::pages::Pages;
-use crate::spatial::Pose;
 pub use crate::spatial::link::LinkMotion;
 use crate::spatial::quad::{Columns, Quad};
+use crate::spatial::rotation::rotation_vector;
+use crate::spatial::{Pose, Wrench};
 use angles::Angles;
 pub(crate) use at_once::at_once;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
@@ -182,6 +183,31 @@ pub(crate) fn hinge_from_link(p: &[f64]) -> Matrix3<f64> {
 /// The same as a unit quaternion.
 pub(crate) fn unit_quaternion(p: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(p[0], p[1], p[2], p[3]))
+}
+
+/// The displacement of one joint that leads from coordinates to others: the difference of a plain coordinate and two
+/// zeros, or a ball's rotation vector in the first link axes. Inverse of [`displace`].
+pub fn relative(link: &Link, from: &[f64], to: &[f64]) -> Vector3<f64> {
+    let at = link.position;
+    match link.joint.counts().0 {
+        0 => Vector3::zeros(),
+        1 => Vector3::new(to[at] - from[at], 0.0, 0.0),
+        _ => rotation_vector(&(unit_quaternion(&from[at..at + 4]).inverse() * unit_quaternion(&to[at..at + 4]))),
+    }
+}
+
+/// What a wrench on a link at its root marker does in each velocity of its joint (N or N m), given to `put` with its place.
+#[inline]
+pub(crate) fn project(link: &Link, at: &LinkMotion, wrench: &Wrench, mut put: impl FnMut(usize, f64)) {
+    match link.joint {
+        Joint::None => {}
+        Joint::Turn => put(link.velocity, at.axis.dot(&wrench.moment)),
+        Joint::Slide { .. } => put(link.velocity, at.axis.dot(&wrench.force)),
+        Joint::Ball { .. } => {
+            let moment = at.turn.tr_mul(&wrench.moment);
+            (0..3).for_each(|i| put(link.velocity + i, moment[i]));
+        }
+    }
 }
 
 /// `q ← q ⊞ step`: plain coordinates add, balls turn by the rotation vector in link axes.

@@ -2,6 +2,7 @@
 
 use super::findings::Finding;
 use super::reader::{Reader, number, numbers, rows};
+use crate::hinge::Keys;
 use crate::model::description::{GROUND, HingeDescription, HingeKind, LimitDescription, Point, StopLaw};
 use nalgebra::Vector3;
 use toml::de::DeValue;
@@ -54,19 +55,18 @@ pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hi
 }
 
 pub(super) fn kind(table: &Reader<'_>) -> Option<HingeKind> {
-    // An axis that could not be read has been said already; any other one will do to look at the rest.
-    let axis = || table.vector("axis").unwrap_or_else(Vector3::z);
-    Some(match table.text("type")? {
-        "fixed" => HingeKind::Fixed,
-        "revolute" => HingeKind::Revolute { axis: axis() },
-        "prismatic" => HingeKind::Prismatic { axis: axis() },
-        "cylindrical" => HingeKind::Cylindrical { axis: axis() },
-        "universal" => HingeKind::Universal { axes: axes(table).unwrap_or([Vector3::x(), Vector3::y()]) },
-        "planar" => HingeKind::Planar,
-        "spherical" => HingeKind::Spherical,
-        "free" => HingeKind::Free,
-        _ => return None,
-    })
+    HingeKind::read(table.text("type")?, table)
+}
+
+/// An axis that could not be read has been said already; any other one will do to look at the rest.
+impl Keys for Reader<'_> {
+    fn axis(&self) -> Vector3<f64> {
+        self.vector("axis").unwrap_or_else(Vector3::z)
+    }
+
+    fn axes(&self) -> [Vector3<f64>; 2] {
+        axes(self).unwrap_or([Vector3::x(), Vector3::y()])
+    }
 }
 
 pub(super) fn axes(table: &Reader<'_>) -> Option<[Vector3<f64>; 2]> {
@@ -238,16 +238,7 @@ impl Values<'_> {
     }
 
     fn order(&self) -> Option<&'static str> {
-        let coordinates = matches!(self.key, "position" | "rest");
-        Some(match self.kind {
-            HingeKind::Cylindrical { .. } => "along the axis, about the axis",
-            HingeKind::Universal { .. } => "about the first axis, about the second",
-            HingeKind::Planar => "x, y, about z",
-            HingeKind::Spherical if coordinates => "quaternion w, x, y, z",
-            HingeKind::Spherical => "about the body's x, y, z",
-            HingeKind::Free if coordinates => "x, y, z, then quaternion w, x, y, z",
-            HingeKind::Free => "along x, y, z of the hinge frame, then about the body's x, y, z",
-            _ => return None,
-        })
+        let [coordinates, velocities] = self.kind.order()?;
+        Some(if matches!(self.key, "position" | "rest") { coordinates } else { velocities })
     }
 }

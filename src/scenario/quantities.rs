@@ -12,8 +12,8 @@ use super::format::{BUSHING_VALUES, SCENARIO};
 use super::naming::{Element, written};
 use super::reader::number;
 use crate::formula::{self, Formula};
-use crate::model::description::HingeKind;
-use crate::model::{Description, Model, Parameter};
+use crate::hinge::{HingeKind, Names};
+use crate::model::{Description, Parameter};
 use crate::quantity::{Dimension, Quantity};
 use hinges::{Hinges, Motion, of_velocities};
 use std::collections::HashMap;
@@ -87,9 +87,6 @@ fn quantity(
     None
 }
 
-/// Names and units of a hinge's coordinates or velocities.
-type Names = fn(&HingeKind) -> &'static [(&'static str, &'static str)];
-
 /// As [`evaluate`], of a start file: numbers of hinges by the names of their bodies, inputs by their addresses.
 pub(super) fn evaluate_start(document: &DeTable<'_>, scene: &Description, findings: &Findings) -> Numbers {
     let mut numbers = Numbers::default();
@@ -106,7 +103,8 @@ pub(super) fn evaluate_start(document: &DeTable<'_>, scene: &Description, findin
         let table = document.get(list).and_then(|list| list.get_ref().as_table());
         table.into_iter().flat_map(|table| table.iter())
     };
-    let lists: [(_, Names); 2] = [("positions", Model::position_names), ("velocities", Model::velocity_names)];
+    let lists: [(_, fn(&HingeKind) -> Names); 2] =
+        [("positions", HingeKind::positions), ("velocities", HingeKind::velocities)];
     for (list, names) in lists {
         for (name, value) in entries(list) {
             let name: &str = name.get_ref();

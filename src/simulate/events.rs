@@ -186,7 +186,7 @@ impl Events {
         let any = !model.stops.is_empty() || !model.events.is_empty() || model.has_boundaries();
         let velocity = |of: &Watched| match of {
             Watched::Position(index) => {
-                let link = model.links.iter().find(|link| link.joint.counts().0 == 1 && link.position == *index);
+                let link = model.links.iter().find(|link| link.joint.is_scalar() && link.position == *index);
                 link.map_or(0, |link| link.velocity)
             }
             Watched::Point(..) => 0,

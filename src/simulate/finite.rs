@@ -4,7 +4,7 @@ use super::couplings;
 use super::error::RunError;
 use super::run::State;
 use crate::dynamics::Fault;
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::record::{Energy, Sample};
 use crate::spatial::Wrench;
 
@@ -58,7 +58,7 @@ pub(super) fn check(model: &Model, sample: &Sample<'_>) -> Result<(), RunError> 
 /// # Errors
 /// [`RunError::Coarse`], with the hinge.
 pub(super) fn check_start(model: &Model, start: &State, tolerance: f64) -> Result<(), RunError> {
-    let turns = model.links.iter().filter(|link| matches!(link.joint, Joint::Turn));
+    let turns = model.links.iter().filter(|link| link.joint.is_turn());
     for link in turns {
         let angle = start.position[link.position];
         let rounding = f64::EPSILON * angle.abs();

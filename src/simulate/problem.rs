@@ -6,7 +6,7 @@ use super::passage::Passage;
 use crate::dynamics::{Coefficients, DenseTangent, Energies, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::prescribed::Instant;
-use crate::model::{End, Joint, Model, StopLaw};
+use crate::model::{End, Model, StopLaw};
 use crate::simulate::run::State;
 use crate::simulate::stops::{Held, Mode, Side, Stops};
 use nalgebra::Vector3;
@@ -66,9 +66,9 @@ fn runs(model: &Model) -> Vec<Run> {
     let mut runs = Vec::new();
     for link in &model.links {
         let (at, from) = (link.position, link.velocity);
-        match (link.joint, runs.last_mut()) {
-            (Joint::None, _) => {}
-            (Joint::Ball { .. }, _) => runs.push(Run::Ball(at, from)),
+        match (link.joint.counts().0, runs.last_mut()) {
+            (0, _) => {}
+            (4, _) => runs.push(Run::Ball(at, from)),
             (_, Some(Run::Plain { positions, velocities })) if positions.end == at && velocities.end == from => {
                 (positions.end, velocities.end) = (at + 1, from + 1);
             }
@@ -103,7 +103,7 @@ impl<'m> Motion<'m> {
         let mut position_scales = vec![1.0; model.position_count()];
         let mut velocity_scales = vec![1.0 / time; model.velocity_count()];
         for link in &model.links {
-            if matches!(link.joint, Joint::Slide { .. }) {
+            if link.joint.is_slide() {
                 position_scales[link.position] = length;
                 velocity_scales[link.velocity] = length / time;
             }

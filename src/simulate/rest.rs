@@ -9,10 +9,8 @@
 use super::error::RunError;
 use super::run::{State, run};
 use super::settings::Settings;
-use crate::model::{Joint, Model};
-use crate::motion::unit_quaternion;
+use crate::model::Model;
 use crate::record::Recorder;
-use crate::spatial::rotation::rotation_vector;
 use crate::statics::{Equilibrium, Verdict};
 
 /// A hinge that moved further than this did not rest (m or rad).
@@ -187,19 +185,9 @@ impl<'a> Watch<'a> {
         }
         let mut now = 0.0_f64;
         for link in self.model.links.iter().skip(1) {
-            let (at, from) = (link.position, link.velocity);
-            let (moved, fast) = match link.joint {
-                Joint::None => continue,
-                Joint::Turn | Joint::Slide { .. } => {
-                    ((state.position[at] - self.expected[at]).abs(), (state.velocity[from] - steady[from]).abs())
-                }
-                Joint::Ball { .. } => {
-                    let expected = unit_quaternion(&self.expected[at..at + 4]);
-                    let turn = rotation_vector(&(expected.inverse() * unit_quaternion(&state.position[at..at + 4])));
-                    let speed = (from..from + 3).map(|i| (state.velocity[i] - steady[i]).powi(2)).sum::<f64>().sqrt();
-                    (turn.norm(), speed)
-                }
-            };
+            let moved = crate::motion::relative(link, &self.expected, &state.position).norm();
+            let velocities = link.velocity..link.velocity + link.joint.counts().1;
+            let fast = velocities.map(|i| (state.velocity[i] - steady[i]).powi(2)).sum::<f64>().sqrt();
             now = now.max(moved);
             for (largest, value) in [(&mut self.displacement, moved), (&mut self.speed, fast)] {
                 if value > largest.value || largest.hinge.is_empty() {

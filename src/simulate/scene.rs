@@ -1,18 +1,18 @@
 //! The still part of a recording, from a model.
 
 use crate::force::{Act, Picture};
+use crate::hinge::{HingeKind, Names};
 use crate::model::couplings::Closure;
-use crate::model::description::HingeKind;
 use crate::model::shape::{Geometry, Shape};
 use crate::model::{Body, End, Loop, Model};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
-use nalgebra::{Point3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, UnitQuaternion};
 
 /// What a picture of this model needs to know.
 pub fn scene(model: &Model) -> Scene {
     let mut by_position: Vec<&Body> = model.bodies.iter().collect();
     by_position.sort_by_key(|body| (body.hinge.position, body.hinge.kind.counts().0));
-    let channels = |names: fn(&HingeKind) -> &'static [(&'static str, &'static str)]| -> Vec<Channel> {
+    let channels = |names: fn(&HingeKind) -> Names| -> Vec<Channel> {
         let of_body = |body: &&Body| {
             let owner = body.name.clone();
             names(&body.hinge.kind).iter().map(move |(name, unit)| Channel {
@@ -30,8 +30,8 @@ pub fn scene(model: &Model) -> Scene {
         bodies: model.bodies.iter().map(picture).collect(),
         lines: springs.chain(rods).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
-        positions: channels(Model::position_names),
-        velocities: channels(Model::velocity_names),
+        positions: channels(HingeKind::positions),
+        velocities: channels(HingeKind::velocities),
         couplings: super::couplings::channels(model),
         not_unique: super::couplings::not_unique(model),
         watched: !(model.stops.is_empty() && model.events.is_empty()) || model.switching().next().is_some(),
@@ -50,17 +50,8 @@ fn picture(body: &Body) -> BodyPicture {
         markers: body.markers.iter().map(|(name, at)| (name.clone(), (*at).into())).collect(),
         shapes: body.shapes.iter().map(shape).collect(),
         hinge: body.hinge.kind.name().to_owned(),
-        hinge_axes: axes(&body.hinge.kind).iter().map(|axis| (turn * axis.normalize()).into()).collect(),
+        hinge_axes: body.hinge.kind.axes().iter().map(|axis| (turn * axis.normalize()).into()).collect(),
         hinge_at: body.hinge.parent_from_hinge.translation.vector.into(),
-    }
-}
-
-fn axes(kind: &HingeKind) -> Vec<Vector3<f64>> {
-    match kind {
-        HingeKind::Revolute { axis } | HingeKind::Prismatic { axis } | HingeKind::Cylindrical { axis } => vec![*axis],
-        HingeKind::Universal { axes } => axes.to_vec(),
-        HingeKind::Planar => vec![Vector3::z()],
-        HingeKind::Fixed | HingeKind::Spherical | HingeKind::Free => Vec::new(),
     }
 }
 

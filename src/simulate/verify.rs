@@ -15,10 +15,8 @@ use super::run::{State, Summary, run_with};
 use super::search::Search;
 use super::settings::{Integrator, Settings};
 use crate::integrate::Method;
-use crate::model::{Joint, Model, Stop, StopLaw};
-use crate::motion::unit_quaternion;
+use crate::model::{Model, Stop, StopLaw};
 use crate::record::{Outcome, RecordError, Recorder, Sample};
-use crate::spatial::rotation::rotation_vector;
 use std::collections::BTreeMap;
 
 /// The second run's tolerance is this part of the first one's.
@@ -194,38 +192,24 @@ fn compare_events(first: &[Occurrence], second: &[Occurrence]) -> VerifiedEvents
 }
 
 fn compare(model: &Model, a: &State, b: &State, found: &mut Verified) {
-    let apart = |from: &[f64], to: &[f64], at: usize| (from[at] - to[at]).abs();
     for link in &model.links {
-        let (at, from) = (link.position, link.velocity);
-        match link.joint {
-            Joint::None => {}
-            Joint::Slide { .. } => {
-                found.length = found.length.max(apart(&a.position, &b.position, at));
-                found.speed = found.speed.max(apart(&a.velocity, &b.velocity, from));
-            }
-            Joint::Turn => {
-                found.angle = found.angle.max(apart(&a.position, &b.position, at));
-                found.rate = found.rate.max(apart(&a.velocity, &b.velocity, from));
-            }
-            Joint::Ball { .. } => {
-                let [a_turn, b_turn] = [a, b].map(|state| unit_quaternion(&state.position[at..at + 4]));
-                found.angle = found.angle.max(rotation_vector(&(a_turn.inverse() * b_turn)).norm());
-                for i in from..from + 3 {
-                    found.rate = found.rate.max(apart(&a.velocity, &b.velocity, i));
-                }
-            }
+        let (way, pace) = match link.joint.is_slide() {
+            true => (&mut found.length, &mut found.speed),
+            false => (&mut found.angle, &mut found.rate),
+        };
+        *way = way.max(crate::motion::relative(link, &a.position, &b.position).norm());
+        for i in link.velocity..link.velocity + link.joint.counts().1 {
+            *pace = pace.max((a.velocity[i] - b.velocity[i]).abs());
         }
     }
 }
 
 /// How far the quaternions of a state are from unit length, the largest.
 pub fn quaternion_error(model: &Model, state: &State) -> f64 {
-    let of_link = |link: &crate::model::Link| match link.joint {
-        Joint::Ball { .. } => {
-            let p = &state.position[link.position..link.position + 4];
-            (p.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs()
-        }
-        _ => 0.0,
+    let balls = model.links.iter().filter(|link| link.joint.is_ball());
+    let of_link = |link: &crate::model::Link| {
+        let p = &state.position[link.position..link.position + 4];
+        (p.iter().map(|x| x * x).sum::<f64>().sqrt() - 1.0).abs()
     };
-    model.links.iter().map(of_link).fold(0.0, f64::max)
+    balls.map(of_link).fold(0.0, f64::max)
 }

@@ -326,7 +326,7 @@ fn unwind(model: &Model, start: &[f64], mut q: Vec<f64>) -> Vec<f64> {
     for link in &model.links {
         let spring = |at: usize| model.coordinates[at].stiffness != 0.0 || model.coordinates[at].force != 0.0;
         let counts = |at: usize| spring(at) || tied.contains(&at);
-        if matches!(link.joint, crate::model::Joint::Turn) && !counts(link.velocity) {
+        if link.joint.is_turn() && !counts(link.velocity) {
             let turns = ((q[link.position] - start[link.position]) / TAU).round();
             if turns != 0.0 {
                 q[link.position] -= turns * TAU;

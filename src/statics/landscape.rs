@@ -9,7 +9,7 @@ use super::search::{Place, SHIFT};
 use super::stiffness::Stiffness;
 use super::watch::Watch;
 use crate::dynamics::{Fault, System};
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use faer::Mat;
 use limits::Limits;
 pub(super) use limits::{Weak, within_limits};
@@ -384,7 +384,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
 pub(super) fn slides(model: &Model) -> Vec<bool> {
     let mut slides = vec![false; model.velocity_count()];
     for link in &model.links {
-        if matches!(link.joint, Joint::Slide { .. }) {
+        if link.joint.is_slide() {
             slides[link.velocity] = true;
         }
     }
@@ -394,7 +394,7 @@ pub(super) fn slides(model: &Model) -> Vec<bool> {
 /// Away from balance a ball's three turns are coupled by the moment that is left there: one about an axis of next to no
 /// inertia (a rod about itself) would need a shift so large that nothing else moves.
 fn even_out_balls(model: &Model, inertia: &mut [f64]) {
-    for link in model.links.iter().filter(|link| matches!(link.joint, Joint::Ball { .. })) {
+    for link in model.links.iter().filter(|link| link.joint.is_ball()) {
         let turns = &mut inertia[link.velocity..link.velocity + 3];
         let largest = turns.iter().fold(0.0_f64, |m, x| m.max(*x));
         turns.iter_mut().for_each(|x| *x = x.max(ROUND * largest));

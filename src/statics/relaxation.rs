@@ -22,7 +22,7 @@ use super::landscape::Landscape;
 use super::search::{Iteration, Place};
 use crate::dynamics::{Fault, System};
 use crate::model::prescribed::Prescribed;
-use crate::model::{Drive, Joint, Model, Scalar};
+use crate::model::{Drive, Model, Scalar};
 
 /// Part of the stability limit that a step takes.
 const SAFETY: f64 = 0.85;
@@ -96,7 +96,7 @@ fn hold_by_rows(model: &mut Model, q: &[f64], steady: &[f64]) {
     }
     for (index, link) in model.links.iter().enumerate().filter(|(_, link)| link.joint.counts() == (1, 1)) {
         if model.coordinates[link.velocity].lock {
-            let slides = matches!(link.joint, Joint::Slide { .. });
+            let slides = link.joint.is_slide();
             let coordinate = Scalar { link: index, position: link.position, velocity: link.velocity, slides };
             let motion = Prescribed::Line { start: q[link.position], rate: 0.0 };
             model.drives.push(Drive { name: String::new(), coordinate, motion, armature: 0.0 });

@@ -163,7 +163,7 @@ impl Jacobian {
                 let eliminated = carried.eliminate(axis, at.arm, self.places[i].kind, armature);
                 self.rows[i] = eliminated.map_err(|pivot| Singular { link: index, pivot })?;
             }
-            if matches!(link.joint, Joint::Ball { .. }) && own.clone().all(|i| model.coordinates[i].armature == 0.0) {
+            if link.joint.is_ball() && own.clone().all(|i| model.coordinates[i].armature == 0.0) {
                 // Without armature Hᵀ S' and Hᵀ N' vanish identically.
                 carried.S = Reduced { ff: carried.S.ff, ..Reduced::default() };
                 carried.N.moment = Matrix3::zeros();

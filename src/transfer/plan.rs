@@ -84,7 +84,7 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             (parent, index) if parent + 1 == index => To::Previous,
             (parent, _) => plan[parent].join.map_or(To::Previous, To::Join),
         };
-        let slides = matches!(link.joint, Joint::Slide { .. });
+        let slides = link.joint.is_slide();
         let translates = slides && (link.parent == 0 || plan[link.parent].translates);
         let kind = match link.joint {
             Joint::None => Kind::None,

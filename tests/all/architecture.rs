@@ -18,16 +18,17 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("formula", &["suggest"]),
     ("quantity", &["suggest"]),
     ("force", &["spatial"]),
-    ("model", &["force", "formula", "pages", "spatial", "suggest"]),
+    ("hinge", &[]),
+    ("model", &["force", "formula", "hinge", "pages", "spatial", "suggest"]),
     ("motion", &["model", "pages", "spatial"]),
     ("forces", &["force", "model", "motion", "spatial"]),
     ("transfer", &["model", "motion", "pages", "spatial"]),
-    ("constraint", &["model", "motion", "transfer", "spatial"]),
+    ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
     ("dynamics", &["model", "motion", "force", "forces", "transfer", "constraint", "spatial"]),
     // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
     ("statics", &["model", "motion", "force", "forces", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
-    ("simulate", &["force", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
+    ("simulate", &["force", "hinge", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     // `model` for the mass properties of solids.
     ("import", &["budget", "foreign", "mesh", "model", "suggest", "text_file"]),
     // `force` for the tables of curves.
@@ -37,6 +38,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "budget",
             "force",
             "formula",
+            "hinge",
             "import",
             "mesh",
             "model",

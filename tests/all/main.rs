@@ -18,6 +18,7 @@ mod examples;
 mod faults;
 mod formulas;
 mod halves;
+mod hinges;
 mod identities;
 mod import;
 mod instructions;

@@ -2,7 +2,9 @@
 
 use super::super::fields::{Key, Kind, Range, Table};
 use super::force::END;
+use super::hinge::{ACROSS, ALONG};
 use super::{NUMBER, POSITIVE, VECTOR};
+use crate::hinge::{DECLARED, Which, count, names};
 
 /// `[[loop]]`
 pub const LOOP: Table = Table {
@@ -10,16 +12,7 @@ pub const LOOP: Table = Table {
     doc: "Closes a kinematic loop: a hinge or a rigid rod between two points that hang together through the tree. \
           Its frame is carried by the first end: the axes of the first body, turned by `rpy`. On the second body it is \
           the frame that coincides with this one in the positions as given, or what `rpy_second` says.",
-    types: &[
-        ("fixed", "Welds both ends together."),
-        ("revolute", "Turns about `axis`."),
-        ("prismatic", "Slides along `axis`."),
-        ("cylindrical", "Slides along and turns about `axis`."),
-        ("universal", "Turns about the first of `axes` (on the first body) and about the second (on the second body)."),
-        ("planar", "Slides in the xy plane of the loop's frame and turns about its z."),
-        ("spherical", "Turns freely: the two points stay together."),
-        ("rod", "A rigid rod without mass: the two points keep the distance `length`."),
-    ],
+    types: &CLOSURES,
     keys: &[
         Key::new("name", Kind::Text, "Unique name; `loop[i]` with its place in the file, from 0, where left out.")
             .example("\"coupler-ground\""),
@@ -28,16 +21,16 @@ pub const LOOP: Table = Table {
             .example("[\"coupler.tip\", { body = \"ground\", at = [0.4, 0.0, 0.0] }]"),
         Key::new("axis", VECTOR, "Axis in the loop's frame, of any length but zero.")
             .required()
-            .only(&["revolute", "prismatic", "cylindrical"])
+            .only(&ALONG)
             .example("[0.0, 1.0, 0.0]"),
         Key::new("axes", Kind::List(&VECTOR, &[2]), "Both axes in the loop's frame, not parallel.")
             .required()
-            .only(&["universal"])
+            .only(&ACROSS)
             .example("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]"),
         Key::new("rpy", VECTOR, "Turn of the loop's frame in the first body: roll, pitch, yaw as in URDF.")
             .unit("rad")
             .default("[0.0, 0.0, 0.0]")
-            .only(FRAMED)
+            .only(&FRAMED)
             .example("[0.0, 0.0, 1.5708]"),
         Key::new(
             "rpy_second",
@@ -45,13 +38,27 @@ pub const LOOP: Table = Table {
             "Turn of the loop's frame in the second body; where it is left out, the frames coincide in the positions as given.",
         )
         .unit("rad")
-        .only(FRAMED)
+        .only(&FRAMED)
         .example("[0.0, 0.0, 0.0]"),
         Key::new("length", POSITIVE, "Length of the rod.").unit("m").required().only(&["rod"]).example("0.5"),
     ],
 };
 
-const FRAMED: &[&str] = &["fixed", "revolute", "prismatic", "cylindrical", "universal", "planar", "spherical"];
+/// The hinges that close loops, and the rod.
+const CLOSURES: [(&str, &str); FRAMED.len() + 1] = {
+    let rod = ("rod", "A rigid rod without mass: the two points keep the distance `length`.");
+    let (mut closures, mut found, mut at) = ([rod; FRAMED.len() + 1], 0, 0);
+    while at < DECLARED.len() {
+        if let Some(doc) = DECLARED[at].closes {
+            closures[found] = (DECLARED[at].name, doc);
+            found += 1;
+        }
+        at += 1;
+    }
+    closures
+};
+
+const FRAMED: [&str; count(Which::Closing)] = names(Which::Closing);
 
 /// Motions of drives and of motors' targets, and their keys.
 pub(super) const MOTIONS: &[(&str, &str)] = &[

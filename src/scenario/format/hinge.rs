@@ -4,6 +4,7 @@ use super::super::fields::{Key, Kind, Range, Table};
 use super::body::POINT;
 use super::force::{INTERPOLATIONS, POINTS};
 use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
+use crate::hinge::{DECLARED, Which, count, names};
 
 /// `hinge = { … }`
 pub const HINGE: Table = Table {
@@ -12,25 +13,7 @@ pub const HINGE: Table = Table {
           Values per coordinate or per velocity are one number for hinges with one, else a list. \
           With `repeat` they may differ from copy to copy: where one body takes a number, a list of one number per \
           copy; where one body takes a list, a list of one list per copy.",
-    types: &[
-        ("fixed", "Welded to the parent."),
-        ("revolute", "Turns about `axis`. Coordinate: angle."),
-        ("prismatic", "Slides along `axis`. Coordinate: distance."),
-        ("cylindrical", "Slides along and turns about `axis`. Coordinates: distance, angle."),
-        (
-            "universal",
-            "Turns about the first of `axes`, then about the second, carried by the first. Coordinates: both angles.",
-        ),
-        ("planar", "Slides in the xy plane of the hinge frame and turns about its z. Coordinates: x, y, angle."),
-        (
-            "spherical",
-            "Turns freely. Coordinates: quaternion w, x, y, z; velocities: angular velocity relative to the parent, body axes.",
-        ),
-        (
-            "free",
-            "Moves freely. Coordinates: x, y, z in the hinge frame, quaternion w, x, y, z; velocities: rates of x, y, z, then relative angular velocity, body axes.",
-        ),
-    ],
+    types: &TYPES,
     keys: &[
         Key::new("parent", Kind::Text, "The body it hangs on.").default("\"ground\"").example("\"upper\""),
         Key::new(
@@ -58,50 +41,50 @@ pub const HINGE: Table = Table {
         .example("[0.0, 0.0, 1.5708]"),
         Key::new("axis", VECTOR, "Axis in the hinge frame, of any length but zero.")
             .required()
-            .only(&["revolute", "prismatic", "cylindrical"])
+            .only(&ALONG)
             .example("[0.0, 1.0, 0.0]"),
         Key::new("axes", Kind::List(&VECTOR, &[2]), "Both axes in the hinge frame, not parallel.")
             .required()
-            .only(&["universal"])
+            .only(&ACROSS)
             .example("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]"),
         Key::new("position", PER_COORDINATE, "Coordinates at the start, or the guess from which statics starts.")
             .unit("m or rad")
             .default("0.0")
-            .only(MOVING)
+            .only(&MOVING)
             .example("0.3"),
         Key::new("velocity", PER_COORDINATE, "Velocities at the start.")
             .unit("m/s or rad/s")
             .default("0.0")
-            .only(MOVING)
+            .only(&MOVING)
             .example("0.1"),
         Key::new("stiffness", PER_COORDINATE, "Stiffness of the hinge spring; one number stands for every velocity.")
             .unit("N/m or N m/rad")
             .default("0.0")
-            .only(MOVING)
+            .only(&MOVING)
             .example("5.0"),
         Key::new("damping", PER_VELOCITY, "Damping in the hinge; one number stands for every velocity.")
             .unit("N s/m or N m s/rad")
             .default("0.0")
-            .only(MOVING)
+            .only(&MOVING)
             .example("0.1"),
         Key::new("rest", PER_COORDINATE, "Coordinates at which the hinge spring is relaxed.")
             .unit("m or rad")
             .default("0.0")
-            .only(MOVING)
+            .only(&MOVING)
             .example("0.2"),
         Key::new("armature", PER_VELOCITY, "Added hinge inertia; one number stands for every velocity.")
             .unit("kg or kg m²")
             .default("0.0")
-            .only(MOVING)
+            .only(&MOVING)
             .example("0.01"),
         Key::new("force", PER_COORDINATE, "Constant motor force or torque.")
             .unit("N or N m")
             .default("0.0")
-            .only(MOVING)
+            .only(&MOVING)
             .example("1.5"),
         Key::new("lock", Kind::Flag, "Held at `position` during statics.")
             .default("false")
-            .only(MOVING)
+            .only(&MOVING)
             .example("true"),
         Key::new(
             "limits",
@@ -109,19 +92,32 @@ pub const HINGE: Table = Table {
             "Lowest and highest coordinate, or a list of such pairs, of stops that hold; or one stop in full, or a list of those. Runs and statics heed them.",
         )
         .unit("m or rad")
-        .only(MOVING)
+        .only(&MOVING)
         .example("[-1.0, 1.0]"),
         Key::new("spring", CURVES, "A spring by a table of points, beside `stiffness`; or a list of such.")
-            .only(MOVING)
+            .only(&MOVING)
             .example("{ curve = [[-0.1, -900.0], [0.0, 0.0], [0.1, 500.0]] }"),
         Key::new("damper", CURVES, "A damper by a table of points, beside `damping`; or a list of such.")
-            .only(MOVING)
+            .only(&MOVING)
             .example("{ curve = [[-1.0, -300.0], [0.0, 0.0], [1.0, 900.0]], interpolation = \"linear\" }"),
         Key::new("friction", Kind::Refused("`friction` is reserved for a later version"), "Dry friction."),
     ],
 };
 
-const MOVING: &[&str] = &["revolute", "prismatic", "cylindrical", "universal", "planar", "spherical", "free"];
+/// Every kind with what it does.
+const TYPES: [(&str, &str); DECLARED.len()] = {
+    let (mut types, mut at) = ([("", ""); DECLARED.len()], 0);
+    while at < DECLARED.len() {
+        types[at] = (DECLARED[at].name, DECLARED[at].doc);
+        at += 1;
+    }
+    types
+};
+const MOVING: [&str; count(Which::Moving)] = names(Which::Moving);
+/// The kinds with one axis.
+pub(super) const ALONG: [&str; count(Which::Axes(1))] = names(Which::Axes(1));
+/// The kinds with two axes.
+pub(super) const ACROSS: [&str; count(Which::Axes(2))] = names(Which::Axes(2));
 
 const PER_COORDINATE: Kind =
     Kind::Either(&[NUMBER, Kind::List(&NUMBER, &[]), Kind::List(&Kind::List(&NUMBER, &[]), &[])]);

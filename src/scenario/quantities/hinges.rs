@@ -5,8 +5,7 @@ use super::super::findings::Findings;
 use super::super::format::{DRIVE, EVENT, GEAR, HINGE, LIMIT, MOTOR};
 use super::super::hinge::kind;
 use super::super::reader::{Reader, number};
-use crate::model::Model;
-use crate::model::description::HingeKind;
+use crate::hinge::HingeKind;
 use std::collections::HashMap;
 use toml::de::{DeTable, DeValue};
 
@@ -99,5 +98,5 @@ fn of_kind(kind: &HingeKind) -> Vec<Motion> {
         "rad" => Motion::Turn,
         _ => Motion::Quaternion,
     };
-    Model::position_names(kind).iter().map(of).collect()
+    kind.positions().iter().map(of).collect()
 }

@@ -11,9 +11,10 @@
 //!
 //! How these vary is taken as differences: their error, some parts in 10⁹, only costs that part of the convergence.
 
+use super::balance::coordinate;
 use super::entries::{Entries, Part};
 use super::poses::Poses;
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use crate::spatial::Wrench;
 use nalgebra::{Rotation3, Vector3};
 
@@ -37,17 +38,12 @@ pub(super) fn inertia(model: &Model, poses: &Poses, rates: &[f64]) -> Vec<Wrench
         let (w, d) = (before.turning, own.position - parent.position);
         let mut now = before;
         now.acceleration += before.turning_faster.cross(&d) + w.cross(&w.cross(&d));
-        match link.joint {
-            Joint::Turn => {
-                let relative = rates[link.velocity] * own.turn.column(2);
-                now.turning += relative;
-                now.turning_faster += w.cross(&relative);
-            }
-            Joint::Slide { axis } => {
-                let along = parent.turn * (link.turn * axis);
-                now.acceleration += 2.0 * rates[link.velocity] * w.cross(&along);
-            }
-            Joint::None | Joint::Ball { .. } => {}
+        if link.joint.is_scalar() {
+            let (gradient, rate) = (coordinate(poses, index, link), rates[link.velocity]);
+            let spin = rate * gradient.on_link;
+            now.turning += spin;
+            now.turning_faster += w.cross(&spin);
+            now.acceleration += 2.0 * rate * w.cross(&gradient.force);
         }
         moving[index] = now;
         let (w, faster, c) = (now.turning, now.turning_faster, own.center);

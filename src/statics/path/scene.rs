@@ -9,8 +9,7 @@ use super::super::tied;
 use super::curve::{Family, Look, Metric};
 use crate::dynamics::{Fault, Linearization, System};
 use crate::model::description::Description;
-use crate::model::{Joint, Model, Parameter, Stop};
-use crate::spatial::rotation::rotation_vector;
+use crate::model::{Model, Parameter, Stop};
 use crate::spatial::{Pose, Wrench};
 use faer::Mat;
 
@@ -274,16 +273,9 @@ impl<'a> Moving<'a> {
         let model = &self.model;
         let mut all = vec![0.0; model.velocity_count()];
         for link in &model.links {
-            let (at, first) = (link.position, link.velocity);
-            match link.joint {
-                Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => all[first] = to[at] - from[at],
-                Joint::Ball { .. } => {
-                    let unit = crate::motion::unit_quaternion;
-                    let turn = rotation_vector(&(unit(&from[at..at + 4]).inverse() * unit(&to[at..at + 4])));
-                    all[first..first + 3].copy_from_slice(turn.as_slice());
-                }
-            }
+            let (first, count) = (link.velocity, link.joint.counts().1);
+            let step = crate::motion::relative(link, from, to);
+            all[first..first + count].copy_from_slice(&step.as_slice()[..count]);
         }
         (0..all.len()).filter(|i| !model.coordinates[*i].lock).map(|i| all[i]).collect()
     }

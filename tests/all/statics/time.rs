@@ -76,7 +76,7 @@ fn the_caller_ends_the_search_within_a_step() {
 fn the_time_limit_of_a_file_is_that_of_the_search() {
     let text = |limit: &str| {
         format!(
-            "[statics]\ntime_limit = {limit}\n[[body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\nhinge = { type = \"revolute\", axis = [0, 1, 0] }\n"
+            "[statics]\ntime_limit = {limit}\n[[body]]\nname = \"a\"\nmass = 1\ninertia = [1, 1, 1]\nhinge = {{ type = \"revolute\", axis = [0, 1, 0] }}\n"
         )
     };
     let read = |limit: &str| scenario::parse("scene.toml", &text(limit), &[]);

@@ -1,0 +1,117 @@
+//! The elementary joints that hinges consist of.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+/// The elementary joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Joint {
+    /// The ground's.
+    None,
+    /// A turn about the z axis of the link: links that turn have their axes chosen so. One angle (rad).
+    Turn,
+    /// A slide along a unit axis of the hinge frame. One distance (m).
+    Slide {
+        /// Unit axis.
+        axis: Vector3<f64>,
+    },
+    /// Any turn. Four numbers (unit quaternion w, x, y, z: `hinge_from_link`), three velocities (relative angular
+    /// velocity, link axes).
+    Ball {
+        /// Where its torsion spring is relaxed.
+        rest: UnitQuaternion<f64>,
+    },
+}
+
+impl Joint {
+    /// Number of coordinates and of velocities.
+    #[inline]
+    pub fn counts(&self) -> (usize, usize) {
+        match self {
+            Self::None => (0, 0),
+            Self::Turn | Self::Slide { .. } => (1, 1),
+            Self::Ball { .. } => (4, 3),
+        }
+    }
+
+    /// Whether its coordinate is an angle.
+    #[inline]
+    pub fn is_turn(&self) -> bool {
+        matches!(self, Self::Turn)
+    }
+
+    /// Whether its coordinate is a distance.
+    #[inline]
+    pub fn is_slide(&self) -> bool {
+        matches!(self, Self::Slide { .. })
+    }
+
+    /// Whether its coordinates are a quaternion.
+    #[inline]
+    pub fn is_ball(&self) -> bool {
+        matches!(self, Self::Ball { .. })
+    }
+
+    /// Whether it lets the link turn.
+    #[inline]
+    pub fn turns(&self) -> bool {
+        self.is_turn() || self.is_ball()
+    }
+
+    /// Where the torsion spring of a ball is relaxed; `None` for others, whose springs belong to their coordinate.
+    #[inline]
+    pub fn rest(&self) -> Option<&UnitQuaternion<f64>> {
+        if let Self::Ball { rest } = self { Some(rest) } else { None }
+    }
+
+    /// Whether it has one coordinate, an angle or a distance.
+    #[inline]
+    pub fn is_scalar(&self) -> bool {
+        self.counts().0 == 1
+    }
+
+    /// The size of a displacement that counts as one: `length` (m) for a slide, 1 rad for turns.
+    #[inline]
+    pub fn unit(&self, length: f64) -> f64 {
+        if self.is_slide() { length } else { 1.0 }
+    }
+
+    /// A turn about an axis of the hinge frame, with the axes of its link.
+    pub(super) fn turn(axis: &Vector3<f64>) -> (Self, UnitQuaternion<f64>) {
+        (Self::Turn, axes_about(&axis.normalize()))
+    }
+
+    /// A slide along an axis of the hinge frame, with the axes of its link.
+    pub(super) fn slide(axis: &Vector3<f64>) -> (Self, UnitQuaternion<f64>) {
+        (Self::Slide { axis: axis.normalize() }, UnitQuaternion::identity())
+    }
+
+    /// Any turn, relaxed at a quaternion or at none, with the axes of its link.
+    pub(super) fn ball(rest: &[f64]) -> (Self, UnitQuaternion<f64>) {
+        (Self::Ball { rest: quaternion(rest) }, UnitQuaternion::identity())
+    }
+}
+
+/// The unit quaternion of four numbers w, x, y, z; the identity of none.
+pub(crate) fn quaternion(list: &[f64]) -> UnitQuaternion<f64> {
+    match list {
+        [w, x, y, z] => UnitQuaternion::from_quaternion(Quaternion::new(*w, *x, *y, *z)),
+        _ => UnitQuaternion::identity(),
+    }
+}
+
+/// Axes whose z is the given unit axis: `hinge_from_link`. For an axis of the hinge frame itself nothing is rounded.
+fn axes_about(axis: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let half = |i, j, k| UnitQuaternion::from_quaternion(Quaternion::new(0.5, 0.5 * i, 0.5 * j, 0.5 * k));
+    match <[f64; 3]>::from(*axis) {
+        [1.0, 0.0, 0.0] => half(1.0, 1.0, 1.0),
+        [-1.0, 0.0, 0.0] => half(1.0, -1.0, -1.0),
+        [0.0, 1.0, 0.0] => half(-1.0, -1.0, -1.0),
+        [0.0, -1.0, 0.0] => half(1.0, -1.0, 1.0),
+        // From z, or from −z after a half turn about x: half the way there, whichever is nearer.
+        [x, y, z] if z >= 0.0 => UnitQuaternion::from_quaternion(Quaternion::new(1.0 + z, -y, x, 0.0)),
+        [x, y, z] => {
+            let half_turn = UnitQuaternion::from_quaternion(Quaternion::new(0.0, 1.0, 0.0, 0.0));
+            UnitQuaternion::from_quaternion(Quaternion::new(1.0 - z, y, -x, 0.0)) * half_turn
+        }
+    }
+}
