@@ -111,8 +111,8 @@ fn borne(model: &Model, q: &[f64]) -> Set {
     set
 }
 
-/// Looks to the open side of the stops of an equilibrium that bear nothing: one from which the potential falls there is
-/// unstable, however stiff it is along its stops. Trees whose loads have a potential.
+/// Looks to the open side of the stops of an equilibrium that bear nothing: if the potential falls there it is unstable,
+/// however stiff it is along its stops, and if nothing brings it back it is neutral. Trees whose loads have a potential.
 ///
 /// # Errors
 /// The element whose numbers are not finite.
@@ -129,7 +129,12 @@ pub(super) fn examine_weak(model: &Model, settings: &Settings, found: &mut Equil
     let mut landscape = Landscape::new(&mut system, &q)?;
     landscape.heed_limits();
     let Some(place) = landscape.choose_active(&q)? else { return Ok(()) };
-    let Some(descent) = cone::descent(&mut landscape, &place)? else { return Ok(()) };
+    let Some(descent) = cone::weakest(&mut landscape, &place)? else { return Ok(()) };
+    if !descent.falls {
+        stability.verdict = Verdict::Neutral;
+        stability.neutral_directions += 1;
+        return Ok(());
+    }
     stability.verdict = Verdict::Unstable;
     stability.unstable_directions += 1;
     let names: Vec<String> = descent.leaving.iter().map(|i| model.label(*i)).collect();

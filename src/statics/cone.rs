@@ -16,21 +16,31 @@ use super::stability::NEUTRAL;
 use crate::dynamics::Fault;
 use faer::Mat;
 
-/// A direction off stops that bear nothing along which the potential falls.
+/// A direction off stops that bear nothing along which the potential falls or, to second order, stays as it is.
 #[derive(Debug, Clone)]
 pub(super) struct Descent {
+    /// Whether it falls.
+    pub falls: bool,
     /// The coordinates that leave their stops.
     pub leaving: Vec<usize>,
     /// Over all velocity coordinates.
     pub direction: Vec<f64>,
 }
 
-/// Such a direction at a balanced place whose active set was chosen last and whose free coordinates are at a minimum; `None`
-/// when there is none.
+/// A direction in which the potential falls at a balanced place whose active set was chosen last and whose free coordinates are
+/// at a minimum; `None` when there is none.
 ///
 /// # Errors
 /// The element whose numbers are not finite.
 pub(super) fn descent(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<Option<Descent>, Fault> {
+    Ok(weakest(landscape, place)?.filter(|found| found.falls))
+}
+
+/// As [`descent`]; if the potential falls in no direction, one in which it stays as it is: (2) is copositive, not strictly so.
+///
+/// # Errors
+/// The element whose numbers are not finite.
+pub(super) fn weakest(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<Option<Descent>, Fault> {
     let weak = landscape.weakly_active();
     if weak.is_empty() {
         return Ok(None);
@@ -55,7 +65,9 @@ pub(super) fn descent(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
     };
     let whole = Mat::from_fn(weak.len(), weak.len(), entry);
     let along = Mat::from_fn(weak.len(), weak.len(), |i, j| 0.5 * (whole[(i, j)] + whole[(j, i)]));
-    let Some(v) = copositive::violation(&along, NEUTRAL) else { return Ok(None) };
+    let falling = copositive::violation(&along, NEUTRAL);
+    let falls = falling.is_some();
+    let Some(v) = falling.or_else(|| copositive::violation(&along, -NEUTRAL)) else { return Ok(None) };
     let mut direction = vec![0.0; columns[0].len()];
     for (k, one) in weak.iter().enumerate() {
         let by = -one.side * v[k] / size(k);
@@ -64,7 +76,7 @@ pub(super) fn descent(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
         landscape.free.iter().zip(&responses[k]).for_each(|(i, y)| direction[*i] += by * y);
     }
     let leaving = weak.iter().zip(&v).filter(|(_, v)| **v > 0.0).map(|(one, _)| one.velocity).collect();
-    Ok(Some(Descent { leaving, direction }))
+    Ok(Some(Descent { falls, leaving, direction }))
 }
 
 /// `K e` for the coordinate of each stop.

@@ -358,3 +358,19 @@ fn the_sides_of_stops_that_bear_nothing_decide() {
     }
     assert!(fell > 10 && stayed > 10, "{fell} {stayed}");
 }
+
+/// A cart on a rail that touches the end of it and does not press may go the other way, and nothing brings it back.
+#[test]
+fn what_only_touches_its_stop_and_nothing_brings_back_is_neutral() {
+    use stillpoint::statics::{Settings, Verdict, equilibrium};
+    for (position, limits) in [(0.0, "[0.0, 1.0]"), (0.0, "[-1.0, 0.0]"), (0.5, "[0.0, 1.0]")] {
+        let text = format!(
+            "[[body]]\nname = \"cart\"\nmass = 1.0\nhinge = {{ type = \"prismatic\", axis = [1, 0, 0], position = {position}, limits = {limits} }}\n"
+        );
+        let scenario = stillpoint::scenario::parse("rail.toml", &text, &[]).expect("a sound scene");
+        let model = crate::common::build(&scenario.description);
+        let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("statics");
+        let verdict = found.stability.expect("a verdict").verdict;
+        assert_eq!(verdict, Verdict::Neutral, "{position} within {limits}");
+    }
+}
