@@ -379,6 +379,7 @@ fn damped(settled: &Settled<'_>, ratio: f64, slope: f64, scene: &Scene<'_>, tend
 
 /// A servo along the line between two sites is a spring.
 fn along(settled: &Settled<'_>, sites: [usize; 2], gear: f64, acts: &Acts, scene: &Scene<'_>, output: &mut Output) {
+    beyond_ranges(&settled.element, scene);
     let element = settled.element;
     let stiffness = -acts.slope * gear * gear;
     let damping = -acts.rate * gear * gear;
@@ -399,8 +400,17 @@ fn along(settled: &Settled<'_>, sites: [usize; 2], gear: f64, acts: &Acts, scene
     output.spring(&element, scene, (says, name), ends, [stiffness, length, damping]);
 }
 
+/// MuJoCo bounds what such an actuator does in each joint, too.
+fn beyond_ranges(element: &Element<'_>, scene: &Scene<'_>) {
+    if scene.joints.iter().any(|joint| joint.motor_range.is_some()) {
+        let what = "`actuatorfrcrange` of joints does not bound what it does in them: it acts between bodies";
+        element.note(Taken::Ignored, what);
+    }
+}
+
 /// A constant wrench in the axes of a site.
 fn push(element: &Element<'_>, site: usize, gear: &[f64], force: f64, scene: &Scene<'_>, output: &mut Output) {
+    beyond_ranges(element, scene);
     let site = &scene.sites[site];
     let turned = |at: usize| site.pose.rotation * Vector3::new(gear[at], gear[at + 1], gear[at + 2]) * force;
     let mut entry = Entry::new(Some(element.place()));

@@ -102,7 +102,6 @@ const ATTRIBUTES: [(&[&str], &str); 6] = [
     (
         &[
             "fitaabb",
-            "fusestatic",
             "discardvisual",
             "usethread",
             "texturedir",
@@ -117,6 +116,7 @@ const ATTRIBUTES: [(&[&str], &str); 6] = [
         ],
         "for MuJoCo's compiler",
     ),
+    (&["fusestatic"], "MuJoCo merges bodies without joints first: masses differ with `settotalmass` or `boundmass`"),
     (
         &[
             "impratio",
