@@ -22,7 +22,7 @@ const ELEMENTS: [(&[&str], &str); 9] = [
 ];
 
 /// Attributes without an equal here, and why.
-const ATTRIBUTES: [(&[&str], &str); 6] = [
+const ATTRIBUTES: [(&[&str], &str); 7] = [
     (
         &[
             "contype",
