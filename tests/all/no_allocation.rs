@@ -100,7 +100,7 @@ fn jacobians_allocate_nothing() {
 #[test]
 fn stepping_allocates_nothing() {
     // With springs, bushings, ropes and curves that reach across the tree.
-    let mut description = random_scene(17, &Options { bodies: 40, springs: true, welds: true });
+    let mut description = random_scene(17, &Options { bodies: 120, springs: true, welds: true });
     description.forces.truncate(4);
     add_ropes_and_curves(&mut description);
     let model = build(&description);
