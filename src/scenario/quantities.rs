@@ -103,8 +103,8 @@ pub(super) fn evaluate_start(document: &DeTable<'_>, scene: &Description, findin
         let table = document.get(list).and_then(|list| list.get_ref().as_table());
         table.into_iter().flat_map(|table| table.iter())
     };
-    let lists: [(_, fn(&HingeKind) -> Names); 2] =
-        [("positions", HingeKind::positions), ("velocities", HingeKind::velocities)];
+    type NamesOf = fn(&HingeKind) -> Names;
+    let lists: [(_, NamesOf); 2] = [("positions", HingeKind::positions), ("velocities", HingeKind::velocities)];
     for (list, names) in lists {
         for (name, value) in entries(list) {
             let name: &str = name.get_ref();

@@ -331,6 +331,22 @@ fn direction(landscape: &mut Landscape<'_, '_>, coordinate: usize) -> Option<Vec
     Some(if count == 1 { motion.axis } else { motion.turn.column(coordinate - link.velocity).into_owned() })
 }
 
+/// What is said of a balance that is one only up to round-off.
+fn round_off_note(place: &Place) -> Option<String> {
+    let (relative, known) = (place.residual().0, place.round_off());
+    let what = match known < 1.0 {
+        true => format!(
+            "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: large \
+             lengths, or loops that are nearly taut, do not let them be known better than to {known:.1e} here"
+        ),
+        false => {
+            "nothing carries a load here that would be above round-off: what is left of the forces is round-off too"
+                .to_owned()
+        }
+    };
+    (relative > BALANCED).then_some(what)
+}
+
 pub(super) fn certify(
     mut landscape: Landscape<'_, '_>,
     settings: &Settings,
@@ -373,18 +389,7 @@ pub(super) fn certify(
     let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(model, &rest).collect());
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
-    let relative = place.residual().0;
-    if balanced && relative > BALANCED {
-        let known = place.round_off();
-        notes.push(match known < 1.0 {
-            true => format!(
-                "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: large \
-                 lengths, or loops that are nearly taut, do not let them be known better than to {known:.1e} here"
-            ),
-            false => "nothing carries a load here that would be above round-off: what is left of the forces is round-off too"
-                .to_owned(),
-        });
-    }
+    notes.extend(balanced.then(|| round_off_note(&place)).flatten());
     let verdict = stability.as_ref().map(|s| s.verdict);
     if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
         notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());

@@ -100,7 +100,7 @@ fn mesh(settled: &Settled<'_>, settings: &Settings, folders: &Folders<'_>) -> Op
 }
 
 /// The corners and triangles that the model has itself, as 32-bit numbers, which MuJoCo keeps.
-fn own(settled: &Settled<'_>) -> Option<(Vec<[f32; 3]>, Vec<[usize; 3]>)> {
+fn own(settled: &Settled<'_>) -> Option<Own> {
     let corners = settled.attribute("vertex")?.numbers()?;
     let faces = settled.attribute("face").and_then(|face| face.numbers()).unwrap_or_default();
     let corners = corners.as_chunks::<3>().0.iter().map(|at| at.map(|x| x as f32)).collect();
@@ -142,11 +142,14 @@ impl Placing {
     }
 }
 
+/// Corners, and triangles by their corners.
+type Own = (Vec<[f32; 3]>, Vec<[usize; 3]>);
+
 /// Where corners and triangles come from.
 #[derive(Debug, Clone)]
 pub(super) struct Source {
     path: Option<PathBuf>,
-    own: Option<(Vec<[f32; 3]>, Vec<[usize; 3]>)>,
+    own: Option<Own>,
     /// `maxhullvert`, where it changes what the mesh weighs.
     most_of_hull: Option<f64>,
 }

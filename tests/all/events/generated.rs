@@ -134,14 +134,10 @@ fn no_stop_is_passed_beside_gears() {
         let text = chain(random, links, Between::Walls, 0.4);
         let ratio = ["1.0", "-1.0", "0.5", "-2.0"][random.below(4)];
         let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        let mut hinges = 0;
-        for line in lines.iter_mut().filter(|line| line.starts_with("hinge")) {
-            if hinges < 2 {
-                let (head, tail) = line.split_once("position = ").expect("a position");
-                let (_, limits) = tail.split_once("limits").expect("limits");
-                *line = format!("{head}position = 0.0, limits{limits}");
-            }
-            hinges += 1;
+        for line in lines.iter_mut().filter(|line| line.starts_with("hinge")).take(2) {
+            let (head, tail) = line.split_once("position = ").expect("a position");
+            let (_, limits) = tail.split_once("limits").expect("limits");
+            *line = format!("{head}position = 0.0, limits{limits}");
         }
         lines.join("\n")
             + &format!("\n[[gear]]\nname = \"mesh\"\ntype = \"ratio\"\nratio = {ratio}\nbetween = [\"l1\", \"l0\"]\n")
