@@ -130,7 +130,7 @@ pub fn import_text(path: &Path, text: String, options: &Options) -> Result<Impor
 /// Always.
 #[cfg(not(feature = "import"))]
 pub fn import_text(path: &Path, text: String, _options: &Options) -> Result<Imported, Refused> {
-    let log = Log::new(path, text);
+    let mut log = Log::new(path, text);
     log.refuse(Problem {
         place: None,
         message: format!("`{}` is a model: this program was built without the `import` feature", path.display()),

@@ -55,11 +55,13 @@ impl MeshError {
 ///
 /// # Errors
 /// If it cannot be read, is no regular file, or larger than [`MESH_BYTES`].
+#[cfg(feature = "import")]
 pub fn bytes(path: &Path) -> Result<Vec<u8>, MeshError> {
     bytes_up_to(path, MESH_BYTES)
 }
 
 /// The bytes of a regular file of at most so many: a device has no end, and a pipe may be waited for without one.
+#[cfg(feature = "import")]
 pub(super) fn bytes_up_to(path: &Path, most: u64) -> Result<Vec<u8>, MeshError> {
     let unreadable = |source| MeshError::Unreadable { path: path.to_owned(), source };
     let about = std::fs::metadata(path).map_err(unreadable)?;
@@ -77,6 +79,7 @@ pub(super) fn bytes_up_to(path: &Path, most: u64) -> Result<Vec<u8>, MeshError> 
 }
 
 /// Whether so many corners and triangles are within the budget.
+#[cfg(feature = "import")]
 pub(super) fn check_size(path: &Path, corners: usize, triangles: usize) -> Result<(), MeshError> {
     let both = [("corners", corners, MESH_CORNERS), ("triangles", triangles, MESH_TRIANGLES)];
     match both.into_iter().find(|(_, found, most)| found > most) {

@@ -16,10 +16,14 @@ mod solid;
 #[cfg(feature = "import")]
 mod stl;
 
-pub use file::{MeshError, bytes as contents};
+pub use file::MeshError;
+#[cfg(feature = "import")]
+pub use file::bytes as contents;
+#[cfg(feature = "import")]
 pub use hull::{Triangles, hull};
 pub use solid::{NotSolid, Solid};
 
+#[cfg(feature = "import")]
 use crate::foreign;
 use std::path::Path;
 
@@ -37,6 +41,7 @@ pub struct Mesh {
 }
 
 /// Reads a mesh of one format.
+#[cfg(feature = "import")]
 type Read = fn(&Path) -> Result<Mesh, MeshError>;
 
 impl Mesh {

@@ -97,7 +97,7 @@ fn mesh(file: &str, scale: [f64; 3]) -> Option<Form> {
         "dae" => "model/vnd.collada+xml",
         _ => return None,
     };
-    Some(Form::Mesh { file: file.to_owned(), contents: crate::mesh::contents(path).ok()?, media_type, scale })
+    Some(Form::Mesh { file: file.to_owned(), contents: contents(path)?, media_type, scale })
 }
 
 /// `longest` is the length of all stand-ins in a row.
@@ -150,6 +150,14 @@ fn inertia_box(body: &BodyPicture) -> (Vector3<f64>, UnitQuaternion<f64>) {
     let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
     let thinnest = SLENDER * edges.max();
     (edges.map(|edge| edge.max(thinnest)), turn)
+}
+
+/// The bytes of a mesh file; without the readers of meshes there is no budget to hold them to.
+fn contents(path: &std::path::Path) -> Option<Vec<u8>> {
+    #[cfg(feature = "import")]
+    return crate::mesh::contents(path).ok();
+    #[cfg(not(feature = "import"))]
+    return std::fs::read(path).ok();
 }
 
 #[cfg(test)]
