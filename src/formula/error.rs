@@ -6,7 +6,7 @@ use std::ops::Range;
 /// Why a text is no formula.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FormulaError {
-    /// Where in the text [bytes].
+    /// Where in the text (in bytes).
     pub span: Range<usize>,
     /// What is wrong there.
     pub message: String,

@@ -45,7 +45,7 @@ pub use vocabulary::vocabulary;
 use function::{Binary, Unary};
 use number::{Gradient, Number};
 
-/// The longest text [bytes].
+/// The longest text (in bytes).
 pub const LONGEST_TEXT: usize = 16_384;
 /// The deepest nesting of brackets, functions, signs and powers.
 pub const DEEPEST_NESTING: usize = 64;

@@ -29,14 +29,14 @@ pub struct Quantity {
     pub value: f64,
     /// What it measures.
     pub dimension: Dimension,
-    /// Where its unit begins [bytes]; the end of the text if it has none.
+    /// Where its unit begins (in bytes); the end of the text if it has none.
     pub unit_start: usize,
 }
 
 /// Why a text is no quantity.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuantityError {
-    /// Where in the text [bytes].
+    /// Where in the text (in bytes).
     pub span: Range<usize>,
     /// What is wrong there.
     pub message: String,
