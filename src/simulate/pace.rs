@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(storm(100_000, &|i| 1e-5 * f64::from(i)), None);
         // A ball that gives back all but a thousandth of its speed, until that is 1e-7 of what it was.
         assert_eq!(storm(16_000, &|i| 2.0 * (1.0 - 0.999_f64.powi(i))), None);
-        let found = storm(100_000, &|i| 1.0 + 1e-19 * f64::from(i)).expect("a storm");
+        let found = storm(100_000, &|i| 1.0 + 1e-21 * f64::from(i)).expect("a storm");
         assert_eq!((found.count, found.span), (1000, 0.0));
         assert!(storm(100_000, &|i| 0.5 + 1e-13 * f64::from(i)).is_some());
     }
