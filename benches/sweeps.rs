@@ -7,6 +7,7 @@
 use criterion::{BatchSize, Bencher, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write;
 use std::hint::black_box;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use stillpoint::dynamics::{Coefficients, System, TangentSolver};
 use stillpoint::integrate::{Method, Options, Start};
@@ -20,7 +21,7 @@ const END: u64 = u64::MAX;
 
 /// Bars of 0.2 m and 1 kg along their own x axis; `parent(i)` is the bar that carries bar `i > 0` at its tip, `hinge(i)`
 /// the type of its hinge and what belongs to it.
-fn bars(count: usize, parent: impl Fn(usize) -> usize, hinge: impl Fn(usize) -> String) -> Model {
+fn bars(count: usize, parent: impl Fn(usize) -> usize, hinge: impl Fn(usize) -> String) -> Arc<Model> {
     let mut text = String::new();
     for i in 0..count {
         let place = match i {
@@ -45,21 +46,21 @@ fn spherical(i: usize) -> String {
     format!("type = \"spherical\", position = [{:?}, 0, {:?}, 0], velocity = [0.3, -0.5, 0.7]", half.cos(), half.sin())
 }
 
-fn chain(n: usize) -> Model {
+fn chain(n: usize) -> Arc<Model> {
     bars(n, |i| i - 1, revolute)
 }
 
-fn spherical_chain(n: usize) -> Model {
+fn spherical_chain(n: usize) -> Arc<Model> {
     bars(n, |i| i - 1, spherical)
 }
 
-fn tree(depth: u32) -> Model {
+fn tree(depth: u32) -> Arc<Model> {
     bars((1 << depth) - 1, |i| (i - 1) / 2, |i| revolute((i + 1).ilog2() as usize))
 }
 
 fn accelerations(c: &mut Criterion) {
     let mut group = c.benchmark_group("accelerations");
-    let mut measure = |name: &str, model: &Model| {
+    let mut measure = |name: &str, model: &Arc<Model>| {
         let mut system = System::new(model);
         let mut a = model.start_velocity.clone();
         group.throughput(Throughput::Elements(model.bodies.len() as u64));
@@ -134,7 +135,7 @@ fn two_threads(c: &mut Criterion) {
 /// One factorization of the full tangent of an implicit step, and one solution with it.
 fn tangent(c: &mut Criterion) {
     let mut group = c.benchmark_group("tangent solve");
-    let mut measure = |name: &str, model: &Model| {
+    let mut measure = |name: &str, model: &Arc<Model>| {
         let (q, v) = (&model.start_position, &model.start_velocity);
         let (mut system, mut solver) = (System::new(model), TangentSolver::new(model));
         let (mut a, mut x) = (v.clone(), v.clone());

@@ -11,6 +11,7 @@ use anyhow::Context;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// The time is that of the best of this many runs, and of as many as fit into [`PATIENCE`].
@@ -42,7 +43,12 @@ fn ensure_comparable(scenario: &Scenario) -> anyhow::Result<()> {
     Ok(())
 }
 
-pub(super) fn main(scenario: &Scenario, model: &Model, common: &Common, out: Option<&Path>) -> anyhow::Result<Exit> {
+pub(super) fn main(
+    scenario: &Scenario,
+    model: &Arc<Model>,
+    common: &Common,
+    out: Option<&Path>,
+) -> anyhow::Result<Exit> {
     ensure_comparable(scenario)?;
     let run = run(String::new(), scenario, model);
     let table = json!({ "scenario": scenario.name, "methods": methods(&run.rows) });
@@ -106,7 +112,7 @@ fn methods(rows: &[Row]) -> Vec<Value> {
 }
 
 /// Every method on one scene.
-fn run(value: String, scenario: &Scenario, model: &Model) -> Run {
+fn run(value: String, scenario: &Scenario, model: &Arc<Model>) -> Run {
     let mut rows: Vec<Row> = Vec::new();
     for method in Method::ALL {
         let mut row = measured(model, &Settings { method, ..scenario.statics });
@@ -144,7 +150,7 @@ fn exit<'r>(runs: impl IntoIterator<Item = &'r Run>) -> Exit {
 }
 
 /// One method: its answer, and the time of its search.
-fn measured(model: &Model, settings: &Settings) -> Row {
+fn measured(model: &Arc<Model>, settings: &Settings) -> Row {
     let (begin, mut best) = (Instant::now(), Duration::MAX);
     let mut run = || {
         let before = Instant::now();

@@ -10,6 +10,7 @@ use crate::statics::{equilibrium, hold};
 use anyhow::Context;
 use clap::Args;
 use serde_json::json;
+use std::sync::Arc;
 
 /// Above so many coordinates the dense Jacobians are left out: three of them would not fit into the caches, let alone
 /// be wanted.
@@ -41,8 +42,8 @@ enum Routine {
 }
 
 /// The routines with all they need.
-struct Routines<'m> {
-    system: System<'m>,
+struct Routines {
+    system: System,
     /// None where too many force elements reach too far for the sweep.
     solver: Option<TangentSolver>,
     jacobians: Option<AccelerationJacobians>,
@@ -51,8 +52,8 @@ struct Routines<'m> {
     x: Vec<f64>,
 }
 
-impl<'m> Routines<'m> {
-    fn new(model: &'m Model) -> anyhow::Result<Self> {
+impl Routines {
+    fn new(model: &Arc<Model>) -> anyhow::Result<Self> {
         let mut routines = Self {
             system: System::new(model),
             solver: (!TangentSolver::is_for_dense(model)).then(|| TangentSolver::new(model)),
@@ -67,7 +68,7 @@ impl<'m> Routines<'m> {
 
     /// Whether the scene has the routine.
     fn prepare(&mut self, routine: Routine) -> bool {
-        let model = self.system.model();
+        let model = &Arc::clone(self.system.model());
         match routine {
             Routine::Acceleration => true,
             Routine::Jacobian if model.is_constrained() || model.velocity_count() > MOST_DENSE => false,
@@ -81,7 +82,7 @@ impl<'m> Routines<'m> {
 
     /// Calls a routine that [`Routines::prepare`] said the scene has.
     fn call(&mut self, routine: Routine) -> Result<bool, Fault> {
-        let model = self.system.model();
+        let model = &Arc::clone(self.system.model());
         let (q, v) = (&model.start_position, &model.start_velocity);
         // A step well within what happens in the scene, as an implicit method takes it.
         let rate = 100.0 / model.time_scale();
@@ -169,7 +170,7 @@ pub(super) fn main(arguments: &Arguments, memory: Option<fn() -> Memory>) -> any
 
 fn measure(
     scenario: &crate::scenario::Scenario,
-    model: &Model,
+    model: &Arc<Model>,
     memory: Option<fn() -> Memory>,
 ) -> anyhow::Result<Costs> {
     let allocated = memory.map(|memory| allocated(model, memory)).transpose()?;
@@ -186,7 +187,7 @@ fn measure(
     Ok(Costs { acceleration, jacobian, tangent_solve, static_step, statics, allocated })
 }
 
-fn allocated(model: &Model, memory: fn() -> Memory) -> anyhow::Result<Allocated> {
+fn allocated(model: &Arc<Model>, memory: fn() -> Memory) -> anyhow::Result<Allocated> {
     let before = memory().bytes;
     let scene = (model.clone(), Routines::new(model)?);
     let bytes = memory().bytes.saturating_sub(before);
@@ -195,7 +196,7 @@ fn allocated(model: &Model, memory: fn() -> Memory) -> anyhow::Result<Allocated>
 }
 
 /// Requests for memory in one step of the default method, from the second step on.
-fn per_step(model: &Model, memory: fn() -> Memory) -> anyhow::Result<f64> {
+fn per_step(model: &Arc<Model>, memory: fn() -> Memory) -> anyhow::Result<f64> {
     const STEPS: usize = 4;
     let mut motion = Motion::new(model);
     let start = Start {

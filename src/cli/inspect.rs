@@ -36,7 +36,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     system.share_multipliers(q, v)?;
     let loops = system.loop_reactions();
     let energies = system.energies(q, v);
-    let assembly = constraint::assemble(&mut model.clone())
+    let (_, assembly) = constraint::assemble(model.clone())
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
     let center = center_of_mass(&model, &system);
     if common.json {
@@ -80,7 +80,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-fn center_of_mass(model: &Model, system: &System<'_>) -> Vector3<f64> {
+fn center_of_mass(model: &Model, system: &System) -> Vector3<f64> {
     let mut poses = Vec::new();
     system.poses(&mut poses);
     let moment: Vector3<f64> = model

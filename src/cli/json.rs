@@ -9,6 +9,7 @@ use crate::simulate::{State, Summary};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::Equilibrium;
 use serde_json::{Map, Value, json};
+use std::sync::Arc;
 
 /// One list per hinge, by the name of the body it carries; welded bodies have none.
 pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Value {
@@ -71,7 +72,7 @@ pub(super) fn motors(model: &Model, q: &[f64], v: &[f64]) -> Vec<(String, f64)> 
 }
 
 /// What every rope and curve pulls with (N).
-fn pulls(model: &Model, q: &[f64], v: &[f64]) -> Value {
+fn pulls(model: &Arc<Model>, q: &[f64], v: &[f64]) -> Value {
     let mut system = System::new(model);
     system.energies(q, v);
     Value::Object(system.pulls().map(|(name, pull)| (name.to_owned(), json!(pull))).collect())
@@ -93,7 +94,7 @@ fn reactions(model: &Model, reactions: &[Wrench]) -> Value {
     Value::Object(model.bodies.iter().zip(reactions).map(of_body).collect())
 }
 
-pub(super) fn statics(model: &Model, found: &Equilibrium, wall_seconds: f64) -> Value {
+pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64) -> Value {
     let stability = found.stability.as_ref();
     let modes: Vec<Value> = stability.map_or(Vec::new(), |s| s.modes.iter().map(mode).collect());
     let frequencies: Vec<f64> = stability.map_or(Vec::new(), |s| {

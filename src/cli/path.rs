@@ -14,6 +14,7 @@ use anyhow::Context;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// What is drawn against the parameter: a hinge coordinate.
 #[derive(Debug, Clone)]
@@ -36,7 +37,7 @@ pub(super) struct Followed {
 pub(super) fn main(
     scenario: &Scenario,
     settings: &Settings,
-    model: &Model,
+    model: &Arc<Model>,
     common: &Common,
     prefix: Option<&std::path::Path>,
 ) -> anyhow::Result<Followed> {
@@ -112,7 +113,7 @@ impl Followed {
     }
 
     /// One line per point, branch by branch.
-    fn table(&self, model: &Model, path: &std::path::Path) -> anyhow::Result<()> {
+    fn table(&self, model: &Arc<Model>, path: &std::path::Path) -> anyhow::Result<()> {
         let mut csv = csv::Writer::from_writer(WholeFile::create(path)?);
         let scene = simulate::scene(model);
         let fixed = ["branch", "point", "arclength", "parameter", "stability", "unstable_directions", "event"];
@@ -140,7 +141,7 @@ impl Followed {
     }
 
     /// One sample per point; arclength stands for time, branch after branch.
-    fn record(&self, scenario: &Scenario, model: &Model, path: &std::path::Path) -> anyhow::Result<()> {
+    fn record(&self, scenario: &Scenario, model: &Arc<Model>, path: &std::path::Path) -> anyhow::Result<()> {
         let still = Scene { couplings: Vec::new(), watched: false, ..simulate::scene(model) };
         let statics = json::statics(model, &self.path.start, 0.0).to_string();
         let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };

@@ -11,6 +11,7 @@ use crate::statics::Equilibrium;
 use anyhow::Context;
 use serde_json::{Value, json};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Seconds that one mode is shown, swings in that time, and frames per second.
 const SHOWN: f64 = 2.0;
@@ -28,7 +29,7 @@ type Frame = (f64, Vec<f64>);
 fn film(
     common: &Common,
     scenario: &Scenario,
-    model: &Model,
+    model: &Arc<Model>,
     found: &Equilibrium,
     frames: &[Frame],
     outlets: (Option<&Path>, &[Sink]),
@@ -77,7 +78,7 @@ fn film(
 pub(super) fn iterates(
     common: &Common,
     scenario: &Scenario,
-    model: &Model,
+    model: &Arc<Model>,
     found: &Equilibrium,
     trail: Vec<Vec<f64>>,
     outlets: (Option<&Path>, &[Sink]),
@@ -93,7 +94,7 @@ pub(super) fn iterates(
 pub(super) fn modes(
     common: &Common,
     scenario: &Scenario,
-    model: &Model,
+    model: &Arc<Model>,
     found: &Equilibrium,
     path: &Path,
 ) -> anyhow::Result<usize> {

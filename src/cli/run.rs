@@ -12,6 +12,7 @@ use crate::simulate::{self, RunError, Start, State, Summary};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -92,7 +93,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 pub(super) fn start(
     common: &Common,
     scenario: &mut Scenario,
-    model: &mut Model,
+    model: &mut Arc<Model>,
 ) -> anyhow::Result<Option<(State, Value)>> {
     if scenario.simulate.start == Start::Given {
         return Ok(Some((given(model), json!("given"))));
@@ -194,7 +195,7 @@ pub(super) fn add_viewer(recorder: Fanout, sink: &Sink, opening: &Opening<'_>, q
 struct Run<'a> {
     common: &'a Common,
     scenario: &'a Scenario,
-    model: &'a Model,
+    model: &'a Arc<Model>,
     path: &'a Path,
     /// The start file.
     from: Option<&'a Path>,

@@ -8,9 +8,10 @@ use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, lo
 use crate::statics::leftover;
 use anyhow::{Context, anyhow};
 use std::path::Path;
+use std::sync::Arc;
 
 /// A scenario with its model, or the exit code after its problems were printed.
-pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), Exit>> {
+pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
     let overrides: Vec<Override> = common.set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
     let scenario = match load_with(&common.scenario, &overrides) {
         Ok(scenario) => scenario,
@@ -25,12 +26,11 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Model), 
         let counted = crate::import::counted(&taken.notes);
         output::note(&format!("{path}: {counted}; `stillpoint convert {path}` lists them"));
     }
-    let mut model = Model::build(&scenario.description).map_err(listed)?;
+    let model = Model::build(&scenario.description).map_err(listed)?;
     if model.halves.is_some() {
         join_threads();
     }
-    assemble(common, &mut model)?;
-    Ok(Ok((scenario, model)))
+    Ok(Ok((scenario, assemble(common, model)?)))
 }
 
 /// This thread is one of the two that compute the halves of a large tree: it need not be woken then.
@@ -45,22 +45,22 @@ fn listed(problems: Vec<Problem>) -> anyhow::Error {
 }
 
 /// Closes the loops, and says what that took.
-fn assemble(common: &Common, model: &mut Model) -> anyhow::Result<()> {
-    let assembly = constraint::assemble(model).map_err(listed)?;
+fn assemble(common: &Common, model: Arc<Model>) -> anyhow::Result<Arc<Model>> {
+    let (model, assembly) = constraint::assemble(model).map_err(listed)?;
     for note in assembly.notes.iter().filter(|_| !common.quiet) {
         output::note(note);
     }
-    Ok(())
+    Ok(model)
 }
 
 /// The same, at the start that a file gives.
-pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<Result<(Scenario, Model), Exit>> {
+pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
     let (mut scenario, model) = match load(common)? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(Err(exit)),
     };
     let Some(path) = start else { return Ok(Ok((scenario, model))) };
-    let mut started = match load_start(path, &scenario.description) {
+    let started = match load_start(path, &scenario.description) {
         Ok(started) => started,
         Err(LoadError::Problems(problems)) => return Ok(Err(refused(&problems))),
         Err(other) => return Err(other.into()),
@@ -70,18 +70,18 @@ pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<R
         output::note(&format!("{}: `{address}` is {now} (the scenario says {before})", path.display()));
     }
     scenario.description = started.description;
-    assemble(common, &mut started.model)?;
+    let model = assemble(common, started.model)?;
     if !common.quiet {
-        check_start(path, &started.model, &started.multipliers)?;
+        check_start(path, &model, &started.multipliers)?;
     }
-    Ok(Ok((scenario, started.model)))
+    Ok(Ok((scenario, model)))
 }
 
 /// Multipliers that differ by more than this part of the largest are not those of this scene.
 const SAME: f64 = 1e-6;
 
 /// Says where a start does not hold itself, and where its loops push otherwise than the file says.
-fn check_start(path: &Path, model: &Model, multipliers: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
+fn check_start(path: &Path, model: &Arc<Model>, multipliers: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
     let (q, v) = (&model.start_position, &model.start_velocity);
     let of_file = || path.display().to_string();
     if let Some(left) = leftover(model, q, v).with_context(of_file)? {

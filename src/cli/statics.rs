@@ -10,6 +10,7 @@ use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
@@ -122,14 +123,14 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 }
 
 /// The equilibrium and the time it took. Where inputs are unknown, scene and model get those that were found.
-pub(super) fn find(scenario: &mut Scenario, model: &mut Model) -> anyhow::Result<(Equilibrium, Duration)> {
+pub(super) fn find(scenario: &mut Scenario, model: &mut Arc<Model>) -> anyhow::Result<(Equilibrium, Duration)> {
     find_watched(scenario, model, None)
 }
 
 /// The same; the poses of the search go to `trail`.
 fn find_watched(
     scenario: &mut Scenario,
-    model: &mut Model,
+    model: &mut Arc<Model>,
     trail: Option<&mut Vec<Vec<f64>>>,
 ) -> anyhow::Result<(Equilibrium, Duration)> {
     let before = Instant::now();

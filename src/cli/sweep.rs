@@ -228,8 +228,8 @@ impl Sweep<'_> {
 
 /// Equilibrium and, if it is asked for, run of one case.
 fn answer(scenario: &mut Scenario, with_run: bool) -> Result<Found, String> {
-    let mut model = Model::build(&scenario.description).map_err(listed)?;
-    constraint::assemble(&mut model).map_err(listed)?;
+    let model = Model::build(&scenario.description).map_err(listed)?;
+    let (mut model, _) = constraint::assemble(model).map_err(listed)?;
     let mut row = Found::new();
     let mut start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     if !with_run || scenario.simulate.start == Start::Equilibrium {

@@ -10,6 +10,7 @@ use crate::model::couplings::Closure;
 use crate::model::problem::{Element as Place, Problem, number};
 use crate::motion::Motion;
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::sync::Arc;
 
 /// A gap below this part of its component's reach is closed; exact data close to round-off, numbers with six digits to
 /// less.
@@ -32,16 +33,25 @@ pub struct Assembly {
     pub notes: Vec<String>,
 }
 
-/// Closes the loops of a model: its start positions and velocities become ones that all loops, drives and gears agree
-/// with, the nearest in the metric of the inertia; locked coordinates and given velocities stay as they are.
+/// Closes the loops of a model. The assembled model starts at positions and with velocities that all loops, drives and
+/// gears agree with, the nearest to the given ones in the metric of the inertia; locked coordinates and given velocities
+/// stay as they are. A model without loops, drives and gears comes back as it is.
 ///
 /// # Errors
 /// Where a gap cannot be closed, where gears leave nothing to move, and where a drive has nothing left to prescribe; each
 /// names the element.
-pub fn assemble(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
+pub fn assemble(model: Arc<Model>) -> Result<(Arc<Model>, Assembly), Vec<Problem>> {
     if !model.is_constrained() {
-        return Ok(Assembly { degrees_of_freedom: model.velocity_count(), ..Assembly::default() });
+        let assembly = Assembly { degrees_of_freedom: model.velocity_count(), ..Assembly::default() };
+        return Ok((model, assembly));
     }
+    let mut model = Arc::unwrap_or_clone(model);
+    let assembly = close(&mut model)?;
+    Ok((Arc::new(model), assembly))
+}
+
+/// Closes the loops of a model that nobody shares yet.
+fn close(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     freeze_frames(model);
     let mut notes = Vec::new();
     let (given_gap, gap) = close_positions(model, &mut notes)?;
@@ -81,10 +91,11 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     let mut near = "the nearest assembly";
     let (given_gap, gap, widest) = {
         let mut closing = Closing::new(model, &locks(model), 0.0);
-        let relative = closing.gap(&q);
+        let relative = closing.gap(model, &q);
         let given_gap = closing.widest().gap;
-        let mut gap =
-            closing.close(&mut q, Metric::Inertia).map_err(|singular| vec![undetermined(model, singular.link)])?;
+        let mut gap = closing
+            .close(model, &mut q, Metric::Inertia)
+            .map_err(|singular| vec![undetermined(model, singular.link)])?;
         // From a stretched or symmetric guess no direction closes: look from a little beside it.
         let ways = (0..=4).flat_map(|attempt| [Metric::Coordinates, Metric::Inertia].map(|metric| (attempt, metric)));
         for (attempt, metric) in ways.filter(|way| *way != (0, Metric::Inertia)) {
@@ -93,14 +104,14 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
             }
             let mut beside = given.clone();
             nudge(model, &mut beside, attempt);
-            if let Ok(other) = closing.close(&mut beside, metric)
+            if let Ok(other) = closing.close(model, &mut beside, metric)
                 && other < gap
             {
                 (gap, q) = (other, beside);
                 near = "one near them";
             }
         }
-        closing.gap(&q);
+        closing.gap(model, &q);
         let mut widest = closing.widest();
         if gap < 1e-13 && relative <= gap {
             widest.gap = given_gap;
@@ -138,7 +149,7 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
         closing.rows.keep(|row| independent[row]);
     }
     let mut v = given.clone();
-    let (before, open) = closing.speeds(&q, &v);
+    let (before, open) = closing.speeds(model, &q, &v);
     // Turns and parts of reaches per second.
     let size = v.iter().fold(1.0 / model.time_scale(), |m, v| m.max(v.abs()));
     if open > ROUND_OFF * size {
@@ -152,7 +163,8 @@ fn close_velocities(model: &mut Model, notes: &mut Vec<String>) -> Result<(), Ve
             columns.iter().zip(step.iter()).for_each(|(j, step)| v[*j] += step * weights[*j]);
         }
     }
-    let mut left = closing.close_rates(&q, &mut v).map_err(|singular| vec![undetermined(model, singular.link)])?;
+    let mut left =
+        closing.close_rates(model, &q, &mut v).map_err(|singular| vec![undetermined(model, singular.link)])?;
     let changed = |i: usize| given[i] != 0.0 && (v[i] - given[i]).abs() > 1e-6 * given[i].abs();
     let driven = |i: usize| model.drives.iter().any(|drive| drive.coordinate.velocity == i);
     if (0..v.len()).any(|i| changed(i) && !driven(i)) {
@@ -181,7 +193,7 @@ struct Local {
 
 /// The rows as placed last, each with those that it shares hinges with: loops that stand by themselves are solved by
 /// themselves. What agrees already is left out.
-fn locals(model: &Model, closing: &mut Closing<'_>, rates: &DVector<f64>) -> Vec<Local> {
+fn locals(model: &Model, closing: &mut Closing, rates: &DVector<f64>) -> Vec<Local> {
     let inner: Vec<Vec<usize>> = closing.rows.elements.iter().map(between_ends).collect();
     let of_element = sharing(&inner, model.links.len());
     let unknowns = closing.rows.plan.groups.iter();
@@ -211,7 +223,7 @@ fn locals(model: &Model, closing: &mut Closing<'_>, rates: &DVector<f64>) -> Vec
         columns,
     };
     let mut locals: Vec<Local> = members.iter().zip(columns).map(make).collect();
-    closing.gradient(|unknown, velocity, entry| {
+    closing.gradient(model, |unknown, velocity, entry| {
         let local = &mut locals[of_unknown[unknown]];
         let column = place_of_column[velocity];
         // Hinges that both ends of a loop stand on carry nothing of it.

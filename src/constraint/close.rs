@@ -43,26 +43,26 @@ pub struct OpenGap {
 }
 
 /// Closes positions of a model whose locked coordinates stay where they are given.
-pub(crate) struct Closer<'m>(Closing<'m>);
+pub(crate) struct Closer(Closing);
 
-impl<'m> Closer<'m> {
-    pub(crate) fn new(model: &'m Model) -> Self {
+impl Closer {
+    pub(crate) fn new(model: &Model) -> Self {
         Self(Closing::new(model, &super::rows::locks(model), 0.0))
     }
 
     /// Closes `q`; false where a gap is left, or the tree is singular.
-    pub(crate) fn close(&mut self, q: &mut [f64]) -> bool {
-        let before = self.0.gap(q);
+    pub(crate) fn close(&mut self, model: &Model, q: &mut [f64]) -> bool {
+        let before = self.0.gap(model, q);
         if before <= ROUND_OFF {
             return true;
         }
         let given = q.to_vec();
         let metric = self.0.nearby();
         let most = if metric == Metric::Inertia { SHORT_WAY } else { MOST_STEPS };
-        let mut closed = self.0.close_within(q, metric, most);
+        let mut closed = self.0.close_within(model, q, metric, most);
         if matches!(closed, Ok((_, true))) && metric == Metric::Inertia {
             q.copy_from_slice(&given);
-            closed = self.0.close_within(q, Metric::Coordinates, MOST_STEPS);
+            closed = self.0.close_within(model, q, Metric::Coordinates, MOST_STEPS);
         }
         matches!(closed, Ok((gap, _)) if gap <= LEFT_OPEN)
     }
@@ -83,8 +83,7 @@ const LONG: usize = 32;
 const FEW: usize = 4;
 
 /// A model's rows, and the tree they push on.
-pub(super) struct Closing<'m> {
-    model: &'m Model,
+pub(super) struct Closing {
     pub(super) rows: Constraints,
     pub(super) motion: Motion,
     pub(super) reduction: Reduction,
@@ -96,8 +95,8 @@ pub(super) struct Closing<'m> {
     units: Vec<f64>,
 }
 
-impl<'m> Closing<'m> {
-    pub(super) fn new(model: &'m Model, held: &[Held], time: f64) -> Self {
+impl Closing {
+    pub(super) fn new(model: &Model, held: &[Held], time: f64) -> Self {
         let n = model.velocity_count();
         let mut rows = Constraints::all(model, held);
         rows.set_time(time);
@@ -115,14 +114,13 @@ impl<'m> Closing<'m> {
             tau: vec![0.0; n],
             step: vec![0.0; n],
             rest: vec![0.0; n],
-            model,
         }
     }
 
     /// The widest gap of all rows at a position (parts of the component's reach; rad).
-    pub(super) fn gap(&mut self, q: &[f64]) -> f64 {
-        self.motion.update(self.model, q, &self.rest);
-        self.rows.place(self.model, &self.motion, q, true);
+    pub(super) fn gap(&mut self, model: &Model, q: &[f64]) -> f64 {
+        self.motion.update(model, q, &self.rest);
+        self.rows.place(model, &self.motion, q, true);
         self.rows.largest(&self.motion, Rate::Gap, true).relative
     }
 
@@ -142,13 +140,19 @@ impl<'m> Closing<'m> {
     }
 
     /// Closes the gaps from `q`, to round-off where that is possible; gives the widest gap left.
-    pub(super) fn close(&mut self, q: &mut [f64], metric: Metric) -> Result<f64, Singular> {
-        self.close_within(q, metric, MOST_STEPS).map(|(gap, _)| gap)
+    pub(super) fn close(&mut self, model: &Model, q: &mut [f64], metric: Metric) -> Result<f64, Singular> {
+        self.close_within(model, q, metric, MOST_STEPS).map(|(gap, _)| gap)
     }
 
     /// The same in so many steps; also whether they were used up.
-    fn close_within(&mut self, q: &mut [f64], metric: Metric, most: usize) -> Result<(f64, bool), Singular> {
-        let mut gap = self.gap(q);
+    fn close_within(
+        &mut self,
+        model: &Model,
+        q: &mut [f64],
+        metric: Metric,
+        most: usize,
+    ) -> Result<(f64, bool), Singular> {
+        let mut gap = self.gap(model, q);
         // Damping that falls with the gap converges quadratically, also where rows are redundant (Yamashita & Fukushima).
         let damped = |damping: f64, gap: f64| damping.min(gap).max(LEAST_DAMPING);
         let mut damping = damped(FIRST_DAMPING, gap);
@@ -160,19 +164,19 @@ impl<'m> Closing<'m> {
                 exhausted = false;
                 break;
             }
-            self.gap(q);
+            self.gap(model, q);
             match metric {
                 Metric::Inertia => {
-                    self.reduction.prepare(self.model, &self.motion, &self.rest)?;
-                    self.rows.factorize(self.model, &self.motion, &self.reduction, damping);
-                    self.push(Rate::Gap);
+                    self.reduction.prepare(model, &self.motion, &self.rest)?;
+                    self.rows.factorize(model, &self.motion, &self.reduction, damping);
+                    self.push(model, Rate::Gap);
                 }
-                Metric::Coordinates => self.bend(damping),
+                Metric::Coordinates => self.bend(model, damping),
             }
             self.shorten();
             trial.copy_from_slice(q);
-            displace(self.model, &mut trial, &self.step);
-            let (wider, new_size) = (self.gap(&trial), self.squares());
+            displace(model, &mut trial, &self.step);
+            let (wider, new_size) = (self.gap(model, &trial), self.squares());
             if new_size < size {
                 // What is left is round-off once it no longer halves with almost no damping.
                 let stalled = damping <= LEAST_DAMPING && new_size > 0.25 * size;
@@ -191,27 +195,27 @@ impl<'m> Closing<'m> {
                 }
             }
         }
-        Ok((self.gap(q), exhausted))
+        Ok((self.gap(model, q), exhausted))
     }
 
     /// Closes velocities at a closed position; gives the largest rate left of the rows solved for (parts of the component's
     /// reach, or radians, per second).
-    pub(super) fn close_rates(&mut self, q: &[f64], v: &mut [f64]) -> Result<f64, Singular> {
-        self.motion.update(self.model, q, v);
-        self.rows.place(self.model, &self.motion, q, true);
-        self.reduction.prepare(self.model, &self.motion, &self.rest)?;
-        self.rows.factorize(self.model, &self.motion, &self.reduction, LEAST_DAMPING);
+    pub(super) fn close_rates(&mut self, model: &Model, q: &[f64], v: &mut [f64]) -> Result<f64, Singular> {
+        self.motion.update(model, q, v);
+        self.rows.place(model, &self.motion, q, true);
+        self.reduction.prepare(model, &self.motion, &self.rest)?;
+        self.rows.factorize(model, &self.motion, &self.reduction, LEAST_DAMPING);
         let mut left = self.rows.largest(&self.motion, Rate::Speed(v), false).relative;
         // Damping by 1e-11 leaves that part of a rate: two rounds bring it to round-off.
         for _ in 0..4 {
-            self.push(Rate::Speed(v));
+            self.push(model, Rate::Speed(v));
             let before = v.to_vec();
             v.iter_mut().zip(&self.step).for_each(|(v, step)| *v += step);
-            self.motion.update(self.model, q, v);
+            self.motion.update(model, q, v);
             let now = self.rows.largest(&self.motion, Rate::Speed(v), false).relative;
             if now >= left {
                 v.copy_from_slice(&before);
-                self.motion.update(self.model, q, v);
+                self.motion.update(model, q, v);
                 break;
             }
             left = now;
@@ -220,37 +224,37 @@ impl<'m> Closing<'m> {
     }
 
     /// The rates of the rows solved for at a closed position, and the largest beside its component's reach (rad/s).
-    pub(super) fn speeds(&mut self, q: &[f64], v: &[f64]) -> (DVector<f64>, f64) {
-        self.motion.update(self.model, q, v);
-        self.rows.place(self.model, &self.motion, q, true);
+    pub(super) fn speeds(&mut self, model: &Model, q: &[f64], v: &[f64]) -> (DVector<f64>, f64) {
+        self.motion.update(model, q, v);
+        self.rows.place(model, &self.motion, q, true);
         let mut rates = DVector::zeros(self.rows.rank());
         self.rows.rates(&self.motion, Rate::Speed(v), rates.as_mut_slice());
         (rates, self.rows.largest(&self.motion, Rate::Speed(v), false).relative)
     }
 
     /// The entries of `G` for the rows solved for, as placed last: `put(row, velocity, entry)`.
-    pub(super) fn gradient(&mut self, put: impl FnMut(usize, usize, f64)) {
-        self.rows.gradient(self.model, &self.motion, put);
+    pub(super) fn gradient(&mut self, model: &Model, put: impl FnMut(usize, usize, f64)) {
+        self.rows.gradient(model, &self.motion, put);
     }
 
     /// `step ← M⁻¹ Gᵀ λ` with the multipliers that take a rate away.
-    fn push(&mut self, rate: Rate<'_>) {
+    fn push(&mut self, model: &Model, rate: Rate<'_>) {
         self.rows.solve(&self.motion, rate);
         self.loads.fill(Wrench::ZERO);
         self.tau.fill(0.0);
         self.rows.add_loads(&mut self.loads, &mut self.tau);
         let load = Load { applied: &self.loads, tau: &self.tau };
-        self.reduction.solve(self.model, &self.motion, &load, &mut self.step);
+        self.reduction.solve(model, &self.motion, &load, &mut self.step);
     }
 
     /// `step ← −Bᵀ (B Bᵀ + μ)⁻¹ g`, the rows `B` taken in equal units of coordinates and gaps.
-    fn bend(&mut self, damping: f64) {
+    fn bend(&mut self, model: &Model, damping: f64) {
         let weights: DVector<f64> =
             DVector::from_iterator(self.rows.rank(), self.rows.plan.rows().map(|row| self.rows.relative(row, 1.0)));
         let mut gaps = DVector::zeros(self.rows.rank());
         self.rows.rates(&self.motion, Rate::Gap, gaps.as_mut_slice());
         let mut rows = DMatrix::<f64>::zeros(self.rows.rank(), self.rest.len());
-        self.gradient(|row, column, entry| rows[(row, column)] += entry);
+        self.gradient(model, |row, column, entry| rows[(row, column)] += entry);
         let rows = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| weights[i] * rows[(i, j)] * self.units[j]);
         let mut square = &rows * rows.transpose();
         let shift = damping * square.diagonal().max();

@@ -42,7 +42,7 @@ pub(super) struct Ranking {
 /// Decides at a closed position, at the time of the drives.
 pub(super) fn decide(model: &Model, q: &[f64], time: f64) -> Ranking {
     let mut closing = Closing::new(model, &[], time);
-    closing.gap(q);
+    closing.gap(model, q);
     let mut independent = closing.rows.independent_now(model, &closing.motion);
     let components = members(&components(model, &closing.rows.elements));
     let steps = (1..=OTHERS).map(|attempt| around(model, &closing, &components, attempt)).collect::<Vec<_>>();
@@ -51,10 +51,10 @@ pub(super) fn decide(model: &Model, q: &[f64], time: f64) -> Ranking {
         let mut near = q.to_vec();
         crate::motion::displace(model, &mut near, &step);
         let metric = closing.nearby();
-        if closing.close(&mut near, metric).is_err() {
+        if closing.close(model, &mut near, metric).is_err() {
             continue;
         }
-        closing.gap(&near);
+        closing.gap(model, &near);
         let there = closing.rows.independent_now(model, &closing.motion);
         let rows = &closing.rows;
         for component in &components {
@@ -190,7 +190,7 @@ impl super::Element {
 
 /// A small step of every coordinate between the ends of loops: numbers without a pattern, the same in every run and whatever
 /// else is in the scene.
-fn around(model: &Model, closing: &Closing<'_>, components: &[Vec<usize>], attempt: usize) -> Vec<f64> {
+fn around(model: &Model, closing: &Closing, components: &[Vec<usize>], attempt: usize) -> Vec<f64> {
     let mut step = vec![0.0; model.velocity_count()];
     let elements = &closing.rows.elements;
     let sizes = lengths(model, elements, &closing.rows.rules, &closing.motion);

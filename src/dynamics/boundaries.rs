@@ -3,10 +3,10 @@
 use super::{Boundary, System};
 use crate::force::Switch;
 
-impl System<'_> {
+impl System {
     /// Keeps all laws in the smooth parts to which a state belongs, whatever the states are that follow.
     pub fn keep_laws(&mut self, q: &[f64], v: &[f64]) {
-        self.motion.update(self.model, q, v);
+        self.motion.update(&self.model, q, v);
         self.laws.keep(&self.motion, q, v);
     }
 
@@ -17,7 +17,7 @@ impl System<'_> {
 
     /// The function whose change of sign is the crossing of a boundary, at a state.
     pub fn switch(&mut self, boundary: Boundary, q: &[f64], v: &[f64]) -> Switch {
-        self.motion.update(self.model, q, v);
+        self.motion.update(&self.model, q, v);
         self.laws.switch(boundary, &self.motion, q, v)
     }
 

@@ -78,7 +78,7 @@ impl Constrained {
     }
 }
 
-impl System<'_> {
+impl System {
     /// The time at which drives and motors are looked at (s); nothing else depends on time.
     pub fn set_time(&mut self, time: f64) {
         self.time = time;
@@ -96,8 +96,8 @@ impl System<'_> {
     pub(super) fn constrain(&mut self, q: &[f64], a: &mut [f64]) {
         let Some(constrained) = &mut self.constraints else { return };
         let rows = &mut constrained.rows;
-        rows.place(self.model, &self.motion, q, false);
-        rows.factorize(self.model, &self.motion, &self.reduction, 0.0);
+        rows.place(&self.model, &self.motion, q, false);
+        rows.factorize(&self.model, &self.motion, &self.reduction, 0.0);
         rows.solve(&self.motion, Rate::Acceleration(self.reduction.links(), a));
         self.push();
         let Some(constrained) = &self.constraints else { return };
@@ -112,13 +112,13 @@ impl System<'_> {
         tau.fill(0.0);
         rows.add_loads(loads, tau);
         let load = Load { applied: loads, tau };
-        self.reduction.solve(self.model, &self.motion, &load, step);
+        self.reduction.solve(&self.model, &self.motion, &load, step);
     }
 
     /// Adds what the last multipliers push to the wrenches and hinge forces of a force balance.
     pub(super) fn apply_multipliers(&mut self, q: &[f64]) {
         let Some(constrained) = &mut self.constraints else { return };
-        constrained.rows.place(self.model, &self.motion, q, constrained.rows.is_shared());
+        constrained.rows.place(&self.model, &self.motion, q, constrained.rows.is_shared());
         constrained.rows.add_loads(&mut self.applied, &mut self.tau);
         if !constrained.on_bodies.is_empty() {
             constrained.on_bodies.fill(Wrench::ZERO);
@@ -144,9 +144,9 @@ impl System<'_> {
     pub fn constraint_matrix(&mut self, q: &[f64]) -> Mat<f64> {
         let n = self.model.velocity_count();
         let Some(constrained) = &mut self.constraints else { return Mat::zeros(0, n) };
-        constrained.rows.place(self.model, &self.motion, q, false);
+        constrained.rows.place(&self.model, &self.motion, q, false);
         let mut matrix = Mat::zeros(constrained.rows.rank(), n);
-        constrained.rows.gradient(self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
+        constrained.rows.gradient(&self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
         matrix
     }
 
@@ -154,7 +154,7 @@ impl System<'_> {
     /// positions as in the last call of [`System::constraint_matrix`].
     pub fn add_multiplier_squares(&self, squares: &mut [f64]) {
         if let Some(constrained) = &self.constraints {
-            constrained.rows.add_squares(self.model, &self.motion, squares);
+            constrained.rows.add_squares(&self.model, &self.motion, squares);
         }
     }
 
@@ -165,15 +165,15 @@ impl System<'_> {
     /// A singular hinge.
     pub fn share_multipliers(&mut self, q: &[f64], v: &[f64]) -> Result<(), Fault> {
         let Some(constrained) = &mut self.constraints else { return Ok(()) };
-        self.motion.update(self.model, q, v);
+        self.motion.update(&self.model, q, v);
         constrained.tau.fill(0.0);
         let Constrained { rows, every_row, tau, .. } = &mut **constrained;
-        if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau) {
+        if let Err(singular) = self.reduction.prepare(&self.model, &self.motion, tau) {
             return Err(self.singular(&singular, q, v));
         }
-        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(self.model)));
-        rows.share(all, self.model, &self.motion, &self.reduction, q);
-        rows.place(self.model, &self.motion, q, true);
+        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.model)));
+        rows.share(all, &self.model, &self.motion, &self.reduction, q);
+        rows.place(&self.model, &self.motion, q, true);
         Ok(())
     }
 
@@ -204,13 +204,13 @@ impl System<'_> {
     /// turns; 0 for a coordinate in no row).
     pub fn row_units(&self) -> (Vec<f64>, Vec<f64>) {
         let none = || (Vec::new(), vec![0.0; self.model.velocity_count()]);
-        self.constraints.as_ref().map_or_else(none, |constrained| constrained.rows.units(self.model))
+        self.constraints.as_ref().map_or_else(none, |constrained| constrained.rows.units(&self.model))
     }
 
     /// What the loops pass, after [`System::share_multipliers`]; empty without loops.
     pub fn loop_reactions(&self) -> Vec<LoopReaction> {
         let rows = self.constraints.as_ref().map(|constrained| &constrained.rows);
-        rows.map_or(Vec::new(), |rows| rows.loop_reactions(self.model, &self.motion))
+        rows.map_or(Vec::new(), |rows| rows.loop_reactions(&self.model, &self.motion))
     }
 
     /// Number of independent rows of loops, gears and drives.
@@ -223,8 +223,8 @@ impl System<'_> {
         let n = self.model.velocity_count();
         out.fill(0.0);
         let Some(constrained) = &mut self.constraints else { return };
-        constrained.rows.place(self.model, &self.motion, q, false);
-        constrained.rows.gradient(self.model, &self.motion, |row, column, entry| out[row * n + column] += entry);
+        constrained.rows.place(&self.model, &self.motion, q, false);
+        constrained.rows.gradient(&self.model, &self.motion, |row, column, entry| out[row * n + column] += entry);
     }
 
     /// After accelerations: marks the rows whose clearance is not above a limit, and takes their multipliers as zero for
@@ -293,7 +293,7 @@ impl System<'_> {
         if self.constraints.is_none() {
             return;
         }
-        self.motion.update(self.model, q, change);
+        self.motion.update(&self.model, q, change);
         if let Some(constrained) = &mut self.constraints {
             constrained.rows.solve(&self.motion, Rate::Change(change));
         }
@@ -305,7 +305,7 @@ impl System<'_> {
 
     /// What drives do in an impulse that changes velocities so, after [`System::answer_impulse`] (J): their impulse times their speed.
     pub fn impulse_work(&self, change: &[f64]) -> f64 {
-        self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.power(self.model, change))
+        self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.power(&self.model, change))
     }
 
     /// Power that drives put in (W).
@@ -314,7 +314,7 @@ impl System<'_> {
         let evaluated = self.accelerations(q, v, &mut a);
         self.scratch = a;
         match (evaluated, &self.constraints) {
-            (Ok(()), Some(constrained)) => constrained.rows.power(self.model, &self.scratch),
+            (Ok(()), Some(constrained)) => constrained.rows.power(&self.model, &self.scratch),
             _ => f64::NAN,
         }
     }
@@ -323,8 +323,8 @@ impl System<'_> {
     pub fn gap(&mut self, q: &[f64]) -> f64 {
         let Some(constrained) = &mut self.constraints else { return 0.0 };
         self.scratch.fill(0.0);
-        self.motion.update(self.model, q, &self.scratch);
-        constrained.rows.place(self.model, &self.motion, q, true);
+        self.motion.update(&self.model, q, &self.scratch);
+        constrained.rows.place(&self.model, &self.motion, q, true);
         constrained.rows.largest(&self.motion, Rate::Gap, true).absolute
     }
 
@@ -337,15 +337,15 @@ impl System<'_> {
         if self.constraints.is_none() {
             return Ok(Settled::FREE);
         }
-        self.motion.update(self.model, q, v);
+        self.motion.update(&self.model, q, v);
         let gap_before = self.place_gap(q).absolute;
         if let Some(constrained) = &mut self.constraints {
             constrained.tau.fill(0.0);
             let Constrained { rows, tau, .. } = &mut **constrained;
-            if let Err(singular) = self.reduction.prepare(self.model, &self.motion, tau) {
+            if let Err(singular) = self.reduction.prepare(&self.model, &self.motion, tau) {
                 return Err(self.singular(&singular, q, v));
             }
-            rows.factorize(self.model, &self.motion, &self.reduction, 0.0);
+            rows.factorize(&self.model, &self.motion, &self.reduction, 0.0);
         }
         let moved = self.settle_position(q, v);
         let moved = self.settle_velocity(q, v) || moved;
@@ -371,7 +371,7 @@ impl System<'_> {
     /// Places all rows where the motion is; the widest gap.
     fn place_gap(&mut self, q: &[f64]) -> Largest {
         let Some(constrained) = &mut self.constraints else { return Largest::default() };
-        constrained.rows.place(self.model, &self.motion, q, true);
+        constrained.rows.place(&self.model, &self.motion, q, true);
         constrained.rows.largest(&self.motion, Rate::Gap, true)
     }
 
@@ -391,14 +391,14 @@ impl System<'_> {
             self.push();
             let Some(constrained) = &mut self.constraints else { break };
             constrained.before[..q.len()].copy_from_slice(q);
-            displace(self.model, q, &constrained.step);
-            self.motion.update(self.model, q, v);
-            constrained.rows.place(self.model, &self.motion, q, false);
+            displace(&self.model, q, &constrained.step);
+            self.motion.update(&self.model, q, v);
+            constrained.rows.place(&self.model, &self.motion, q, false);
             let now = constrained.rows.largest(&self.motion, Rate::Gap, false).relative;
             if !(now < 0.5 * gap) {
                 q.copy_from_slice(&constrained.before[..q.len()]);
-                self.motion.update(self.model, q, v);
-                constrained.rows.place(self.model, &self.motion, q, false);
+                self.motion.update(&self.model, q, v);
+                constrained.rows.place(&self.model, &self.motion, q, false);
                 break;
             }
             moved = true;
@@ -424,7 +424,7 @@ impl System<'_> {
             self.push();
             let Some(constrained) = &self.constraints else { break };
             v.iter_mut().zip(&constrained.step).for_each(|(v, step)| *v += step);
-            self.motion.update(self.model, q, v);
+            self.motion.update(&self.model, q, v);
             moved = true;
         }
         moved

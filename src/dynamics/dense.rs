@@ -91,7 +91,7 @@ impl DenseTangent {
     }
 }
 
-impl System<'_> {
+impl System {
     /// Factorizes the tangent at a state with hinge accelerations `a`; `shift` is added to its diagonal, infinite for a
     /// coordinate that is held, empty for nothing. `Ok(false)` where it is singular.
     ///

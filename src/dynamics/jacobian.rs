@@ -35,7 +35,7 @@ impl AccelerationJacobians {
     }
 }
 
-impl System<'_> {
+impl System {
     /// Jacobians of the hinge accelerations: `(∂q̈/∂q, ∂q̈/∂q̇)`, each n×n. What calls for them often keeps their memory:
     /// [`System::acceleration_jacobians_into`].
     ///
@@ -55,7 +55,7 @@ impl System<'_> {
     /// # Errors
     /// A singular hinge, or the element whose numbers are not finite.
     pub fn acceleration_jacobians(&mut self, q: &[f64], v: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
-        let mut jacobians = AccelerationJacobians::new(self.model);
+        let mut jacobians = AccelerationJacobians::new(&self.model);
         self.acceleration_jacobians_into(q, v, &mut jacobians)?;
         Ok((jacobians.by_position, jacobians.by_velocity))
     }
@@ -89,7 +89,7 @@ impl System<'_> {
     }
 
     fn jacobians_by_sweeps(&self, q: &[f64], v: &[f64], out: &mut AccelerationJacobians) -> Result<(), Fault> {
-        let model = self.model;
+        let model = &*self.model;
         let spring = |link: &_| forces::hinge::ball_tangent(model, link, q);
         out.sweep
             .update(model, &self.motion, &self.balance, spring)
@@ -173,7 +173,7 @@ impl System<'_> {
             };
             near.copy_from_slice(q);
             if matches!(of, Of::Position) {
-                System::displace(self.model, &mut near, &by);
+                System::displace(&self.model, &mut near, &by);
             }
             self.constraint_rates(&near, &faster, a, &mut rates)?;
             sum.iter_mut().zip(&rates).for_each(|(sum, rate)| *sum += weight / STEP * rate);

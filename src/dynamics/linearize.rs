@@ -27,7 +27,7 @@ pub(super) enum Of {
     Acceleration,
 }
 
-impl System<'_> {
+impl System {
     /// Mass, damping and stiffness matrices at a state with hinge accelerations `a`.
     ///
     /// # Errors
@@ -111,7 +111,7 @@ impl System<'_> {
     /// The residual's variation when hinges of one subtree vary: it moves, and the way to the root feels it. Forces
     /// between bodies reach further.
     pub(super) fn column(&mut self, q: &[f64], a: &[f64], by: &Direction<'_>, subtree: Range<usize>, out: &mut [f64]) {
-        let (model, motion, balance) = (self.model, &self.motion, &self.balance);
+        let (model, motion, balance) = (&self.model, &self.motion, &self.balance);
         self.variation.outward_subtree(model, motion, balance, a, by, subtree.clone());
         let constrained = self.constraints.is_some();
         let forces = (!model.forces.is_empty() || constrained) && !(by.position.is_empty() && by.velocity.is_empty());

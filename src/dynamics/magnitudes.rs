@@ -31,11 +31,11 @@ struct Size {
     turn_stiffness: f64,
 }
 
-impl System<'_> {
+impl System {
     /// Sizes of the terms of the balance at the state of the last call of [`System::residual`]: at rest, or where drives
     /// keep their velocity.
     pub fn balance_magnitudes(&self, q: &[f64]) -> Magnitudes {
-        let model = self.model;
+        let model = &*self.model;
         let mut sizes = vec![Size::default(); model.links.len()];
         for (index, link) in model.links.iter().enumerate() {
             let (at, moves) = (&self.motion.links[index], &self.balance.accelerations[index]);

@@ -30,14 +30,15 @@ use crate::transfer::reduce::{Load, Reduction, Singular};
 use crate::transfer::variation::Variation;
 use constrained::Constrained;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// A model and the scratch memory to evaluate it. States come in from outside; nothing of them is kept but the last
 /// sweep.
 #[derive(Debug, Clone)]
-pub struct System<'m> {
-    model: &'m Model,
+pub struct System {
+    model: Arc<Model>,
     /// What pushes, as the model has it or as a run keeps it.
-    laws: Laws<'m>,
+    laws: Laws,
     /// Positions and velocities of the last evaluation.
     motion: Motion,
     reduction: Reduction,
@@ -135,12 +136,12 @@ pub struct Powers {
     pub dissipated: f64,
 }
 
-impl<'m> System<'m> {
+impl System {
     /// Scratch memory for a model.
-    pub fn new(model: &'m Model) -> Self {
+    pub fn new(model: &Arc<Model>) -> Self {
         let n = model.links.len();
         Self {
-            model,
+            model: Arc::clone(model),
             laws: Laws::new(model),
             motion: Motion::new(model),
             reduction: Reduction::new(model),
@@ -157,8 +158,8 @@ impl<'m> System<'m> {
     }
 
     /// The model.
-    pub fn model(&self) -> &'m Model {
-        self.model
+    pub fn model(&self) -> &Arc<Model> {
+        &self.model
     }
 
     /// Positions and velocities of the last evaluation.
@@ -168,14 +169,14 @@ impl<'m> System<'m> {
 
     /// Positions, velocities and forces; no accelerations.
     fn prepare(&mut self, q: &[f64], v: &[f64]) {
-        self.motion.update(self.model, q, v);
+        self.motion.update(&self.model, q, v);
         if !self.model.forces.is_empty() || self.constraints.is_some() {
             forces::apply(&self.laws, &self.motion, &mut self.applied);
         }
-        forces::hinge::apply(self.model, q, v, &mut self.tau);
+        forces::hinge::apply(&self.model, q, v, &mut self.tau);
         if !self.pushes.is_empty() {
-            forces::motor::pushes(self.model, &self.laws, self.time, q, v, &mut self.pushes);
-            forces::motor::apply(self.model, &self.pushes, &mut self.tau);
+            forces::motor::pushes(&self.model, &self.laws, self.time, q, v, &mut self.pushes);
+            forces::motor::apply(&self.model, &self.pushes, &mut self.tau);
         }
         self.tau.iter_mut().zip(&self.outside).for_each(|(tau, outside)| *tau += outside);
     }
@@ -194,7 +195,7 @@ impl<'m> System<'m> {
         self.prepare(q, v);
         let applied = if self.model.forces.is_empty() { &[] } else { self.applied.as_slice() };
         let load = Load { applied, tau: &self.tau };
-        if let Err(singular) = self.reduction.accelerations(self.model, &self.motion, &load, a) {
+        if let Err(singular) = self.reduction.accelerations(&self.model, &self.motion, &load, a) {
             return Err(self.singular(&singular, q, v));
         }
         if self.constraints.is_some() {
@@ -212,25 +213,25 @@ impl<'m> System<'m> {
         if self.constraints.is_some() {
             self.apply_multipliers(q);
         }
-        self.balance.update(self.model, &self.motion, &self.applied, &self.tau, a, residual);
+        self.balance.update(&self.model, &self.motion, &self.applied, &self.tau, a, residual);
         self.check_finite("the force balance", residual, q, v)
     }
 
     /// `x ← M⁻¹ rhs` with the last factorization of [`System::accelerations`].
     pub fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) {
         let load = Load { applied: &[], tau: rhs };
-        self.reduction.solve(self.model, &self.motion, &load, x);
+        self.reduction.solve(&self.model, &self.motion, &load, x);
     }
 
     /// `product ← M x` at the position of the last evaluation, in O(n).
     pub fn mass_times(&self, action: &mut MassAction, x: &[f64], product: &mut [f64]) {
-        action.times(self.model, &self.motion, x, product);
+        action.times(&self.model, &self.motion, x, product);
     }
 
     /// The inertia that each velocity coordinate sees while everything outboard moves freely (kg, kg m²), of the last
     /// factorization.
     pub fn articulated_inertia(&self, out: &mut [f64]) {
-        self.reduction.articulated_inertia(self.model, &self.motion, out);
+        self.reduction.articulated_inertia(&self.model, &self.motion, out);
     }
 
     /// What the hinge passes to each named body at its root marker, from the last call of [`System::residual`].
@@ -325,20 +326,20 @@ impl<'m> System<'m> {
 
     /// Kinetic and potential energy of a state.
     pub fn energies(&mut self, q: &[f64], v: &[f64]) -> Energies {
-        self.motion.update(self.model, q, v);
+        self.motion.update(&self.model, q, v);
         let rotors: f64 = self.model.coordinates.iter().zip(v).map(|(c, v)| 0.5 * c.armature * v * v).sum();
         // What drives add to armatures is no inertia of the scene.
         let added = self.model.drives.iter().map(|drive| 0.5 * drive.armature * v[drive.coordinate.velocity].powi(2));
         Energies {
-            kinetic: self.motion.kinetic_energy(self.model) + (rotors - added.sum::<f64>()),
-            potential: forces::potential(self.model, &self.laws, &self.motion, q),
+            kinetic: self.motion.kinetic_energy(&self.model) + (rotors - added.sum::<f64>()),
+            potential: forces::potential(&self.model, &self.laws, &self.motion, q),
         }
     }
 
     /// Energies as a search for rest sees them: with the potential of motors at t = 0, whose energy is work in a run.
     pub fn energies_at_rest(&mut self, q: &[f64], v: &[f64]) -> Energies {
         let mut energies = self.energies(q, v);
-        energies.potential += forces::motor::potential_at_rest(self.model, q);
+        energies.potential += forces::motor::potential_at_rest(&self.model, q);
         energies
     }
 
@@ -361,10 +362,10 @@ impl<'m> System<'m> {
     /// Powers of a state that no potential stands for.
     pub fn powers(&mut self, q: &[f64], v: &[f64]) -> Powers {
         let driven = if self.model.drives.is_empty() { 0.0 } else { self.drive_power(q, v) };
-        self.motion.update(self.model, q, v);
+        self.motion.update(&self.model, q, v);
         Powers {
-            input: forces::input(self.model, &self.laws, &self.motion, self.time, q, v) + driven,
-            dissipated: forces::dissipated(self.model, &self.laws, &self.motion, v),
+            input: forces::input(&self.model, &self.laws, &self.motion, self.time, q, v) + driven,
+            dissipated: forces::dissipated(&self.model, &self.laws, &self.motion, v),
         }
     }
 

@@ -151,7 +151,7 @@ impl TangentSolver {
     }
 }
 
-impl System<'_> {
+impl System {
     /// Factorizes the tangent at a state with hinge accelerations `a`. `Ok(false)` where a pivot does not do.
     ///
     /// # Errors
@@ -168,7 +168,7 @@ impl System<'_> {
         let evaluated = self.residual(q, v, a, &mut residual);
         self.scratch = residual;
         evaluated?;
-        let model = self.model;
+        let model = &*self.model;
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature + solver.springs[i];
         }
@@ -207,8 +207,8 @@ impl System<'_> {
             coupled: &solver.coupled,
             ball_springs: &solver.ball_springs,
         };
-        solver.tangent.factorize(self.model, &at, with.definite)?;
-        let regular = solver.border.is_empty() || solver.border.factorize(self.model, &mut solver.tangent);
+        solver.tangent.factorize(&self.model, &at, with.definite)?;
+        let regular = solver.border.is_empty() || solver.border.factorize(&self.model, &mut solver.tangent);
         if regular { Ok(()) } else { Err(Breakdown { link: 0, axis: None }) }
     }
 
@@ -219,7 +219,7 @@ impl System<'_> {
         for index in &solver.balls {
             let link = &self.model.links[*index];
             let first = link.velocity;
-            let spring = forces::hinge::ball_tangent(self.model, link, q).map(|tangent| -tangent);
+            let spring = forces::hinge::ball_tangent(&self.model, link, q).map(|tangent| -tangent);
             let r = Vector3::from_column_slice(&self.scratch[first..first + 3]);
             let connection = symmetric.then(|| -0.5 * r.cross_matrix());
             if spring.is_some() || connection.is_some() {

@@ -7,15 +7,15 @@
 use crate::force::{Act, Force, Switch};
 use crate::model::{HingeCurve, Model};
 use crate::motion::Motion;
-use std::borrow::Cow;
+use std::sync::Arc;
 
 /// The laws of a system; those of the model until they are kept.
 #[derive(Debug, Clone)]
-pub struct Laws<'m> {
+pub struct Laws {
     /// Force elements, as in the model.
-    pub forces: Cow<'m, [Force]>,
+    pub forces: Arc<[Force]>,
     /// Curves in hinges, as in the model.
-    pub curves: Cow<'m, [HingeCurve]>,
+    pub curves: Arc<[HingeCurve]>,
 }
 
 /// A boundary between two smooth parts of a law.
@@ -27,16 +27,16 @@ pub struct Boundary {
     pub index: usize,
 }
 
-impl<'m> Laws<'m> {
+impl Laws {
     /// Those of a model, at every state as the state is.
-    pub fn new(model: &'m Model) -> Self {
-        Self { forces: Cow::Borrowed(&model.forces), curves: Cow::Borrowed(&model.curves) }
+    pub fn new(model: &Model) -> Self {
+        Self { forces: Arc::clone(&model.forces), curves: Arc::clone(&model.curves) }
     }
 
-    /// Keeps all laws in the parts to which a state belongs; the only place that copies them.
+    /// Keeps all laws in the parts to which a state belongs, in a copy of the model's.
     pub fn keep(&mut self, motion: &Motion, q: &[f64], v: &[f64]) {
-        self.forces.to_mut().iter_mut().for_each(|force| force.law.keep(&motion.links));
-        for curve in self.curves.to_mut() {
+        Arc::make_mut(&mut self.forces).iter_mut().for_each(|force| force.law.keep(&motion.links));
+        for curve in Arc::make_mut(&mut self.curves) {
             let argument = curve.argument(q, v);
             curve.table.keep(argument);
         }
@@ -75,8 +75,8 @@ impl<'m> Laws<'m> {
     pub fn cross(&mut self, Boundary { element, index }: Boundary) {
         let count = self.forces.len();
         match element < count {
-            true => self.forces.to_mut()[element].law.cross(index),
-            false => self.curves.to_mut()[element - count].table.cross(index),
+            true => Arc::make_mut(&mut self.forces)[element].law.cross(index),
+            false => Arc::make_mut(&mut self.curves)[element - count].table.cross(index),
         }
     }
 }

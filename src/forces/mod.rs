@@ -17,7 +17,7 @@ use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
 
 /// The wrenches of all force elements on the links at their root markers; `wrenches` has one entry per link.
-pub fn apply(laws: &Laws<'_>, motion: &Motion, wrenches: &mut [Wrench]) {
+pub fn apply(laws: &Laws, motion: &Motion, wrenches: &mut [Wrench]) {
     wrenches.fill(Wrench::ZERO);
     for force in laws.forces.iter() {
         let ends = force.law.ends();
@@ -26,7 +26,7 @@ pub fn apply(laws: &Laws<'_>, motion: &Motion, wrenches: &mut [Wrench]) {
 }
 
 /// The variation of the wrenches of [`apply`] with the variation of the motion.
-pub fn vary(laws: &Laws<'_>, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
+pub fn vary(laws: &Laws, motion: &Motion, by: &[LinkVariation], wrenches: &mut [Wrench]) {
     wrenches.fill(Wrench::ZERO);
     for force in laws.forces.iter() {
         let ends = force.law.ends();
@@ -35,7 +35,7 @@ pub fn vary(laws: &Laws<'_>, motion: &Motion, by: &[LinkVariation], wrenches: &m
 }
 
 /// What all force elements attached to one named body do to it, at the root marker of its link.
-pub fn on_body(laws: &Laws<'_>, motion: &Motion, body: usize) -> Wrench {
+pub fn on_body(laws: &Laws, motion: &Motion, body: usize) -> Wrench {
     let mut sum = Wrench::ZERO;
     for force in laws.forces.iter() {
         let ends = force.law.ends();
@@ -49,12 +49,12 @@ pub fn on_body(laws: &Laws<'_>, motion: &Motion, body: usize) -> Wrench {
 }
 
 /// The first force element of which something is not a finite number, and what.
-pub fn not_finite<'a>(laws: &'a Laws<'_>, motion: &Motion) -> Option<(&'a Force, &'static str)> {
+pub fn not_finite<'a>(laws: &'a Laws, motion: &Motion) -> Option<(&'a Force, &'static str)> {
     laws.forces.iter().find_map(|force| Some((force, force.law.not_finite(&motion.links)?)))
 }
 
 /// Potential energy of gravity, force elements and hinge springs and of the loads and motors that have one (J).
-pub fn potential(model: &Model, laws: &Laws<'_>, motion: &Motion, q: &[f64]) -> f64 {
+pub fn potential(model: &Model, laws: &Laws, motion: &Motion, q: &[f64]) -> f64 {
     let weight: f64 = model
         .links
         .iter()
@@ -66,14 +66,14 @@ pub fn potential(model: &Model, laws: &Laws<'_>, motion: &Motion, q: &[f64]) -> 
 }
 
 /// Power taken out by dampers (W), ≥ 0.
-pub fn dissipated(model: &Model, laws: &Laws<'_>, motion: &Motion, v: &[f64]) -> f64 {
+pub fn dissipated(model: &Model, laws: &Laws, motion: &Motion, v: &[f64]) -> f64 {
     laws.forces.iter().map(|force| force.law.dissipated(&motion.links)).sum::<f64>()
         + hinge::dissipated(model, v)
         + curve::powers(&laws.curves, v)[0]
 }
 
 /// Power put in by loads and motors without a potential (W).
-pub fn input(model: &Model, laws: &Laws<'_>, motion: &Motion, time: f64, q: &[f64], v: &[f64]) -> f64 {
+pub fn input(model: &Model, laws: &Laws, motion: &Motion, time: f64, q: &[f64], v: &[f64]) -> f64 {
     laws.forces.iter().map(|force| force.law.input(&motion.links)).sum::<f64>()
         + hinge::input(model, v)
         + curve::powers(&laws.curves, v)[1]

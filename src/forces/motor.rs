@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::model::motor::Push;
 
 /// What everything that pushes a single coordinate does at a state, in the order of [`Model::pushed`].
-pub fn pushes(model: &Model, laws: &Laws<'_>, time: f64, q: &[f64], v: &[f64], out: &mut [Push]) {
+pub fn pushes(model: &Model, laws: &Laws, time: f64, q: &[f64], v: &[f64], out: &mut [Push]) {
     let (motors, curves) = out.split_at_mut(model.motors.len());
     for (push, motor) in motors.iter_mut().zip(&model.motors) {
         let at = motor.coordinate;

@@ -6,6 +6,7 @@ use super::problem::{Element, Problem};
 use super::{Body, Link};
 use crate::force::Switch;
 use crate::force::table::{Interpolation, Table};
+use std::sync::Arc;
 
 /// A spring or damper of a hinge by a table of points: what opposes the distance from rest, or the speed.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,7 +99,7 @@ fn problem(index: usize, body: &BodyDescription, curve: &HingeCurveDescription) 
 }
 
 /// The curves of a scene without problems.
-pub(super) fn compile(description: &Description, bodies: &[Body], links: &[Link]) -> Vec<HingeCurve> {
+pub(super) fn compile(description: &Description, bodies: &[Body], links: &[Link]) -> Arc<[HingeCurve]> {
     let of_body = |(written, built): (&BodyDescription, &Body)| {
         let (position, velocity) = (built.hinge.position, built.hinge.velocity);
         let rest = written.hinge.rest.clone();

@@ -42,6 +42,7 @@ use crate::spatial::Pose;
 use description::{HingeKind, MassProperties};
 use nalgebra::Vector3;
 use shape::Shape;
+use std::sync::Arc;
 
 /// A checked and compiled scene.
 #[derive(Debug, Clone)]
@@ -59,7 +60,7 @@ pub struct Model {
     /// What acts in each velocity coordinate.
     pub coordinates: Vec<Coordinate>,
     /// Springs, bushings and loads.
-    pub forces: Vec<Force>,
+    pub forces: Arc<[Force]>,
     /// What closes kinematic loops.
     pub loops: Vec<Loop>,
     /// Coordinates with a given motion.
@@ -69,7 +70,7 @@ pub struct Model {
     /// Forces in coordinates that follow a law.
     pub motors: Vec<Motor>,
     /// Springs and dampers by tables in coordinates.
-    pub curves: Vec<HingeCurve>,
+    pub curves: Arc<[HingeCurve]>,
     /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by
     /// `constraint::assemble`).
     pub independent_rows: Option<Vec<bool>>,
@@ -154,7 +155,7 @@ impl Model {
     ///
     /// # Errors
     /// Every problem that was found, each with the element and the field it belongs to.
-    pub fn build(description: &Description) -> Result<Self, Vec<Problem>> {
+    pub fn build(description: &Description) -> Result<Arc<Self>, Vec<Problem>> {
         let model = Self::build_loosely(description)?;
         match point_mass::problems(description, &model) {
             problems if problems.is_empty() => Ok(model),
@@ -163,8 +164,18 @@ impl Model {
     }
 
     /// The same, point masses that turn about themselves let pass: an axis that could not be read may stand in for another.
-    pub(crate) fn build_loosely(description: &Description) -> Result<Self, Vec<Problem>> {
-        build::build(description)
+    pub(crate) fn build_loosely(description: &Description) -> Result<Arc<Self>, Vec<Problem>> {
+        build::build(description).map(Arc::new)
+    }
+
+    /// The model that starts at `position`.
+    pub(crate) fn starting_at(self: Arc<Self>, position: &[f64]) -> Arc<Self> {
+        if self.start_position == position {
+            return self;
+        }
+        let mut model = Arc::unwrap_or_clone(self);
+        model.start_position.copy_from_slice(position);
+        Arc::new(model)
     }
 
     /// Number of hinge coordinates.

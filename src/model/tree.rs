@@ -12,6 +12,9 @@ use crate::hinge::joint::quaternion;
 use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 
+/// A quaternion whose norm is this near to one is a unit one: rounding of its four numbers.
+const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
+
 /// The compiled tree while it grows.
 pub(super) struct Tree<'a> {
     description: &'a Description,
@@ -139,8 +142,13 @@ impl<'a> Tree<'a> {
         }
         if positions != velocities {
             let at = self.start_position.len() - 4;
-            let unit = quaternion(&self.start_position[at..]);
-            self.start_position[at..].copy_from_slice(&[unit.w, unit.i, unit.j, unit.k]);
+            let given = &mut self.start_position[at..];
+            // One that is written with all its digits keeps them.
+            let norm = given.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if (norm - 1.0).abs() > ROUND_OFF {
+                let unit = quaternion(given);
+                given.copy_from_slice(&[unit.w, unit.i, unit.j, unit.k]);
+            }
         }
     }
 

@@ -142,7 +142,7 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
 fn problems(description: &Description, has_others: bool) -> Vec<Problem> {
     let model = if has_others { Model::build_loosely(description) } else { Model::build(description) };
     match model {
-        Ok(mut model) => constraint::assemble(&mut model).err().unwrap_or_default(),
+        Ok(model) => constraint::assemble(model).err().unwrap_or_default(),
         Err(problems) => problems,
     }
 }

@@ -31,9 +31,7 @@ use crate::text_file;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
-
-/// How far a quaternion's norm may be from one and still be taken as it stands: more than round-off is normalised.
-const ROUND_OFF: f64 = 1e-12;
+use std::sync::Arc;
 
 /// A scene with a start.
 #[derive(Debug, Clone)]
@@ -41,7 +39,7 @@ pub struct Started {
     /// The scene with the inputs of the file.
     pub description: Description,
     /// Its model; start position and velocity are those of the file.
-    pub model: Model,
+    pub model: Arc<Model>,
     /// Numbers of the scene that the file changed: address, value of the scenario, value of the file.
     pub changes: Vec<(String, f64, f64)>,
     /// What loops, drives and gears pushed when the file was written, in the names of the model's rows: to compare with.
@@ -170,7 +168,8 @@ impl File<'_> {
             }
         };
         self.read_multipliers(&model);
-        self.finish(model)
+        let Self { changed: description, changes, multipliers, .. } = self;
+        Some(Started { description, model, changes, multipliers })
     }
 
     /// Of every loop, drive and gear that the file names: the scene must have it, with as many rows.
@@ -285,19 +284,5 @@ impl File<'_> {
             None => Finding::without_place(problem.message),
         };
         self.whole.findings.push(finding.maybe_help(problem.help));
-    }
-
-    /// The numbers of the file as they stand: a model normalises quaternions, which would cost the last bit.
-    fn finish(self, mut model: Model) -> Option<Started> {
-        for (index, body) in self.changed.bodies.iter().enumerate() {
-            let at = model.bodies[index].hinge.position;
-            let close = |a: &f64, b: &f64| (a - b).abs() <= ROUND_OFF;
-            let built = &mut model.start_position[at..][..body.hinge.position.len()];
-            if built.iter().zip(&body.hinge.position).all(|(a, b)| close(a, b)) {
-                built.copy_from_slice(&body.hinge.position);
-            }
-        }
-        let multipliers = self.multipliers;
-        Some(Started { description: self.changed, model, changes: self.changes, multipliers })
     }
 }

@@ -73,7 +73,7 @@ const DIFFERENCE: f64 = 1e-7;
 
 impl Bordered {
     /// Room for a system.
-    pub(super) fn new(system: &System<'_>) -> Self {
+    pub(super) fn new(system: &System) -> Self {
         let model = system.model();
         let (m, n) = (system.constraint_rank(), model.velocity_count());
         let tree = match TangentSolver::is_for_dense(model) {
@@ -102,7 +102,7 @@ impl Bordered {
     /// left out. `Ok(false)` where it is singular.
     pub(super) fn factorize(
         &mut self,
-        system: &mut System<'_>,
+        system: &mut System,
         at: Point<'_>,
         [c1, c2]: [f64; 2],
         shift: &[f64],
@@ -146,7 +146,7 @@ impl Bordered {
     }
 
     /// `rates ← B x`.
-    fn rates_along(&mut self, system: &mut System<'_>) -> Result<(), Fault> {
+    fn rates_along(&mut self, system: &mut System) -> Result<(), Fault> {
         let Self { at, x, position, velocity, rates, base, gradient, .. } = self;
         let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if largest == 0.0 {
@@ -170,7 +170,7 @@ impl Bordered {
     }
 
     /// `rhs ← N⁻¹ rhs`; not numbers where the rows cannot be evaluated.
-    pub(super) fn solve(&mut self, system: &mut System<'_>, rhs: &mut [f64]) {
+    pub(super) fn solve(&mut self, system: &mut System, rhs: &mut [f64]) {
         let n = rhs.len();
         for (nu, row) in self.nu.iter_mut().zip(self.weighted.chunks_exact(n)) {
             *nu = row.iter().zip(&*rhs).map(|(g, r)| g * r).sum();

@@ -84,7 +84,7 @@ impl Choice {
     }
 
     /// Looks at the last step; true where another method goes on from here.
-    pub(super) fn review<'m>(&mut self, motion: &mut Motion<'m>, stepper: &dyn Stepper<Motion<'m>>) -> bool {
+    pub(super) fn review(&mut self, motion: &mut Motion, stepper: &dyn Stepper<Motion>) -> bool {
         if !self.auto {
             return false;
         }

@@ -4,6 +4,7 @@ use crate::dynamics::System;
 use crate::model::Model;
 use crate::model::couplings::Closure;
 use crate::record::scene::Channel;
+use std::sync::Arc;
 
 /// Ends of the names of what a loop passes to the body of its second end, inertial axes.
 const WRENCH: [(&str, &str); 6] = [
@@ -44,7 +45,7 @@ pub(super) fn channels(model: &Model) -> Vec<Channel> {
 }
 
 /// The numbers at the last evaluation with its accelerations, multipliers shared and all rows placed.
-pub(super) fn fill(system: &System<'_>, accelerations: &[f64], out: &mut Vec<f64>) {
+pub(super) fn fill(system: &System, accelerations: &[f64], out: &mut Vec<f64>) {
     out.clear();
     let rows = system.constraints();
     out.extend(rows.into_iter().flat_map(|rows| rows.drive_pushes(system.model(), accelerations)));
@@ -61,7 +62,7 @@ pub(super) fn fill(system: &System<'_>, accelerations: &[f64], out: &mut Vec<f64
 }
 
 /// Loops whose reactions are not unique at the given start; none where that cannot be evaluated.
-pub(super) fn not_unique(model: &Model) -> Vec<String> {
+pub(super) fn not_unique(model: &Arc<Model>) -> Vec<String> {
     if model.loops.is_empty() {
         return Vec::new();
     }

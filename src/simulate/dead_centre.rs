@@ -7,12 +7,13 @@ use super::RunError;
 use super::run::State;
 use crate::dynamics::System;
 use crate::model::Model;
+use std::sync::Arc;
 
 /// A drive next to a dead centre leaves this part of the clearance that the rows have without it.
 const NEXT_TO: f64 = 0.1;
 
 /// The error of a step from `time`, or of steps that creep, with the drives that are next to a dead centre there.
-pub(super) fn beside(error: RunError, model: &Model, time: f64, state: &State) -> RunError {
+pub(super) fn beside(error: RunError, model: &Arc<Model>, time: f64, state: &State) -> RunError {
     if !matches!(error, RunError::Step(_) | RunError::Creep { .. }) {
         return error;
     }
@@ -27,16 +28,16 @@ pub(super) fn beside(error: RunError, model: &Model, time: f64, state: &State) -
     if found.is_empty() { error } else { RunError::Step(error.to_string() + &found.concat()) }
 }
 
-fn is_held_up(model: &Model, drive: usize, time: f64, state: &State) -> bool {
-    let mut without = model.clone();
+fn is_held_up(model: &Arc<Model>, drive: usize, time: f64, state: &State) -> bool {
+    let mut without = Model::clone(model);
     without.drives.remove(drive);
     without.start_position.clone_from(&state.position);
     without.independent_rows = None;
-    clearance(model, time, state) < NEXT_TO * clearance(&without, time, state)
+    clearance(model, time, state) < NEXT_TO * clearance(&Arc::new(without), time, state)
 }
 
 /// The clearance of the rows next to a state; 0 where it cannot be settled.
-fn clearance(model: &Model, time: f64, state: &State) -> f64 {
+fn clearance(model: &Arc<Model>, time: f64, state: &State) -> f64 {
     let mut system = System::new(model);
     system.set_time(time);
     let (mut q, mut v) = (state.position.clone(), state.velocity.clone());

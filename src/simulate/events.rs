@@ -22,6 +22,7 @@ use crate::integrate::Stepper;
 use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, Watched};
 use std::fmt;
+use std::sync::Arc;
 
 /// The time of an event is known to this part of itself.
 const TIME: f64 = 1e-12;
@@ -197,8 +198,8 @@ impl Events {
     }
 
     /// Takes the signs at the start of a run or after a turn; what is watched depends on the mode.
-    pub(super) fn arm(&mut self, motion: &mut Motion<'_>, time: f64, state: &State) {
-        let model = motion.model();
+    pub(super) fn arm(&mut self, motion: &mut Motion, time: f64, state: &State) {
+        let model = &Arc::clone(motion.model());
         let held: Vec<Side> = motion.mode().map_or_else(Vec::new, |mode| mode.held.iter().map(|h| h.side).collect());
         let mut functions: Vec<Function> = (0..held.len()).map(Function::Pressure).collect();
         for side in sides(motion).into_iter().filter(|side| !held.contains(side)) {
@@ -247,10 +248,10 @@ impl Events {
     }
 
     /// Looks at the last step up to its end: notes what is only to be noted, and gives the first event that turns it.
-    pub(super) fn look<'m>(
+    pub(super) fn look(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
     ) -> Result<Option<Hit>, RunError> {
         let (from, to) = (stepper.previous_time(), stepper.time());
         let (mut left, mut look, looks) = (from, 1, self.search.looks);
@@ -274,12 +275,7 @@ impl Events {
     }
 
     /// Values and rates at a time within the last step.
-    fn look_at<'m>(
-        &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
-        time: f64,
-    ) -> Result<(), RunError> {
+    fn look_at(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>, time: f64) -> Result<(), RunError> {
         self.move_to(motion, stepper, time)?;
         for index in 0..self.watches.len() {
             let function = self.watches[index].function;
@@ -289,10 +285,10 @@ impl Events {
     }
 
     /// A time between two looks at which a function has changed its sign that has the old one at both.
-    fn excursion<'m>(
+    fn excursion(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
         interval: [f64; 2],
     ) -> Result<Option<f64>, RunError> {
         let mut first: Option<f64> = None;
@@ -328,10 +324,10 @@ impl Events {
     }
 
     /// Takes note of all changes between two looks up to the first that turns the step; that one.
-    fn first<'m>(
+    fn first(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
         interval: [f64; 2],
     ) -> Result<Option<Hit>, RunError> {
         let (mut until, mut turning) = (interval[1], None);
@@ -358,10 +354,10 @@ impl Events {
 
     /// The first time in an interval at which a function has changed its sign, the state being that then; `None` if it has
     /// not at its end.
-    fn locate<'m>(
+    fn locate(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
         index: usize,
         [left, right]: [f64; 2],
     ) -> Result<Option<f64>, RunError> {
@@ -388,9 +384,9 @@ impl Events {
     }
 
     /// The turn that a change of sign is, if it is one, the state being that at its time.
-    fn turn(&self, motion: &Motion<'_>, index: usize) -> Option<Turn> {
+    fn turn(&self, motion: &Motion, index: usize) -> Option<Turn> {
         let Watch { function, positive, .. } = self.watches[index];
-        let model = motion.model();
+        let model = &Arc::clone(motion.model());
         match function {
             Function::Depth(_) if positive => None,
             Function::Depth(side) => match model.stops[side.stop].law {
@@ -425,10 +421,10 @@ impl Events {
 
     /// Takes a change of sign as seen, and notes a crossing that the user asked for and a force that switches. What stops do
     /// is told of by the instant that follows.
-    fn cross<'m>(
+    fn cross(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
         time: f64,
         index: usize,
     ) -> Result<(), RunError> {
@@ -450,18 +446,13 @@ impl Events {
     }
 
     /// Takes the state to a time within the last step.
-    fn move_to<'m>(
-        &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
-        time: f64,
-    ) -> Result<(), RunError> {
+    fn move_to(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>, time: f64) -> Result<(), RunError> {
         interpolate(motion, stepper, time, &mut self.state)
     }
 
     /// How fast the watched number changes at the state; 0 for a push or a pressure.
-    fn rate(&self, motion: &mut Motion<'_>, function: Function, time: f64) -> f64 {
-        let model = motion.model();
+    fn rate(&self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+        let model = &Arc::clone(motion.model());
         let velocity = &self.state.velocity;
         match function {
             Function::Depth(side) => side.sign * velocity[model.stops[side.stop].velocity],
@@ -475,8 +466,8 @@ impl Events {
     }
 
     /// A function at the state.
-    fn value(&self, motion: &mut Motion<'_>, function: Function, time: f64) -> f64 {
-        let model = motion.model();
+    fn value(&self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+        let model = &Arc::clone(motion.model());
         let State { position, velocity } = &self.state;
         match function {
             Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),

@@ -62,8 +62,8 @@ pub(super) struct Outcome {
 }
 
 /// An instant being resolved: the stops that are touched, and how coordinates answer to what pushes off them.
-struct Instant<'a, 'm> {
-    motion: &'a mut Motion<'m>,
+struct Instant<'a> {
+    motion: &'a mut Motion,
     time: f64,
     state: &'a mut State,
     /// Absolute tolerance of the run.
@@ -85,7 +85,7 @@ struct Instant<'a, 'm> {
 /// # Errors
 /// A stop that nothing can keep from being passed, or a system that cannot be evaluated.
 pub(super) fn resolve(
-    motion: &mut Motion<'_>,
+    motion: &mut Motion,
     time: f64,
     state: &mut State,
     tolerance: f64,
@@ -127,7 +127,7 @@ pub(super) fn resolve(
 }
 
 /// Rigid stops that are touched, or hold.
-fn touched(motion: &Motion<'_>, state: &State, held: &[Held]) -> Vec<Side> {
+fn touched(motion: &Motion, state: &State, held: &[Held]) -> Vec<Side> {
     let rigid = |side: &Side| matches!(motion.model().stops[side.stop].law, StopLaw::Rigid { .. });
     let touches = |side: &Side| {
         let depth = motion.model().stops[side.stop].depth(side.sign, &state.position);
@@ -137,12 +137,12 @@ fn touched(motion: &Motion<'_>, state: &State, held: &[Held]) -> Vec<Side> {
 }
 
 /// The sides of all stops.
-pub(super) fn sides(motion: &Motion<'_>) -> Vec<Side> {
+pub(super) fn sides(motion: &Motion) -> Vec<Side> {
     let stops = motion.model().stops.iter().enumerate();
     stops.flat_map(|(index, stop)| stop.signs().map(move |sign| Side { stop: index, sign })).collect()
 }
 
-impl Instant<'_, '_> {
+impl Instant<'_> {
     /// Brings what is beyond a limit back to it: the search finds times just after the limit.
     fn lift(&mut self) -> Result<(), Fault> {
         let depth = |side: &Side| self.motion.model().stops[side.stop].depth(side.sign, &self.state.position);

@@ -56,10 +56,10 @@ impl Ledger {
     ///
     /// # Errors
     /// A state within the step that cannot be evaluated.
-    pub(super) fn advance<'m>(
+    pub(super) fn advance(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
         state: &mut State,
         until: f64,
     ) -> Result<(), RunError> {
@@ -117,9 +117,9 @@ impl Ledger {
 ///
 /// # Errors
 /// A time at which the state cannot be evaluated.
-pub(super) fn interpolate<'m>(
-    motion: &mut Motion<'m>,
-    stepper: &mut dyn Stepper<Motion<'m>>,
+pub(super) fn interpolate(
+    motion: &mut Motion,
+    stepper: &mut dyn Stepper<Motion>,
     time: f64,
     State { position, velocity }: &mut State,
 ) -> Result<(), RunError> {

@@ -47,7 +47,7 @@ pub(super) struct Passage {
 
 impl Passage {
     /// Looks how clear the start is and the positions around it, along the motion.
-    pub(super) fn new(model: &Model, system: &mut System<'_>, sizes: Vec<f64>) -> Self {
+    pub(super) fn new(model: &Model, system: &mut System, sizes: Vec<f64>) -> Self {
         let mut passage = Self {
             clearance: 0.0,
             widest: f64::MIN_POSITIVE,
@@ -63,7 +63,7 @@ impl Passage {
     }
 
     /// Looks anew from a state: the rows are others than before.
-    pub(super) fn start(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64]) {
+    pub(super) fn start(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
         self.multipliers.resize(system.constraint_rank(), 0.0);
         self.clearance = self.look(system, q, v, 0.0).unwrap_or(0.0);
         self.widest = self.clearance.max(f64::MIN_POSITIVE);
@@ -90,7 +90,7 @@ impl Passage {
     /// As [`System::accelerations`].
     pub(super) fn accelerations(
         &mut self,
-        system: &mut System<'_>,
+        system: &mut System,
         q: &[f64],
         v: &[f64],
         a: &mut [f64],
@@ -108,7 +108,7 @@ impl Passage {
     }
 
     /// The interpolation; false where the points around are not clear.
-    fn interpolate(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64], a: &mut [f64]) -> bool {
+    fn interpolate(&mut self, system: &mut System, q: &[f64], v: &[f64], a: &mut [f64]) -> bool {
         let fastest = self.fastest(v);
         // The nearest points first: how far one has to go depends on how fast the clearance grows.
         let mut along = 2.0 * WITHIN * self.widest;
@@ -124,7 +124,7 @@ impl Passage {
     }
 
     /// The sum; that of the multipliers is left in the system, to go with it.
-    fn sum(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64], tau: f64, a: &mut [f64]) -> bool {
+    fn sum(&mut self, system: &mut System, q: &[f64], v: &[f64], tau: f64, a: &mut [f64]) -> bool {
         a.fill(0.0);
         self.multipliers.fill(0.0);
         for (k, weight) in WEIGHTS.iter().enumerate() {
@@ -144,7 +144,7 @@ impl Passage {
 
     /// Settles the state that lies `time` along the motion into the scratch state; its clearance, `None` where there is
     /// none.
-    fn look(&mut self, system: &mut System<'_>, q: &[f64], v: &[f64], time: f64) -> Option<f64> {
+    fn look(&mut self, system: &mut System, q: &[f64], v: &[f64], time: f64) -> Option<f64> {
         let Self { position, velocity, step, .. } = self;
         position.copy_from_slice(q);
         velocity.copy_from_slice(v);
@@ -164,7 +164,7 @@ impl Passage {
     ///
     /// # Errors
     /// As [`System::settle`].
-    pub(super) fn settle(&mut self, system: &mut System<'_>, q: &mut [f64], v: &mut [f64]) -> Result<Settled, Fault> {
+    pub(super) fn settle(&mut self, system: &mut System, q: &mut [f64], v: &mut [f64]) -> Result<Settled, Fault> {
         let Self { position, velocity, .. } = self;
         position.copy_from_slice(q);
         velocity.copy_from_slice(v);

@@ -16,6 +16,7 @@ use super::stiffness::fastest;
 use crate::integrate::{Method, Options, Problem, Start, Statistics, StepError, Stepper};
 use crate::model::Model;
 use std::fmt;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Looks at the state are spread evenly over the run, the last one at its end.
@@ -150,7 +151,7 @@ impl Study {
 /// # Errors
 /// Where a reference cannot be made.
 pub fn precision(
-    model: &Model,
+    model: &Arc<Model>,
     start: &State,
     plan: &Plan,
     go_on: &mut dyn FnMut(f64) -> bool,
@@ -236,7 +237,7 @@ struct Bench<'a, 'g> {
     model: &'a Model,
     start: &'a State,
     plan: &'a Plan,
-    motion: Motion<'a>,
+    motion: Motion,
     /// How many runs there are, and how many are done.
     runs: usize,
     done: usize,
@@ -341,7 +342,7 @@ impl<'a> Bench<'a, '_> {
     }
 
     /// Every look that is due within the last step.
-    fn look(&mut self, stepper: &mut dyn Stepper<Motion<'a>>, looks: &mut Vec<Look>) -> Result<(), StepError> {
+    fn look(&mut self, stepper: &mut dyn Stepper<Motion>, looks: &mut Vec<Look>) -> Result<(), StepError> {
         while looks.len() < LOOKS as usize {
             let due = self.due(looks.len());
             if stepper.time() < due {

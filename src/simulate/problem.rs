@@ -11,6 +11,7 @@ use crate::simulate::run::State;
 use crate::simulate::stops::{Held, Mode, Side, Stops};
 use nalgebra::Vector3;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// [`System`] with what integrators ask for: this and a [`Method`](crate::integrate::Method) step a model by hand.
 ///
@@ -36,14 +37,14 @@ use std::ops::Range;
 ///
 /// Loops want [`constraint::assemble`](crate::constraint::assemble) first; stops and events are
 /// [`simulate::run`](super::run)'s.
-pub struct Motion<'m> {
-    pub(super) system: System<'m>,
+pub struct Motion {
+    pub(super) system: System,
     runs: Vec<Run>,
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
     tangent: Tangent,
     /// `None` for a model without stops.
-    pub(super) stops: Option<Stops<'m>>,
+    pub(super) stops: Option<Stops>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     passage: Option<Passage>,
     /// Scratch for residuals near those.
@@ -96,9 +97,9 @@ impl From<Fault> for Failure {
     }
 }
 
-impl<'m> Motion<'m> {
+impl Motion {
     /// Scratch memory for a model.
-    pub fn new(model: &'m Model) -> Self {
+    pub fn new(model: &Arc<Model>) -> Self {
         let (length, time) = (model.length_scale(), model.time_scale());
         let mut position_scales = vec![1.0; model.position_count()];
         let mut velocity_scales = vec![1.0 / time; model.velocity_count()];
@@ -121,12 +122,12 @@ impl<'m> Motion<'m> {
     }
 
     /// The system at a time (s), for what is recorded between steps.
-    pub fn at(&mut self, time: f64) -> &mut System<'m> {
+    pub fn at(&mut self, time: f64) -> &mut System {
         at_time(&mut self.system, time)
     }
 
     /// The model.
-    pub fn model(&self) -> &'m Model {
+    pub fn model(&self) -> &Arc<Model> {
         self.system.model()
     }
 
@@ -228,12 +229,12 @@ impl<'m> Motion<'m> {
         let Some(stops) = &mut self.stops else { return Ok(()) };
         if self.passage.is_none() {
             for side in sides {
-                let stop = &stops.stops[side.stop];
+                let stop = &stops.model.stops[side.stop];
                 state.position[stop.position] = stop.limit(side.sign);
             }
             return Ok(());
         }
-        let speed = |side: &Side| state.velocity[stops.stops[side.stop].velocity];
+        let speed = |side: &Side| state.velocity[stops.model.stops[side.stop].velocity];
         let rows: Vec<(usize, Instant)> = sides.iter().map(|side| stops.row(*side, speed(side))).collect();
         let system = at_time(&mut self.system, time);
         system.hold(&state.position, &state.velocity, &rows)?;
@@ -251,7 +252,7 @@ impl<'m> Motion<'m> {
         let Held { side, slack } = stops.mode.held[held];
         let pressure = match self.passage {
             None => stops.pressure(held),
-            Some(_) => -side.sign * self.system.held_force(stops.stops[side.stop].velocity),
+            Some(_) => -side.sign * self.system.held_force(stops.model.stops[side.stop].velocity),
         };
         pressure + slack
     }
@@ -261,8 +262,7 @@ impl<'m> Motion<'m> {
     /// # Errors
     /// [`RunError::Passed`].
     pub(super) fn guard(&self, time: f64, state: &State) -> Result<(), RunError> {
-        let Some(stops) = &self.stops else { return Ok(()) };
-        for (index, stop) in stops.stops.iter().enumerate() {
+        for (index, stop) in self.model().stops.iter().enumerate() {
             for sign in stop.signs() {
                 let side = Side { stop: index, sign };
                 let beyond = !(stop.depth(sign, &state.position) <= self.passing(side));
@@ -320,7 +320,7 @@ const PASSED: f64 = 1e-9;
 const ON_THE_LIMIT: f64 = 1e-12;
 
 /// The one way from a time to the system.
-pub(super) fn at_time<'a, 'm>(system: &'a mut System<'m>, time: f64) -> &'a mut System<'m> {
+pub(super) fn at_time(system: &mut System, time: f64) -> &mut System {
     system.set_time(time);
     system
 }
@@ -335,7 +335,7 @@ fn half_product(p: &[f64], w: &[f64]) -> [f64; 4] {
     ]
 }
 
-impl Problem for Motion<'_> {
+impl Problem for Motion {
     fn position_count(&self) -> usize {
         self.system.model().position_count()
     }
@@ -381,7 +381,7 @@ impl Problem for Motion<'_> {
     }
 }
 
-impl ImplicitProblem for Motion<'_> {
+impl ImplicitProblem for Motion {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
         for run in &self.runs {
             match run {

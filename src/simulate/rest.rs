@@ -12,6 +12,7 @@ use super::settings::Settings;
 use crate::model::Model;
 use crate::record::Recorder;
 use crate::statics::{Equilibrium, Verdict};
+use std::sync::Arc;
 
 /// A hinge that moved further than this did not rest (m or rad).
 pub const TOLERANCE: f64 = 1e-9;
@@ -66,7 +67,7 @@ pub struct Rest {
 /// # Errors
 /// Where the run cannot be made.
 pub fn rest(
-    model: &Model,
+    model: &Arc<Model>,
     equilibrium: &Equilibrium,
     settings: &Settings,
     rate: f64,

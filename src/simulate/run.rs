@@ -18,6 +18,7 @@ use crate::integrate::{Method, Options, Start, Statistics, Stepper};
 use crate::model::{Model, StopLaw};
 use crate::record::{Event, Recorder};
 use crate::spatial::Pose;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Step of the fixed-step method where none is given: this part of the scene's own time, and never above 1 ms.
@@ -83,7 +84,7 @@ pub struct Summary {
 /// # Errors
 /// Where a step cannot be made or a sample cannot be kept; what was recorded until then stays.
 pub fn run(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     rate: f64,
     start: &State,
@@ -98,7 +99,7 @@ pub fn run(
 /// # Errors
 /// As [`run`].
 pub(super) fn run_with(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     rate: f64,
     start: &State,
@@ -152,7 +153,7 @@ pub(super) fn run_with(
 }
 
 struct Run<'m> {
-    model: &'m Model,
+    model: &'m Arc<Model>,
     gap: f64,
     ledger: Ledger,
     sampler: Sampler,
@@ -171,7 +172,7 @@ struct Run<'m> {
 }
 
 impl<'m> Run<'m> {
-    fn summary(self, motion: &mut Motion<'m>, settings: &Settings, end_time: f64, energy_start: f64) -> Summary {
+    fn summary(self, motion: &mut Motion, settings: &Settings, end_time: f64, energy_start: f64) -> Summary {
         let now = motion.energies(end_time, &self.state.position, &self.state.velocity);
         let account = self.ledger.energy(&now);
         let mut poses = Vec::new();
@@ -200,7 +201,7 @@ impl<'m> Run<'m> {
     /// Runs with one method, or from one to the other where the choice is the program's.
     fn go(
         &mut self,
-        motion: &mut Motion<'m>,
+        motion: &mut Motion,
         settings: &Settings,
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
@@ -256,8 +257,8 @@ impl<'m> Run<'m> {
     /// Hands on samples and events up to a time within the last step, in order; false if `go_on` asked to stop.
     fn tell(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
         until: f64,
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
@@ -291,11 +292,11 @@ impl<'m> Run<'m> {
 
     fn stepper(
         &mut self,
-        motion: &mut Motion<'m>,
+        motion: &mut Motion,
         settings: &Settings,
         method: Method,
         time: f64,
-    ) -> Result<Box<dyn Stepper<Motion<'m>>>, RunError> {
+    ) -> Result<Box<dyn Stepper<Motion>>, RunError> {
         let default = method.needs_step().then(|| (FIXED_STEP * self.model.time_scale()).min(1e-3));
         let options = Options {
             relative: settings.tolerance,
@@ -313,7 +314,7 @@ impl<'m> Run<'m> {
     }
 
     /// An explicit method that stability would hold below any useful step is refused.
-    fn refuse_hopeless(&self, motion: &mut Motion<'m>, method: Method, time: f64) -> Result<(), RunError> {
+    fn refuse_hopeless(&self, motion: &mut Motion, method: Method, time: f64) -> Result<(), RunError> {
         let Some(reach) = method.stability_reach() else { return Ok(()) };
         let State { position, velocity } = &self.state;
         let Some(fastest) = fastest(motion, time, position, velocity) else { return Ok(()) };
@@ -329,7 +330,7 @@ impl<'m> Run<'m> {
         })
     }
 
-    fn creeps(&self, motion: &mut Motion<'m>, time: f64, Creep { step, left }: Creep) -> RunError {
+    fn creeps(&self, motion: &mut Motion, time: f64, Creep { step, left }: Creep) -> RunError {
         let fastest = fastest(motion, time, &self.state.position, &self.state.velocity);
         let (hinge, rate) = fastest.map_or(("of no name".to_owned(), f64::NAN), |fastest| {
             (self.model.label(fastest.coordinate), fastest.rate)
@@ -338,11 +339,7 @@ impl<'m> Run<'m> {
     }
 
     /// One step, and the state at its end or at what happens before.
-    fn step(
-        &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
-    ) -> Result<Option<Hit>, RunError> {
+    fn step(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>) -> Result<Option<Hit>, RunError> {
         let before = Instant::now();
         let (model, state) = (self.model, &self.state);
         stepper
@@ -364,8 +361,8 @@ impl<'m> Run<'m> {
     /// The account of a step up to its end or to what happened before.
     fn close_step(
         &mut self,
-        motion: &mut Motion<'m>,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        motion: &mut Motion,
+        stepper: &mut dyn Stepper<Motion>,
         until: f64,
     ) -> Result<(), RunError> {
         if self.model.is_constrained() {
@@ -379,7 +376,7 @@ impl<'m> Run<'m> {
     /// What follows from an event.
     fn turn(
         &mut self,
-        motion: &mut Motion<'m>,
+        motion: &mut Motion,
         settings: &Settings,
         method: Method,
         Hit { time, turn }: Hit,

@@ -49,11 +49,11 @@ impl Sampler {
     }
 
     /// Every sample due within the last step up to a time, the ledger with them; false if `go_on` asked to stop.
-    pub(super) fn up_to<'m>(
+    pub(super) fn up_to(
         &mut self,
-        motion: &mut Motion<'m>,
+        motion: &mut Motion,
         ledger: &mut Ledger,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        stepper: &mut dyn Stepper<Motion>,
         until: f64,
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
@@ -84,11 +84,11 @@ impl Sampler {
     }
 
     /// The ledger up to the end of a step or to what happens before.
-    pub(super) fn close<'m>(
+    pub(super) fn close(
         &mut self,
-        motion: &mut Motion<'m>,
+        motion: &mut Motion,
         ledger: &mut Ledger,
-        stepper: &mut dyn Stepper<Motion<'m>>,
+        stepper: &mut dyn Stepper<Motion>,
         until: f64,
     ) -> Result<(), RunError> {
         ledger.advance(motion, stepper, &mut self.state, until)
@@ -97,7 +97,7 @@ impl Sampler {
     /// One sample. Nothing is recorded that is not a number, nor a state beyond a rigid stop.
     pub(super) fn sample(
         &mut self,
-        motion: &mut Motion<'_>,
+        motion: &mut Motion,
         ledger: &mut Ledger,
         time: f64,
         state: &State,

@@ -7,9 +7,10 @@ use crate::model::shape::{Geometry, Shape};
 use crate::model::{Body, End, Loop, Model};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, UnitQuaternion};
+use std::sync::Arc;
 
 /// What a picture of this model needs to know.
-pub fn scene(model: &Model) -> Scene {
+pub fn scene(model: &Arc<Model>) -> Scene {
     let mut by_position: Vec<&Body> = model.bodies.iter().collect();
     by_position.sort_by_key(|body| (body.hinge.position, body.hinge.kind.counts().0));
     let channels = |names: fn(&HingeKind) -> Names| -> Vec<Channel> {

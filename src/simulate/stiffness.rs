@@ -30,7 +30,7 @@ pub(super) struct Fastest {
 }
 
 /// The fastest motion near a state; `None` where the system cannot be evaluated there.
-pub(super) fn fastest(motion: &mut Motion<'_>, time: f64, q: &[f64], v: &[f64]) -> Option<Fastest> {
+pub(super) fn fastest(motion: &mut Motion, time: f64, q: &[f64], v: &[f64]) -> Option<Fastest> {
     let n = v.len();
     if n == 0 {
         return None;

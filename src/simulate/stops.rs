@@ -15,6 +15,7 @@
 
 use crate::model::prescribed::Instant;
 use crate::model::{Model, Stop, StopLaw};
+use std::sync::Arc;
 
 /// Which end of a stop's range: −1 the low one, 1 the high one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,8 +46,8 @@ pub(super) struct Mode {
 
 /// The stops of a model and what rests on them.
 #[derive(Debug)]
-pub(super) struct Stops<'m> {
-    pub(super) stops: &'m [Stop],
+pub(super) struct Stops {
+    pub(super) model: Arc<Model>,
     pub(super) mode: Mode,
     /// Whether what is held has rows beside those of loops, drives and gears.
     tied: bool,
@@ -86,13 +87,13 @@ impl Stop {
     }
 }
 
-impl<'m> Stops<'m> {
+impl Stops {
     /// `None` for a model without stops.
-    pub(super) fn new(model: &'m Model) -> Option<Self> {
+    pub(super) fn new(model: &Arc<Model>) -> Option<Self> {
         let n = model.velocity_count();
         let room = model.stops.len();
         (!model.stops.is_empty()).then(|| Self {
-            stops: &model.stops,
+            model: Arc::clone(model),
             mode: Mode { pushing: Vec::with_capacity(room), held: Vec::with_capacity(room) },
             tied: model.is_constrained(),
             columns: Vec::new(),
@@ -118,7 +119,7 @@ impl<'m> Stops<'m> {
     pub(super) fn press(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
         tau.fill(0.0);
         for side in &self.mode.pushing {
-            let stop = &self.stops[side.stop];
+            let stop = &self.model.stops[side.stop];
             tau[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
         }
     }
@@ -131,11 +132,11 @@ impl<'m> Stops<'m> {
         let m = self.mode.held.len();
         for (k, Held { side, .. }) in self.mode.held.iter().enumerate() {
             self.force.fill(0.0);
-            self.force[self.stops[side.stop].velocity] = 1.0;
+            self.force[self.model.stops[side.stop].velocity] = 1.0;
             solve(&self.force, &mut self.columns[k]);
         }
         for (row, Held { side, .. }) in self.mode.held.iter().enumerate() {
-            let i = self.stops[side.stop].velocity;
+            let i = self.model.stops[side.stop].velocity;
             self.multipliers[row] = -a[i];
             for k in 0..m {
                 self.matrix[row * m + k] = self.columns[k][i];
@@ -147,13 +148,13 @@ impl<'m> Stops<'m> {
             a.iter_mut().zip(&self.columns[k]).for_each(|(a, column)| *a += by * column);
         }
         for Held { side, .. } in &self.mode.held {
-            a[self.stops[side.stop].velocity] = 0.0;
+            a[self.model.stops[side.stop].velocity] = 0.0;
         }
     }
 
     /// A coordinate on the stop of a side, with this speed.
     pub(super) fn row(&self, side: Side, velocity: f64) -> (usize, Instant) {
-        let stop = &self.stops[side.stop];
+        let stop = &self.model.stops[side.stop];
         (stop.velocity, Instant { position: stop.limit(side.sign), velocity, acceleration: 0.0 })
     }
 
@@ -165,7 +166,7 @@ impl<'m> Stops<'m> {
     /// Takes the rows that are held off the force balance of a tree.
     pub(super) fn balance(&self, residual: &mut [f64]) {
         if !self.tied {
-            self.mode.held.iter().for_each(|held| residual[self.stops[held.side.stop].velocity] = 0.0);
+            self.mode.held.iter().for_each(|held| residual[self.model.stops[held.side.stop].velocity] = 0.0);
         }
     }
 
@@ -173,31 +174,36 @@ impl<'m> Stops<'m> {
     pub(super) fn diagonal(&mut self, c1: f64) -> &[f64] {
         self.force.fill(0.0);
         for side in &self.mode.pushing {
-            let stop = &self.stops[side.stop];
+            let stop = &self.model.stops[side.stop];
             if let StopLaw::Compliant { stiffness, damping } = stop.law {
                 self.force[stop.velocity] += stiffness + c1 * damping;
             }
         }
         if !self.tied {
-            self.mode.held.iter().for_each(|held| self.force[self.stops[held.side.stop].velocity] = f64::INFINITY);
+            self.mode
+                .held
+                .iter()
+                .for_each(|held| self.force[self.model.stops[held.side.stop].velocity] = f64::INFINITY);
         }
         &self.force
     }
 
     /// Energy in the springs of stops that push (J).
     pub(super) fn potential(&self, q: &[f64]) -> f64 {
-        let of_side = |side: &Side| match self.stops[side.stop].law {
+        let of_side = |side: &Side| match self.model.stops[side.stop].law {
             StopLaw::Rigid { .. } => 0.0,
-            StopLaw::Compliant { stiffness, .. } => 0.5 * stiffness * self.stops[side.stop].depth(side.sign, q).powi(2),
+            StopLaw::Compliant { stiffness, .. } => {
+                0.5 * stiffness * self.model.stops[side.stop].depth(side.sign, q).powi(2)
+            }
         };
         self.mode.pushing.iter().map(of_side).sum()
     }
 
     /// Power that the dampers of stops that push take out (W).
     pub(super) fn dissipated(&self, v: &[f64]) -> f64 {
-        let of_side = |side: &Side| match self.stops[side.stop].law {
+        let of_side = |side: &Side| match self.model.stops[side.stop].law {
             StopLaw::Rigid { .. } => 0.0,
-            StopLaw::Compliant { damping, .. } => damping * v[self.stops[side.stop].velocity].powi(2),
+            StopLaw::Compliant { damping, .. } => damping * v[self.model.stops[side.stop].velocity].powi(2),
         };
         self.mode.pushing.iter().map(of_side).sum()
     }

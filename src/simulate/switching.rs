@@ -10,7 +10,7 @@ use super::run::State;
 use crate::dynamics::Boundary;
 use crate::force::{Act, Switch};
 
-impl Motion<'_> {
+impl Motion {
     /// Where a law stands with respect to one of its boundaries.
     pub(super) fn switch(&mut self, time: f64, boundary: Boundary, state: &State) -> Switch {
         self.at(time).switch(boundary, &state.position, &state.velocity)

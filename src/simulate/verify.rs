@@ -18,6 +18,7 @@ use crate::integrate::Method;
 use crate::model::{Model, Stop, StopLaw};
 use crate::record::{Outcome, RecordError, Recorder, Sample};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The second run's tolerance is this part of the first one's.
 const TIGHTER: f64 = 1e-2;
@@ -73,7 +74,7 @@ pub struct VerifiedEvents {
 /// # Errors
 /// Where the second run cannot be made.
 pub fn verify(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &State,
     first: &Summary,

@@ -6,6 +6,7 @@ use super::settings::Settings;
 use crate::dynamics::Fault;
 use crate::model::description::Description;
 use crate::model::{Model, Parameter};
+use std::sync::Arc;
 
 /// The equilibrium of a scene from its start position, or, when numbers of it are `unknown`, the values that hold that
 /// position; with the scene and the model that it belongs to. `go_on` is asked once for every step of the search: `false` ends
@@ -15,7 +16,7 @@ use crate::model::{Model, Parameter};
 /// If the system cannot be evaluated at the start: a singular hinge, a number that is not finite.
 pub fn answer(
     description: Description,
-    model: Model,
+    model: Arc<Model>,
     unknown: &[Parameter],
     settings: &Settings,
     go_on: &dyn Fn() -> bool,

@@ -3,6 +3,7 @@
 use crate::constraint::{Closer, assemble};
 use crate::model::Model;
 use nalgebra::Matrix3;
+use std::sync::Arc;
 
 /// What assembly has decided: frames of loops and offsets of gears that follow from the given positions, and which rows
 /// are independent.
@@ -18,25 +19,28 @@ impl Assembled {
     ///
     /// # Errors
     /// What cannot be assembled.
-    pub(super) fn of(model: &mut Model) -> Result<Self, String> {
-        assemble(model).map_err(|problems| {
+    pub(super) fn of(model: Arc<Model>) -> Result<(Arc<Model>, Self), String> {
+        let (model, _) = assemble(model).map_err(|problems| {
             problems.first().map_or_else(|| "the loops cannot be closed".to_owned(), |problem| problem.message.clone())
         })?;
-        Ok(Self {
+        let assembled = Self {
             frames: model.loops.iter().map(|one| one.second_frame).collect(),
             offsets: model.gears.iter().map(|gear| gear.offset).collect(),
             independent: model.independent_rows.clone(),
-        })
+        };
+        Ok((model, assembled))
     }
 
-    /// Gives it to another model of the scene, and brings `q` onto the loops of that: locks and drives where they are.
+    /// Another model of the scene with these decisions; `q` is brought onto its loops, locks and drives where they are,
+    /// and is where it starts.
     ///
     /// # Errors
-    /// Where that is not possible.
-    pub(super) fn give(&self, model: &mut Model, q: &mut [f64]) -> Result<(), String> {
+    /// If the loops cannot be closed there.
+    pub(super) fn apply(&self, model: Arc<Model>, q: &mut [f64]) -> Result<Arc<Model>, String> {
         if !model.is_constrained() {
-            return Ok(());
+            return Ok(model);
         }
+        let mut model = Arc::unwrap_or_clone(model);
         for (one, frame) in model.loops.iter_mut().zip(&self.frames) {
             one.second_frame = *frame;
         }
@@ -44,10 +48,10 @@ impl Assembled {
             gear.offset = *offset;
         }
         model.independent_rows.clone_from(&self.independent);
-        if !Closer::new(model).close(q) {
+        if !Closer::new(&model).close(&model, q) {
             return Err("the loops cannot be closed there".to_owned());
         }
         model.start_position.copy_from_slice(q);
-        Ok(())
+        Ok(Arc::new(model))
     }
 }

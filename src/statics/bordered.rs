@@ -104,7 +104,7 @@ impl Bordered {
     /// Gathers what the sweep needs at `q`; the multipliers are in the system.
     pub(super) fn look(
         &mut self,
-        system: &mut System<'_>,
+        system: &mut System,
         q: &[f64],
         rows: Vec<Vec<f64>>,
     ) -> Result<(), crate::dynamics::Fault> {
@@ -115,7 +115,7 @@ impl Bordered {
     }
 
     /// `K + diag(by)`: its negative directions along the rows, or `None` where it is singular.
-    pub(super) fn factorize(&mut self, system: &System<'_>, by: &[f64]) -> Option<usize> {
+    pub(super) fn factorize(&mut self, system: &System, by: &[f64]) -> Option<usize> {
         for (i, by) in self.free.iter().zip(by) {
             self.shift[*i] = *by;
         }
@@ -137,7 +137,7 @@ impl Bordered {
     }
 
     /// Where `K + diag(by)` is negative along the rows, a direction with a bit of everything to look for that from; else none.
-    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn negative_direction(&mut self, system: &System, by: &[f64]) -> Option<Vec<f64>> {
         let some = self.factorize(system, by)? > 0;
         some.then(|| (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect())
     }

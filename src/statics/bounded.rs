@@ -16,6 +16,7 @@ use super::stops::{self, Set};
 use super::watch::Watch;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, StopLaw};
+use std::sync::Arc;
 
 /// Whether the search is for this scene: its loads have a potential, and nothing ties coordinates together.
 pub(super) fn is_for(model: &Model, settings: &Settings) -> bool {
@@ -36,7 +37,7 @@ struct Outcome {
 /// # Errors
 /// The element whose numbers are not finite.
 pub(super) fn search(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     watch: &Watch<'_>,
@@ -75,7 +76,7 @@ pub(super) fn search(
 }
 
 fn descend(
-    model: &Model,
+    model: &Arc<Model>,
     start: &[f64],
     watch: &Watch<'_>,
     trail: Option<&mut Vec<Vec<f64>>>,
@@ -116,7 +117,7 @@ fn borne(model: &Model, q: &[f64]) -> Set {
 ///
 /// # Errors
 /// The element whose numbers are not finite.
-pub(super) fn examine_weak(model: &Model, settings: &Settings, found: &mut Equilibrium) -> Result<(), Fault> {
+pub(super) fn examine_weak(model: &Arc<Model>, settings: &Settings, found: &mut Equilibrium) -> Result<(), Fault> {
     let touches = found.stops.iter().any(|stop| stop.depth == 0.0);
     if !(found.balanced && touches) || model.is_constrained() || !model.is_conservative() {
         return Ok(());

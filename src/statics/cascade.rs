@@ -66,7 +66,7 @@ pub(super) struct Found {
 
 /// Runs the method that is asked for.
 pub(super) fn search(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     settings: &Settings,
     first: Place,
     history: &mut Vec<Iteration>,
@@ -106,7 +106,7 @@ pub(super) fn search(
 
 /// A minimum of the potential within limits that the landscape heeds: the first stage alone heeds them.
 pub(super) fn within_limits(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     first: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Found, Fault> {
@@ -121,8 +121,8 @@ impl Found {
     }
 }
 
-struct Cascade<'c, 's, 'm> {
-    landscape: &'c mut Landscape<'s, 'm>,
+struct Cascade<'c, 's> {
+    landscape: &'c mut Landscape<'s>,
     history: &'c mut Vec<Iteration>,
     guess: Place,
     stages: Vec<Stage>,
@@ -132,8 +132,8 @@ struct Cascade<'c, 's, 'm> {
     before: (usize, usize, usize),
 }
 
-impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
-    fn new(landscape: &'c mut Landscape<'s, 'm>, history: &'c mut Vec<Iteration>, guess: &Place) -> Self {
+impl<'c, 's> Cascade<'c, 's> {
+    fn new(landscape: &'c mut Landscape<'s>, history: &'c mut Vec<Iteration>, guess: &Place) -> Self {
         let before = (landscape.residuals, landscape.factorizations, history.len());
         let (guess, stages, notes) = (guess.clone(), Vec::new(), Vec::new());
         Self { landscape, history, guess, stages, accelerations: 0, notes, before }
@@ -220,7 +220,7 @@ impl<'c, 's, 'm> Cascade<'c, 's, 'm> {
 
     /// Where loads have no potential there is no downhill: an unstable equilibrium is left with the motion itself.
     fn leave_unstable(&mut self, found: Found) -> Result<Found, Fault> {
-        let unstable = |landscape: &mut Landscape<'_, '_>, place: &Place| -> Result<Option<Vec<f64>>, Fault> {
+        let unstable = |landscape: &mut Landscape<'_>, place: &Place| -> Result<Option<Vec<f64>>, Fault> {
             let free = landscape.free.clone();
             if !place.is_balanced() || free.len() > MOST_DENSE {
                 return Ok(None);

@@ -32,7 +32,7 @@ pub(super) struct Descent {
 ///
 /// # Errors
 /// The element whose numbers are not finite.
-pub(super) fn descent(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<Option<Descent>, Fault> {
+pub(super) fn descent(landscape: &mut Landscape<'_>, place: &Place) -> Result<Option<Descent>, Fault> {
     Ok(weakest(landscape, place)?.filter(|found| found.falls))
 }
 
@@ -40,7 +40,7 @@ pub(super) fn descent(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
 ///
 /// # Errors
 /// The element whose numbers are not finite.
-pub(super) fn weakest(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<Option<Descent>, Fault> {
+pub(super) fn weakest(landscape: &mut Landscape<'_>, place: &Place) -> Result<Option<Descent>, Fault> {
     let weak = landscape.weakly_active();
     if weak.is_empty() {
         return Ok(None);
@@ -80,7 +80,7 @@ pub(super) fn weakest(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
 }
 
 /// `K e` for the coordinate of each stop.
-fn columns(landscape: &mut Landscape<'_, '_>, place: &Place, weak: &[Weak]) -> Result<Vec<Vec<f64>>, Fault> {
+fn columns(landscape: &mut Landscape<'_>, place: &Place, weak: &[Weak]) -> Result<Vec<Vec<f64>>, Fault> {
     let n = landscape.steady.len();
     let rest = landscape.steady.clone();
     let unit = Mat::from_fn(n, weak.len(), |i, j| f64::from(u8::from(weak[j].velocity == i)));

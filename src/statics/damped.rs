@@ -15,6 +15,7 @@ use crate::dynamics::{Linearization, System};
 use crate::model::Model;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, c64};
+use std::sync::Arc;
 
 /// Imaginary parts below this part of the root are round-off, and roots below this part of the largest: a double root
 /// splits by the square root of the machine precision.
@@ -63,13 +64,13 @@ pub(super) fn of_motions(
 
 /// The damped motion of a large system within the space of its lowest undamped modes. `momenta` are `M x` of each.
 pub(super) fn within(
-    system: &mut System<'_>,
+    system: &mut System,
     q: &[f64],
     free: &[usize],
     modes: &[(f64, Vec<f64>)],
     momenta: &[Vec<f64>],
 ) -> Vec<DampedMode> {
-    let (model, count) = (system.model(), modes.len());
+    let (model, count) = (&Arc::clone(system.model()), modes.len());
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let size: Vec<f64> = modes.iter().zip(momenta).map(|((_, x), p)| dot(x, p).sqrt()).collect();
     // `C x`, from balances with velocities `x` and `−x`: what is quadratic in them cancels.

@@ -14,6 +14,7 @@ use crate::model::Model;
 use crate::model::problem::number;
 use crate::spatial::{Pose, Wrench};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// What the search found, with the evidence.
 #[derive(Debug, Clone)]
@@ -102,7 +103,7 @@ pub struct Equilibrium {
 ///
 /// # Errors
 /// Where the system cannot be evaluated at the guess: a singular hinge, a number that is not finite.
-pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<Equilibrium, Fault> {
+pub fn equilibrium(model: &Arc<Model>, settings: &Settings, start: &[f64]) -> Result<Equilibrium, Fault> {
     equilibrium_observed(model, settings, start, &mut || {})
 }
 
@@ -112,7 +113,7 @@ pub fn equilibrium(model: &Model, settings: &Settings, start: &[f64]) -> Result<
 /// # Errors
 /// As [`equilibrium`].
 pub fn equilibrium_while(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     go_on: &dyn Fn() -> bool,
@@ -126,7 +127,7 @@ pub fn equilibrium_while(
 /// # Errors
 /// As [`equilibrium`].
 pub fn equilibrium_observed(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     searched: &mut dyn FnMut(),
@@ -140,7 +141,7 @@ pub fn equilibrium_observed(
 /// # Errors
 /// As [`equilibrium`].
 pub fn equilibrium_watched(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     go_on: &dyn Fn() -> bool,
@@ -150,7 +151,7 @@ pub fn equilibrium_watched(
 }
 
 fn search(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     watch: &Watch<'_>,
@@ -171,7 +172,7 @@ fn search(
 
 /// What is told at once of a scene with a constant force that nothing feels: the cascade would follow it without end. `None` for
 /// others.
-fn unresting(model: &Model, settings: &Settings, start: &[f64]) -> Result<Option<Equilibrium>, Fault> {
+fn unresting(model: &Arc<Model>, settings: &Settings, start: &[f64]) -> Result<Option<Equilibrium>, Fault> {
     let held = || (settings.method == Method::Auto).then(|| unheld::unheld(model)).flatten();
     let Some(Unheld { body, force }) = held() else { return Ok(None) };
     let mut system = System::new(model);
@@ -194,7 +195,7 @@ fn unresting(model: &Model, settings: &Settings, start: &[f64]) -> Result<Option
 
 /// The same for a model without stops.
 pub(super) fn search_free(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     watch: &Watch<'_>,
@@ -238,7 +239,7 @@ pub struct Leftover {
 ///
 /// # Errors
 /// Where the system cannot be evaluated there.
-pub fn leftover(model: &Model, position: &[f64], velocity: &[f64]) -> Result<Option<Leftover>, Fault> {
+pub fn leftover(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Result<Option<Leftover>, Fault> {
     let (model, position) = &stops::bearing(model, position);
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, position)?;
@@ -257,7 +258,7 @@ pub fn leftover(model: &Model, position: &[f64], velocity: &[f64]) -> Result<Opt
 
 /// The certificate of a pose as it stands: nothing is searched for. `by` is its method and stage.
 pub(super) fn examine(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     pose: &[f64],
     by: &'static str,
@@ -282,7 +283,7 @@ pub(super) fn examine(
 }
 
 /// Names what is not balanced: hinge, body, force and direction.
-pub(super) fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> String {
+pub(super) fn unbalanced(landscape: &mut Landscape<'_>, place: &Place) -> String {
     let (_, largest) = place.residual();
     let Some(worst) = unresisted(landscape, place).or(largest) else { return "no residual".to_owned() };
     format!(
@@ -292,10 +293,10 @@ pub(super) fn unbalanced(landscape: &mut Landscape<'_, '_>, place: &Place) -> St
 }
 
 /// An unbalanced force with its hinge, direction and size.
-fn describe(landscape: &mut Landscape<'_, '_>, place: &Place, worst: usize) -> String {
+fn describe(landscape: &mut Landscape<'_>, place: &Place, worst: usize) -> String {
     let relative = place.force[worst].abs() / place.scales.force[worst];
     let share = if relative >= 0.01 { format!("{:.0} %", 100.0 * relative) } else { format!("{relative:.1e}") };
-    let (model, coordinate) = (landscape.model(), landscape.free[worst]);
+    let (model, coordinate) = (&Arc::clone(landscape.model()), landscape.free[worst]);
     let size = number(place.force[worst]);
     let unit = if super::landscape::slides(model)[coordinate] { "N" } else { "N m" };
     let direction = direction(landscape, coordinate);
@@ -305,7 +306,7 @@ fn describe(landscape: &mut Landscape<'_, '_>, place: &Place, worst: usize) -> S
 
 /// The coordinate whose force nothing resists: a shifted solve leaves it to the shift, `σ B x` with `(K + σB) x = f`,
 /// while it hands every other force to the stiffness. `None` where the stiffness resists them all.
-fn unresisted(landscape: &mut Landscape<'_, '_>, place: &Place) -> Option<usize> {
+fn unresisted(landscape: &mut Landscape<'_>, place: &Place) -> Option<usize> {
     landscape.look(&place.q).ok()?;
     let curvatures = place.scales.stiffness.iter().zip(&landscape.metric).map(|(k, b)| k / b);
     let sigma = 1e-8 * curvatures.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
@@ -320,8 +321,8 @@ fn unresisted(landscape: &mut Landscape<'_, '_>, place: &Place) -> Option<usize>
 }
 
 /// The axis of a turn or slide in inertial axes; of the ball's axis for a ball.
-fn direction(landscape: &mut Landscape<'_, '_>, coordinate: usize) -> Option<Vector3<f64>> {
-    let model = landscape.model();
+fn direction(landscape: &mut Landscape<'_>, coordinate: usize) -> Option<Vector3<f64>> {
+    let model = &Arc::clone(landscape.model());
     let (index, link) = model.links.iter().enumerate().skip(1).find(|(_, link)| {
         let (_, count) = link.joint.counts();
         (link.velocity..link.velocity + count).contains(&coordinate)
@@ -348,14 +349,14 @@ fn round_off_note(place: &Place) -> Option<String> {
 }
 
 pub(super) fn certify(
-    mut landscape: Landscape<'_, '_>,
+    mut landscape: Landscape<'_>,
     settings: &Settings,
     place: Place,
     effort: Effort,
     history: Vec<Iteration>,
     mut notes: Vec<String>,
 ) -> Result<Equilibrium, Fault> {
-    let model = landscape.model();
+    let model = &Arc::clone(landscape.model());
     let (free, conservative) = (landscape.free.clone(), landscape.conservative);
     let (force_evaluations, stiffness_evaluations) = (landscape.residuals + effort.forces, landscape.stiffnesses);
     let factorizations = landscape.factorizations + effort.factorizations;
@@ -443,7 +444,7 @@ fn by_body(model: &Model, reactions: &[Wrench]) -> Vec<Wrench> {
 }
 
 /// Largest hinge acceleration at rest with locked hinges held.
-fn held_acceleration(system: &mut System<'_>, place: &Place, free: &[usize]) -> Result<f64, Fault> {
+fn held_acceleration(system: &mut System, place: &Place, free: &[usize]) -> Result<f64, Fault> {
     let rest = vec![0.0; system.model().velocity_count()];
     let mut a = rest.clone();
     system.accelerations(&place.q, &rest, &mut a)?;

@@ -28,6 +28,7 @@ use crate::model::parameter::Quantity;
 use crate::model::problem::number;
 use crate::model::{Model, Parameter};
 use faer::Mat;
+use std::sync::Arc;
 
 /// Singular values below this part of the largest one are round-off: the balance knows its forces to some 1e-16 of
 /// what cancels in it, and the columns are differences of two of them.
@@ -41,7 +42,7 @@ pub struct Held {
     /// The scene with the inputs that were found; as it was where they are not allowed.
     pub description: Description,
     /// Its model, standing in the pose.
-    pub model: Model,
+    pub model: Arc<Model>,
     /// The certificate of the pose, with [`Equilibrium::unknowns`].
     pub found: Equilibrium,
 }
@@ -68,9 +69,9 @@ pub fn hold(
     pose: &[f64],
     settings: &Settings,
 ) -> Result<Held, Fault> {
-    let mut given = Model::build(description).expect("a description that was built before");
-    let assembled = Assembled::of(&mut given).expect("loops that were closed before");
-    given.start_position.copy_from_slice(pose);
+    let built = Model::build(description).expect("a description that was built before");
+    let (given, assembled) = Assembled::of(built).expect("loops that were closed before");
+    let given = given.starting_at(pose);
     let beyond = stops::passed(&given, pose);
     if !beyond.is_empty() {
         return refused_by_stops(description, unknown, pose, given, &beyond, settings);
@@ -105,28 +106,26 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The model of a description, standing in the pose; `None` where there is none.
-    fn built(&self, description: &Description) -> Option<Model> {
-        let mut model = Model::build(description).ok()?;
-        self.assembled.give(&mut model, &mut self.pose.to_vec()).ok()?;
-        model.start_position.copy_from_slice(self.pose);
-        Some(model)
+    fn built(&self, description: &Description) -> Option<Arc<Model>> {
+        let model = self.assembled.apply(Model::build(description).ok()?, &mut self.pose.to_vec()).ok()?;
+        Some(model.starting_at(self.pose))
     }
 
     /// The same while these stops bear: what they bear is free, as what holds a lock.
-    fn bearing(&self, description: &Description, set: &Set) -> Option<Model> {
-        let (mut model, _) = stops::with(&self.built(description)?, set, self.pose)?;
-        model.start_position.copy_from_slice(self.pose);
-        Some(model)
+    fn bearing(&self, description: &Description, set: &Set) -> Option<Arc<Model>> {
+        let built = self.built(description)?;
+        let (model, _) = stops::with(&built, set, self.pose)?;
+        Some(model.starting_at(self.pose))
     }
 
     /// The scene whose inputs hold the pose while these stops bear, its model with them, and its certificate.
-    fn balance(&self, given: &Model, set: &Set) -> Result<(Description, Model, Equilibrium), Fault> {
+    fn balance(&self, given: &Arc<Model>, set: &Set) -> Result<(Description, Arc<Model>, Equilibrium), Fault> {
         let Self { description, unknown, pose, settings, .. } = *self;
         let given = stops::with(given, set, pose).map_or_else(|| given.clone(), |(model, _)| model);
         let build = |description: &Description| self.bearing(description, set);
         // One metric for all: what loops leave of a force is measured in it.
         let metric = metric(&given, pose)?;
-        let place = |model: &Model| place(model, pose, &metric);
+        let place = |model: &Arc<Model>| place(model, pose, &metric);
         let first = place(&given)?;
         let problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
         // What only a stop feels is no mistake.
@@ -164,7 +163,7 @@ impl Search<'_> {
         if !place_now.is_balanced() && !self.let_go.is_empty() {
             notes.push(format!("the stop of {} would have to pull to hold the pose", self.let_go.join(", ")));
         }
-        model.start_position.copy_from_slice(pose);
+        let model = model.starting_at(pose);
         let mut found = equilibrium::examine(&model, settings, pose, "inverse", notes)?;
         found.converged = found.balanced && influential;
         found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&best))).collect();
@@ -177,7 +176,7 @@ fn refused_by_stops(
     description: &Description,
     unknown: &[Parameter],
     pose: &[f64],
-    given: Model,
+    given: Arc<Model>,
     beyond: &[(String, f64, f64)],
     settings: &Settings,
 ) -> Result<Held, Fault> {
@@ -191,12 +190,12 @@ fn refused_by_stops(
     Ok(Held { description: description.clone(), model: given, found })
 }
 
-fn metric(model: &Model, pose: &[f64]) -> Result<Vec<f64>, Fault> {
+fn metric(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
     let mut system = System::new(model);
     Ok(Landscape::new(&mut system, pose)?.metric)
 }
 
-fn place(model: &Model, pose: &[f64], metric: &[f64]) -> Result<Place, Fault> {
+fn place(model: &Arc<Model>, pose: &[f64], metric: &[f64]) -> Result<Place, Fault> {
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, pose)?;
     landscape.metric.copy_from_slice(metric);
@@ -208,8 +207,8 @@ impl<'a> Problem<'a> {
         description: &Description,
         unknown: &'a [Parameter],
         (model, first): (&Model, &Place),
-        build: &dyn Fn(&Description) -> Option<Model>,
-        place: &dyn Fn(&Model) -> Result<Place, Fault>,
+        build: &dyn Fn(&Description) -> Option<Arc<Model>>,
+        place: &dyn Fn(&Arc<Model>) -> Result<Place, Fault>,
     ) -> Result<Self, Fault> {
         let largest = first.scales.force.iter().fold(0.0_f64, |m, f| m.max(*f));
         let rows: Vec<f64> = first

@@ -35,6 +35,7 @@ use crate::spatial::Wrench;
 use constraints::Constraint;
 use entries::{Entries, Pattern};
 use poses::Poses;
+use std::sync::Arc;
 
 const MOST_NEWTON_STEPS: usize = 60;
 const MOST_TRANSIENT_STEPS: usize = 400;
@@ -67,11 +68,7 @@ pub(super) struct Outcome {
 }
 
 /// Runs from `place`; the answer is balanced or the best that was found.
-pub(super) fn run(
-    landscape: &mut Landscape<'_, '_>,
-    place: Place,
-    history: &mut Vec<Iteration>,
-) -> Result<Outcome, Fault> {
+pub(super) fn run(landscape: &mut Landscape<'_>, place: Place, history: &mut Vec<Iteration>) -> Result<Outcome, Fault> {
     let mut search = Search::new(landscape, &place);
     let mut stage = "newton";
     let mut found = None;
@@ -113,9 +110,9 @@ struct Sum {
     target: f64,
 }
 
-struct Search<'l, 's, 'm> {
-    landscape: &'l mut Landscape<'s, 'm>,
-    model: &'m Model,
+struct Search<'l, 's> {
+    landscape: &'l mut Landscape<'s>,
+    model: Arc<Model>,
     /// Of hinges, then of loops.
     constraints: Vec<Constraint>,
     hinges: usize,
@@ -136,10 +133,10 @@ struct Search<'l, 's, 'm> {
     factorizations: usize,
 }
 
-impl<'l, 's, 'm> Search<'l, 's, 'm> {
+impl<'l, 's> Search<'l, 's> {
     /// At the guess, without multipliers.
-    fn new(landscape: &'l mut Landscape<'s, 'm>, place: &Place) -> Self {
-        let model = landscape.model();
+    fn new(landscape: &'l mut Landscape<'s>, place: &Place) -> Self {
+        let model = &Arc::clone(landscape.model());
         let (mut constraints, first) = constraints::of_model(model, &place.q);
         let hinges = constraints.len();
         let tied = landscape.system().constraints().map_or(Vec::new(), |rows| rows.independent_rows(model));
@@ -167,7 +164,7 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
         let compliance = (first..rows).map(|row| (row, compliance(row))).collect();
         let mut search = Self {
             landscape,
-            model,
+            model: Arc::clone(model),
             weights,
             constraints,
             hinges,
@@ -189,7 +186,7 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
     /// Sets the residual of the state.
     fn evaluate(&mut self) {
         self.evaluations += 1;
-        let (model, state) = (self.model, &mut self.state);
+        let (model, state) = (&*self.model, &mut self.state);
         let mut sum = balance::applied(model, &state.poses);
         if self.spins {
             let inertia = steady::inertia(model, &state.poses, &self.landscape.steady);
@@ -259,9 +256,9 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
     fn direction(&mut self, shift: f64) -> Option<Vec<f64>> {
         self.entries.clear();
         let push = push(&self.sums, &self.state.multipliers, self.pushed.len());
-        balance::vary(self.model, &self.state.poses, (&push, &self.pushed), shift, &mut self.entries);
+        balance::vary(&self.model, &self.state.poses, (&push, &self.pushed), shift, &mut self.entries);
         if self.spins {
-            steady::vary(self.model, &self.state.poses, &self.landscape.steady, &mut self.entries);
+            steady::vary(&self.model, &self.state.poses, &self.landscape.steady, &mut self.entries);
         }
         for constraint in &self.constraints {
             constraint.vary(&self.state.poses.motion, &self.state.multipliers, &mut self.entries);
@@ -283,7 +280,7 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
 
     /// Goes `scale` of a step from `from`.
     fn go(&mut self, from: &State, step: &[f64], scale: f64) {
-        self.state.poses = from.poses.moved(self.model, step, scale);
+        self.state.poses = from.poses.moved(&self.model, step, scale);
         for ((new, old), by) in self.state.multipliers.iter_mut().zip(&from.multipliers).zip(&step[self.moving..]) {
             *new = old + scale * by;
         }
@@ -364,7 +361,7 @@ impl<'l, 's, 'm> Search<'l, 's, 'm> {
 
     /// What each hinge passes to its link, by link.
     fn reactions(&self) -> Vec<Wrench> {
-        let (model, state) = (self.model, &self.state);
+        let (model, state) = (&*self.model, &self.state);
         let hinges = &self.constraints[..self.hinges];
         let constraint = balance::reactions(hinges, &state.poses, &state.multipliers, model.links.len());
         let push = push(&self.sums, &state.multipliers, self.pushed.len());

@@ -15,6 +15,7 @@ use limits::Limits;
 pub(super) use limits::{Weak, within_limits};
 pub(super) use prestress::Prestress;
 use std::borrow::Cow;
+use std::sync::Arc;
 use tied::Ties;
 pub(super) use tied::{Branch, by_sweeps};
 
@@ -24,8 +25,8 @@ const ROUND: f64 = 0.1;
 const ROUNDING: f64 = 16.0;
 
 /// The static problem of a model with its locked hinges held; of one with loops, drives or gears on its closed positions.
-pub struct Landscape<'s, 'm> {
-    system: &'s mut System<'m>,
+pub struct Landscape<'s> {
+    system: &'s mut System,
     /// Indices of the velocity coordinates that may move.
     pub free: Vec<usize>,
     /// `B`: the inertia each free coordinate sees (kg, kg m²), of a ball's turns evened out; makes radians and metres comparable.
@@ -48,7 +49,7 @@ pub struct Landscape<'s, 'm> {
     pub(super) steady: Vec<f64>,
     rest: Vec<f64>,
     full: Vec<f64>,
-    pub(super) ties: Option<Box<Ties<'m>>>,
+    pub(super) ties: Option<Box<Ties>>,
     /// Of a tree whose limits are heeded.
     limits: Option<Box<Limits>>,
     /// Says whether the search may go on.
@@ -66,13 +67,13 @@ pub struct Scales {
     pub stiffness: Vec<f64>,
 }
 
-impl<'s, 'm> Landscape<'s, 'm> {
+impl<'s> Landscape<'s> {
     /// The landscape around `q`.
     ///
     /// # Errors
     /// A singular hinge, or the element whose numbers are not finite.
-    pub fn new(system: &'s mut System<'m>, q: &[f64]) -> Result<Self, Fault> {
-        let model = system.model();
+    pub fn new(system: &'s mut System, q: &[f64]) -> Result<Self, Fault> {
+        let model = &Arc::clone(system.model());
         let n = model.velocity_count();
         let rest = vec![0.0; n];
         let mut full = vec![0.0; n];
@@ -115,7 +116,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
     }
 
     /// The model.
-    pub fn model(&self) -> &'m Model {
+    pub fn model(&self) -> &Arc<Model> {
         self.system.model()
     }
 
@@ -129,7 +130,7 @@ impl<'s, 'm> Landscape<'s, 'm> {
     }
 
     /// The system, for what comes after the search.
-    pub fn system(&mut self) -> &mut System<'m> {
+    pub fn system(&mut self) -> &mut System {
         self.system
     }
 

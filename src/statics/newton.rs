@@ -13,7 +13,7 @@ const MOST_ITERATIONS: usize = 60;
 
 /// Runs from `place`; the answer is balanced or the best that was found.
 pub(super) fn run(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     mut place: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
@@ -27,17 +27,13 @@ pub(super) fn run(
     Ok(place)
 }
 
-fn merit(landscape: &Landscape<'_, '_>, force: &[f64]) -> f64 {
+fn merit(landscape: &Landscape<'_>, force: &[f64]) -> f64 {
     force.iter().zip(&landscape.metric).map(|(f, b)| 0.5 * f * f / b).sum()
 }
 
 /// One step with backtracking: the Newton direction, and where that is no descent the direction of Levenberg and
 /// Marquardt, which always is.
-fn step(
-    landscape: &mut Landscape<'_, '_>,
-    place: &Place,
-    history: &mut Vec<Iteration>,
-) -> Result<Option<Place>, Fault> {
+fn step(landscape: &mut Landscape<'_>, place: &Place, history: &mut Vec<Iteration>) -> Result<Option<Place>, Fault> {
     landscape.look(&place.q)?;
     let before = merit(landscape, &place.force);
     let newton = landscape.newton(&place.force);
@@ -58,7 +54,7 @@ fn step(
 
 /// The first place of a halving line search along a direction that is better by enough.
 fn along(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     place: &Place,
     direction: &[f64],
     before: f64,

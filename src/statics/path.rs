@@ -182,9 +182,9 @@ pub fn follow(
 ) -> Result<Path, String> {
     let mut first = description.clone();
     settings.numbers.iter().for_each(|one| one.set(&mut first, settings.from));
-    let mut model = Model::build(&first)
+    let model = Model::build(&first)
         .map_err(|problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
-    let assembled = Assembled::of(&mut model)?;
+    let (model, assembled) = Assembled::of(model)?;
     let asked = RefCell::new(&mut *go_on);
     let start = equilibrium_while(&model, statics, &model.start_position, &|| (asked.borrow_mut())(settings.from));
     let start = start.map_err(|fault| fault.to_string())?;

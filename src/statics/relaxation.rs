@@ -23,6 +23,7 @@ use super::search::{Iteration, Place};
 use crate::dynamics::{Fault, System};
 use crate::model::prescribed::Prescribed;
 use crate::model::{Drive, Model, Scalar};
+use std::sync::Arc;
 
 /// Part of the stability limit that a step takes.
 const SAFETY: f64 = 0.85;
@@ -56,7 +57,7 @@ pub(super) struct Outcome {
 
 /// Runs from `place` for at most so many time steps; the answer is balanced or where it gave up.
 pub(super) fn run(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     place: Place,
     most_steps: usize,
     history: &mut Vec<Iteration>,
@@ -70,11 +71,11 @@ pub(super) fn run(
 }
 
 /// The model with locked coordinates too heavy to move. Masses do not change where the forces balance.
-fn held(landscape: &mut Landscape<'_, '_>, q: &[f64]) -> Result<Model, Fault> {
-    let mut model = landscape.model().clone();
+fn held(landscape: &mut Landscape<'_>, q: &[f64]) -> Result<Arc<Model>, Fault> {
+    let mut model = Model::clone(landscape.model());
     if model.is_constrained() {
         hold_by_rows(&mut model, q, &landscape.steady);
-        return Ok(model);
+        return Ok(Arc::new(model));
     }
     let mut inertia = vec![0.0; model.velocity_count()];
     let rest = inertia.clone();
@@ -85,7 +86,7 @@ fn held(landscape: &mut Landscape<'_, '_>, q: &[f64]) -> Result<Model, Fault> {
             coordinate.armature += HELD * inertia;
         }
     }
-    Ok(model)
+    Ok(Arc::new(model))
 }
 
 /// Locks become drives that hold, and so do drives that cannot be kept moving.
@@ -107,9 +108,9 @@ fn hold_by_rows(model: &mut Model, q: &[f64], steady: &[f64]) {
     model.independent_rows = None;
 }
 
-struct Motion<'l, 's, 'm, 'h> {
-    landscape: &'l mut Landscape<'s, 'm>,
-    system: System<'h>,
+struct Motion<'l, 's> {
+    landscape: &'l mut Landscape<'s>,
+    system: System,
     place: Place,
     /// Free coordinates that are angles.
     turns: Vec<bool>,
@@ -137,8 +138,8 @@ enum End {
     Exhausted,
 }
 
-impl<'l, 's, 'm, 'h> Motion<'l, 's, 'm, 'h> {
-    fn new(landscape: &'l mut Landscape<'s, 'm>, held: &'h Model, place: Place) -> Result<Self, Fault> {
+impl<'l, 's> Motion<'l, 's> {
+    fn new(landscape: &'l mut Landscape<'s>, held: &Arc<Model>, place: Place) -> Result<Self, Fault> {
         let slides = super::landscape::slides(held);
         let length = held.length_scale();
         let turns: Vec<bool> = landscape.free.iter().map(|i| !slides[*i]).collect();
@@ -319,7 +320,7 @@ mod tests {
     use crate::model::description::{BodyDescription, HingeDescription};
 
     /// Rods of 0.1 kg and 0.1 m, each bent by a fifth of a radian against the one before.
-    fn chain(links: usize) -> Model {
+    fn chain(links: usize) -> Arc<Model> {
         let rod = |index: usize| {
             let hinge = HingeDescription::revolute([0.0, 1.0, 0.0]).position([0.2]);
             let hinge = if index > 0 { hinge.on(&format!("rod{}", index - 1), [0.1, 0.0, 0.0]) } else { hinge };

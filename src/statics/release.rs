@@ -23,12 +23,12 @@ const SMALLEST: f64 = 1e-7;
 /// A curve that goes this far does not come back.
 const FAR: f64 = 200.0;
 
-struct Release<'l, 's, 'm> {
-    landscape: &'l mut Landscape<'s, 'm>,
+struct Release<'l, 's> {
+    landscape: &'l mut Landscape<'s>,
     held: Vec<f64>,
 }
 
-impl Family for Release<'_, '_, '_> {
+impl Family for Release<'_, '_> {
     fn look(&mut self, q: &[f64], parameter: f64) -> Result<Look, String> {
         let mut look = || -> Result<Look, Fault> {
             let mut place = Place::at(self.landscape, q.to_vec())?;
@@ -58,11 +58,7 @@ impl Family for Release<'_, '_, '_> {
 }
 
 /// Runs from the guess; the answer is balanced or the guess.
-pub(super) fn run(
-    landscape: &mut Landscape<'_, '_>,
-    guess: &Place,
-    history: &mut Vec<Iteration>,
-) -> Result<Place, Fault> {
+pub(super) fn run(landscape: &mut Landscape<'_>, guess: &Place, history: &mut Vec<Iteration>) -> Result<Place, Fault> {
     let watch = landscape.watch;
     let metric = Metric { inertia: landscape.metric.clone(), reach: landscape.reach(), range: 1.0 };
     let held = guess.force.clone();

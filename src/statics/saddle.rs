@@ -33,7 +33,7 @@ pub(super) struct WayOut {
 }
 
 /// The way out of a balanced `place`, no longer than `radius`; none where no motion runs away, or none gets lower.
-pub(super) fn way_out(landscape: &mut Landscape<'_, '_>, place: &Place, potential: f64, radius: f64) -> Option<WayOut> {
+pub(super) fn way_out(landscape: &mut Landscape<'_>, place: &Place, potential: f64, radius: f64) -> Option<WayOut> {
     // What is within round-off of zero stiffness is neutral: it leads nowhere.
     let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| NEUTRAL * k).collect();
     let first = landscape.negative_direction(&slack)?;
@@ -43,7 +43,7 @@ pub(super) fn way_out(landscape: &mut Landscape<'_, '_>, place: &Place, potentia
 
 /// The lowest place that is found along a `direction` of negative curvature, no longer than `radius`; none where none is lower.
 pub(super) fn downhill(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     place: &Place,
     direction: &[f64],
     potential: f64,
@@ -70,7 +70,7 @@ pub(super) fn downhill(
 }
 
 /// Both ways by `part` of the `whole` step: kept where the potential is below the lowest so far.
-fn lower(landscape: &mut Landscape<'_, '_>, place: &Place, whole: &[f64], part: f64, lowest: &mut WayOut) {
+fn lower(landscape: &mut Landscape<'_>, place: &Place, whole: &[f64], part: f64, lowest: &mut WayOut) {
     for sign in [1.0, -1.0] {
         let step: Vec<f64> = whole.iter().map(|x| sign * part * x).collect();
         let q = landscape.moved(&place.q, &step);
@@ -83,7 +83,7 @@ fn lower(landscape: &mut Landscape<'_, '_>, place: &Place, whole: &[f64], part: 
 
 /// The motion of the lowest `λ` at the place last looked at, from a `first` one; none where no
 /// shift makes the stiffness definite.
-fn fastest(landscape: &mut Landscape<'_, '_>, place: &Place, first: &[f64]) -> Option<Vec<f64>> {
+fn fastest(landscape: &mut Landscape<'_>, place: &Place, first: &[f64]) -> Option<Vec<f64>> {
     let metric = landscape.metric.clone();
     let largest = place.scales.stiffness.iter().zip(&metric).map(|(k, b)| k / b).fold(0.0, f64::max);
     let (mut low, mut high) = (NEUTRAL * largest, largest);

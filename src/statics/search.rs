@@ -33,7 +33,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    pub(super) fn at(landscape: &mut Landscape<'_, '_>, q: Vec<f64>) -> Result<Self, Fault> {
+    pub(super) fn at(landscape: &mut Landscape<'_>, q: Vec<f64>) -> Result<Self, Fault> {
         let (force, scales) = landscape.forces_and_scales(&q)?;
         if let Some(trail) = &mut landscape.trail {
             trail.push(q.clone());
@@ -93,7 +93,7 @@ impl Place {
 /// Newton steps while they still halve the residual: from balanced to the last digits. The best place is kept. What is
 /// above [`BALANCED`] is not taken for round-off before no step halves it.
 pub(super) fn polish(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     mut place: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
@@ -127,7 +127,7 @@ pub(super) fn polish(
 
 /// The place after a step, where that at least halves the residual. What balances up to round-off is not left for less in
 /// one coordinate and more than round-off in another.
-fn improved(landscape: &mut Landscape<'_, '_>, place: &Place, step: &[f64]) -> Result<Option<Place>, Fault> {
+fn improved(landscape: &mut Landscape<'_>, place: &Place, step: &[f64]) -> Result<Option<Place>, Fault> {
     let q = landscape.moved(&place.q, step);
     let kept = |next: &Place| next.is_balanced() || !place.is_balanced();
     Ok(Place::at(landscape, q).ok().filter(|next| next.residual().0 <= 0.5 * place.residual().0 && kept(next)))

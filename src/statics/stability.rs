@@ -9,6 +9,7 @@ use super::landscape::by_sweeps;
 use crate::dynamics::{Fault, Linearization, System, TangentSolver};
 use crate::model::Model;
 use faer::{Mat, Side};
+use std::sync::Arc;
 
 /// A stiffness below this part of the terms it is the sum of counts as zero.
 pub const NEUTRAL: f64 = 1e-9;
@@ -80,13 +81,13 @@ pub struct Stability {
 /// # Errors
 /// The element whose numbers are not finite.
 pub fn classify(
-    system: &mut System<'_>,
+    system: &mut System,
     q: &[f64],
     free: &[usize],
     magnitude: &[f64],
     conservative: bool,
 ) -> Result<Stability, Fault> {
-    let model = system.model();
+    let model = &Arc::clone(system.model());
     let sweeps = || TangentSolver::covers(model) || (!model.is_constrained() && by_sweeps(model, free, &[]));
     if !by_matrices(model, free.len()) && conservative && sweeps() {
         return classify_by_sweeps(system, q, free, magnitude, Vec::new());
@@ -122,13 +123,13 @@ pub fn classify(
 
 /// A large system: counts and lowest modes by sweeps, across `rows` that are held.
 pub(super) fn classify_by_sweeps(
-    system: &mut System<'_>,
+    system: &mut System,
     q: &[f64],
     free: &[usize],
     magnitude: &[f64],
     rows: Vec<Vec<f64>>,
 ) -> Result<Stability, Fault> {
-    let model = system.model();
+    let model = &Arc::clone(system.model());
     let found = super::subspace::lowest(system, q, free, magnitude, rows)?;
     let (unstable, neutral) = (found.unstable, found.neutral);
     let damped = match model.has_damping() {
@@ -281,7 +282,7 @@ pub(super) fn momentum(mass: &Mat<f64>, shape: &[f64]) -> Vec<f64> {
 
 /// High frequencies from the reduction, which keeps light bodies beside heavy ones that a mass matrix in hinge
 /// coordinates loses: the eigenvalues of `Lᵀ M⁻¹ L` with `K = L Lᵀ`, whose errors are `ε λ_max`.
-fn sharpen(modes: &mut [Mode], system: &mut System<'_>, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
+fn sharpen(modes: &mut [Mode], system: &mut System, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
     let n = stiffness.nrows();
     let Ok(factor) = stiffness.llt(Side::Lower) else { return Ok(()) };
     let lower = factor.L();

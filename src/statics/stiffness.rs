@@ -80,13 +80,7 @@ impl Stiffness {
     }
 
     /// Gathers what the sweep needs at `q`.
-    pub(super) fn look(
-        &mut self,
-        system: &mut System<'_>,
-        q: &[f64],
-        rest: &[f64],
-        symmetric: bool,
-    ) -> Result<(), Fault> {
+    pub(super) fn look(&mut self, system: &mut System, q: &[f64], rest: &[f64], symmetric: bool) -> Result<(), Fault> {
         let (solver, shift) = match self {
             Self::Sweep { solver, shift, .. } => (solver, shift),
             Self::Bordered(bordered) => return bordered.look(system, q, Vec::new()),
@@ -98,7 +92,7 @@ impl Stiffness {
     }
 
     /// Negative directions of `K + diag(by)`, where sweeps can tell.
-    pub(super) fn negatives(&mut self, system: &System<'_>, by: &[f64]) -> Option<usize> {
+    pub(super) fn negatives(&mut self, system: &System, by: &[f64]) -> Option<usize> {
         if let Self::Sweep { .. } = self
             && self.sweep(system, by, false).is_err()
         {
@@ -112,7 +106,7 @@ impl Stiffness {
     }
 
     /// `K + diag(by)`; false where it is singular, or not definite and that was wanted.
-    pub(super) fn factorize(&mut self, system: &System<'_>, by: &[f64], definite: bool) -> bool {
+    pub(super) fn factorize(&mut self, system: &System, by: &[f64], definite: bool) -> bool {
         match self {
             Self::Sweep { .. } => self.sweep(system, by, definite).is_ok(),
             Self::Bordered(bordered) => {
@@ -136,7 +130,7 @@ impl Stiffness {
         factor.is_some()
     }
 
-    fn sweep(&mut self, system: &System<'_>, by: &[f64], definite: bool) -> Result<(), Breakdown> {
+    fn sweep(&mut self, system: &System, by: &[f64], definite: bool) -> Result<(), Breakdown> {
         let Self::Sweep { solver, free, shift, rest, .. } = self else { return Ok(()) };
         for (i, by) in free.iter().zip(by) {
             shift[*i] = *by;
@@ -178,7 +172,7 @@ impl Stiffness {
     }
 
     /// Where `K + diag(by)` is negative somewhere, a direction to look for that from; else none.
-    pub(super) fn negative_direction(&mut self, system: &System<'_>, by: &[f64]) -> Option<Vec<f64>> {
+    pub(super) fn negative_direction(&mut self, system: &System, by: &[f64]) -> Option<Vec<f64>> {
         match self {
             Self::Sweep { .. } => {}
             Self::Bordered(bordered) => return bordered.negative_direction(system, by),

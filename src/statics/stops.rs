@@ -27,6 +27,7 @@ use crate::constraint::Closer;
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, Stop, StopLaw};
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// A coordinate that is further beyond its limit than this (rad, or part of the scene's length) has passed it.
 const PASSED: f64 = 1e-12;
@@ -55,7 +56,7 @@ pub(super) type Set = Vec<i8>;
 
 /// The equilibrium with the stops heeded; poses of the search go to `trail`.
 pub(super) fn search(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     watch: &Watch<'_>,
@@ -81,7 +82,7 @@ pub(super) fn search(
 }
 
 fn by_turns(
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
     watch: &Watch<'_>,
@@ -147,8 +148,9 @@ fn nowhere(
     watch: &Watch<'_>,
     searched: &mut dyn FnMut(),
 ) -> Result<Equilibrium, Fault> {
-    let mut free = model.clone();
+    let mut free = Model::clone(model);
     free.stops.clear();
+    let free = Arc::new(free);
     let (mut found, _) = search_free(&free, settings, start, watch, searched, None)?;
     let ended = watch.note(found.stage, found.relative_residual);
     give_up(&mut found, ended);
@@ -191,7 +193,12 @@ pub(super) fn passed(model: &Model, q: &[f64]) -> Vec<(String, f64, f64)> {
 }
 
 /// Of the stops of the set the one that would have to pull most in a balance of the scene in which they bear.
-pub(super) fn pulling(model: &Model, set: &Set, bearing: &Model, found: &Equilibrium) -> Result<Option<usize>, Fault> {
+pub(super) fn pulling(
+    model: &Arc<Model>,
+    set: &Set,
+    bearing: &Arc<Model>,
+    found: &Equilibrium,
+) -> Result<Option<usize>, Fault> {
     let (held, sizes) = held(bearing, found)?;
     let pull = |index: usize| {
         let of = load(model, index, set[index], &found.position, &held);
@@ -202,8 +209,8 @@ pub(super) fn pulling(model: &Model, set: &Set, bearing: &Model, found: &Equilib
 }
 
 /// The scene in which these stops bear, and the guess on them; `None` where loops have no position there.
-pub(super) fn with(model: &Model, set: &Set, start: &[f64]) -> Option<(Model, Vec<f64>)> {
-    let (mut bearing, mut guess) = (model.clone(), start.to_vec());
+pub(super) fn with(model: &Model, set: &Set, start: &[f64]) -> Option<(Arc<Model>, Vec<f64>)> {
+    let (mut bearing, mut guess) = (Model::clone(model), start.to_vec());
     bearing.stops.clear();
     let mut held = Vec::new();
     for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
@@ -223,7 +230,7 @@ pub(super) fn with(model: &Model, set: &Set, start: &[f64]) -> Option<(Model, Ve
             }
         }
     }
-    bring(&mut bearing, &mut guess, &held).then_some((bearing, guess))
+    bring(&mut bearing, &mut guess, &held).then(|| (Arc::new(bearing), guess))
 }
 
 /// Moves coordinates to where they are held, loops closed all the way; false where these cannot follow.
@@ -240,7 +247,7 @@ fn bring(bearing: &mut Model, q: &mut [f64], held: &[(usize, f64)]) -> bool {
             q[*at] = now;
             bearing.start_position[*at] = now;
         }
-        if bearing.is_constrained() && !held.is_empty() && !Closer::new(bearing).close(q) {
+        if bearing.is_constrained() && !held.is_empty() && !Closer::new(bearing).close(bearing, q) {
             return false;
         }
     }
@@ -248,7 +255,7 @@ fn bring(bearing: &mut Model, q: &mut [f64], held: &[(usize, f64)]) -> bool {
 }
 
 /// The scene in which the stops that a position touches bear, and the position on them.
-pub(super) fn bearing(model: &Model, q: &[f64]) -> (Model, Vec<f64>) {
+pub(super) fn bearing(model: &Arc<Model>, q: &[f64]) -> (Arc<Model>, Vec<f64>) {
     with(model, &touching(model, q), q).unwrap_or_else(|| (model.clone(), q.to_vec()))
 }
 
@@ -264,7 +271,7 @@ fn load(model: &Model, index: usize, side: i8, q: &[f64], held: &[f64]) -> f64 {
 }
 
 /// What holds every locked coordinate of an equilibrium, and how large the forces are that act there.
-fn held(bearing: &Model, found: &Equilibrium) -> Result<(Vec<f64>, Vec<f64>), Fault> {
+fn held(bearing: &Arc<Model>, found: &Equilibrium) -> Result<(Vec<f64>, Vec<f64>), Fault> {
     let mut system = System::new(bearing);
     let rest = vec![0.0; bearing.velocity_count()];
     let mut residual = rest.clone();
@@ -278,9 +285,9 @@ fn held(bearing: &Model, found: &Equilibrium) -> Result<(Vec<f64>, Vec<f64>), Fa
 
 /// The set after a balance: stops that are passed added, those that pull taken away. `None` where nothing changes.
 fn revised(
-    model: &Model,
+    model: &Arc<Model>,
     set: &Set,
-    bearing: &Model,
+    bearing: &Arc<Model>,
     found: &Equilibrium,
     start: &[f64],
 ) -> Result<Option<Set>, Fault> {
@@ -316,7 +323,7 @@ fn revised(
 
 /// Of the stops towards which the forces at the guess drive loops, gears and drives, the one that is reached first, added.
 /// `None` where there is no other.
-fn first_in_the_way(model: &Model, set: &Set, bearing: &Model, guess: &[f64]) -> Result<Option<Set>, Fault> {
+fn first_in_the_way(model: &Arc<Model>, set: &Set, bearing: &Arc<Model>, guess: &[f64]) -> Result<Option<Set>, Fault> {
     let mut system = System::new(bearing);
     let mut landscape = Landscape::new(&mut system, guess)?;
     let force = landscape.force(guess)?;
@@ -338,7 +345,7 @@ fn first_in_the_way(model: &Model, set: &Set, bearing: &Model, guess: &[f64]) ->
 }
 
 /// The stops towards which the forces at the guess push, added. `None` where there is no other.
-fn in_the_way(model: &Model, set: &Set, start: &[f64]) -> Result<Option<Set>, Fault> {
+fn in_the_way(model: &Arc<Model>, set: &Set, start: &[f64]) -> Result<Option<Set>, Fault> {
     let rest = vec![0.0; model.velocity_count()];
     let mut residual = rest.clone();
     System::new(model).residual(start, &rest, &rest, &mut residual)?;
@@ -353,7 +360,12 @@ fn in_the_way(model: &Model, set: &Set, start: &[f64]) -> Result<Option<Set>, Fa
 }
 
 /// The answer in terms of the scene itself: what bears, and modes in all coordinates that it leaves free.
-pub(super) fn finish(model: &Model, set: &Set, bearing: &Model, mut found: Equilibrium) -> Result<Equilibrium, Fault> {
+pub(super) fn finish(
+    model: &Arc<Model>,
+    set: &Set,
+    bearing: &Arc<Model>,
+    mut found: Equilibrium,
+) -> Result<Equilibrium, Fault> {
     let (held, _) = held(bearing, &found)?;
     for (index, side) in set.iter().enumerate().filter(|(_, side)| **side != 0) {
         let stop = &model.stops[index];

@@ -16,6 +16,7 @@ use super::bordered::{Rows, solved};
 use super::stability::NEUTRAL;
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
 use faer::{Mat, Side};
+use std::sync::Arc;
 
 /// Modes that are wanted beside those that cost nothing, and of these.
 const WANTED: usize = 8;
@@ -57,8 +58,8 @@ struct Modes {
     momenta: Vec<Vec<f64>>,
 }
 
-struct Sweeps<'s, 'm> {
-    system: &'s mut System<'m>,
+struct Sweeps<'s> {
+    system: &'s mut System,
     solver: TangentSolver,
     q: &'s [f64],
     rest: Vec<f64>,
@@ -72,13 +73,13 @@ struct Sweeps<'s, 'm> {
 
 /// Counts and lowest modes at `q` across `rows`, with the multipliers that are in the system.
 pub(super) fn lowest(
-    system: &mut System<'_>,
+    system: &mut System,
     q: &[f64],
     free: &[usize],
     magnitude: &[f64],
     rows: Vec<Vec<f64>>,
 ) -> Result<Lowest, Fault> {
-    let model = system.model();
+    let model = &Arc::clone(system.model());
     let n = model.velocity_count();
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
@@ -96,7 +97,7 @@ pub(super) fn lowest(
     Ok(Lowest { unstable, neutral, neutral_modes, modes, momenta })
 }
 
-impl Sweeps<'_, '_> {
+impl Sweeps<'_> {
     /// Negative eigenvalues of `K + part · diag(magnitude)`.
     fn negative(&mut self, magnitude: &[f64], part: f64) -> Result<usize, Fault> {
         for (i, size) in self.free.iter().zip(magnitude) {

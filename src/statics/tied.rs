@@ -11,15 +11,16 @@ use super::stability::{
 use crate::dynamics::{Fault, Linearization};
 use crate::model::Model;
 use faer::Mat;
+use std::sync::Arc;
 
 /// Largest hinge acceleration that the unbalanced forces of a place make along the loops, and where it is balanced what
 /// kind of equilibrium it is.
-pub(super) fn examine(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
+pub(super) fn examine(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
     let count = landscape.free.len();
     if landscape.ties.as_ref().is_some_and(|ties| ties.sweeps) && !by_matrices(landscape.model(), count) {
         return examine_by_sweeps(landscape, place);
     }
-    let (model, free, steady) = (landscape.model(), landscape.free.clone(), landscape.steady.clone());
+    let (model, free, steady) = (&Arc::clone(landscape.model()), landscape.free.clone(), landscape.steady.clone());
     let z = landscape.tangent(&place.q)?;
     let shares = landscape.share_prestress(&place.q, &z)?;
     let rest = vec![0.0; steady.len()];
@@ -48,7 +49,7 @@ pub(super) fn examine(landscape: &mut Landscape<'_, '_>, place: &Place) -> Resul
 /// Where prestress of dependent rows stiffens motions: an equilibrium that equally stiff rows do not hold is stable if some
 /// other share of the load certifies it. Nothing is told of its frequencies then.
 fn prestressed(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     place: &Place,
     (z, stiffness): (&Mat<f64>, &Mat<f64>),
     stability: &mut Stability,
@@ -70,7 +71,7 @@ fn prestressed(
 }
 
 /// What a person should know of the prestress at the end of a search.
-pub(super) fn prestress_note(landscape: &Landscape<'_, '_>) -> Option<String> {
+pub(super) fn prestress_note(landscape: &Landscape<'_>) -> Option<String> {
     let text = match landscape.ties.as_ref()?.prestress {
         Prestress::None => return None,
         Prestress::Shared => {
@@ -87,7 +88,7 @@ pub(super) fn prestress_note(landscape: &Landscape<'_, '_>) -> Option<String> {
 }
 
 /// The same by sweeps, which take time in proportion to the size of the scene.
-fn examine_by_sweeps(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
+fn examine_by_sweeps(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
     let (free, n) = (landscape.free.clone(), landscape.steady.len());
     let rows = landscape.rows_across(&place.q)?;
     // What the rows hold, and locked coordinates.
@@ -124,7 +125,7 @@ fn examine_by_sweeps(landscape: &mut Landscape<'_, '_>, place: &Place) -> Result
 }
 
 /// What a person should know of the loops at the end of a search.
-pub(super) fn notes(landscape: &Landscape<'_, '_>) -> Vec<String> {
+pub(super) fn notes(landscape: &Landscape<'_>) -> Vec<String> {
     let Some(ties) = &landscape.ties else { return Vec::new() };
     let mut notes = Vec::new();
     if !ties.frozen.is_empty() {

@@ -62,8 +62,8 @@ pub(super) struct Outcome {
     pub shifted: bool,
 }
 
-struct Search<'l, 's, 'm> {
-    landscape: &'l mut Landscape<'s, 'm>,
+struct Search<'l, 's> {
+    landscape: &'l mut Landscape<'s>,
     /// Δ (m √kg).
     radius: f64,
     /// Where Δ begins, and begins again after a saddle.
@@ -77,11 +77,7 @@ struct Search<'l, 's, 'm> {
 }
 
 /// Runs from `place`. Needs loads with a potential.
-pub(super) fn run(
-    landscape: &mut Landscape<'_, '_>,
-    place: Place,
-    history: &mut Vec<Iteration>,
-) -> Result<Outcome, Fault> {
+pub(super) fn run(landscape: &mut Landscape<'_>, place: Place, history: &mut Vec<Iteration>) -> Result<Outcome, Fault> {
     let potential = landscape.potential(&place.q);
     // One radian, or one length of the scene, of every coordinate at once.
     let radius = landscape.reach();
@@ -142,7 +138,7 @@ impl Progress {
 }
 
 /// How far turns and slides are from where their springs are relaxed (m √kg).
-fn distance_from_rest(landscape: &Landscape<'_, '_>, q: &[f64]) -> f64 {
+fn distance_from_rest(landscape: &Landscape<'_>, q: &[f64]) -> f64 {
     let model = landscape.model();
     let mut away = vec![0.0; model.velocity_count()];
     for link in model.links.iter().filter(|link| link.joint.counts() == (1, 1)) {
@@ -165,7 +161,7 @@ struct Lower {
     potential: f64,
 }
 
-impl Search<'_, '_, '_> {
+impl Search<'_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
         self.landscape.look(&self.outcome.place.q)?;

@@ -71,7 +71,7 @@ impl Joined {
             tree[index] = if parent == 0 { index } else { tree[parent] };
         }
         let mut joined = Self { tree, of: (0..count).collect(), attached: vec![false; count] };
-        for force in &model.forces {
+        for force in model.forces.iter() {
             let ends = force.law.ends().iter().map(|end| end.link);
             let dead = matches!(&force.law, Law::Load(load) if load.dead().is_some());
             let ground = matches!(&force.law, Law::Load(_)).then_some(0).filter(|_| !dead);

@@ -1,6 +1,7 @@
 //! Random scenes with fixed seeds.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
@@ -211,10 +212,9 @@ pub(crate) fn preload(description: &mut Description) {
     }
 }
 
-pub(crate) fn build(description: &Description) -> Model {
-    let mut model = Model::build(description).unwrap_or_else(|problems| panic!("{problems:?}"));
-    assemble(&mut model).unwrap_or_else(|problems| panic!("{problems:?}"));
-    model
+pub(crate) fn build(description: &Description) -> Arc<Model> {
+    let model = Model::build(description).unwrap_or_else(|problems| panic!("{problems:?}"));
+    assemble(model).unwrap_or_else(|problems| panic!("{problems:?}")).0
 }
 
 /// Largest difference relative to the largest number of the second list.
@@ -225,8 +225,9 @@ pub(crate) fn relative_difference(found: &[f64], expected: &[f64]) -> f64 {
 
 /// Takes the inertia of a body's link, and leaves its mass on its root marker: a hinge that nothing resists, which no model
 /// is built with.
-pub(crate) fn take_inertia(model: &mut Model, name: &str) {
+pub(crate) fn take_inertia(model: &mut Arc<Model>, name: &str) {
     let body = model.body(name).expect("the body");
+    let model = Arc::make_mut(model);
     let link = &mut model.links[model.bodies[body].link];
     (link.center, link.inertia, link.principal) = (Vector3::zeros(), Sym3::ZERO, Principal::default());
 }

@@ -2,6 +2,7 @@
 
 use crate::common::{Options, Random, build, position_of, preload, random_scene, relative_difference};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 use stillpoint::dynamics::{AccelerationJacobians, System};
 use stillpoint::force::Act;
 use stillpoint::model::Model;
@@ -113,7 +114,7 @@ fn acceleration_jacobians_match_central_differences() {
 }
 
 /// `−M⁻¹ K` and `−M⁻¹ C` from the dense derivatives at the true accelerations.
-fn jacobians_by_columns(model: &Model, q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
+fn jacobians_by_columns(model: &Arc<Model>, q: &[f64], v: &[f64]) -> [Vec<f64>; 2] {
     let n = model.velocity_count();
     let mut system = System::new(model);
     let mut a = vec![0.0; n];
@@ -236,7 +237,7 @@ fn jacobians_do_not_depend_on_a_common_velocity() {
         *velocity += speed;
     }
     let fast = build(&description);
-    let jacobians = |model: &Model| {
+    let jacobians = |model: &Arc<Model>| {
         let found = System::new(model).acceleration_jacobians(&model.start_position, &model.start_velocity).unwrap();
         [flat(&found.0), flat(&found.1)]
     };

@@ -13,8 +13,9 @@ use stillpoint::simulate::{self, RunError, State, Summary};
 
 use crate::common::build;
 use crate::scenarios::shipped;
+use std::sync::Arc;
 
-fn go(scenario: &Scenario, model: &Model) -> Result<(Summary, Memory), RunError> {
+fn go(scenario: &Scenario, model: &Arc<Model>) -> Result<(Summary, Memory), RunError> {
     let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     let still = simulate::scene(model);
     let mut memory = Memory::new(&Opening { scene: &still, scenario: &scenario.text, statics: None });
@@ -23,7 +24,7 @@ fn go(scenario: &Scenario, model: &Model) -> Result<(Summary, Memory), RunError>
 }
 
 /// As [`go`], and how far the state was beyond a rigid stop at worst at any step or event.
-fn go_watched(scenario: &Scenario, model: &Model) -> Result<(Summary, Memory, f64), RunError> {
+fn go_watched(scenario: &Scenario, model: &Arc<Model>) -> Result<(Summary, Memory, f64), RunError> {
     let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     let still = simulate::scene(model);
     let mut memory = Memory::new(&Opening { scene: &still, scenario: &scenario.text, statics: None });

@@ -1,6 +1,7 @@
 //! Large trees whose branches are computed by two threads.
 
 use crate::common::{Random, build, position_of, take_inertia};
+use std::sync::Arc;
 use stillpoint::dynamics::{Fault, System};
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription, HingeKind};
 use stillpoint::model::{Body, Joint, Model};
@@ -44,7 +45,7 @@ fn tree() -> Description {
     description
 }
 
-fn accelerations(model: &Model) -> Vec<f64> {
+fn accelerations(model: &Arc<Model>) -> Vec<f64> {
     let mut system = System::new(model);
     let mut a = vec![0.0; model.velocity_count()];
     system.accelerations(&model.start_position, &model.start_velocity, &mut a).expect("accelerations");
@@ -64,7 +65,7 @@ fn two_threads_give_the_bits_of_one() {
     };
     let (one, two) = (with(1), with(2));
     assert!(one.iter().zip(&two).all(|(x, y)| x.to_bits() == y.to_bits()));
-    model.halves = None;
+    Arc::make_mut(&mut model).halves = None;
     let whole = accelerations(&model);
     let largest = whole.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let apart = whole.iter().zip(&one).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);

@@ -6,6 +6,7 @@ mod momentum;
 mod symmetry;
 
 use crate::common::{Options, build, random_scene};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::description::HingeKind;
 use stillpoint::model::{Description, Model};
@@ -23,7 +24,7 @@ fn scenes() -> impl Iterator<Item = (u64, Description)> {
 
 /// A scene at its start: how its hinges accelerate and what they carry.
 struct Start {
-    model: Model,
+    model: Arc<Model>,
     a: Vec<f64>,
     reactions: Vec<Wrench>,
 }
@@ -56,7 +57,7 @@ impl Start {
     ///
     /// The step of 3e-4 s is a few thousandths of a radian for the fastest bodies: what is left out is step⁴ times the
     /// fifth derivative, about 1e-10 of the terms; round-off is 1e-16/step, below 1e-12.
-    fn rate(&self, mut f: impl FnMut(&mut System<'_>, &[f64], &[f64]) -> Vec<f64>) -> Vec<f64> {
+    fn rate(&self, mut f: impl FnMut(&mut System, &[f64], &[f64]) -> Vec<f64>) -> Vec<f64> {
         let step = 3e-4;
         let mut system = System::new(&self.model);
         let mut at = |time: f64| {

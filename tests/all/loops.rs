@@ -15,6 +15,7 @@ mod rank;
 mod stops;
 mod trusses;
 
+use std::sync::Arc;
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
 use stillpoint::record::Fanout;
@@ -22,16 +23,16 @@ use stillpoint::scenario::{self, Scenario};
 use stillpoint::simulate::{self, Settings, State, Summary};
 
 /// A scenario's text, read, built and assembled.
-fn read(text: &str) -> (Scenario, Model) {
+fn read(text: &str) -> (Scenario, Arc<Model>) {
     let scenario = scenario::parse("scene.toml", text, &[])
         .unwrap_or_else(|problems| panic!("{}\n{text}", problems.render(false)));
-    let mut model = Model::build(&scenario.description).expect("a model");
-    assemble(&mut model).expect("an assembly");
+    let model = Model::build(&scenario.description).expect("a model");
+    let (model, _) = assemble(model).expect("an assembly");
     (scenario, model)
 }
 
 /// A run from the start as given.
-fn run(model: &Model, settings: &Settings) -> Summary {
+fn run(model: &Arc<Model>, settings: &Settings) -> Summary {
     let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     simulate::run(model, settings, 10.0, &start, &mut Fanout::new(), &mut |_, _| true)
         .unwrap_or_else(|error| panic!("{error}"))

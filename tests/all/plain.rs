@@ -2,6 +2,7 @@
 
 use crate::common::{Options, build, preload, random_scene, take_inertia};
 use nalgebra::Vector6;
+use std::sync::Arc;
 use stillpoint::forces;
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
 use stillpoint::model::{Joint, Model};
@@ -13,14 +14,14 @@ use stillpoint::transfer::reduce::{Load, Reduction, Singular};
 
 /// The transfer equations of the start of a scene.
 struct Case {
-    model: Model,
+    model: Arc<Model>,
     motion: Motion,
     applied: Vec<Wrench>,
     tau: Vec<f64>,
 }
 
 impl Case {
-    fn of(model: Model) -> Self {
+    fn of(model: Arc<Model>) -> Self {
         let (q, v) = (model.start_position.clone(), model.start_velocity.clone());
         let mut motion = Motion::new(&model);
         motion.update(&model, &q, &v);
@@ -115,7 +116,7 @@ fn the_halves_of_a_large_tree_give_what_the_printed_method_gives() {
 }
 
 /// Two random chains of this many bodies on the ground.
-fn two_branches(seed: u64, bodies: usize) -> Model {
+fn two_branches(seed: u64, bodies: usize) -> Arc<Model> {
     let mut description = random_scene(seed, &Options { bodies: 2 * bodies, springs: true, welds: true });
     for index in 0..2 * bodies {
         let parent = if index % bodies == 0 { "ground".to_owned() } else { format!("b{}", index - 1) };

@@ -1,18 +1,19 @@
 //! Work and precision as the library measures them.
 
 use crate::scenarios::shipped;
+use std::sync::Arc;
 use std::time::Duration;
 use stillpoint::integrate::Method;
 use stillpoint::model::Model;
 use stillpoint::simulate::State;
 use stillpoint::simulate::precision::{Plan, Setting, Study, precision};
 
-fn measure(model: &Model, plan: &Plan, stop_after: f64) -> Option<Study> {
+fn measure(model: &Arc<Model>, plan: &Plan, stop_after: f64) -> Option<Study> {
     let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     precision(model, &start, plan, &mut |part| part < stop_after).expect("a reference")
 }
 
-fn thrown_pendulum() -> (Model, Plan) {
+fn thrown_pendulum() -> (Arc<Model>, Plan) {
     let (_, model) = shipped("double_pendulum", &[]);
     let methods = Method::ALL.into_iter().filter(|method| *method != Method::GeneralizedAlpha).collect();
     let plan = Plan { methods, ..Plan::new(&model, 0.5, Duration::from_secs(20)) };

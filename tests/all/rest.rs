@@ -1,6 +1,7 @@
 //! What is at rest stays at rest: every shipped scenario with an equilibrium, with an explicit and an implicit method.
 
 use crate::scenarios::{found, names, shipped};
+use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::Scenario;
@@ -10,7 +11,7 @@ use stillpoint::statics::Verdict;
 /// One falls over, one has a motor that winds, one is thrown through its change points.
 const NO_REST: [&str; 3] = ["pencil", "winch", "coupled_cranks"];
 
-fn proof(scenario: &Scenario, model: &Model) -> Rest {
+fn proof(scenario: &Scenario, model: &Arc<Model>) -> Rest {
     let equilibrium = found(scenario, model);
     rest(model, &equilibrium, &scenario.simulate, 10.0, &mut Fanout::new(), &mut |_| true)
         .unwrap_or_else(|error| panic!("{}: {error}", scenario.name))

@@ -83,7 +83,7 @@ fn without_hinge_curves(mut description: Description) -> Description {
     description
 }
 
-fn slack(model: &Model, system: &System<'_>) -> usize {
+fn slack(model: &Model, system: &System) -> usize {
     use stillpoint::force::Act;
     let slack = |index: &usize| model.forces[*index].law.switch(0, &system.motion().links).value <= 0.0;
     model.switching().filter(slack).count()

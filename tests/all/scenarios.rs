@@ -5,6 +5,7 @@ use crate::common::build;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
+use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening, OwnedSample};
 use stillpoint::scenario::{Override, Scenario, load_with};
@@ -32,7 +33,7 @@ pub(crate) fn file(name: &str) -> PathBuf {
     folder().join(format!("{name}.toml"))
 }
 
-pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Model) {
+pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Arc<Model>) {
     let changes: Vec<Override> = changes.iter().map(|text| Override::parse(text).expect("a change")).collect();
     let mut scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
     let mut model = build(&scenario.description);
@@ -45,14 +46,14 @@ pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Model) {
     (scenario, model)
 }
 
-pub(crate) fn found(scenario: &Scenario, model: &Model) -> Equilibrium {
+pub(crate) fn found(scenario: &Scenario, model: &Arc<Model>) -> Equilibrium {
     let found = equilibrium(model, &scenario.statics, &model.start_position).expect("statics");
     assert!(found.converged, "{:?}", found.notes);
     found
 }
 
 /// Runs as the program does; all samples.
-fn simulated(scenario: &Scenario, model: &Model) -> (Summary, Vec<OwnedSample>) {
+fn simulated(scenario: &Scenario, model: &Arc<Model>) -> (Summary, Vec<OwnedSample>) {
     let start = match scenario.simulate.start {
         Start::Given => State { position: model.start_position.clone(), velocity: model.start_velocity.clone() },
         Start::Equilibrium => {
@@ -658,7 +659,7 @@ fn the_excavator_stays_and_its_cylinders_push_what_they_must() {
 }
 
 /// Torque of the weights that hang on a hinge about its axis, from the poses that statics found.
-fn weight_about(model: &Model, found: &Equilibrium, hinge: &str) -> f64 {
+fn weight_about(model: &Arc<Model>, found: &Equilibrium, hinge: &str) -> f64 {
     let mut system = stillpoint::dynamics::System::new(model);
     let mut out = vec![0.0; model.velocity_count()];
     system.accelerations(&found.position, &vec![0.0; model.velocity_count()], &mut out).expect("accelerations");
@@ -791,8 +792,8 @@ fn suspended_chain_hangs_with_constant_horizontal_pull() {
 /// Six motors hold a platform that cannot turn, at the height where weights and springs balance along its one way down.
 #[test]
 fn stewart_platform_rests_over_constrained() {
-    let (scenario, mut model) = shipped("stewart_platform", &[]);
-    let assembly = stillpoint::constraint::assemble(&mut model).expect("an assembly");
+    let (scenario, model) = shipped("stewart_platform", &[]);
+    let (model, assembly) = stillpoint::constraint::assemble(model).expect("an assembly");
     assert_eq!(assembly.degrees_of_freedom, 3);
     assert_eq!(assembly.redundant.iter().map(|(_, redundant, _)| redundant).sum::<usize>(), 3);
     let rest = found(&scenario, &model);
@@ -817,8 +818,8 @@ fn stewart_platform_rests_over_constrained() {
 /// by `tan(angle) = tan(turn) cos(bend)`, and it takes no power on the whole.
 #[test]
 fn double_cardan_turns_evenly() {
-    let (scenario, mut model) = shipped("double_cardan", &["simulate.tolerance=1e-10"]);
-    assert_eq!(stillpoint::constraint::assemble(&mut model).expect("an assembly").redundant[0].1, 1);
+    let (scenario, model) = shipped("double_cardan", &["simulate.tolerance=1e-10"]);
+    assert_eq!(stillpoint::constraint::assemble(model.clone()).expect("an assembly").1.redundant[0].1, 1);
     let (summary, samples) = simulated(&scenario, &model);
     let at = |name: &str| model.body(name).expect("a body");
     for sample in &samples {

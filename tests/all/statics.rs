@@ -7,6 +7,7 @@ mod unheld;
 
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
@@ -44,11 +45,11 @@ fn crosswise(index: usize) -> HingeKind {
     HingeKind::Revolute { axis: if index.is_multiple_of(2) { Vector3::y() } else { Vector3::z() } }
 }
 
-fn find(model: &Model, want: Want, start: &[f64]) -> Equilibrium {
+fn find(model: &Arc<Model>, want: Want, start: &[f64]) -> Equilibrium {
     equilibrium(model, &Settings { want, ..Settings::default() }, start).expect("the guess can be evaluated")
 }
 
-fn potential(model: &Model, q: &[f64]) -> f64 {
+fn potential(model: &Arc<Model>, q: &[f64]) -> f64 {
     System::new(model).energies(q, &vec![0.0; model.velocity_count()]).potential
 }
 
@@ -57,7 +58,7 @@ fn lowest(links: usize) -> f64 {
     -9.80665 * 0.2 * (0..links).map(|i| i as f64 + 0.5).sum::<f64>()
 }
 
-fn assert_hangs(model: &Model, found: &Equilibrium, links: usize, case: &str) {
+fn assert_hangs(model: &Arc<Model>, found: &Equilibrium, links: usize, case: &str) {
     assert!(found.converged, "{case}: {:?}", found.notes);
     // Energy is quadratic about the minimum: an error of 1e-7 rad in every link would show as 1e-14.
     let error = potential(model, &found.position) / lowest(links) - 1.0;

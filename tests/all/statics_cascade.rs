@@ -2,6 +2,7 @@
 
 use crate::common::{Options, Random, build, random_scene};
 use crate::scenarios::shipped;
+use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::model::description::{Description, HingeKind};
 use stillpoint::scenario;
@@ -23,7 +24,7 @@ fn wild(seed: u64) -> Description {
     description
 }
 
-fn find(model: &Model, method: Method) -> Equilibrium {
+fn find(model: &Arc<Model>, method: Method) -> Equilibrium {
     let settings = Settings { want: Want::Any, method, ..Settings::default() };
     equilibrium(model, &settings, &model.start_position).expect("the guess can be evaluated")
 }

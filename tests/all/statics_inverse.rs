@@ -7,7 +7,7 @@ use stillpoint::scenario::{self, Scenario};
 use stillpoint::statics::{Held, Settings, hold};
 
 fn held(scenario: &Scenario) -> Held {
-    let pose = Model::build(&scenario.description).expect("a model").start_position;
+    let pose = Model::build(&scenario.description).expect("a model").start_position.clone();
     hold(&scenario.description, &scenario.unknown, &pose, &scenario.statics).expect("numbers that are finite")
 }
 
@@ -21,7 +21,7 @@ fn motors_in_all_hinges_hold_every_pose() {
     for seed in 0..30 {
         let mut description = random_scene(seed, &Options { bodies: 9, springs: true, welds: true });
         let unknown = Parameter::find(&description, "hinge.force").expect("hinges");
-        let pose = build(&description).start_position;
+        let pose = build(&description).start_position.clone();
         let held = hold(&description, &unknown, &pose, &Settings::default()).expect("finite numbers");
         assert!(held.found.converged, "seed {seed}: {:?}", held.found.notes);
         // The same forces from one balance without motors: `τ = M·0 + b − springs and loads`.

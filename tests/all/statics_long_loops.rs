@@ -2,6 +2,7 @@
 
 use crate::common::build;
 use faer::{Mat, Side};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::scenario;
@@ -9,11 +10,11 @@ use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
 
 const G: f64 = 9.80665;
 
-fn read(text: &str) -> Model {
+fn read(text: &str) -> Arc<Model> {
     build(&scenario::parse("scene.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}")).description)
 }
 
-fn found(model: &Model, want: Want) -> Equilibrium {
+fn found(model: &Arc<Model>, want: Want) -> Equilibrium {
     let settings = Settings { want, ..Settings::default() };
     let found = equilibrium(model, &settings, &model.start_position).expect("numbers that are finite");
     assert!(found.converged, "{:?}", found.notes);
@@ -44,7 +45,7 @@ fn suspended(count: usize, part: f64, hinge: &str) -> String {
 
 /// What matrices say of an equilibrium: directions that run away, frequencies (Hz), and the largest change of a coordinate
 /// in the Newton step from there.
-fn by_matrices(model: &Model, found: &Equilibrium) -> (usize, Vec<f64>, f64) {
+fn by_matrices(model: &Arc<Model>, found: &Equilibrium) -> (usize, Vec<f64>, f64) {
     let n = model.velocity_count();
     let mut system = System::new(model);
     system.set_multipliers(&found.multipliers);
@@ -75,7 +76,7 @@ fn by_matrices(model: &Model, found: &Equilibrium) -> (usize, Vec<f64>, f64) {
     (unstable, frequencies, largest)
 }
 
-fn assert_as_by_matrices(name: &str, model: &Model, found: &Equilibrium) {
+fn assert_as_by_matrices(name: &str, model: &Arc<Model>, found: &Equilibrium) {
     let (unstable, frequencies, step) = by_matrices(model, found);
     let stability = found.stability.as_ref().expect("an equilibrium");
     assert!(step < 1e-9, "{name}: a Newton step of {step:e} is left");
@@ -109,7 +110,7 @@ fn a_chain_between_walls_is_what_matrices_say() {
 fn an_arch_is_the_chain_upside_down() {
     let mut model = read(&suspended(80, 0.8, ""));
     let hanging = found(&model, Want::Stable);
-    model.start_position = hanging.position.iter().map(|angle| -angle).collect();
+    Arc::make_mut(&mut model).start_position = hanging.position.iter().map(|angle| -angle).collect();
     let arch = found(&model, Want::Any);
     let stability = arch.stability.as_ref().expect("an equilibrium");
     assert_eq!(stability.unstable_directions, 78);
@@ -154,8 +155,8 @@ fn loops_and_springs_between_distant_links_are_what_matrices_say() {
     let mut standing = read(&scene.replace(spring, ""));
     let hanging = found(&standing, Want::Stable);
     assert_as_by_matrices("two chains without a spring", &standing, &hanging);
-    standing.start_position = hanging.position.clone();
-    standing.gravity = -standing.gravity;
+    Arc::make_mut(&mut standing).start_position = hanging.position.clone();
+    Arc::make_mut(&mut standing).gravity = -standing.gravity;
     let up = found(&standing, Want::Any);
     let (unstable, _, _) = by_matrices(&standing, &up);
     let stability = up.stability.as_ref().expect("an equilibrium");
@@ -189,12 +190,12 @@ fn springs_that_reach_far_are_what_matrices_say() {
     let hanging = found(&model, Want::Stable);
     assert_as_by_matrices("tied chains", &model, &hanging);
     let mut standing = read(&scene.concat());
-    standing.gravity = -standing.gravity;
+    Arc::make_mut(&mut standing).gravity = -standing.gravity;
     let up = found(&standing, Want::Any);
     let unstable = up.stability.as_ref().expect("an equilibrium").unstable_directions;
     assert!(unstable > 10, "{unstable}");
     assert_eq!(by_matrices(&standing, &up).0, unstable);
-    standing.start_position = up.position;
+    Arc::make_mut(&mut standing).start_position = up.position;
     let fallen = found(&standing, Want::Stable);
     assert!(fallen.notes.iter().any(|note| note.contains("left an unstable equilibrium")), "{:?}", fallen.notes);
     assert_as_by_matrices("fallen chains", &standing, &fallen);

@@ -2,6 +2,7 @@
 
 use crate::common::build;
 use crate::scenarios::{found, shipped};
+use std::sync::Arc;
 use stillpoint::model::{Model, Parameter};
 use stillpoint::scenario;
 use stillpoint::statics::path::follow;
@@ -41,7 +42,7 @@ between = ["bar.pin", "right.pin"]
 axis = [0.0, 1.0, 0.0]
 "#;
 
-fn by(method: Method, model: &Model) -> Equilibrium {
+fn by(method: Method, model: &Arc<Model>) -> Equilibrium {
     equilibrium(model, &Settings { method, want: Want::Stable, ..Settings::default() }, &model.start_position)
         .expect("statics")
 }
@@ -54,11 +55,11 @@ fn apart(a: &Equilibrium, b: &Equilibrium) -> f64 {
         .fold(0.0, f64::max)
 }
 
-fn read(text: &str) -> Model {
+fn read(text: &str) -> Arc<Model> {
     build(&scenario::parse("scene.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}")).description)
 }
 
-fn assert_all_agree(name: &str, model: &Model) {
+fn assert_all_agree(name: &str, model: &Arc<Model>) {
     let cascade = by(Method::Auto, model);
     assert!(cascade.converged, "{name}: {:?}", cascade.notes);
     let mut system = stillpoint::dynamics::System::new(model);
@@ -280,7 +281,7 @@ fn upright_cranks_fall_through_their_change_points_and_hang() {
 
 /// Scissors of bars of 1 m and 1 kg, `stages` of them, that hang from a pin by one end of the first bar; a spring of the
 /// given stiffness and length lies between the upper ends, `angle` is from the vertical to the bars, and `tilt` turns all.
-fn scissors(stages: usize, [stiffness, length]: [f64; 2], angle: f64, tilt: f64) -> Model {
+fn scissors(stages: usize, [stiffness, length]: [f64; 2], angle: f64, tilt: f64) -> Arc<Model> {
     let bar = |name: &str, top: f64, hinge: &str, position: f64| {
         format!(
             "[[body]]\nname = \"{name}\"\nmass = 1.0\ncenter = [0, 0, {:?}]\ninertia = [0.0833333, 0.0833333, 1e-4]\n\
@@ -361,7 +362,7 @@ fn hanging_scissors_are_exact_to_round_off() {
 
 /// Three rods that are all but taut, in axes turned about two others by `turn`; the angles of the first and of the middle
 /// one from the straight line.
-fn taut(slack: f64, turn: f64, [first, middle, last]: [f64; 3]) -> Model {
+fn taut(slack: f64, turn: f64, [first, middle, last]: [f64; 3]) -> Arc<Model> {
     let (s, c) = turn.sin_cos();
     let turned = |[x, y, z]: [f64; 3]| {
         let (x, z) = (c * x + s * z, c * z - s * x);

@@ -4,6 +4,7 @@ use crate::common::{Options, build, random_scene};
 use crate::scenarios::{file, shipped};
 use assert_cmd::Command;
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::description::*;
 use stillpoint::model::{Description, Model};
@@ -11,7 +12,7 @@ use stillpoint::statics::{Equilibrium, Method, Settings, Verdict, Want, equilibr
 
 const BASELINES: [Method; 2] = [Method::Relaxation, Method::Lagrange];
 
-fn by(method: Method, model: &Model, start: &[f64]) -> Equilibrium {
+fn by(method: Method, model: &Arc<Model>, start: &[f64]) -> Equilibrium {
     equilibrium(model, &Settings { method, want: Want::Stable, ..Settings::default() }, start).expect("statics")
 }
 
@@ -39,7 +40,7 @@ fn apart(a: &Equilibrium, b: &Equilibrium) -> f64 {
 
 /// The largest force (N, N m) that an answer leaves unbalanced where it may move, in the words of the equations of
 /// motion.
-fn unbalanced(model: &Model, q: &[f64]) -> f64 {
+fn unbalanced(model: &Arc<Model>, q: &[f64]) -> f64 {
     let rest = vec![0.0; model.velocity_count()];
     let mut residual = rest.clone();
     System::new(model).residual(q, &rest, &rest, &mut residual).expect("a residual");
@@ -47,7 +48,7 @@ fn unbalanced(model: &Model, q: &[f64]) -> f64 {
     free.map(|(r, _)| r.abs()).fold(0.0, f64::max)
 }
 
-fn assert_agree(name: &str, model: &Model, methods: &[Method], tolerance: f64) {
+fn assert_agree(name: &str, model: &Arc<Model>, methods: &[Method], tolerance: f64) {
     let start = &model.start_position;
     let cascade = by(Method::Auto, model, start);
     assert!(cascade.converged, "{name}: {:?}", cascade.notes);

@@ -2,12 +2,13 @@
 
 use crate::common::{Options, build, random_scene};
 use faer::Mat;
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::scenario;
 use stillpoint::statics::{Equilibrium, equilibrium};
 
-fn rest(text: &str) -> (Model, Equilibrium) {
+fn rest(text: &str) -> (Arc<Model>, Equilibrium) {
     let scenario = scenario::parse("modes.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
     let model = build(&scenario.description);
     let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");

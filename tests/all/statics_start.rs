@@ -1,6 +1,7 @@
 //! Start files: what is written is read back bit for bit, and what does not fit the scene is refused where it stands.
 
 use crate::common::{Options, Random, build, random_scene};
+use std::sync::Arc;
 use stillpoint::model::description::Description;
 use stillpoint::scenario::start::{parse_start, text};
 
@@ -24,9 +25,9 @@ fn a_start_is_read_back_bit_for_bit() {
             let turn = random.list(model.velocity_count(), -1.0, 1.0);
             let mut q = model.start_position.clone();
             stillpoint::dynamics::System::displace(&model, &mut q, &turn);
-            model.start_position = q;
+            Arc::make_mut(&mut model).start_position = q;
         }
-        model.start_velocity = random.list(model.velocity_count(), -3.0, 3.0);
+        Arc::make_mut(&mut model).start_velocity = random.list(model.velocity_count(), -3.0, 3.0);
         let input = description.bodies.iter().find(|body| body.hinge.force.len() == 1).map(|body| &body.name);
         let inputs: Vec<(String, f64)> = input.map(|name| (format!("{name}.force"), 0.1 + 0.2)).into_iter().collect();
         let written = text(&model, &model.start_position, &model.start_velocity, &inputs, &[]);

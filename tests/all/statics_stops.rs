@@ -2,17 +2,18 @@
 
 use crate::common::build;
 use crate::scenarios::{found, shipped};
+use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::scenario;
 use stillpoint::statics::{Bearing, Equilibrium, Method, Settings, Verdict, Want, equilibrium};
 
 const G: f64 = 9.80665;
 
-fn read(text: &str) -> Model {
+fn read(text: &str) -> Arc<Model> {
     build(&scenario::parse("stops.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}")).description)
 }
 
-fn find(model: &Model) -> Equilibrium {
+fn find(model: &Arc<Model>) -> Equilibrium {
     let found = equilibrium(model, &Settings::default(), &model.start_position).expect("statics");
     assert!(found.converged, "{:?}", found.notes);
     found

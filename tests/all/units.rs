@@ -10,11 +10,12 @@ use stillpoint::simulate::{self, State, Summary};
 use stillpoint::statics;
 
 use crate::common::build;
+use std::sync::Arc;
 
 const FACTORS: [f64; 2] = [1024.0, 1.0 / 1024.0];
 
 /// An arm with a slide and a ball on it, a spring to the ground, dampers; lengths times `s`, times and masses as they are.
-fn scene(s: f64, method: Method) -> (stillpoint::scenario::Scenario, Model) {
+fn scene(s: f64, method: Method) -> (stillpoint::scenario::Scenario, Arc<Model>) {
     let square = s * s;
     // Tolerances that a second-order method meets in time as well.
     let step = if method.needs_step() { "step = 0.005\n" } else { "" };
@@ -70,7 +71,7 @@ damping = 0.25
     (scenario, model)
 }
 
-fn go(s: f64, method: Method) -> (Model, Summary) {
+fn go(s: f64, method: Method) -> (Arc<Model>, Summary) {
     let (scenario, model) = scene(s, method);
     let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     let summary = simulate::run(&model, &scenario.simulate, 10.0, &start, &mut Fanout::new(), &mut |_, _| true)

@@ -123,7 +123,7 @@ fn weights(model: &Model, poses: &Poses, shift: f64, entries: &mut Entries) {
 /// Every element by unit variations of the links it acts on.
 fn elements(model: &Model, poses: &Poses, entries: &mut Entries) {
     let mut by = vec![LinkVariation::default(); model.links.len()];
-    for force in &model.forces {
+    for force in model.forces.iter() {
         let ends = force.law.ends();
         for (at, end) in ends.iter().enumerate() {
             if end.link == 0 || ends[..at].iter().any(|before| before.link == end.link) {

@@ -124,7 +124,7 @@ pub(in super::super) fn within_limits(model: &Model, q: &[f64]) -> Vec<f64> {
     within
 }
 
-impl Landscape<'_, '_> {
+impl Landscape<'_> {
     /// Bounds the coordinates by the limits of the scene. For trees.
     pub(in super::super) fn heed_limits(&mut self) {
         let mut inertia = vec![0.0; self.rest.len()];

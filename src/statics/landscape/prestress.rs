@@ -37,7 +37,7 @@ pub(in super::super) enum Prestress {
     Certified,
 }
 
-impl Landscape<'_, '_> {
+impl Landscape<'_> {
     /// Takes the multipliers of equally stiff rows if self-stresses have a stiffness along the motions `z` at a closed position
     /// whose multipliers are in the system; says whether they do.
     pub(in super::super) fn share_prestress(&mut self, q: &[f64], z: &Mat<f64>) -> Result<bool, Fault> {

@@ -32,6 +32,7 @@ use crate::statics::bordered::Bordered;
 use crate::statics::stability::MOST_MODES;
 use crate::statics::stiffness::Stiffness;
 use faer::Mat;
+use std::sync::Arc;
 
 /// Largest turn (rad), and part of the scene's length, of one step.
 const LONGEST_STEP: f64 = 0.6;
@@ -45,8 +46,8 @@ const ERRORS: f64 = 4.0;
 const FEW: usize = 4;
 
 /// The rows of a model, and where its search stands on the closed positions.
-pub(in super::super) struct Ties<'m> {
-    closer: Closer<'m>,
+pub(in super::super) struct Ties {
+    closer: Closer,
     /// Whether rows border a sweep; else matrices are dense.
     pub(in super::super) sweeps: bool,
     /// Drives whose velocity cannot be kept.
@@ -82,17 +83,18 @@ pub(in super::super) struct View {
     regular: f64,
 }
 
-impl<'m> Ties<'m> {
-    pub(super) fn new(model: &'m Model, frozen: Vec<String>, sweeps: bool) -> Self {
+impl Ties {
+    pub(super) fn new(model: &Model, frozen: Vec<String>, sweeps: bool) -> Self {
         let (view, branch, stiffens, prestress) = (None, None, None, Prestress::None);
         Self { closer: Closer::new(model), sweeps, frozen, view, branch, stiffens, prestress }
     }
 }
 
-impl Landscape<'_, '_> {
+impl Landscape<'_> {
     /// Brings a position onto the rows; false where that cannot be done.
     pub(in super::super) fn close(&mut self, q: &mut [f64]) -> bool {
-        self.ties.as_mut().is_none_or(|ties| ties.closer.close(q))
+        let model = self.system.model();
+        self.ties.as_mut().is_none_or(|ties| ties.closer.close(model, q))
     }
 
     /// What the search remembers of where it came from.
@@ -291,8 +293,8 @@ pub(in super::super) fn by_sweeps(model: &Model, free: &[usize], steady: &[f64])
 }
 
 /// Velocities of the drives where they leave the rest at rest, and the drives that cannot be kept moving.
-pub(super) fn steady(system: &mut System<'_>, start: &[f64]) -> (Vec<f64>, Vec<String>) {
-    let model = system.model();
+pub(super) fn steady(system: &mut System, start: &[f64]) -> (Vec<f64>, Vec<String>) {
+    let model = &Arc::clone(system.model());
     let mut velocity = vec![0.0; model.velocity_count()];
     let mut moving = Vec::new();
     for drive in &model.drives {

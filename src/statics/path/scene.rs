@@ -12,6 +12,7 @@ use crate::model::description::Description;
 use crate::model::{Model, Parameter, Stop};
 use crate::spatial::{Pose, Wrench};
 use faer::Mat;
+use std::sync::Arc;
 
 /// Half the distance over which `f_λ` is taken, as a part of the range: most numbers enter affinely, and the others bend
 /// little over it.
@@ -26,7 +27,7 @@ pub(super) struct Moving<'a> {
     /// Motions along the loops where the last solution was looked at.
     branch: Option<Branch>,
     /// The model at the start, with the stops that bear: its tree is that of all others.
-    model: Model,
+    model: Arc<Model>,
     /// The stops of the scene, and which of them bear.
     stops: Vec<Stop>,
     set: Set,
@@ -67,8 +68,8 @@ impl<'a> Moving<'a> {
         (q, set): (&[f64], Set),
     ) -> Result<Self, String> {
         let mut description = description.clone();
-        let mut model = build(&mut description, parameters, start)?;
-        assembled.give(&mut model, &mut q.to_vec())?;
+        let model = build(&mut description, parameters, start)?;
+        let model = assembled.apply(model, &mut q.to_vec())?;
         let all = model.stops.clone();
         let (model, _) = resting(model, &set, q)?;
         let (inertia, reach) = {
@@ -133,15 +134,15 @@ impl<'a> Moving<'a> {
         &mut self,
         q: &[f64],
         parameter: f64,
-        of: impl FnOnce(&mut Landscape<'_, '_>, Vec<f64>) -> Result<T, Fault>,
+        of: impl FnOnce(&mut Landscape<'_>, Vec<f64>) -> Result<T, Fault>,
     ) -> Result<T, String> {
-        let mut model = build(&mut self.description, self.parameters, parameter)?;
+        let model = build(&mut self.description, self.parameters, parameter)?;
         let mut q = q.to_vec();
         for body in model.bodies.iter().filter(|body| body.hinge.lock) {
             let range = body.hinge.position..body.hinge.position + body.hinge.kind.counts().0;
             q[range.clone()].copy_from_slice(&model.start_position[range]);
         }
-        self.assembled.give(&mut model, &mut q)?;
+        let model = self.assembled.apply(model, &mut q)?;
         let (model, q) = resting(model, &self.set, &q)?;
         let mut system = System::new(&model);
         let mut landscape = Landscape::new(&mut system, &q).map_err(|fault| fault.to_string())?;
@@ -312,25 +313,21 @@ impl Family for Moving<'_> {
 }
 
 /// The model while these stops bear, and the position on them.
-fn resting(model: Model, set: &Set, q: &[f64]) -> Result<(Model, Vec<f64>), String> {
+fn resting(model: Arc<Model>, set: &Set, q: &[f64]) -> Result<(Arc<Model>, Vec<f64>), String> {
     if set.iter().all(|side| *side == 0) {
         return Ok((model, q.to_vec()));
     }
     stops::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())
 }
 
-fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Model, String> {
+fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Arc<Model>, String> {
     parameters.iter().for_each(|one| one.set(description, value));
     Model::build(description)
         .map_err(|problems| problems.first().map_or_else(String::new, |problem| problem.message.clone()))
 }
 
 /// Mass, damping and stiffness of the free coordinates, of the motions that loops leave; and the sizes of its terms.
-fn free_part(
-    landscape: &mut Landscape<'_, '_>,
-    q: &[f64],
-    magnitude: &[f64],
-) -> Result<(Linearization, Vec<f64>), Fault> {
+fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Result<(Linearization, Vec<f64>), Fault> {
     let (free, steady) = (landscape.free.clone(), landscape.steady.clone());
     let z = if landscape.ties.is_some() { Some(landscape.tangent(q)?) } else { None };
     let full = landscape.system().linearize(q, &steady, &vec![0.0; steady.len()])?;

@@ -5,6 +5,7 @@
 use super::{go_watched, of};
 use crate::common::{Random, build};
 use std::fmt::Write;
+use std::sync::Arc;
 use stillpoint::model::{Model, StopLaw};
 use stillpoint::record::Memory;
 use stillpoint::scenario::Scenario;
@@ -91,7 +92,7 @@ fn check(seed: u64, scenario: &Scenario, model: &Model, (summary, memory, deepes
     }
 }
 
-fn read(text: &str) -> (Scenario, Model) {
+fn read(text: &str) -> (Scenario, Arc<Model>) {
     let scenario = stillpoint::scenario::parse("scene.toml", text, &[]).unwrap_or_else(|found| panic!("{found:?}"));
     let model = build(&scenario.description);
     (scenario, model)

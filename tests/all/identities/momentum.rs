@@ -10,6 +10,7 @@ use stillpoint::dynamics::System;
 use stillpoint::force::Describe;
 use stillpoint::forces;
 use stillpoint::model::Description;
+use stillpoint::model::Model;
 use stillpoint::model::description::{Attachment, ForceKind, GROUND, HingeDescription, HingeKind};
 use stillpoint::spatial::Wrench;
 
@@ -23,7 +24,7 @@ fn numbers(wrench: &Wrench) -> Vec<f64> {
 }
 
 /// Momentum and angular momentum about the origin of every named body, welded ones too.
-fn momenta(system: &mut System<'_>, q: &[f64], v: &[f64]) -> Vec<Wrench> {
+fn momenta(system: &mut System, q: &[f64], v: &[f64]) -> Vec<Wrench> {
     system.energies(q, v);
     let mut poses = Vec::new();
     system.poses(&mut poses);
@@ -120,8 +121,8 @@ fn springs_and_bushings_pull_both_ends_alike() {
         system.energies(&start.model.start_position, &start.model.start_velocity);
         let placed = placed(&description);
         for (index, force) in start.model.forces.iter().enumerate() {
-            let mut alone = start.model.clone();
-            alone.forces = vec![force.clone()];
+            let mut alone = Model::clone(&start.model);
+            alone.forces = [force.clone()].into();
             let mut wrenches = vec![Wrench::ZERO; alone.links.len()];
             forces::apply(&forces::Laws::new(&alone), system.motion(), &mut wrenches);
             let mut sum = Wrench::ZERO;

@@ -3,17 +3,18 @@
 use super::fixture::{import, joint, notes, refused, robot};
 use crate::common::{Random, build, relative_difference};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::import::Options;
 use stillpoint::model::Model;
 use stillpoint::scenario;
 
-fn model(text: &str, options: &Options) -> Model {
+fn model(text: &str, options: &Options) -> Arc<Model> {
     let imported = import(text, options);
     build(&scenario::parse("robot.toml", &imported.scenario, &[]).unwrap_or_else(|error| panic!("{error}")).description)
 }
 
-fn accelerations(model: &Model, velocity: &[f64]) -> Vec<f64> {
+fn accelerations(model: &Arc<Model>, velocity: &[f64]) -> Vec<f64> {
     let mut accelerations = velocity.to_vec();
     System::new(model).accelerations(&model.start_position, velocity, &mut accelerations).expect("accelerations");
     accelerations

@@ -3,6 +3,7 @@
 use super::fixture::{import, joint, link, notes, refused, robot};
 use crate::common::{build, relative_difference};
 use nalgebra::{UnitQuaternion, Vector3};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::import::Options;
 use stillpoint::model::Model;
@@ -10,7 +11,7 @@ use stillpoint::scenario::{self, Override};
 
 const G: f64 = 9.80665;
 
-fn model(text: &str, options: &Options, changes: &[&str]) -> Model {
+fn model(text: &str, options: &Options, changes: &[&str]) -> Arc<Model> {
     let changes: Vec<Override> = changes.iter().map(|text| Override::parse(text).expect("a change")).collect();
     let imported = import(text, options);
     let scenario =
@@ -18,7 +19,7 @@ fn model(text: &str, options: &Options, changes: &[&str]) -> Model {
     build(&scenario.description)
 }
 
-fn accelerations(model: &Model) -> Vec<f64> {
+fn accelerations(model: &Arc<Model>) -> Vec<f64> {
     let mut accelerations = model.start_velocity.clone();
     System::new(model)
         .accelerations(&model.start_position, &model.start_velocity, &mut accelerations)

@@ -9,6 +9,7 @@ use stillpoint::simulate::problem::Motion;
 use super::order::{assert_order, of_one_order, order};
 use super::{adaptive, distance, fixed};
 use crate::common::build;
+use std::sync::Arc;
 
 /// Three links on a ball, a universal hinge and a revolute one, sprung and damped, thrown.
 const CHAIN: &str = r#"
@@ -36,7 +37,7 @@ inertia = [0.01, 0.01, 0.005]
 hinge = { type = "revolute", parent = "middle", at = "tip", axis = [0.0, 0.6, 0.8], position = 0.5, velocity = -2.0 }
 "#;
 
-fn model(text: &str) -> Model {
+fn model(text: &str) -> Arc<Model> {
     let scenario = stillpoint::scenario::parse("chain.toml", text, &[]).expect("a scenario");
     build(&scenario.description)
 }
@@ -46,7 +47,7 @@ fn start(model: &Model, end: f64) -> Start<'_> {
 }
 
 /// State at the end of a run.
-fn end_state(method: Method, model: &Model, options: &Options, start: Start<'_>) -> Vec<f64> {
+fn end_state(method: Method, model: &Arc<Model>, options: &Options, start: Start<'_>) -> Vec<f64> {
     let mut motion = Motion::new(model);
     let mut stepper = method.start(&mut motion, options, start).expect("the run starts");
     while !stepper.finished() {
@@ -128,7 +129,7 @@ hinge = { type = "spherical", position = [0.96, 0.28, 0.0, 0.0], velocity = [0.3
 fn energy_swings(scene: &str, method: Method, step: f64, steps: u32) -> [f64; 4] {
     let model = model(scene);
     let mut motion = Motion::new(&model);
-    let energy = |motion: &mut Motion<'_>, q: &[f64], v: &[f64]| {
+    let energy = |motion: &mut Motion, q: &[f64], v: &[f64]| {
         let energies = motion.at(0.0).energies(q, v);
         energies.kinetic + energies.potential
     };

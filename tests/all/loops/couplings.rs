@@ -2,6 +2,7 @@
 
 use super::{FOUR_BAR, coordinate, read};
 use nalgebra::Vector3;
+use std::sync::Arc;
 use stillpoint::constraint::LoopReaction;
 use stillpoint::dynamics::System;
 use stillpoint::integrate::Method;
@@ -10,7 +11,7 @@ use stillpoint::record::{Memory, Opening, OwnedSample, Scene};
 use stillpoint::simulate::{self, Integrator, Settings, State};
 
 /// A run from the start as given, recorded.
-fn recorded(model: &Model, duration: f64, rate: f64) -> (Scene, Vec<OwnedSample>) {
+fn recorded(model: &Arc<Model>, duration: f64, rate: f64) -> (Scene, Vec<OwnedSample>) {
     let settings = Settings {
         duration,
         integrator: Integrator::Method(Method::Dop853),
@@ -32,7 +33,7 @@ fn column(scene: &Scene, owner: &str, name: &str) -> usize {
 }
 
 /// What loops pass in a state, shared.
-fn loops(model: &Model, q: &[f64], v: &[f64]) -> Vec<LoopReaction> {
+fn loops(model: &Arc<Model>, q: &[f64], v: &[f64]) -> Vec<LoopReaction> {
     let mut system = System::new(model);
     system.accelerations(q, v, &mut vec![0.0; v.len()]).expect("accelerations");
     system.share_multipliers(q, v).expect("shares");
@@ -220,8 +221,8 @@ fn what_a_loop_passes_is_right_while_a_stop_holds() {
     assert!(held.len() > 10, "{} samples after {rest} s", held.len());
     held.iter().for_each(|sample| check(&scene, sample, 1e-9));
     // Started there, it is held from the first sample on.
-    model.start_position.copy_from_slice(&[0.2, -0.2, 0.2]);
-    model.start_velocity.fill(0.0);
+    Arc::make_mut(&mut model).start_position.copy_from_slice(&[0.2, -0.2, 0.2]);
+    Arc::make_mut(&mut model).start_velocity.fill(0.0);
     let (scene, samples) = recorded(&model, 0.1, 100.0);
     samples.iter().for_each(|sample| check(&scene, sample, 1e-9));
 }

@@ -3,13 +3,14 @@
 use super::{coordinate, read};
 use nalgebra::{Isometry3, Point3};
 use std::f64::consts::PI;
+use std::sync::Arc;
 use stillpoint::constraint::assemble;
 use stillpoint::integrate::Method;
 use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening, OwnedSample};
 use stillpoint::simulate::{self, Integrator, Settings, State, Summary};
 
-fn recorded(model: &Model, duration: f64) -> (Summary, Vec<OwnedSample>) {
+fn recorded(model: &Arc<Model>, duration: f64) -> (Summary, Vec<OwnedSample>) {
     let settings = Settings {
         duration,
         integrator: Integrator::Method(Method::Dop853),
@@ -110,7 +111,7 @@ fn a_bennett_linkage_turns() {
     ]
     .concat();
     let (scenario, model) = read(&text);
-    let assembly = assemble(&mut Model::build(&scenario.description).expect("a model")).expect("an assembly");
+    let (_, assembly) = assemble(Model::build(&scenario.description).expect("a model")).expect("an assembly");
     assert_eq!((assembly.degrees_of_freedom, assembly.redundant), (1, vec![("loop `last`".to_owned(), 3, 5)]));
     let (summary, samples) = recorded(&model, 10.0);
     for sample in &samples {

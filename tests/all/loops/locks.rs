@@ -48,9 +48,9 @@ fn loops_are_closed_around_locked_hinges_of_every_type() {
             let text = scene(kind, extra, lock);
             let given =
                 scenario::parse("scene.toml", &text, &[]).unwrap_or_else(|e| panic!("{kind}: {}", e.render(false)));
-            let mut model = Model::build(&given.description).expect("a model");
+            let model = Model::build(&given.description).expect("a model");
             let before = model.start_position.clone();
-            let assembly = assemble(&mut model).expect("an assembly");
+            let (model, assembly) = assemble(model).expect("an assembly");
             assert!(assembly.given_gap > 0.1 && assembly.gap < 1e-14, "{kind}: {assembly:?}");
             let by = moved(&model, &model.start_position, &before);
             // Rounding of a dozen steps; without the lock the base gives way.

@@ -3,6 +3,7 @@
 use super::read;
 use crate::common::Random;
 use std::fmt::Write;
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::integrate::{Method, Options, Start};
 use stillpoint::model::Model;
@@ -88,7 +89,7 @@ fn massless_driven_bodies_are_the_limit_of_light_ones() {
 /// Explicit and implicit runs end where those of light driven bodies do, and the equilibrium is the same.
 #[test]
 fn massless_driven_bodies_run_and_rest() {
-    let end = |model: &Model, method: Method| {
+    let end = |model: &Arc<Model>, method: Method| {
         let mut motion = Motion::new(model);
         let options = Options { relative: 1e-9, absolute: 1e-9, ..Options::default() };
         let start = Start { time: 0.0, position: &model.start_position, velocity: &model.start_velocity, end: 0.4 };

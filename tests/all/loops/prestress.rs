@@ -3,6 +3,7 @@
 use super::read;
 use crate::common::Random;
 use std::fmt::Write;
+use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::scenario;
 use stillpoint::statics::{Equilibrium, Settings, Verdict, equilibrium};
@@ -43,7 +44,7 @@ fn scene(seed: u64, stiffness: Option<f64>) -> String {
     text
 }
 
-fn statics(model: &Model) -> Equilibrium {
+fn statics(model: &Arc<Model>) -> Equilibrium {
     equilibrium(model, &Settings::default(), &model.start_position).expect("statics")
 }
 

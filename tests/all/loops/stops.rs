@@ -2,6 +2,7 @@
 
 use crate::common::build;
 use crate::scenarios::{found, shipped};
+use std::sync::Arc;
 use stillpoint::model::Model;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::Scenario;
@@ -14,19 +15,19 @@ const G: f64 = 9.80665;
 const LEVER: f64 = 2.0 * 0.25 + 2.0 * 0.5;
 const INERTIA: f64 = 2.0 * (0.02 + 0.0625) + 2.0 * 0.25;
 
-fn go(scenario: &Scenario, model: &Model) -> Result<Summary, RunError> {
+fn go(scenario: &Scenario, model: &Arc<Model>) -> Result<Summary, RunError> {
     let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
     simulate::run(model, &scenario.simulate, 100.0, &start, &mut Fanout::new(), &mut |_, _| true)
 }
 
-fn read(text: &str) -> (Scenario, Model) {
+fn read(text: &str) -> (Scenario, Arc<Model>) {
     let scenario = stillpoint::scenario::parse("scene.toml", text, &[]).unwrap_or_else(|found| panic!("{found:?}"));
     let model = build(&scenario.description);
     (scenario, model)
 }
 
 /// The shipped scene with other limits.
-fn parallelogram(limits: &str, integrator: &str) -> (Scenario, Model) {
+fn parallelogram(limits: &str, integrator: &str) -> (Scenario, Arc<Model>) {
     let text = shipped("parallelogram_on_stop", &[]).0.text;
     read(&text.replace("{ low = 0.2, restitution = 0.5 }", limits).replace("dop853", integrator))
 }
@@ -105,7 +106,7 @@ fn a_rubber_stop_gives_way_as_far_as_the_weights_push_it() {
 }
 
 /// Two fingers that a gear ties together, each with its limits: they reach them at once.
-fn fingers(more: &str) -> (Scenario, Model) {
+fn fingers(more: &str) -> (Scenario, Arc<Model>) {
     let finger = |name: &str, axis: &str| {
         format!(
             "[[body]]\nname = \"{name}\"\nmass = 0.1\nhinge = {{ type = \"prismatic\", axis = {axis}, position = 0.03, \

@@ -94,8 +94,8 @@ fn the_gripper_rests_where_its_servo_its_spring_and_its_weight_balance() {
     }
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/gripper_from_mjcf.toml");
     let scenario = load(std::path::Path::new(path)).unwrap_or_else(|error| panic!("{error}"));
-    let mut model = Model::build(&scenario.description).expect("a model");
-    stillpoint::constraint::assemble(&mut model).expect("it closes");
+    let model = Model::build(&scenario.description).expect("a model");
+    let (model, _) = stillpoint::constraint::assemble(model).expect("it closes");
     let found =
         stillpoint::statics::equilibrium(&model, &scenario.statics, &model.start_position).expect("an equilibrium");
     let at = |name: &str| {

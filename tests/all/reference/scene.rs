@@ -2,6 +2,7 @@
 
 use super::survey;
 use nalgebra::{Isometry3, Vector3};
+use std::sync::Arc;
 use stillpoint::constraint::assemble;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
@@ -21,15 +22,15 @@ pub(super) fn head(gravity: [f64; 3], integrator: &str, tolerance: f64) -> Strin
 /// A scenario, read and compiled.
 pub(super) struct Scene {
     scenario: Scenario,
-    pub(super) model: Model,
+    pub(super) model: Arc<Model>,
 }
 
 impl Scene {
     pub(super) fn read(text: &str) -> Self {
         let scenario = scenario::parse("reference.toml", text, &[])
             .unwrap_or_else(|problems| panic!("{}\n{text}", problems.render(false)));
-        let mut model = Model::build(&scenario.description).unwrap_or_else(|problems| panic!("{problems:?}"));
-        assemble(&mut model).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let model = Model::build(&scenario.description).unwrap_or_else(|problems| panic!("{problems:?}"));
+        let (model, _) = assemble(model).unwrap_or_else(|problems| panic!("{problems:?}"));
         Self { scenario, model }
     }
 

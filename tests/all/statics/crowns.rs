@@ -2,6 +2,7 @@
 
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
@@ -57,7 +58,7 @@ fn crown(n: usize, stiffness: [f64; 3], height: f64, mass: f64, compressed: f64)
     Description { bodies, forces, ..Description::default() }
 }
 
-fn random_crown(random: &mut Random, n: usize) -> Model {
+fn random_crown(random: &mut Random, n: usize) -> Arc<Model> {
     let stiffness = [0, 1, 2].map(|_| 10_f64.powf(random.between(1.0, 3.5)));
     // Every other one is flat.
     let height = if random.below(2) == 0 { 0.0 } else { random.between(0.03, 0.2) };
@@ -73,7 +74,7 @@ fn ends_stable(found: &Equilibrium) -> bool {
     found.converged && verdict(found).is_some_and(|verdict| verdict != Verdict::Unstable)
 }
 
-fn potential(model: &Model, q: &[f64]) -> f64 {
+fn potential(model: &Arc<Model>, q: &[f64]) -> f64 {
     let still = vec![0.0; model.velocity_count()];
     System::new(model).energies_at_rest(q, &still).potential
 }

@@ -2,6 +2,7 @@
 
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
+use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
@@ -117,7 +118,7 @@ impl Tree {
 }
 
 /// A limp tree of 2 to 30 links with limits of all kinds, from a random pose that may stand at its limits or beyond.
-fn scene(seed: u64) -> (Tree, Model) {
+fn scene(seed: u64) -> (Tree, Arc<Model>) {
     let mut random = Random::new(seed);
     let (count, chain) = (2 + random.below(29), random.below(2) == 0);
     let mut tree = Tree { links: Vec::new(), limits: Vec::new() };
@@ -215,12 +216,12 @@ fn start(random: &mut Random, range: [f64; 2]) -> f64 {
     }
 }
 
-fn find(model: &Model) -> Equilibrium {
+fn find(model: &Arc<Model>) -> Equilibrium {
     equilibrium(model, &Settings::default(), &model.start_position).expect("a scene that can be evaluated")
 }
 
 /// The program's potential of the weights.
-fn weights(model: &Model, q: &[f64]) -> f64 {
+fn weights(model: &Arc<Model>, q: &[f64]) -> f64 {
     let still = vec![0.0; model.velocity_count()];
     System::new(model).energies_at_rest(q, &still).potential
 }

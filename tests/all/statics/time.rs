@@ -3,6 +3,7 @@
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Vector3};
 use std::cell::Cell;
+use std::sync::Arc;
 use std::time::Instant;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
@@ -10,7 +11,7 @@ use stillpoint::scenario;
 use stillpoint::statics::{Equilibrium, Method, Settings, Want, equilibrium, equilibrium_while};
 
 /// A crumpled chain: the search takes hundreds of steps.
-fn crumpled(seed: u64) -> Model {
+fn crumpled(seed: u64) -> Arc<Model> {
     let mut random = Random::new(seed);
     let body = |index: usize| {
         let mut hinge = HingeDescription::new(HingeKind::Universal { axes: [Vector3::x(), Vector3::y()] });
