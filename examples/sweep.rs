@@ -22,7 +22,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stiffness = Parameter::find(&description, "arm.stiffness")?;
     let mut guess: Option<Vec<f64>> = None;
     for value in [80.0, 40.0, 20.0, 10.0, 5.0] {
-        stiffness.iter().for_each(|one| one.set(&mut description, value));
+        stiffness.iter().try_for_each(|one| one.set(&mut description, value))?;
         let model = Model::build(&description).map_err(|problems| format!("{problems:?}"))?;
         let start = guess.as_ref().unwrap_or(&model.start_position);
         let found = statics::equilibrium(&model, &scenario.statics, start)?;

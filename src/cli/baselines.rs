@@ -3,11 +3,11 @@
 mod plot;
 
 use super::output::{self, bold};
+use super::sweep::grid::{Axis, OPTION};
 use super::{Common, Exit, scene, text};
 use crate::model::Model;
-use crate::scenario::Scenario;
+use crate::scenario::{Override, Scenario};
 use crate::statics::{Equilibrium, Method, Settings, equilibrium_observed};
-use anyhow::Context;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -65,25 +65,23 @@ pub(super) fn main(
     Ok(exit([&run]))
 }
 
-/// The same for several values of a number of the file, `path=1,2,3`.
-pub(super) fn over(common: &Common, change: &str, out: Option<&Path>) -> anyhow::Result<Exit> {
-    let (path, values) =
-        change.split_once('=').context("`--over` takes a path and values, as `link.repeat=5,10,20`")?;
+/// The same for several values of a number of the file.
+pub(super) fn over(common: &Common, axis: &Axis, out: Option<&Path>) -> anyhow::Result<Exit> {
+    let path = &axis.path;
     anyhow::ensure!(
         common.scenario != Path::new("-"),
         "`--over` reads its file again and again: standard input cannot"
     );
     let mut runs = Vec::new();
     let mut named = None;
-    for value in values.split(',') {
-        let set = common.set.iter().cloned().chain([format!("{path}={value}")]).collect();
-        let one = Common { scenario: common.scenario.clone(), set, json: common.json, quiet: common.quiet };
-        let (scenario, model) = match scene::load(&one)? {
+    for value in &axis.values {
+        let change = Override::of_option(OPTION, &format!("{path}={value}"))?;
+        let (scenario, model) = match scene::load_changed(common, Some(change))? {
             Ok(loaded) => loaded,
             Err(exit) => return Ok(exit),
         };
         ensure_comparable(&scenario)?;
-        let run = run(value.trim().to_owned(), &scenario, &model);
+        let run = run(value.clone(), &scenario, &model);
         if !common.json && !common.quiet {
             output::print(&format!("{path} = {value}\n{}", text::heading(&model, &scenario.name)))?;
             output::print(&report(&run.rows))?;

@@ -220,7 +220,7 @@ impl Followed {
     /// What happens on the way, for people.
     pub(super) fn text(&self) -> String {
         let (mut out, unit) = (String::new(), self.unit());
-        let with_unit = |x: f64| format!("{} {unit}", text::number(x));
+        let with_unit = |x: f64| format!("{} {unit}", text::number(x)).trim_end().to_owned();
         let points: usize = self.path.branches.iter().map(|branch| branch.points.len()).sum();
         let _ = writeln!(
             out,

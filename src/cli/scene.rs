@@ -12,7 +12,16 @@ use std::sync::Arc;
 
 /// A scenario with its model, or the exit code after its problems were printed.
 pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
-    let overrides: Vec<Override> = common.set.iter().map(|text| Override::parse(text)).collect::<Result<_, _>>()?;
+    load_changed(common, None)
+}
+
+/// The same, with one more change.
+pub(super) fn load_changed(
+    common: &Common,
+    change: Option<Override>,
+) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
+    let set = common.set.iter().map(|text| Override::parse(text));
+    let overrides: Vec<Override> = set.chain(change.map(Ok)).collect::<Result<_, _>>()?;
     let scenario = match load_with(&common.scenario, &overrides) {
         Ok(scenario) => scenario,
         Err(LoadError::Problems(problems)) => return Ok(Err(refused(&problems))),

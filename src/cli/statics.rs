@@ -2,6 +2,7 @@
 
 use super::inputs::Inputs;
 use super::output::Interrupt;
+use super::sweep::grid::Axis;
 use super::{Common, Exit, baselines, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
@@ -24,8 +25,8 @@ pub(super) struct Arguments {
     #[arg(long, conflicts_with = "method")]
     compare: bool,
     /// With `--compare`: for several values of a number of the file, as `link.repeat=5,10,20`
-    #[arg(long, value_name = "PATH=VALUES", requires = "compare", conflicts_with = "start")]
-    over: Option<String>,
+    #[arg(long, value_name = "PATH=VALUES", requires = "compare", conflicts_with = "start", value_parser = Axis::parse)]
+    over: Option<Axis>,
     /// Begin the search at the pose of this file, as `--save` writes it
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,

@@ -1,6 +1,6 @@
 //! `sweep`: the same question for many values of some numbers, one row per case.
 
-mod grid;
+pub(super) mod grid;
 
 use super::inputs::Inputs;
 use super::output::{self, Progress};
@@ -12,9 +12,10 @@ use crate::record::Fanout;
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_with, parse};
 use crate::simulate::{self, Start, State};
 use crate::statics::Equilibrium;
-use anyhow::{Context, anyhow};
+use crate::whole_file::WholeFile;
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
-use grid::Axis;
+use grid::{Axis, OPTION};
 use serde_json::{Map, Value, json};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -77,10 +78,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
         Err(other) => return Err(other.into()),
     };
-    let cases = grid::cases(&arguments.over).map_err(|error| anyhow!(error))?;
-    if let Some(path) = &arguments.out {
-        Inputs::of_scenario(common, &scenario, None).spare(path)?;
+    if !common.quiet && !scenario.warnings.is_empty() {
+        output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
     }
+    refuse_unheeded(arguments, &scenario, &set)?;
+    let cases = grid::cases(&arguments.over).map_err(|error| anyhow!(error))?;
+    // What cannot be written is told before the work.
+    let table = arguments.out.as_ref().map(|path| {
+        Inputs::of_scenario(common, &scenario, None).spare(path)?;
+        WholeFile::create(path).with_context(|| format!("cannot write `{}`", path.display()))
+    });
+    let table = table.transpose()?;
     let sweep = Sweep { arguments, scenario: &scenario, set };
     let rows = sweep.all(&cases)?;
     // A name that is not there is no answer, it is a wrong call.
@@ -91,8 +99,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         return Ok(Exit::Wrong);
     }
     let failed = rows.iter().filter(|row| row.is_err()).count();
-    if let Some(path) = &arguments.out {
-        sweep.write(path, &cases, &rows).with_context(|| format!("cannot write `{}`", path.display()))?;
+    if let Some((path, table)) = arguments.out.as_ref().zip(table) {
+        sweep.write(table, &cases, &rows).with_context(|| format!("cannot write `{}`", path.display()))?;
     }
     if common.json {
         let list: Vec<Value> = cases.iter().zip(&rows).map(|(case, row)| sweep.json(case, row)).collect();
@@ -102,6 +110,37 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&sweep.report(&cases, &rows, failed))?;
     }
     Ok(if failed == 0 { Exit::Done } else { Exit::No })
+}
+
+/// Refuses what would be asked for in vain.
+fn refuse_unheeded(arguments: &Arguments, scenario: &Scenario, set: &[Override]) -> anyhow::Result<()> {
+    if scenario.path.is_some() {
+        bail!(
+            "{}: `sweep` does not follow `[statics.path]`: `statics` does; or leave it out, and vary its parameter with `{OPTION}`",
+            scenario.name
+        );
+    }
+    // The keys of a hinge may be written without `hinge.`.
+    let short = |path: &str| path.replacen(".hinge.", ".", 1);
+    let from_start = scenario.simulate.start == Start::Equilibrium;
+    for (index, axis) in arguments.over.iter().enumerate() {
+        let is_same = |other: &str| short(other) == short(&axis.path);
+        if arguments.over[..index].iter().any(|other| is_same(&other.path)) {
+            bail!("`{OPTION}` varies `{}` twice: write all of its values into one", axis.path);
+        }
+        if set.iter().any(|other| is_same(other.path())) {
+            bail!("`{}` is set and varied at once: leave out `--set` or `{OPTION}`", axis.path);
+        }
+        let why = match axis.path.split(['.', '[']).next().unwrap_or_default() {
+            "record" => "a sweep records nothing",
+            "title" => "nothing depends on it",
+            "simulate" if !arguments.run => "only `--run` simulates the cases",
+            "statics" if arguments.run && !from_start => "the runs start as given, without statics",
+            _ => continue,
+        };
+        bail!("`{OPTION} {}=…` changes nothing: {why}", axis.path);
+    }
+    Ok(())
 }
 
 struct Sweep<'a> {
@@ -129,8 +168,11 @@ impl Sweep<'_> {
             }
         };
         let done = std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-            workers.into_iter().map(std::thread::ScopedJoinHandle::join).collect::<Vec<_>>()
+            // As many as the system gives, and this one if it gives none.
+            let spawn = |_| std::thread::Builder::new().spawn_scoped(scope, work).ok();
+            let workers: Vec<_> = (0..threads).map_while(spawn).collect();
+            let here = if workers.is_empty() { Some(Ok(work())) } else { None };
+            workers.into_iter().map(std::thread::ScopedJoinHandle::join).chain(here).collect::<Vec<_>>()
         });
         let mut rows = Vec::new();
         for one in done {
@@ -144,7 +186,7 @@ impl Sweep<'_> {
     fn one(&self, case: &[&str]) -> anyhow::Result<Row> {
         let mut changes = self.set.clone();
         for (axis, value) in self.arguments.over.iter().zip(case) {
-            changes.push(Override::parse(&format!("{}={value}", axis.path))?);
+            changes.push(Override::of_option(OPTION, &format!("{}={value}", axis.path))?);
         }
         let mut scenario = match parse(&self.scenario.name, &self.scenario.text, &changes) {
             Ok(scenario) => scenario,
@@ -178,9 +220,9 @@ impl Sweep<'_> {
         names.filter(|name| seen.insert(*name)).collect()
     }
 
-    fn write(&self, path: &std::path::Path, cases: &[Vec<&str>], rows: &[Row]) -> anyhow::Result<()> {
+    fn write(&self, table: WholeFile, cases: &[Vec<&str>], rows: &[Row]) -> anyhow::Result<()> {
         let columns = Self::columns(rows);
-        let mut csv = csv::Writer::from_path(path)?;
+        let mut csv = csv::Writer::from_writer(table);
         let head = self.arguments.over.iter().map(|axis| axis.path.as_str()).chain(["ok"]);
         csv.write_record(head.chain(columns.iter().copied()).chain(["error"]))?;
         for (case, row) in cases.iter().zip(rows) {
@@ -198,7 +240,7 @@ impl Sweep<'_> {
             let before = case.iter().map(|value| (*value).to_owned()).chain([row.is_ok().to_string()]);
             csv.write_record(before.chain(columns.iter().map(cell)).chain([error]))?;
         }
-        Ok(csv.flush()?)
+        Ok(output::whole(csv)?.finish()?)
     }
 
     fn report(&self, cases: &[Vec<&str>], rows: &[Row], failed: usize) -> String {

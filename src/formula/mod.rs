@@ -21,6 +21,8 @@
 //! Arithmetic is that of IEEE 754: what has no value is not a number, what is too large is infinite. Whoever evaluates a
 //! formula has to check its result.
 //!
+//! What a formula measures follows from what its variables measure ([`Formula::measure`]).
+//!
 //! ```
 //! use stillpoint::formula::{Formula, Jet};
 //! let path = Formula::parse("0.5*t^2 + sin(w*t)", &["t", "w"])?;
@@ -33,6 +35,7 @@
 
 mod error;
 mod function;
+mod measure;
 mod number;
 mod parse;
 mod token;
@@ -44,6 +47,7 @@ pub use vocabulary::vocabulary;
 
 use function::{Binary, Unary};
 use number::{Gradient, Number};
+use std::ops::Range;
 
 /// The longest text (in bytes).
 pub const LONGEST_TEXT: usize = 16_384;
@@ -59,6 +63,8 @@ pub const MOST_REGISTERS: usize = 256;
 pub struct Formula {
     text: String,
     steps: Vec<Step>,
+    /// The last part of the text that was read before each step: of numbers and variables where they are written.
+    places: Vec<Range<usize>>,
     /// How many registers the steps use; the result is in the first.
     registers: usize,
     /// Of each variable, whether it occurs.

@@ -37,9 +37,14 @@ pub(super) fn formula(text: &str, variables: &[&str]) -> Result<Formula, Formula
     }
     let mut tokens = Tokens::new(text);
     let next = tokens.next()?;
-    let formula =
-        Formula { text: text.to_owned(), steps: Vec::new(), registers: 0, used: vec![false; variables.len()] };
-    let mut parser = Parser { text, variables, tokens, next, depth: 0, formula };
+    let formula = Formula {
+        text: text.to_owned(),
+        steps: Vec::new(),
+        places: Vec::new(),
+        registers: 0,
+        used: vec![false; variables.len()],
+    };
+    let mut parser = Parser { text, variables, tokens, next, last: 0..0, depth: 0, formula };
     if parser.next.0 == Token::End {
         return Err(FormulaError::new(0..text.len(), "this formula is empty"));
     }
@@ -56,6 +61,8 @@ struct Parser<'t> {
     tokens: Tokens<'t>,
     /// Not consumed yet.
     next: (Token<'t>, Range<usize>),
+    /// Where the last consumed token stands.
+    last: Range<usize>,
     depth: usize,
     formula: Formula,
 }
@@ -65,6 +72,7 @@ type Parsed = Result<(), FormulaError>;
 impl<'t> Parser<'t> {
     fn advance(&mut self) -> Result<(Token<'t>, Range<usize>), FormulaError> {
         let next = self.tokens.next()?;
+        self.last = self.next.1.clone();
         Ok(std::mem::replace(&mut self.next, next))
     }
 
@@ -128,6 +136,7 @@ impl<'t> Parser<'t> {
         }
         self.formula.registers = self.formula.registers.max(to + 1);
         self.formula.steps.push(Step { to, operation });
+        self.formula.places.push(self.last.clone());
         Ok(())
     }
 

@@ -28,6 +28,7 @@
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 pub use super::hinge_curve::{CurveOver, HingeCurveDescription};
 use super::motor::MotorDescription;
+use super::parameter::NamedNumbers;
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 pub use crate::force::load::LoadAxes;
@@ -60,6 +61,8 @@ pub struct Description {
     pub motors: Vec<MotorDescription>,
     /// What a run takes note of.
     pub events: Vec<EventDescription>,
+    /// Numbers with names that all this follows from.
+    pub named: NamedNumbers,
 }
 
 impl Default for Description {
@@ -75,6 +78,7 @@ impl Default for Description {
             gears: Vec::new(),
             motors: Vec::new(),
             events: Vec::new(),
+            named: NamedNumbers::default(),
         }
     }
 }

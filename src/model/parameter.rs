@@ -12,10 +12,14 @@
 //! | `servo.force`, `servo.stiffness` | the force of a motor, its gain |
 //! | `force[2].length`, `drive[0].rate` | of what stands there in the file, whatever its name |
 //! | `hinge.force` | every hinge |
+//! | `parameters.m` | of `[parameters]`: moves all that follows from it |
 //!
 //! Without `[i]` an address stands for all components of its number, and the name of a repeated body for all copies.
 
+mod named;
 mod value;
+
+pub use named::{NamedNumber, NamedNumbers};
 
 use super::address::{Entry, resolve, split_component};
 use super::couplings::{Closure, CoordinateName, MotionDescription};
@@ -48,10 +52,13 @@ pub enum Quantity {
     Speed,
     /// (rad/s)
     TurnRate,
+    /// In SI units, which of them is not said: a named number without a unit, or with one of another kind.
+    Plain,
 }
 
 impl Quantity {
-    const ALL: [Self; 10] = [
+    /// Those with a unit.
+    pub const ALL: [Self; 10] = [
         Self::Force,
         Self::Torque,
         Self::Length,
@@ -69,7 +76,7 @@ impl Quantity {
         Self::ALL.into_iter().find(|quantity| quantity.unit() == unit)
     }
 
-    /// SI unit.
+    /// SI unit; empty for [`Plain`](Self::Plain).
     pub fn unit(self) -> &'static str {
         match self {
             Self::Force => "N",
@@ -82,6 +89,7 @@ impl Quantity {
             Self::Acceleration => "m/s²",
             Self::Speed => "m/s",
             Self::TurnRate => "rad/s",
+            Self::Plain => "",
         }
     }
 }
@@ -109,9 +117,12 @@ pub enum Field {
     Preload,
     /// Rate of a drive.
     Rate,
+    /// A number with a name.
+    Named,
 }
 
 impl Field {
+    /// Those of elements.
     const ALL: [Self; 10] = [
         Self::Gravity,
         Self::Mass,
@@ -138,6 +149,7 @@ impl Field {
             Self::Length => "length",
             Self::Preload => "preload",
             Self::Rate => "rate",
+            Self::Named => "parameters",
         }
     }
 }
@@ -172,6 +184,9 @@ impl Parameter {
     /// # Errors
     /// Where nothing of that name has a number of that kind.
     pub fn find(description: &Description, address: &str) -> Result<Vec<Self>, UnknownAddress> {
+        if let Some(name) = address.strip_prefix(named::PREFIX) {
+            return named::find(description, name).map(|one| vec![one]);
+        }
         let (path, component) = split_component(address);
         if path == Field::Gravity.name() {
             let one = |index: usize| Self {
@@ -350,7 +365,7 @@ fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
             let count = if positions == velocities { positions } else { positions - 4 };
             pick(Quantity::Length, Quantity::Angle).take(count).collect()
         }
-        Field::Gravity | Field::Torque | Field::Length | Field::Preload | Field::Rate => Vec::new(),
+        Field::Gravity | Field::Torque | Field::Length | Field::Preload | Field::Rate | Field::Named => Vec::new(),
     }
 }
 
@@ -360,7 +375,7 @@ fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
 
 fn unknown_element(description: &Description, address: &str) -> UnknownAddress {
     let target = address.rsplit_once('.').map_or(split_component(address).0, |(target, _)| target);
-    let known = entries(description).map(|entry| entry.name).chain(["gravity", "hinge"]);
+    let known = entries(description).map(|entry| entry.name).chain(["gravity", "hinge", "parameters"]);
     let help = match closest(target, known) {
         Some(near) => format!("did you mean `{near}`?"),
         None => "a number is addressed as `body.force`, `spring.length` or `gravity[2]`".to_owned(),
@@ -449,7 +464,7 @@ mod tests {
         for text in ["gravity[0]", "a.mass", "link[1].rest[2]", "float.position[1]", "a.b.torque[0]", "strut.length"] {
             let mut scene = scene();
             let found = Parameter::find(&scene, text).expect("an address");
-            found[0].set(&mut scene, 0.25);
+            found[0].set(&mut scene, 0.25).expect(text);
             assert_eq!(found[0].value(&scene), 0.25, "{text}");
             super::super::Model::build(&scene).expect(text);
         }

@@ -12,6 +12,7 @@
 //! # Ok::<(), stillpoint::quantity::QuantityError>(())
 //! ```
 
+pub mod measure;
 pub mod unit;
 
 use crate::suggest::closest;

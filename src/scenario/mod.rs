@@ -63,11 +63,14 @@ pub use shape::unreadable_meshes;
 pub use start::{Started, load_start};
 
 use crate::import::{self, Imported};
+use crate::model::parameter::NamedNumbers;
 use crate::model::{Description, Model, Parameter, Problem};
 use crate::{constraint, record, simulate, statics, text_file};
 use findings::Findings;
+use quantities::Numbers;
 use reader::Reader;
 use sources::Sources;
+use spans::SpanTable;
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -157,34 +160,88 @@ fn parse_owned(name: &str, text: String, overrides: &[Override]) -> Result<Scena
 }
 
 fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenario>, Vec<Diagnostic>) {
+    let changes = overrides.iter().collect::<Vec<_>>();
+    document(name, text, &changes, |document, models, numbers, findings| {
+        let (mut description, spans) = checked(document, folder(name), findings);
+        description.named = named(numbers, (name, text, overrides));
+        report(document, &description, &spans, findings);
+        read(name, document, description, models, numbers, findings)
+    })
+}
+
+/// What `then` makes of the document of a scenario: models imported, changes made, numbers in the places of their texts. `None`
+/// where it cannot be read so far. What is wrong is told beside it.
+fn document<T>(
+    name: &str,
+    text: &str,
+    overrides: &[&Override],
+    then: impl FnOnce(&DeTable<'_>, &[model::Model<'_>], &Numbers, &Findings) -> T,
+) -> (Option<T>, Vec<Diagnostic>) {
     let findings = Findings::default();
     let mut sources = Sources::new(name, text);
     let mut document = syntax::parse(text, &sources, &findings);
     if findings.errors() > 0 {
         return (None, findings.into_diagnostics(&sources));
     }
-    let folder = Path::new(name).parent().unwrap_or(Path::new(""));
     model::open(&mut document);
-    overrides::apply(overrides.iter().filter(|change| change.is_of_model()), &mut document, &mut sources, &findings);
+    let (of_model, of_scene): (Vec<&Override>, Vec<&Override>) =
+        overrides.iter().partition(|change| change.is_of_model());
+    overrides::apply(of_model, &mut document, &mut sources, &findings);
     // An override may name another file.
     model::open(&mut document);
-    let models = model::import(&mut document, folder, &findings);
+    let models = model::import(&mut document, folder(name), &findings);
     let mut document = model::merge(document, &models, &mut sources, &findings);
     if findings.errors() > 0 {
         // Without the model's bodies nothing else could be judged.
         return (None, findings.into_diagnostics(&sources));
     }
-    overrides::apply(overrides.iter().filter(|change| !change.is_of_model()), &mut document, &mut sources, &findings);
+    overrides::apply(of_scene, &mut document, &mut sources, &findings);
     let numbers = quantities::evaluate(&document, &findings);
     // From here on the document may hold what `numbers` owns.
     let document = numbers.put_into(document);
-    let description = checked(&document, folder, &findings);
-    let whole = Reader::new(&document, 0..0, &findings);
+    let found = then(&document, &models, &numbers, &findings);
+    (Some(found), findings.into_diagnostics(&sources))
+}
+
+fn folder(name: &str) -> &Path {
+    Path::new(name).parent().unwrap_or(Path::new(""))
+}
+
+/// The numbers of `[parameters]`; with another value the scene is read again, from its name, its text and its changes.
+fn named(numbers: &Numbers, (name, text, overrides): (&str, &str, &[Override])) -> NamedNumbers {
+    if numbers.parameters.is_empty() {
+        return NamedNumbers::default();
+    }
+    let (name, text, overrides) = (name.to_owned(), text.to_owned(), overrides.to_owned());
+    NamedNumbers::new(numbers.parameters.clone(), move |set| {
+        let values: Vec<Override> = set.iter().map(|(name, value)| Override::of_parameter(name, *value)).collect();
+        let changes: Vec<&Override> = overrides.iter().chain(&values).collect();
+        let (scene, problems) = document(&name, &text, &changes, |document, _, numbers, findings| {
+            let (description, _) = checked(document, folder(&name), findings);
+            Description { named: NamedNumbers::listed(numbers.parameters.clone()), ..description }
+        });
+        match problems.into_iter().find(|problem| problem.severity == Severity::Error) {
+            Some(problem) => Err(problem.message),
+            None => scene.ok_or_else(|| "there is no scene".to_owned()),
+        }
+    })
+}
+
+/// The scenario with its settings.
+fn read(
+    name: &str,
+    document: &DeTable<'_>,
+    description: Description,
+    models: &[model::Model<'_>],
+    numbers: &Numbers,
+    findings: &Findings,
+) -> Scenario {
+    let whole = Reader::new(document, 0..0, findings);
     let unknown = unknown::read(&whole, &description);
-    let path = path::read(&whole, &description, &numbers);
+    let path = path::read(&whole, &description, numbers);
     let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));
     settings::check_samples(&whole, &simulate, &record);
-    let scenario = Scenario {
+    Scenario {
         name: name.to_owned(),
         text: String::new(),
         description,
@@ -195,16 +252,18 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
         record,
         models: models.iter().filter_map(|model| model.result.as_ref().ok().cloned()).collect(),
         warnings: Diagnostics::default(),
-    };
-    (Some(scenario), findings.into_diagnostics(&sources))
+    }
 }
 
-/// The scene of a document; what is wrong with it is in `findings`.
-fn checked(document: &DeTable<'_>, folder: &Path, findings: &Findings) -> Description {
+/// The scene of a document, checked by itself; what is wrong with it is in `findings`.
+fn checked<'a>(document: &'a DeTable<'a>, folder: &Path, findings: &'a Findings) -> (Description, SpanTable<'a>) {
     check::table(&format::SCENARIO, document, findings);
-    let (description, spans) = lower::lower(document, folder, findings);
+    lower::lower(document, folder, findings)
+}
+
+/// What is wrong with the model of a scene, at its places in the document.
+fn report(document: &DeTable<'_>, description: &Description, spans: &SpanTable<'_>, findings: &Findings) {
     if !description.bodies.is_empty() || !document.contains_key("body") {
-        spans::report(&spans, problems(&description, findings.errors() > 0), findings);
+        spans::report(spans, problems(description, findings.errors() > 0), findings);
     }
-    description
 }

@@ -10,7 +10,7 @@ use super::overrides::moved;
 use super::reader::Reader;
 use super::sources::Sources;
 use super::spans::walk;
-use super::{LoadError, check, checked, quantities};
+use super::{LoadError, check, checked, quantities, report};
 use crate::budget::SUGGESTIONS;
 use crate::import::{self, Imported, Options, Problem, Refused, Source};
 use crate::suggest::closest_of_many;
@@ -59,7 +59,8 @@ pub fn convert_text(path: &Path, text: String, options: &Options) -> Result<Impo
     let document = merge(DeTable::new(), &models, &mut sources, &findings);
     if findings.errors() == 0 {
         let folder = options.folder.as_deref().or(path.parent()).unwrap_or(Path::new(""));
-        checked(&document, folder, &findings);
+        let (description, spans) = checked(&document, folder, &findings);
+        report(&document, &description, &spans, &findings);
     }
     let fine = findings.errors() == 0;
     let diagnostics = Diagnostics::new(&name, findings.into_diagnostics(&sources));

@@ -19,6 +19,7 @@ mod component;
 use super::fields::{Kind, Table, listed};
 use super::findings::{Finding, Findings};
 use super::format::{BODY, HINGE, SCENARIO};
+use super::quantities::PARAMETERS;
 use super::reader::number;
 use super::sources::Sources;
 use crate::model::address::{Entry, Target, resolve, split_component};
@@ -41,12 +42,12 @@ pub struct Override {
 /// Why a text is no override.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OverrideError {
-    /// There is no `=`.
-    #[error("`--set {0}` sets nothing: write a path and a value, for example `--set upper.mass=2.0`")]
-    NoValue(String),
-    /// There is nothing before the `=`.
-    #[error("`--set {0}` names nothing to set: write a path and a value, for example `--set upper.mass=2.0`")]
-    NoPath(String),
+    /// There is no `=`: option and text.
+    #[error("`{0} {1}` sets nothing: write a path and a value, for example `{0} upper.mass=2.0`")]
+    NoValue(&'static str, String),
+    /// There is nothing before the `=`: option and text.
+    #[error("`{0} {1}` names nothing to set: write a path and a value, for example `{0} upper.mass=2.0`")]
+    NoPath(&'static str, String),
 }
 
 impl Override {
@@ -56,22 +57,37 @@ impl Override {
     /// Where the path or the `=` is missing. Whether the path exists and the value fits is told by
     /// [`parse`](super::parse) and [`load_with`](super::load_with).
     pub fn parse(text: &str) -> Result<Self, OverrideError> {
-        const OPTION: &str = "--set ";
-        let (path, value) = text.split_once('=').ok_or_else(|| OverrideError::NoValue(text.to_owned()))?;
+        Self::of_option("--set", text)
+    }
+
+    /// As [`parse`](Self::parse), of another option of the command line, which is named in messages.
+    ///
+    /// # Errors
+    /// As [`parse`](Self::parse).
+    pub fn of_option(option: &'static str, text: &str) -> Result<Self, OverrideError> {
+        let (path, value) = text.split_once('=').ok_or_else(|| OverrideError::NoValue(option, text.to_owned()))?;
         let part = |from: usize, text: &str| {
-            let start = OPTION.len() + from + (text.len() - text.trim_start().len());
+            let start = option.len() + 1 + from + (text.len() - text.trim_start().len());
             start..start + text.trim().len()
         };
         if path.trim().is_empty() {
-            return Err(OverrideError::NoPath(text.to_owned()));
+            return Err(OverrideError::NoPath(option, text.to_owned()));
         }
         if value.trim().is_empty() {
-            return Err(OverrideError::NoValue(text.to_owned()));
+            return Err(OverrideError::NoValue(option, text.to_owned()));
         }
-        Ok(Self { shown: format!("{OPTION}{text}"), path: part(0, path), value: part(path.len() + 1, value) })
+        Ok(Self { shown: format!("{option} {text}"), path: part(0, path), value: part(path.len() + 1, value) })
     }
 
-    fn path(&self) -> &str {
+    /// Gives a number of `[parameters]` another value; a name may hold anything.
+    pub(super) fn of_parameter(name: &str, value: f64) -> Self {
+        let (path, value) = (format!("{PARAMETERS}.{name}"), format!("{value:?}"));
+        let ends = (path.len(), path.len() + 1 + value.len());
+        Self { shown: format!("{path}={value}"), path: 0..ends.0, value: ends.0 + 1..ends.1 }
+    }
+
+    /// What it sets.
+    pub fn path(&self) -> &str {
         &self.shown[self.path.clone()]
     }
 
@@ -83,7 +99,7 @@ impl Override {
 
 /// Puts all overrides into a parsed file, so that they are checked as if they were written there.
 pub(super) fn apply<'a>(
-    overrides: impl Iterator<Item = &'a Override>,
+    overrides: Vec<&'a Override>,
     document: &mut DeTable<'a>,
     sources: &mut Sources<'a>,
     findings: &Findings,
@@ -159,8 +175,10 @@ impl<'a> Change<'a> {
 
     /// A parameter that is set must be there: a slip of the finger would set one that nothing uses.
     fn check_parameter(&self, document: &DeTable<'_>) -> Result<(), Finding> {
-        let Some(name) = self.path.strip_prefix("parameters.") else { return Ok(()) };
-        let table = document.get("parameters").and_then(|table| table.get_ref().as_table());
+        let Some(name) = self.path.strip_prefix(PARAMETERS).and_then(|rest| rest.strip_prefix('.')) else {
+            return Ok(());
+        };
+        let table = document.get(PARAMETERS).and_then(|table| table.get_ref().as_table());
         let known: Vec<&str> =
             table.into_iter().flat_map(|table| table.keys().map(|key| key.get_ref().as_ref())).collect();
         if known.contains(&name) {

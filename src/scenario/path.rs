@@ -29,7 +29,9 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Num
     }
     for (key, value) in [("from", from), ("to", to)] {
         let mut end = description.clone();
-        numbers.iter().for_each(|one| one.set(&mut end, value));
+        if let Err(why) = numbers.iter().try_for_each(|one| one.set(&mut end, value)) {
+            refuse(key, why, None);
+        }
         // What is wrong with the scene itself is said elsewhere.
         if Model::build(description).is_ok()
             && let Some(problem) = Model::build(&end).err().and_then(|problems| problems.into_iter().next())
@@ -57,13 +59,16 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Num
 /// Quantities of the range must be those of the parameter.
 fn check_units(table: &Reader<'_>, parameter: &Parameter, texts: &Numbers) {
     let unit = parameter.quantity.unit();
+    if unit.is_empty() {
+        return;
+    }
     let own = |value: &Value<'_>| vec![value.span()];
     let spans = ["from", "to", "at"].into_iter().filter_map(|key| table.value(key)).flat_map(|value| {
         value.get_ref().as_array().map_or_else(|| own(&value), |items| items.iter().map(Spanned::span).collect())
     });
     for span in spans {
-        let Some(dimension) = texts.dimension(&span) else { continue };
-        if Dimension::of(unit) != Ok(dimension) {
+        let Some(measure) = texts.measure(&span) else { continue };
+        if !Dimension::of(unit).is_ok_and(|dimension| measure.fits(dimension)) {
             let message = format!("`{}` is measured in {unit}, not in this unit", parameter.address);
             table.findings.push_value(Finding::error(span, message));
         }

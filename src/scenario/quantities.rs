@@ -2,7 +2,7 @@
 //!
 //! They are turned into numbers before the file is checked, so that nothing else knows of them. What a text measures must
 //! be what its key is declared to hold; where that depends on a hinge (`m or rad`) the hinge's type decides, of each of
-//! its coordinates.
+//! its coordinates. Parameters keep what they measure, and formulas of them combine it.
 
 mod hinges;
 
@@ -11,9 +11,11 @@ use super::findings::{Finding, Findings};
 use super::format::{BUSHING_VALUES, SCENARIO};
 use super::naming::{Element, written};
 use super::reader::number;
-use crate::formula::{self, Formula};
+use crate::formula::{self, Formula, FormulaError};
 use crate::hinge::{HingeKind, Names};
+use crate::model::parameter::{self as model, NamedNumber};
 use crate::model::{Description, Parameter};
+use crate::quantity::measure::Measure;
 use crate::quantity::{Dimension, Quantity};
 use hinges::{Hinges, Motion, of_velocities};
 use std::collections::HashMap;
@@ -27,11 +29,13 @@ pub(super) struct Numbers {
     /// As a file would have them, in SI units.
     texts: HashMap<(usize, usize), String>,
     /// Of quantities where the format does not say what they measure.
-    open: HashMap<(usize, usize), Dimension>,
+    open: HashMap<(usize, usize), Measure>,
+    /// Those of `[parameters]`.
+    pub(super) parameters: Vec<NamedNumber>,
 }
 
 /// The name of the table of parameters.
-const PARAMETERS: &str = "parameters";
+pub(super) const PARAMETERS: &str = "parameters";
 
 /// Whether a value holds a text that may stand for a number; most files have none.
 fn has_texts(value: &DeValue<'_>) -> bool {
@@ -73,29 +77,46 @@ fn quantity(
         refuse(0..text.len(), format!("the text {} has no unit", written(value.get_ref())), Some(help));
         return None;
     }
-    let fits = |unit: &&str| Dimension::of(unit).is_ok_and(|dimension| dimension == quantity.dimension);
-    let (message, help) = match units {
-        None => return Some(quantity),
-        Some(units) if units.iter().any(fits) => return Some(quantity),
-        Some([]) => (format!("a pure number has no unit, and not `{unit}`"), None),
-        Some([MIXED]) => (format!("`{unit}` is no unit of it"), Some(format!("here stands {MIXED}"))),
-        Some(units) => {
-            (format!("`{unit}` is no unit of it"), Some(format!("it is measured in {}", units.join(" or "))))
+    match misfit(quantity.dimension.into(), unit, units) {
+        None => Some(quantity),
+        Some((message, help)) => {
+            refuse(quantity.unit_start..text.len(), message, help);
+            None
         }
-    };
-    refuse(quantity.unit_start..text.len(), message, help);
-    None
+    }
+}
+
+/// Why a number that measures this, written in `unit`, cannot stand where one of `units` is asked for: none for pure numbers,
+/// `None` if any will do.
+fn misfit(measure: Measure, unit: &str, units: Option<&[&str]>) -> Option<(String, Option<String>)> {
+    let fits = |unit: &&str| Dimension::of(unit).is_ok_and(|dimension| measure.fits(dimension));
+    match units {
+        _ if measure == Measure::Plain => None,
+        None => None,
+        Some(units) if units.iter().any(fits) => None,
+        Some([]) if measure.fits(Dimension::default()) => None,
+        Some([]) => Some((format!("a pure number has no unit, and not `{unit}`"), None)),
+        Some([MIXED]) => Some((format!("`{unit}` is no unit of it"), Some(format!("here stands {MIXED}")))),
+        Some(units) => {
+            let help = format!("it is measured in {}", units.join(" or "));
+            Some((format!("`{unit}` is no unit of it"), Some(help)))
+        }
+    }
 }
 
 /// As [`evaluate`], of a start file: numbers of hinges by the names of their bodies, inputs by their addresses.
 pub(super) fn evaluate_start(document: &DeTable<'_>, scene: &Description, findings: &Findings) -> Numbers {
     let mut numbers = Numbers::default();
-    let mut take = |subject: &str, value: &Spanned<DeValue<'_>>, unit: Option<&str>| {
+    let mut take = |subject: &str, value: &Spanned<DeValue<'_>>, unit: &str| {
         if value.get_ref().as_str().is_none_or(|text| !Quantity::is_meant(text)) {
             return;
         }
-        let units: Vec<&str> = unit.into_iter().filter(|unit| *unit != "1").collect();
-        if let Some(quantity) = quantity(subject, value, Some(&units), findings) {
+        let units = match unit {
+            "" => None,
+            "1" => Some(&[][..]),
+            _ => Some(&[unit][..]),
+        };
+        if let Some(quantity) = quantity(subject, value, units, findings) {
             numbers.insert(&value.span(), quantity.value);
         }
     };
@@ -111,25 +132,26 @@ pub(super) fn evaluate_start(document: &DeTable<'_>, scene: &Description, findin
             let Some(body) = scene.bodies.iter().find(|body| body.name == name) else { continue };
             let items = value.get_ref().as_array().into_iter().flat_map(|items| items.iter());
             for (item, (_, unit)) in items.zip(names(&body.hinge.kind)) {
-                take(&format!("{list} of `{name}`"), item, Some(unit));
+                take(&format!("{list} of `{name}`"), item, unit);
             }
         }
     }
     for (address, value) in entries("inputs") {
         let address: &str = address.get_ref();
         let Ok(found) = Parameter::find(scene, address) else { continue };
-        take(&format!("`{address}`"), value, found.first().map(|one| one.quantity.unit()));
+        take(&format!("`{address}`"), value, found.first().map_or("1", |one| one.quantity.unit()));
     }
     numbers
 }
 
 /// Evaluates all texts that stand for numbers; what is wrong with them is in `findings`.
 pub(super) fn evaluate(document: &DeTable<'_>, findings: &Findings) -> Numbers {
-    if !document.values().any(|value| has_texts(value.get_ref())) {
-        return Numbers::default();
-    }
     let parameters = Parameters::read(document);
-    let mut pass = Pass { findings, hinges: Some(Hinges::new(document)), parameters, numbers: Numbers::default() };
+    let numbers = Numbers { parameters: parameters.list(), ..Numbers::default() };
+    if !document.values().any(|value| has_texts(value.get_ref())) {
+        return numbers;
+    }
+    let mut pass = Pass { findings, hinges: Some(Hinges::new(document)), parameters, numbers };
     let whole = Element { table: &SCENARIO, name: None, index: None, within: None };
     pass.table(&whole, document, None);
     pass.numbers
@@ -175,8 +197,8 @@ impl Numbers {
         }
     }
 
-    /// What the quantity that is written here measures, if the format leaves that open.
-    pub(super) fn dimension(&self, span: &Range<usize>) -> Option<Dimension> {
+    /// What the quantity or formula that is written here measures, if the format leaves that open.
+    pub(super) fn measure(&self, span: &Range<usize>) -> Option<Measure> {
         self.open.get(&(span.start, span.end)).copied()
     }
 
@@ -189,7 +211,8 @@ impl Numbers {
 #[derive(Debug, Default)]
 pub(super) struct Parameters {
     names: Vec<String>,
-    values: Vec<f64>,
+    /// Their values, and what they measure.
+    numbers: Vec<(f64, Measure)>,
 }
 
 impl Parameters {
@@ -203,9 +226,9 @@ impl Parameters {
         loop {
             let before = open.len();
             open.retain(|(name, value)| match found.evaluate(value) {
-                Some(value) => {
+                Some(number) => {
                     found.names.push(name.clone());
-                    found.values.push(value);
+                    found.numbers.push(number);
                     false
                 }
                 None => true,
@@ -216,28 +239,52 @@ impl Parameters {
         }
     }
 
-    fn evaluate(&self, value: &DeValue<'_>) -> Option<f64> {
+    fn evaluate(&self, value: &DeValue<'_>) -> Option<(f64, Measure)> {
         match value {
             DeValue::String(text) if text.contains('{') => {
                 let formula = Formula::parse(text, &self.names()).ok()?;
-                Some(formula.value(&self.values)).filter(|value| value.is_finite())
+                let value = Some(formula.value(&self.values())).filter(|value| value.is_finite())?;
+                // What does not add up is said at its place, and fits everywhere else.
+                Some((value, formula.measure(&self.numbers).unwrap_or(Measure::Plain)))
             }
-            DeValue::String(text) => Quantity::parse(text).ok().map(|quantity| quantity.value),
-            other => number(other),
+            DeValue::String(text) => {
+                Quantity::parse(text).ok().map(|quantity| (quantity.value, quantity.dimension.into()))
+            }
+            other => number(other).map(|value| (value, Measure::Plain)),
         }
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.numbers.iter().map(|(value, _)| *value).collect()
     }
 
     pub(super) fn names(&self) -> Vec<&str> {
         self.names.iter().map(String::as_str).collect()
     }
 
+    /// As a description has them.
+    pub(super) fn list(&self) -> Vec<NamedNumber> {
+        let of = |(name, (value, measure)): (&String, &(f64, Measure))| NamedNumber {
+            name: name.clone(),
+            value: *value,
+            quantity: if *measure == Measure::Plain { model::Quantity::Plain } else { measured(*measure) },
+        };
+        self.names.iter().zip(&self.numbers).map(of).collect()
+    }
+
     /// A formula that has passed [`Formula::parse`] with these names, with numbers in their places.
     pub(super) fn put_into(&self, text: &str, variables: &[&str]) -> String {
         formula::with_numbers(text, |name| {
             let known = self.names.iter().position(|known| known == name);
-            known.filter(|_| !variables.contains(&name)).map(|index| self.values[index])
+            known.filter(|_| !variables.contains(&name)).map(|index| self.numbers[index].0)
         })
     }
+}
+
+/// The quantity that is measured so, if addresses know it.
+fn measured(measure: Measure) -> model::Quantity {
+    let fits = |quantity: &model::Quantity| Dimension::of(quantity.unit()).is_ok_and(|unit| measure.fits(unit));
+    model::Quantity::ALL.into_iter().find(fits).unwrap_or(model::Quantity::Plain)
 }
 
 /// In place of a unit: one number stands for coordinates that are measured in different units.
@@ -326,7 +373,7 @@ impl Pass<'_> {
 
     fn text(&mut self, place: &Place<'_>, value: &Spanned<DeValue<'_>>, text: &str, at: &[usize]) {
         if text.contains('{') {
-            return self.formula(place, value, text);
+            return self.formula(place, value, text, at);
         }
         if !Quantity::is_meant(text) {
             return;
@@ -336,7 +383,7 @@ impl Pass<'_> {
         if let Some(quantity) = quantity(&subject, value, units.as_deref(), self.findings) {
             let span = value.span();
             if units.is_none() {
-                self.numbers.open.insert((span.start, span.end), quantity.dimension);
+                self.numbers.open.insert((span.start, span.end), quantity.dimension.into());
             }
             self.numbers.insert(&span, quantity.value);
         }
@@ -386,20 +433,36 @@ impl Pass<'_> {
     }
 
     /// A formula of parameters, in SI units.
-    fn formula(&mut self, place: &Place<'_>, value: &Spanned<DeValue<'_>>, text: &str) {
+    fn formula(&mut self, place: &Place<'_>, value: &Spanned<DeValue<'_>>, text: &str, at: &[usize]) {
         let subject = format!("{}`{}`", place.element.prefix(), place.key.name);
+        let refuse = |error: FormulaError| {
+            let finding = Finding::error(value.span(), format!("{subject}: {}", error.message)).within(error.span);
+            self.findings.push_value(finding.maybe_help(error.help));
+        };
         let formula = match Formula::parse(text, &self.parameters.names()) {
             Ok(formula) => formula,
-            Err(error) => {
-                let finding = Finding::error(value.span(), format!("{subject}: {}", error.message)).within(error.span);
-                return self.findings.push_value(finding.maybe_help(error.help));
-            }
+            Err(error) => return refuse(error),
         };
-        let found = formula.value(&self.parameters.values);
+        let measure = match formula.measure(&self.parameters.numbers) {
+            Ok(measure) => measure,
+            Err(error) => return refuse(error),
+        };
+        let units = self.units(place, at);
+        if let Some((message, help)) = misfit(measure, &measure.to_string(), units.as_deref()) {
+            const PLAIN: &str = "in a product a number without a unit is a pure number";
+            let help = help.map_or_else(|| PLAIN.to_owned(), |help| format!("{help}; {PLAIN}"));
+            let span = 0..text.len();
+            return refuse(FormulaError { span, message: format!("this formula: {message}"), help: Some(help) });
+        }
+        let found = formula.value(&self.parameters.values());
         if !found.is_finite() {
             let message = format!("{subject}: this formula gives {found}, which is not a finite number");
             return self.findings.push_value(Finding::error(value.span(), message));
         }
-        self.numbers.insert(&value.span(), found);
+        let span = value.span();
+        if units.is_none() {
+            self.numbers.open.insert((span.start, span.end), measure);
+        }
+        self.numbers.insert(&span, found);
     }
 }

@@ -156,10 +156,11 @@ impl File<'_> {
             let finding = Finding::without_place("a start file needs `[positions]`".to_owned());
             self.whole.findings.push(finding.help("write one with `stillpoint statics SCENARIO --save START.toml`"));
         }
+        // Named numbers may move the pose of the scene; that of the file stands.
+        self.read_inputs(given);
         self.lists("positions");
         self.changed.bodies.iter_mut().for_each(|body| body.hinge.velocity.clear());
         self.lists("velocities");
-        self.read_inputs(given);
         let model = match Model::build(&self.changed) {
             Ok(model) => model,
             Err(problems) => {
@@ -245,7 +246,9 @@ impl File<'_> {
                     if before.to_bits() != value.to_bits() {
                         self.changes.push((one.address.clone(), before, value));
                     }
-                    one.set(&mut self.changed, value);
+                    if let Err(why) = one.set(&mut self.changed, value) {
+                        refuse(why, None);
+                    }
                     self.inputs.push((one.clone(), table.span_of(address)));
                 }
                 Ok(many) => refuse(

@@ -2,6 +2,7 @@
 
 use super::findings::Finding;
 use super::reader::Reader;
+use crate::model::description::BodyDescription;
 use crate::model::parameter::Field;
 use crate::model::{Description, Element, Parameter};
 
@@ -24,6 +25,10 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Para
                 let help = "the pose is what inverse statics starts from; for a pose leave `unknown` out";
                 refuse(format!("`{address}` is part of the pose, which is given"), Some(help.to_owned()));
             }
+            Ok(found) if found.iter().any(|one| moves_pose(one, description)) => {
+                let help = "unknown can be what leaves the pose and the points of loops where they are";
+                refuse(format!("`{address}` moves the pose, which is given"), Some(help.to_owned()));
+            }
             Ok(found) => match found.iter().find(|one| all.contains(one)) {
                 Some(twice) => refuse(format!("`{}` is unknown twice", twice.address), None),
                 None => all.extend(found),
@@ -32,4 +37,21 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Para
         }
     }
     all
+}
+
+/// Whether coordinates, or where loops close, follow from a named number: seen at another value of it.
+fn moves_pose(one: &Parameter, description: &Description) -> bool {
+    let (value, mut moved) = (one.value(description), description.clone());
+    if one.field != Field::Named || one.set(&mut moved, if value == 0.0 { 1e-3 } else { 1.001 * value }).is_err() {
+        return false;
+    }
+    let pose = |it: &Description| it.bodies.iter().map(|body| body.hinge.position.clone()).collect::<Vec<_>>();
+    let places = |it: &Description| {
+        let of = |body: &BodyDescription| {
+            let hinge = &body.hinge;
+            (body.markers.clone(), hinge.kind, hinge.at.clone(), hinge.frame)
+        };
+        (it.loops.clone(), it.gears.clone(), it.drives.clone(), it.bodies.iter().map(of).collect::<Vec<_>>())
+    };
+    pose(&moved) != pose(description) || !description.loops.is_empty() && places(&moved) != places(description)
 }

@@ -8,7 +8,8 @@
 //!
 //! `S` holds the scene's own units (its weight, its length, and what follows from them), so newtons and metres compare;
 //! rows are divided by the forces that cancel in them. The columns of `A` are differences of two balances, exact up to
-//! round-off. With loops, drives and gears `f` is what their rows leave of the forces: multipliers are unknowns too, and
+//! round-off. What follows from a named number need not be affine in it: then (1) is a step of Newton's method, with columns of
+//! its own at every step. With loops, drives and gears `f` is what their rows leave of the forces: multipliers are unknowns too, and
 //! cost nothing. The singular values of the scaled matrix tell how many unknowns the pose determines; what it leaves open
 //! is filled by the least change from the values of the scenario. The answer is checked by the balance of a scene that
 //! is built with it, not by (1).
@@ -24,7 +25,7 @@ use super::settings::Settings;
 use super::stops::{self, Set};
 use crate::dynamics::{Fault, System};
 use crate::model::description::Description;
-use crate::model::parameter::Quantity;
+use crate::model::parameter::{Field, Quantity};
 use crate::model::problem::number;
 use crate::model::{Model, Parameter};
 use faer::Mat;
@@ -35,6 +36,10 @@ use std::sync::Arc;
 const RANK: f64 = 1e-11;
 /// Solutions that are refined from the balance of the scene they give.
 const MOST_ROUNDS: usize = 4;
+/// Newton steps where `f` is not affine, which converge by [`BENT`] each: none needs more that comes to an end.
+const MOST_STEPS: usize = 30;
+/// Over this part of their units `f` bends little: differences of named numbers, whose columns follow them.
+const BENT: f64 = 1e-4;
 
 /// Inputs, and the equilibrium that they make of the pose.
 #[derive(Debug, Clone)]
@@ -127,23 +132,23 @@ impl Search<'_> {
         let metric = metric(&given, pose)?;
         let place = |model: &Arc<Model>| place(model, pose, &metric);
         let first = place(&given)?;
-        let problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
+        let bent = unknown.iter().any(|one| one.field == Field::Named);
+        let mut problem = Problem::new(description, unknown, (&given, &first), &build, &place)?;
         // What only a stop feels is no mistake.
         let mut notes = if set.iter().any(|side| *side != 0) { Vec::new() } else { problem.useless() };
         let influential = notes.is_empty();
         let (mut best, mut model, mut place_now) = (description.clone(), given, first);
         let mut rank = 0;
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..if bent { MOST_STEPS } else { MOST_ROUNDS } {
             if place_now.is_exact() {
                 break;
             }
             let (change, independent) = problem.solve(&place_now.force);
             rank = independent;
             let mut next = best.clone();
-            for (one, change) in unknown.iter().zip(&change) {
-                one.set(&mut next, one.value(&best) + change);
-            }
-            let Some(built) = build(&next) else {
+            let set = |(one, change): (&Parameter, &f64)| one.set(&mut next, one.value(&best) + change);
+            let allowed = unknown.iter().zip(&change).try_for_each(set);
+            let Some(built) = allowed.ok().and_then(|()| build(&next)) else {
                 notes.push(refused(&next, unknown));
                 break;
             };
@@ -152,6 +157,9 @@ impl Search<'_> {
                 break;
             }
             (best, model, place_now) = (next, built, placed);
+            if bent {
+                problem = Problem::new(&best, unknown, (&model, &place_now), &build, &place)?;
+            }
         }
         let open = unknown.len().saturating_sub(rank);
         if place_now.is_balanced() && rank > 0 && open > 0 && influential {
@@ -218,19 +226,21 @@ impl<'a> Problem<'a> {
             .map(|size| if *size > 0.0 { *size } else { largest })
             .map(|size| if size > 0.0 { size } else { 1.0 })
             .collect();
-        let units: Vec<f64> = unknown.iter().map(|one| unit(one.quantity, model, largest)).collect();
+        let size = |one: &Parameter| unit(one.quantity, one.value(description), model, largest);
+        let units: Vec<f64> = unknown.iter().map(size).collect();
         let mut columns = Mat::zeros(rows.len(), unknown.len());
         for (j, one) in unknown.iter().enumerate() {
             let mut moved = description.clone();
-            one.set(&mut moved, one.value(description) + units[j]);
             // More of anything is allowed: lengths, masses and stiffnesses are bounded from below.
-            let Some(model) = build(&moved) else { continue };
+            let part = if one.field == Field::Named { BENT } else { 1.0 };
+            let set = one.set(&mut moved, one.value(description) + part * units[j]);
+            let Some(model) = set.ok().and_then(|()| build(&moved)) else { continue };
             let force = place(&model)?.force;
             for i in 0..rows.len() {
                 let change = force[i] - first.force[i];
                 // A change within the round-off of what it is the difference of is none.
                 let noise = 4.0 * first.scales.noise[i];
-                columns[(i, j)] = if change.abs() > noise { change / rows[i] } else { 0.0 };
+                columns[(i, j)] = if change.abs() > noise { change / (part * rows[i]) } else { 0.0 };
             }
         }
         Ok(Self { unknown, units, columns, rows })
@@ -265,8 +275,9 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// The scene's own size of a quantity; `largest` is the largest force in the balance, for scenes without weight.
-fn unit(quantity: Quantity, model: &Model, largest: f64) -> f64 {
+/// The scene's own size of a quantity, of a plain number its `value`; `largest` is the largest force in the balance, for scenes
+/// without weight.
+fn unit(quantity: Quantity, value: f64, model: &Model, largest: f64) -> f64 {
     let or_one = |x: f64| if x > 0.0 { x } else { 1.0 };
     let (gravity, length) = (model.gravity.norm(), model.length_scale());
     let weight = model.total_mass() * gravity;
@@ -281,6 +292,7 @@ fn unit(quantity: Quantity, model: &Model, largest: f64) -> f64 {
         Quantity::Acceleration => or_one(gravity),
         Quantity::Speed => length / model.time_scale(),
         Quantity::TurnRate => 1.0 / model.time_scale(),
+        Quantity::Plain => or_one(value.abs()),
     }
 }
 

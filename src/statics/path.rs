@@ -181,7 +181,7 @@ pub fn follow(
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Path, String> {
     let mut first = description.clone();
-    settings.numbers.iter().for_each(|one| one.set(&mut first, settings.from));
+    settings.numbers.iter().try_for_each(|one| one.set(&mut first, settings.from))?;
     let model = Model::build(&first)
         .map_err(|problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
     let (model, assembled) = Assembled::of(model)?;

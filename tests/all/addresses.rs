@@ -131,7 +131,7 @@ fn every_place_knows_every_address() {
         // `--set`, which is `--over` case by case: this number, and no other.
         let set = read(SCENE, &[format!("{address}={now}")]).unwrap_or_else(|error| panic!("{address}: {error}"));
         let mut expected = plain.description.clone();
-        Parameter::find(&expected, address).expect("found")[0].set(&mut expected, now);
+        Parameter::find(&expected, address).expect("found")[0].set(&mut expected, now).expect(address);
         assert_eq!(bare(set.description), bare(expected), "{address}");
         // `[statics] unknown` and `[statics.path]`.
         let unknown = read(&format!("statics.unknown = [\"{address}\"]\n{SCENE}"), &[]).expect(address);

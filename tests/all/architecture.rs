@@ -15,8 +15,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("pages", &[]),
     ("spatial", &[]),
     ("integrate", &[]),
-    ("formula", &["suggest"]),
     ("quantity", &["suggest"]),
+    // `quantity` for what formulas measure.
+    ("formula", &["quantity", "suggest"]),
     ("force", &["spatial"]),
     ("hinge", &[]),
     ("model", &["force", "formula", "hinge", "pages", "spatial", "suggest"]),

@@ -2,56 +2,79 @@
 
 /// One number that is varied.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Axis {
+pub(in crate::cli) struct Axis {
     /// As after `--set`.
-    pub(super) path: String,
+    pub(in crate::cli) path: String,
     /// As written in a file.
-    pub(super) values: Vec<String>,
+    pub(in crate::cli) values: Vec<String>,
 }
 
 /// More cases than this are a slip of the finger.
 const MOST_CASES: usize = 1_000_000;
 
+/// The option that is read here, as messages name it.
+pub(in crate::cli) const OPTION: &str = "--over";
+
+const EXAMPLES: &str = "write a path and values: arm.mass=1:5:9, or arm.mass=1,2,5";
+
 impl Axis {
-    /// Reads `path=from:to:count` (both ends belong to it) or `path=1,2,5`.
-    pub(super) fn parse(text: &str) -> Result<Self, String> {
-        let (path, values) =
-            text.split_once('=').ok_or("write a path and values: arm.mass=1:5:9, or arm.mass=1,2,5")?;
-        let (path, values) = (path.trim(), values.trim());
-        if path.is_empty() || values.is_empty() {
-            return Err("write a path and values: arm.mass=1:5:9, or arm.mass=1,2,5".to_owned());
+    /// Reads `path=from:to:count` (both ends belong to it) or `path=1,2,5`; the values may stand in quotes, together or each
+    /// for itself: `arm.position="0 deg:90 deg:3"`.
+    pub(in crate::cli) fn parse(text: &str) -> Result<Self, String> {
+        let (path, written) = text.split_once('=').ok_or(EXAMPLES)?;
+        let (path, written) = (path.trim(), written.trim());
+        if path.is_empty() || written.is_empty() {
+            return Err(EXAMPLES.to_owned());
         }
-        let values = match values.split(':').collect::<Vec<_>>()[..] {
+        let inner = unquoted(written).filter(|inner| is_quantities(inner)).unwrap_or(written);
+        let values = match split(inner, ':')[..] {
             [from, to, count] => range(from, to, count)?,
-            [list] => split_list(list),
+            [list] => split(list, ',').into_iter().map(str::to_owned).collect(),
             _ => return Err("a range is from:to:count".to_owned()),
         };
+        if values.iter().any(String::is_empty) {
+            return Err(format!("a value is missing in `{written}`"));
+        }
         Ok(Self { path: path.to_owned(), values })
     }
 }
 
-/// At the commas outside of brackets and quotes, so that a value may be a list: `gravity=[0,0,-9.81],[0,0,-1.62]`.
-fn split_list(list: &str) -> Vec<String> {
-    let (mut values, mut depth, mut quote) = (vec![String::new()], 0_usize, None);
-    for letter in list.chars() {
+/// The inside of a text that is one pair of quotes.
+fn unquoted(text: &str) -> Option<&str> {
+    let quote = text.chars().next().filter(|quote| matches!(quote, '"' | '\''))?;
+    text.strip_prefix(quote)?.strip_suffix(quote).filter(|inner| !inner.contains(quote))
+}
+
+/// Whether a text is a range or a list of numbers with or without units, and not a value by itself.
+fn is_quantities(text: &str) -> bool {
+    let parts: Vec<&str> = text.split([':', ',']).collect();
+    let begins = |part: &&str| part.trim_start().starts_with(|c: char| c.is_ascii_digit() || "+-−.".contains(c));
+    parts.len() > 1 && parts.iter().all(begins)
+}
+
+/// At the separators outside of brackets and quotes, so that a value may be a list: `gravity=[0,0,-9.81],[0,0,-1.62]`.
+fn split(text: &str, separator: char) -> Vec<&str> {
+    let (mut values, mut start, mut depth, mut quote) = (Vec::new(), 0, 0_usize, None);
+    for (at, letter) in text.char_indices() {
         match (quote, letter) {
             (Some(open), close) if open == close => quote = None,
             (None, '"' | '\'') => quote = Some(letter),
             (None, '[' | '{') => depth += 1,
             (None, ']' | '}') => depth = depth.saturating_sub(1),
-            (None, ',') if depth == 0 => {
-                values.push(String::new());
-                continue;
+            (None, letter) if letter == separator && depth == 0 => {
+                values.push(text[start..at].trim());
+                start = at + letter.len_utf8();
             }
             _ => {}
         }
-        values.last_mut().into_iter().for_each(|value| value.push(letter));
     }
-    values.iter().map(|value| value.trim().to_owned()).collect()
+    values.push(text[start..].trim());
+    values
 }
 
 /// A range of numbers, in one unit where they have one: both ends have the same.
 fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
+    let [from, to] = [from, to].map(|end| unquoted(end).unwrap_or(end));
     let ([from, from_unit], [to, to_unit]) = (split_unit(from), split_unit(to));
     if from_unit != to_unit {
         return Err(format!("both ends of a range have the same unit: `{from_unit}` is not `{to_unit}`"));
@@ -60,7 +83,7 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(format!("`{text}` is not a number")),
     };
-    let (from, to) = (number(from)?, number(to)?);
+    let (written, from, to) = ([from, to], number(from)?, number(to)?);
     let count: usize = match count.trim().parse() {
         Ok(count) if (1..=MOST_CASES).contains(&count) => count,
         _ => return Err(format!("`{count}` is not a number of cases from 1 to {MOST_CASES}")),
@@ -71,7 +94,10 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
         k if k + 1 == count => to,
         k => from + (to - from) * (k as f64 / (count - 1) as f64),
     };
-    Ok((0..count).map(|k| format!("{:?} {from_unit}", value(k)).trim_end().to_owned()).collect())
+    // Whole numbers stay so: there are keys that take no others.
+    let whole = written.iter().all(|end| !end.contains(['.', 'e', 'E'])) && (0..count).all(|k| value(k).fract() == 0.0);
+    let shown = |k: usize| if whole { format!("{:.0}", value(k)) } else { format!("{:?}", value(k)) };
+    Ok((0..count).map(|k| format!("{} {from_unit}", shown(k)).trim_end().to_owned()).collect())
 }
 
 /// `45 deg` → `45` and `deg`.
@@ -87,7 +113,7 @@ fn split_unit(text: &str) -> [&str; 2] {
 pub(super) fn cases(axes: &[Axis]) -> Result<Vec<Vec<&str>>, String> {
     let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.values.len()));
     if count.is_none_or(|count| count > MOST_CASES) {
-        return Err(format!("these are more than {MOST_CASES} cases"));
+        return Err(format!("`{OPTION}` asks for more than {MOST_CASES} cases"));
     }
     let mut cases = vec![Vec::new()];
     for axis in axes {
@@ -110,8 +136,15 @@ mod tests {
         assert_eq!(Axis::parse("a=0.1:0.3:3").expect("a range").values[2], "0.3");
         assert_eq!(Axis::parse("s = any, stable").expect("a list").values, ["any", "stable"]);
         assert_eq!(Axis::parse("g=[0,0,-1],[0, 0, 2]").expect("lists").values, ["[0,0,-1]", "[0, 0, 2]"]);
-        assert_eq!(Axis::parse("a=0 deg:90 deg:3").expect("a range").values, ["0.0 deg", "45.0 deg", "90.0 deg"]);
-        for wrong in ["a", "=1", "a=", "a=1:2", "a=1:2:0", "a=1:x:3", "a=1:2:3:4", "a=nan:1:2", "a=0 deg:1:3"] {
+        assert_eq!(Axis::parse("a=0 deg:90 deg:3").expect("a range").values, ["0 deg", "45 deg", "90 deg"]);
+        for quoted in ["a=\"0 deg:90 deg:3\"", "a='0 deg:90 deg:3'", "a=\"0 deg\":\"90 deg\":3"] {
+            assert_eq!(Axis::parse(quoted).expect("a range").values, ["0 deg", "45 deg", "90 deg"], "{quoted}");
+        }
+        assert_eq!(Axis::parse("a=\"1 m, 2 m\"").expect("a list").values, ["1 m", "2 m"]);
+        assert_eq!(Axis::parse("a=\"1 m\",\"2 m\"").expect("a list").values, ["\"1 m\"", "\"2 m\""]);
+        assert_eq!(Axis::parse("f=\"a:b\", 'c, d'").expect("texts").values, ["\"a:b\"", "'c, d'"]);
+        for wrong in ["a", "=1", "a=", "a=1:2", "a=1:2:0", "a=1:x:3", "a=1:2:3:4", "a=nan:1:2", "a=0 deg:1:3", "a=1,,2"]
+        {
             assert!(Axis::parse(wrong).is_err(), "{wrong}");
         }
         let axes = [Axis::parse("a=1,2").expect("a list"), Axis::parse("b=3,4").expect("a list")];

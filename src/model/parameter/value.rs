@@ -4,7 +4,7 @@ use super::super::couplings::{Closure, MotionDescription};
 use super::super::description::Description;
 use super::super::motor::MotorLawDescription;
 use super::super::problem::Element;
-use super::{Field, Parameter};
+use super::{Field, Parameter, named};
 use crate::force::Describe;
 
 impl Parameter {
@@ -12,6 +12,7 @@ impl Parameter {
     pub fn value(&self, description: &Description) -> f64 {
         let list = |list: &[f64]| list.get(self.index).copied().unwrap_or(0.0);
         match self.element {
+            Element::Scene if self.field == Field::Named => description.named.list()[self.index].value,
             Element::Scene => description.gravity[self.index],
             // Events have no parameters.
             Element::Event(_) => f64::NAN,
@@ -47,7 +48,22 @@ impl Parameter {
     }
 
     /// Gives it a value; whether that is allowed is told by [`Model::build`](crate::model::Model::build).
-    pub fn set(&self, description: &mut Description, value: f64) {
+    ///
+    /// # Errors
+    /// If it is a named number of which no description can be made with this value: why. The description is as it was.
+    pub fn set(&self, description: &mut Description, value: f64) -> Result<(), String> {
+        if self.field == Field::Named {
+            if self.value(description).to_bits() != value.to_bits() {
+                *description = named::with(description, self.index, value)?;
+            }
+            return Ok(());
+        }
+        self.put(description, value);
+        Ok(())
+    }
+
+    /// Puts a value where the number stands.
+    pub(super) fn put(&self, description: &mut Description, value: f64) {
         match self.element {
             Element::Scene => description.gravity[self.index] = value,
             Element::Event(_) => {}

@@ -321,7 +321,7 @@ fn resting(model: Arc<Model>, set: &Set, q: &[f64]) -> Result<(Arc<Model>, Vec<f
 }
 
 fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Arc<Model>, String> {
-    parameters.iter().for_each(|one| one.set(description, value));
+    parameters.iter().try_for_each(|one| one.set(description, value))?;
     Model::build(description)
         .map_err(|problems| problems.first().map_or_else(String::new, |problem| problem.message.clone()))
 }

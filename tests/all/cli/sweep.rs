@@ -96,3 +96,51 @@ fn unknown_inputs_are_columns_of_their_addresses() {
         assert!(text.lines().next().is_some_and(|head| head.contains(address.as_str())), "{text}");
     }
 }
+
+/// A range with units in one pair of quotes, in quotes of its own, and without: the same cases.
+#[test]
+fn ranges_may_stand_in_quotes() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let table =
+        |over: &str| bench.call(&["sweep", "scale.toml", "--over", over, "--json"]).code(0).json()["cases"].clone();
+    let cases = table("pan.mass=1000 g:3 kg:3".replace("3 kg", "3000 g").as_str());
+    assert_eq!(cases[1]["values"]["pan.mass"], "2000 g");
+    for quoted in ["pan.mass=\"1000 g:3000 g:3\"", "pan.mass='1000 g:3000 g:3'", "pan.mass=\"1000 g, 2000 g, 3000 g\""]
+    {
+        assert_eq!(table(quoted), cases, "{quoted}");
+    }
+    // What is wrong with a value is shown at the option that it comes from.
+    let wrong = bench.call(&["sweep", "scale.toml", "--over", "pan.mass=\"1 m:2 m:2\""]).code(2).err;
+    assert!(wrong.contains("--over pan.mass=1 m") && wrong.contains("it is measured in kg"), "{wrong}");
+    let counted =
+        bench.call(&["sweep", "scale.toml", "--over", "pan.mass=1:2:999999", "--over", "pan.stiffness=1:9:9"]);
+    assert!(counted.code(2).err.contains("`--over` asks for more than"));
+    // So it is with `statics --compare`.
+    let compared = ["statics", "scale.toml", "--compare", "--json", "--over", "pan.mass=\"1 kg:2 kg:2\""];
+    assert_eq!(bench.call(&compared).code(0).json()["runs"].as_array().map(Vec::len), Some(2));
+}
+
+/// What a sweep would not heed it refuses.
+#[test]
+fn nothing_is_varied_in_vain() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    bench.write("path.toml", &format!("statics.path = {{ parameter = \"pan.mass\", to = 2 }}\n{SCALE}"));
+    let refused = |arguments: &[&str], word: &str| {
+        let error = bench.call(&[&["sweep"], arguments].concat()).code(2).err;
+        assert!(error.contains(word), "{arguments:?}: {error}");
+    };
+    refused(&["path.toml", "--over", "pan.mass=1,2"], "does not follow `[statics.path]`");
+    refused(&["scale.toml", "--over", "pan.mass=1,2", "--over", "pan.mass=3,4"], "varies `pan.mass` twice");
+    let twice = ["scale.toml", "--over", "pan.stiffness=1,2", "--over", "pan.hinge.stiffness=3,4"];
+    refused(&twice, "varies `pan.hinge.stiffness` twice");
+    refused(&["scale.toml", "--set", "pan.mass=5", "--over", "pan.mass=1,2"], "set and varied at once");
+    refused(&["scale.toml", "--over", "simulate.duration=1,2"], "only `--run` simulates");
+    refused(&["scale.toml", "--over", "record.rate=1,2", "--run"], "records nothing");
+    let given = ["scale.toml", "--set", "simulate.start=given", "--run", "--over", "statics.want=any,stable"];
+    refused(&given, "without statics");
+    bench.call(&["sweep", "scale.toml", "--run", "--over", "simulate.duration=0.1,0.2"]).code(0);
+    // A table that cannot be written is told before the work.
+    refused(&["scale.toml", "--over", "pan.mass=1,2", "--out", "no/such/folder.csv"], "cannot write");
+}
