@@ -1,7 +1,9 @@
 //! `check`: validate only.
 
-use super::{Exit, output};
+use super::{Exit, conditioning, output};
+use crate::constraint::assemble;
 use crate::import::{Imported, Taken, counted, ignored_kinds};
+use crate::model::Model;
 use crate::scenario::{LoadError, Override, load_with, unreadable_meshes};
 use clap::Args;
 use serde_json::{Value, json};
@@ -45,6 +47,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
                     }
                 }
                 models.extend(scenario.models.iter().map(counts));
+                if !arguments.quiet
+                    && let Ok(mut model) = Model::build(&scenario.description)
+                    && assemble(&mut model).is_ok()
+                {
+                    conditioning::warn(&name, &conditioning::ill_conditioned(&model));
+                }
                 0
             }
             Err(LoadError::Problems(problems)) => {

@@ -1,5 +1,6 @@
 //! `convert`: a model of another program as a scenario.
 
+use super::inputs::Inputs;
 use super::{Exit, output};
 use crate::import::{Imported, Note, Options};
 use crate::scenario::{LoadError, convert};
@@ -28,7 +29,7 @@ pub(super) struct Arguments {
     /// Let joints of a URDF move that follow others (<mimic>)
     #[arg(long)]
     no_mimics: bool,
-    /// Fix the joints of a URDF that carry nothing with mass, instead of refusing the model
+    /// Fix the joints that carry nothing with mass, instead of refusing the model
     #[arg(long)]
     weld_massless: bool,
     /// Put this before the name of every body
@@ -66,6 +67,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Err(other) => return Err(other.into()),
     };
     let out = arguments.out.as_deref().filter(|out| out.as_os_str() != "-");
+    let read = Inputs::new(imported.sources.iter().map(|source| source.path.as_path()));
+    out.map(|out| read.spare(out)).transpose()?;
     let kept = out.map(|out| write(out, &imported.scenario)).transpose()?.flatten();
     if !arguments.quiet {
         if let (Some(out), Some(kept)) = (out, &kept) {

@@ -1,6 +1,6 @@
 //! `inspect`: what the model is, and its accelerations at the given state.
 
-use super::{Common, Exit, json, output, scene, text};
+use super::{Common, Exit, conditioning, json, output, scene, text};
 use crate::constraint;
 use crate::dynamics::System;
 use crate::model::Model;
@@ -39,6 +39,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let (_, assembly) = constraint::assemble(model.clone())
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
     let center = center_of_mass(&model, &system);
+    let light = conditioning::ill_conditioned(&model);
+    if !common.quiet {
+        conditioning::warn(&scenario.name, &light);
+    }
     if common.json {
         // What a model calls its joints; hinges go by the names of bodies.
         let all = scenario.models.iter().flat_map(|taken| &taken.joints);
@@ -59,6 +63,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "potential_energy": energies.potential,
             "positions": json::by_hinge(&model, q, true),
             "velocities": json::by_hinge(&model, v, false),
+            "ill_conditioned": light.iter().map(conditioning::Light::json).collect::<Vec<_>>(),
             "accelerations": json::by_hinge(&model, &accelerations, false),
         });
         output::print(&result.to_string())?;

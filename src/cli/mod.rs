@@ -5,6 +5,7 @@ mod bench;
 mod check;
 mod compare;
 mod completions;
+mod conditioning;
 mod convert;
 mod examples;
 mod export;

@@ -11,6 +11,8 @@ pub(super) struct Draft {
     pub(super) origins: Vec<(String, Place)>,
     /// Joints, and the bodies that name their hinges.
     pub(super) joints: Vec<(String, String)>,
+    /// Bodies, and the most that a motor may do in their hinges.
+    pub(super) efforts: Vec<(String, String)>,
 }
 
 /// A table of a scenario: `[[body]]`, or one within another.
@@ -114,7 +116,7 @@ impl Piece {
 impl Draft {
     /// An empty scenario.
     pub(super) fn new() -> Self {
-        Self { document: DocumentMut::new(), origins: Vec::new(), joints: Vec::new() }
+        Self { document: DocumentMut::new(), origins: Vec::new(), joints: Vec::new(), efforts: Vec::new() }
     }
 
     /// Adds a comment and a key at the top: `title`, `gravity`.

@@ -31,6 +31,8 @@ mod xml;
 pub use log::{Note, Place, Problem, Refused, Source, Taken, counted, ignored_kinds};
 
 use crate::text_file;
+#[cfg(feature = "import")]
+use draft::Draft;
 use log::Log;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +47,7 @@ pub struct Options {
     pub without_limits: bool,
     /// Joints of a URDF that follow others are let go.
     pub without_mimics: bool,
-    /// Joints of a URDF on which nothing with mass or inertia hangs are fixed: their motion would be undetermined.
+    /// Joints on which nothing with mass or inertia hangs are fixed: their motion would be undetermined.
     pub weld_massless: bool,
     /// Where the root stands (m).
     pub at: [f64; 3],
@@ -94,6 +96,8 @@ pub struct Imported {
     pub notes: Vec<Note>,
     /// Names of joints, and of the bodies by which the scenario names their hinges.
     pub joints: Vec<(String, String)>,
+    /// The most that a motor may do in a hinge (N or N m, as a scenario writes it), by the name of the body.
+    pub efforts: Vec<(String, String)>,
 }
 
 /// Turns a file into a scenario, by its root element.
@@ -117,8 +121,8 @@ pub fn import_text(path: &Path, text: String, options: &Options) -> Result<Impor
     match read {
         Some(draft) if log.is_fine() => {
             let (scenario, notes) = (draft.text(), log.notes());
-            let (origins, joints) = (draft.origins, draft.joints);
-            Ok(Imported { scenario, sources: log.into_sources(), origins, notes, joints })
+            let Draft { origins, joints, efforts, .. } = draft;
+            Ok(Imported { scenario, sources: log.into_sources(), origins, notes, joints, efforts })
         }
         _ => Err(Refused::Problems { problems: log.take_problems(), sources: log.into_sources() }),
     }
@@ -141,7 +145,7 @@ pub fn import_text(path: &Path, text: String, _options: &Options) -> Result<Impo
 }
 
 #[cfg(feature = "import")]
-fn read(log: &Log, path: &Path, options: &Options) -> Option<draft::Draft> {
+fn read(log: &Log, path: &Path, options: &Options) -> Option<Draft> {
     let text = mend::readable(log.text(0), 0, log);
     let document = xml::parse(&text, 0, log)?;
     let root = xml::root(&document, 0, log);

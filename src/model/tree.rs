@@ -189,7 +189,7 @@ impl<'a> Tree<'a> {
                     ),
                     help: Some(format!(
                         "give it a mass, weld it with a fixed hinge (`massless = \"weld\"` in `model`, or `convert \
-                         --weld-massless`, for all of a URDF), or give the hinge an armature, as with `--set {}.armature=1e-6`",
+                         --weld-massless`, for all of a model), or give the hinge an armature, as with `--set {}.armature=1e-6`",
                         name.split('[').next().unwrap_or(name)
                     )),
                 });

@@ -158,7 +158,7 @@ pub(super) fn merge<'m>(
     sources: &mut Sources<'m>,
     findings: &Findings,
 ) -> DeTable<'m> {
-    let mut whole = DeTable::new();
+    let (mut whole, mut document) = (DeTable::new(), document);
     for model in models {
         match &model.result {
             Err(Refused::File(error)) => findings.push(Finding::error(model.span.clone(), error.to_string())),
@@ -170,6 +170,7 @@ pub(super) fn merge<'m>(
                 let starts = add(&imported.sources, sources);
                 if let Some(mut table) = parse(imported, &starts, sources) {
                     model.settle(imported, &mut table, findings);
+                    bound_motors(&mut document, imported);
                     whole = combine(whole, table);
                 } else {
                     let message = "what was imported is no scenario".to_owned();
@@ -179,6 +180,24 @@ pub(super) fn merge<'m>(
         }
     }
     combine(whole, document)
+}
+
+/// Motors of a scenario in the hinges of a model do no more than the model allows, if they do not say themselves how much.
+fn bound_motors<'m>(document: &mut DeTable<'m>, imported: &'m Imported) {
+    let Some(DeValue::Array(motors)) = document.get_mut("motor").map(Spanned::get_mut) else { return };
+    for motor in motors.iter_mut() {
+        let span = motor.span();
+        let DeValue::Table(motor) = motor.get_mut() else { continue };
+        let hinge = motor.get("hinge").and_then(|hinge| hinge.get_ref().as_str());
+        let Some((_, most)) = imported.efforts.iter().find(|(body, _)| Some(body.as_str()) == hinge) else { continue };
+        if motor.contains_key("limit") {
+            continue;
+        }
+        if let Ok(number) = DeValue::parse(most) {
+            let number = Spanned::new(span.clone(), number.into_inner());
+            motor.insert(Spanned::new(span, Cow::Borrowed("limit")), number);
+        }
+    }
 }
 
 /// Adds the files of a model and tells where each of them starts.

@@ -11,6 +11,7 @@ use super::pose;
 use super::scene::{Body, Names, Scene, Site, WORLD};
 use super::settings::FromGeoms;
 use crate::model::description::{GROUND, MassProperties};
+use crate::model::problem::number;
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// The most elements that `<replicate>` may make.
@@ -259,7 +260,20 @@ impl<'w, 'a> Walk<'w, 'a> {
             let help = "give the body an <inertial> (`mj_saveLastXML` writes one), or set it apart with mass=\"0\"";
             element.refuse(Problem::at(element.place(), message).help(help));
         }
-        self.scene.bodies[body].mass = mass::of_body(parts.inertial, &parts.geoms, settings);
+        let given = mass::of_body(parts.inertial, &parts.geoms, settings);
+        let bounded = mass::bounded(given, settings);
+        if bounded != given {
+            let moments = |mass: &MassProperties| number(mass.inertia.symmetric_eigenvalues().min());
+            let what = format!(
+                "`boundmass`, `boundinertia` or `balanceinertia` make {} kg of {} kg, and a smallest moment of {} kg m² of {}",
+                number(bounded.mass),
+                number(given.mass),
+                moments(&bounded),
+                moments(&given)
+            );
+            element.note(Taken::Used, what);
+        }
+        self.scene.bodies[body].mass = bounded;
     }
 
     fn joint(&mut self, element: &Element<'a>, around: &Around) {

@@ -83,6 +83,10 @@ pub(super) fn find(
     if found.is_none() && scene.names.copied.contains(&name) {
         let what = format!("`{}` is within a <replicate>: what refers to it is not copied", attribute.value);
         attribute.element.note(Taken::Ignored, what);
+    } else if found.is_none() && what == "joint" && scene.names.welded.contains(&name) {
+        let what =
+            format!("the joint `{}` is fixed, for it carries nothing with mass: this is left out", attribute.value);
+        attribute.element.note(Taken::Ignored, what);
     } else if found.is_none() && !scene.prefix.is_empty() {
         let what = format!("the {what} `{}` of its model is not attached: nor is what refers to it", attribute.value);
         attribute.element.note(Taken::Ignored, what);

@@ -117,7 +117,7 @@ impl Output {
         for index in 1..scene.bodies.len() {
             self.body(scene, index, draft);
         }
-        for (joint, body) in scene.joints.iter().zip(&self.carried) {
+        for (joint, body) in scene.joints.iter().zip(&self.carried).filter(|(_, body)| !body.is_empty()) {
             draft.joint(&joint.name, body);
         }
         for (list, entries) in [

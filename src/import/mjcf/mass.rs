@@ -62,17 +62,16 @@ pub(super) fn of_body(
 ) -> MassProperties {
     let heavy: Vec<MassProperties> = geoms.iter().filter(|geom| geom.mass > 0.0).copied().collect();
     let together = || if heavy.is_empty() { NOTHING } else { combined(&heavy) };
-    let mass = match (settings.inertia_from_geoms, inertial) {
+    match (settings.inertia_from_geoms, inertial) {
         (FromGeoms::Always, _) if !heavy.is_empty() => together(),
         (FromGeoms::Never, None) => NOTHING,
         (FromGeoms::Auto, None) => together(),
         (_, given) => given.unwrap_or(NOTHING),
-    };
-    bounded(mass, settings)
+    }
 }
 
-/// `boundmass`, `boundinertia` and `balanceinertia`.
-fn bounded(mut mass: MassProperties, settings: &Settings) -> MassProperties {
+/// `boundmass`, `boundinertia` and `balanceinertia`: of every body, whether it has geoms or not.
+pub(super) fn bounded(mut mass: MassProperties, settings: &Settings) -> MassProperties {
     mass.mass = mass.mass.max(settings.bound_mass);
     if settings.bound_inertia <= 0.0 && !settings.balance_inertia {
         return mass;

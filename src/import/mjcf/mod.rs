@@ -31,6 +31,7 @@ mod settings;
 mod tendon;
 mod tree;
 mod weigh;
+mod weld;
 
 use super::Options;
 use super::draft::Draft;
@@ -56,6 +57,9 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
     key.place(&models, &mut scene);
     if !log.is_fine() {
         return None;
+    }
+    if options.weld_massless {
+        weld::massless(&mut scene);
     }
     limits::settle(&mut scene, options);
     let mut output = lower::Output::new(&scene, options);

@@ -34,6 +34,8 @@ pub(super) struct Names {
     pub(super) sites: HashMap<String, usize>,
     /// Names of elements that `<replicate>` has copied.
     pub(super) copied: Vec<String>,
+    /// Names of joints that are fixed because they carry nothing with mass.
+    pub(super) welded: Vec<String>,
 }
 
 pub(super) struct Body<'a> {

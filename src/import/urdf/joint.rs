@@ -52,6 +52,7 @@ pub(super) fn write(
         let from = element.child("axis").and_then(|axis| axis.attribute("xyz"));
         hinge.numbers("axis", axis.as_slice(), from.map(|xyz| xyz.place()));
     }
+    effort(element, kind, &name, draft);
     limits(element, kind, options, &mut hinge);
     dynamics(element, kind, &mut hinge);
     body.inline("hinge", hinge);
@@ -178,6 +179,23 @@ fn tilted(
     name
 }
 
+/// `effort`, the limit of every motor that a scenario puts into the hinge.
+fn effort(joint: &Element<'_>, kind: &str, body: &str, draft: &mut Draft) {
+    let Some((limit, effort)) = joint.child("limit").and_then(|it| Some((it, it.attribute("effort")?))) else { return };
+    let Some(most) = effort.number() else { return };
+    if most < 0.0 {
+        limit.refuse(effort.wrong(&format!("is {most}, allowed: ≥ 0")));
+    } else if !matches!(kind, "revolute" | "continuous" | "prismatic") {
+        limit.note(Taken::Ignored, format!("`effort = {most}`: a {kind} joint has no motor"));
+    } else if most == 0.0 {
+        limit.note(Taken::Ignored, "`effort = 0`: a motor without a `limit` of its own has none");
+    } else {
+        draft.efforts.push((body.to_owned(), format!("{most:?}")));
+        let what = "no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own";
+        limit.note(Taken::Used, format!("`effort = {most}`: {what}"));
+    }
+}
+
 /// Limits, and where the motion starts if zero is beyond them.
 fn limits(joint: &Element<'_>, kind: &str, options: &Options, hinge: &mut Entry) {
     let Some(limit) = joint.child("limit") else {
@@ -188,14 +206,8 @@ fn limits(joint: &Element<'_>, kind: &str, options: &Options, hinge: &mut Entry)
     };
     let ends = ["lower", "upper"].map(|key| limit.attribute(key));
     let numbers = ends.map(|end| end.map(|end| end.number()));
-    let most: Vec<String> = ["effort", "velocity"]
-        .into_iter()
-        .filter_map(|key| limit.attribute(key))
-        .map(|attribute| format!("`{} = {}`", attribute.key, attribute.value))
-        .collect();
-    if !most.is_empty() {
-        let what = "no motor acts in it, and hinges have no largest speed; a [[motor]] has its own `limit`";
-        limit.note(Taken::Ignored, format!("{}: {what}", most.join(", ")));
+    if let Some(velocity) = limit.attribute("velocity") {
+        limit.note(Taken::Ignored, format!("`velocity = {}`: hinges have no largest speed", velocity.value));
     }
     if !matches!(kind, "revolute" | "prismatic") {
         if ends.iter().any(Option::is_some) {

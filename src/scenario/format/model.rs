@@ -41,7 +41,7 @@ pub const MODEL: Table = Table {
                 ("refuse", "They are an error."),
                 ("weld", "Their joints are fixed, and each is noted."),
             ]),
-            "What becomes of links of a URDF that neither weigh anything themselves nor carry anything that does.",
+            "What becomes of joints on whose bodies nothing weighs anything, nor has any inertia.",
         )
         .default("\"refuse\"")
         .example("\"weld\""),

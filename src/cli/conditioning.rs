@@ -1,0 +1,97 @@
+//! Hinges that move next to nothing of what hangs on them.
+//!
+//! A hinge whose links beyond it are free to turn against it moves only a part of their inertia, the articulated one: in chains of like
+//! links a fair part. Where a link weighs next to nothing and carries much, what is left over of an acceleration is the quotient of a
+//! round-off by a small inertia: huge, and without meaning.
+
+use super::{output, text};
+use crate::dynamics::{MassAction, System};
+use crate::model::Model;
+use serde_json::{Value, json};
+
+/// An acceleration (m/s² or rad/s²) beyond this many times gravity, or gravity over the scene's length, is none that a scene of
+/// like masses makes: a chain of a thousand links that lets go makes some hundred.
+const EXTREME: f64 = 1e6;
+/// An inertia below this part of what hangs on it explains such an acceleration.
+const LIGHT: f64 = 1e-6;
+
+/// A coordinate of a hinge that moves next to nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Light {
+    hinge: String,
+    unit: &'static str,
+    /// What it moves while all beyond it is free, and what hangs on it (kg or kg m²).
+    inertia: f64,
+    carried: f64,
+    /// At the given state (m/s² or rad/s²).
+    acceleration: f64,
+}
+
+impl Light {
+    pub(super) fn json(&self) -> Value {
+        let ratio = self.inertia / self.carried;
+        json!({
+            "hinge": self.hinge,
+            "inertia": self.inertia,
+            "carried": self.carried,
+            "ratio": ratio,
+            "acceleration": self.acceleration,
+        })
+    }
+}
+
+/// The hinges of a scene that move next to nothing, with the accelerations that they have because of that.
+pub(super) fn ill_conditioned(model: &Model) -> Vec<Light> {
+    let (q, v) = (&model.start_position, &model.start_velocity);
+    let mut system = System::new(model);
+    let mut accelerations = v.clone();
+    // What cannot be computed is said where it is asked for.
+    if system.accelerations(q, v, &mut accelerations).is_err() {
+        return Vec::new();
+    }
+    let mut inertia = vec![0.0; v.len()];
+    system.articulated_inertia(&mut inertia);
+    let mut action = MassAction::new(model);
+    let mut found = Vec::new();
+    for body in &model.bodies {
+        for (index, (_, unit)) in body.hinge.kind.velocities().iter().enumerate() {
+            let at = body.hinge.velocity + index;
+            let slides = *unit == "m/s";
+            let gravity = model.gravity.norm().max(1.0);
+            let usual = if slides { gravity } else { gravity / model.length_scale() };
+            if !(accelerations[at].abs() > EXTREME * usual) {
+                continue;
+            }
+            let (mut one, mut column) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+            one[at] = 1.0;
+            system.mass_times(&mut action, &one, &mut column);
+            if inertia[at] < LIGHT * column[at] {
+                let unit = if slides { "kg" } else { "kg m²" };
+                let (hinge, acceleration) = (model.label(at), accelerations[at]);
+                found.push(Light { hinge, unit, inertia: inertia[at], carried: column[at], acceleration });
+            }
+        }
+    }
+    found
+}
+
+/// Hinges that are named one by one.
+const MOST_NAMED: usize = 5;
+
+/// Says which they are.
+pub(super) fn warn(name: &str, found: &[Light]) {
+    for Light { hinge, unit, inertia, carried, acceleration } in found.iter().take(MOST_NAMED) {
+        let over = if *unit == "kg" { "m/s²" } else { "rad/s²" };
+        output::warning(&format!(
+            "{name}: {hinge} moves an inertia of {} {unit} and carries {} {unit}, {} times as much: its acceleration at the given \
+             state, {} {over}, means nothing (give the light bodies their inertia, or weld them)",
+            text::number(*inertia),
+            text::number(*carried),
+            text::number(carried / inertia),
+            text::number(*acceleration)
+        ));
+    }
+    if found.len() > MOST_NAMED {
+        output::warning(&format!("{name}: so do {} other hinges", found.len() - MOST_NAMED));
+    }
+}
