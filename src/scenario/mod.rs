@@ -67,7 +67,7 @@ use crate::model::parameter::NamedNumbers;
 use crate::model::{Description, Model, Parameter, Problem};
 use crate::{constraint, record, simulate, statics, text_file};
 use findings::Findings;
-use quantities::Numbers;
+use quantities::{Numbers, Parameters};
 use reader::Reader;
 use sources::Sources;
 use spans::SpanTable;
@@ -184,19 +184,20 @@ fn document<T>(
         return (None, findings.into_diagnostics(&sources));
     }
     model::open(&mut document);
+    let parameters = Parameters::read(&document);
     let (of_model, of_scene): (Vec<&Override>, Vec<&Override>) =
         overrides.iter().partition(|change| change.is_of_model());
     overrides::apply(of_model, &mut document, &mut sources, &findings);
     // An override may name another file.
     model::open(&mut document);
-    let models = model::import(&mut document, folder(name), &findings);
+    let models = model::import(&mut document, &parameters, folder(name), &findings);
     let mut document = model::merge(document, &models, &mut sources, &findings);
     if findings.errors() > 0 {
         // Without the model's bodies nothing else could be judged.
         return (None, findings.into_diagnostics(&sources));
     }
     overrides::apply(of_scene, &mut document, &mut sources, &findings);
-    let numbers = quantities::evaluate(&document, &findings);
+    let numbers = quantities::evaluate(&document, &parameters, &findings);
     // From here on the document may hold what `numbers` owns.
     let document = numbers.put_into(document);
     let found = then(&document, &models, &numbers, &findings);

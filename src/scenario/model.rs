@@ -81,15 +81,20 @@ pub(super) fn open<'a>(document: &mut DeTable<'a>) {
     }
 }
 
-/// Takes the models out of a document and imports them. `folder` is that of the scenario.
-pub(super) fn import<'a>(document: &mut DeTable<'a>, folder: &Path, findings: &Findings) -> Vec<Model<'a>> {
+/// Takes the models out of a document and imports them. `given` are the parameters before changes, `folder` is that of the scenario.
+pub(super) fn import<'a>(
+    document: &mut DeTable<'a>,
+    given: &quantities::Parameters,
+    folder: &Path,
+    findings: &Findings,
+) -> Vec<Model<'a>> {
     // Changes may have named another file.
     open(document);
     let Some((key, value)) = document.remove_entry("model") else { return Vec::new() };
     let mut written = DeTable::new();
     written.insert(key, value);
     let before = findings.errors();
-    let numbers = quantities::evaluate_alone(&written, document, findings);
+    let numbers = quantities::evaluate_alone(&written, document, given, findings);
     // What hinges are given keeps its units until the hinges are known.
     let mut alone = written.clone();
     numbers.put(&mut alone);

@@ -91,9 +91,11 @@ impl Override {
         &self.shown[self.path.clone()]
     }
 
-    /// Whether it changes how a model is taken, which has to be known before there are any bodies.
+    /// Whether it changes how a model is taken, or a parameter that this may follow from: that has to be known before there are any
+    /// bodies.
     pub(super) fn is_of_model(&self) -> bool {
-        self.path() == "model" || self.path().starts_with("model.")
+        let first = self.path().split_once('.').map_or(self.path(), |(first, _)| first);
+        first == "model" || first == PARAMETERS
     }
 }
 

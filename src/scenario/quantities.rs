@@ -144,9 +144,10 @@ pub(super) fn evaluate_start(document: &DeTable<'_>, scene: &Description, findin
     numbers
 }
 
-/// Evaluates all texts that stand for numbers; what is wrong with them is in `findings`.
-pub(super) fn evaluate(document: &DeTable<'_>, findings: &Findings) -> Numbers {
-    let parameters = Parameters::read(document);
+/// Evaluates all texts that stand for numbers; what is wrong with them is in `findings`. `before` are the parameters before any
+/// changes.
+pub(super) fn evaluate(document: &DeTable<'_>, before: &Parameters, findings: &Findings) -> Numbers {
+    let parameters = Parameters::read_after(document, before);
     let numbers = Numbers { parameters: parameters.list(), ..Numbers::default() };
     if !document.values().any(|value| has_texts(value.get_ref())) {
         return numbers;
@@ -158,8 +159,14 @@ pub(super) fn evaluate(document: &DeTable<'_>, findings: &Findings) -> Numbers {
 }
 
 /// As [`evaluate`], of a table that is read before the bodies are known: what quantities measure is checked later.
-pub(super) fn evaluate_alone(document: &DeTable<'_>, whole: &DeTable<'_>, findings: &Findings) -> Numbers {
-    let mut pass = Pass { findings, hinges: None, parameters: Parameters::read(whole), numbers: Numbers::default() };
+pub(super) fn evaluate_alone(
+    document: &DeTable<'_>,
+    whole: &DeTable<'_>,
+    before: &Parameters,
+    findings: &Findings,
+) -> Numbers {
+    let parameters = Parameters::read_after(whole, before);
+    let mut pass = Pass { findings, hinges: None, parameters, numbers: Numbers::default() };
     let element = Element { table: &SCENARIO, name: None, index: None, within: None };
     pass.table(&element, document, None);
     pass.numbers
@@ -218,6 +225,12 @@ pub(super) struct Parameters {
 impl Parameters {
     /// What is wrong in it is said when the table itself is read.
     pub(super) fn read(document: &DeTable<'_>) -> Self {
+        Self::read_after(document, &Self::default())
+    }
+
+    /// As [`read`](Self::read), after changes: a number without a unit in the place of one that had one, in `given`, is meant in
+    /// the SI unit of that.
+    fn read_after(document: &DeTable<'_>, given: &Self) -> Self {
         let table = document.get(PARAMETERS).and_then(|value| value.get_ref().as_table());
         let entries = table.into_iter().flat_map(|table| table.iter());
         let mut open: Vec<_> = entries.map(|(name, value)| (name.get_ref().to_string(), value.get_ref())).collect();
@@ -226,7 +239,12 @@ impl Parameters {
         loop {
             let before = open.len();
             open.retain(|(name, value)| match found.evaluate(value) {
-                Some(number) => {
+                Some((number, measure)) => {
+                    let measure = match (*value, given.names.iter().position(|known| known == name)) {
+                        (DeValue::Integer(_) | DeValue::Float(_), Some(index)) => given.numbers[index].1,
+                        _ => measure,
+                    };
+                    let number = (number, measure);
                     found.names.push(name.clone());
                     found.numbers.push(number);
                     false

@@ -117,7 +117,7 @@ impl Maker {
                 let at = self.random.below(6);
                 let ((a, x), (b, y)) = (one(self, at), self.formula(UNITS[at].2, depth - 1));
                 let (c, z) = self.formula(powers, depth - 1);
-                (format!("{c}*exp(-{a}/{b})"), z * (-x / y).exp())
+                (format!("{c}*exp(-{a}/({b}))"), z * (-x / y).exp())
             }
             _ => {
                 let other = UNITS[self.random.below(6)];
@@ -207,7 +207,7 @@ fn angles_are_kept_until_they_are_multiplied() {
         [("2*a", "m"), ("2*k", "N m"), ("w", "m/s"), ("f*r", "N/m"), ("r/r", "kg"), ("w*t", "s"), ("asin(1)", "m")];
     wrong.iter().for_each(|(text, unit)| assert!(!fits(text, unit), "{text} is not {unit}"));
     for (text, place) in
-        [("r + 2*t", 0..7), ("2^r", 2..3), ("3*cos(r)", 6..7), ("max(1, a, f)", 7..11), ("r if 1 else t", 0..13)]
+        [("r + 2*t", 0..7), ("2^r", 2..3), ("3*cos(r)", 6..7), ("max(1, a, f)", 4..11), ("r if 1 else t", 0..13)]
     {
         let error = Formula::parse(text, &names).expect(text).measure(&variables).expect_err(text);
         assert_eq!(error.span, place, "{text}: {error}");
@@ -218,6 +218,29 @@ fn angles_are_kept_until_they_are_multiplied() {
 #[test]
 fn a_length_is_no_mass() {
     let text = scene("m = \"500 mm\"\n", "mass", "{m}");
-    insta::assert_snapshot!(scenario::parse("s.toml", &text, &[]).expect_err("a length"), @"");
+    insta::assert_snapshot!(scenario::parse("s.toml", &text, &[]).expect_err("a length"), @r#"
+    error: body `box`: `mass`: this formula: `m` is no unit of it
+     --> s.toml:6:9
+      |
+    6 | mass = "{m}"
+      |         ^^^
+      |
+      = help: it is measured in kg; in a product a number without a unit is a pure number
+
+    s.toml: 1 error
+    "#);
     assert!(scenario::parse("s.toml", &scene("m = 0.5\n", "mass", "{m}"), &[]).is_ok(), "plain numbers fit everywhere");
+}
+
+/// A number that is set without a unit is meant in the SI unit of the one that it replaces.
+#[test]
+fn a_parameter_that_is_set_keeps_its_unit() {
+    let text = scene("m = \"500 g\"\na = \"2 m/s^2\"\n", "force", "{m}*{a}");
+    let read = |change: &str| {
+        let change = scenario::Override::parse(change).expect("path and value");
+        scenario::parse("s.toml", &text, &[change]).map(|scenario| found(&scenario, "force"))
+    };
+    assert_eq!(read("parameters.m=3").expect("kilograms"), 6.0);
+    assert_eq!(read("parameters.m=3 g").expect("grams"), 0.006);
+    assert!(read("parameters.m=3 m").expect_err("metres").to_string().contains("is no unit of it"));
 }

@@ -24,7 +24,7 @@ fn chain(random: &mut Random) -> String {
     for link in 0..1 + (pick(0.0, 3.0) as usize) {
         let parent = if link == 0 { String::new() } else { format!(", parent = \"link{}\", at = \"tip\"", link - 1) };
         text += &format!(
-            "[[body]]\nname = \"link{link}\"\nmass = \"{} * {{m}}\"\ninertia = [\"{{m}}*{{l}}^2\", 0.1, \"{{m}}*{{l}}*{{half}}\"]\n\
+            "[[body]]\nname = \"link{link}\"\nmass = \"{} * {{m}}\"\ninertia = [\"{{m}}*{{l}}^2\", \"{{m}}*{{l}}^2\", \"{{m}}*{{l}}*{{half}}/9\"]\n\
              center = [\"{{half}}\", 0, {}]\nmarkers = {{ tip = [\"{{l}}\", 0, 0] }}\n\
              hinge = {{ type = \"revolute\", axis = [0, 1, 0], stiffness = \"{{k}}\", rest = \"{{angle}}\", position = {}{parent} }}\n",
             pick(0.5, 2.0),

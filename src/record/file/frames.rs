@@ -12,9 +12,11 @@ pub(super) fn inertial_frame(scene: &Scene) -> &'static str {
 
 /// The message for the scene's bodies, to be filled anew for every sample.
 pub(super) fn transforms(scene: &Scene) -> FrameTransforms {
+    // Looked up once: it goes through all bodies.
+    let inertial = inertial_frame(scene);
     let transform = |name: &String| FrameTransform {
         timestamp: None,
-        parent_frame_id: inertial_frame(scene).into(),
+        parent_frame_id: inertial.into(),
         child_frame_id: name.clone(),
         translation: Some(Vector3::default()),
         rotation: Some(Quaternion::default()),

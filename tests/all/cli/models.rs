@@ -1,6 +1,7 @@
 //! Files of other programs in the place of a scenario.
 
 use super::{Answer, Bench};
+use crate::common::Random;
 
 /// An arm whose finger has no mass.
 const ARM: &str = r#"<?xml version="1.0"?>
@@ -82,4 +83,76 @@ fn a_recording_is_no_scenario() {
     let bench = Bench::new();
     bench.write("run.mcap", b"\x89MCAP0\r\n");
     assert!(bench.call(&["statics", "run.mcap"]).code(2).err.contains("it is a recording"));
+}
+
+/// A model is never replaced by what is made of it, under whatever name it is asked for.
+#[test]
+fn a_model_is_not_converted_onto_itself() {
+    let bench = Bench::new();
+    let (arm, _) = ARM.split_once("  <joint name=\"grip\"").expect("a finger");
+    let arm = format!("{arm}</robot>\n");
+    bench.write("arm.urdf", &arm);
+    bench.write("part.xml", "<mujocoinclude><body name=\"b\"><geom size=\"1\"/></body></mujocoinclude>");
+    bench.write("whole.xml", "<mujoco><worldbody><include file=\"part.xml\"/></worldbody></mujoco>");
+    let before = bench.names();
+    for (model, out) in [("arm.urdf", "arm.urdf"), ("arm.urdf", "./arm.urdf"), ("whole.xml", "part.xml")] {
+        let error = bench.call(&["convert", model, "-o", out]).code(2).err;
+        assert!(error.contains("is not written: it would replace"), "{error}");
+    }
+    assert_eq!(bench.names(), before);
+    assert_eq!(std::fs::read_to_string(bench.path().join("arm.urdf")).expect("a file"), arm);
+}
+
+/// `effort` is the limit of a motor that a scenario adds, unless it has one.
+#[test]
+fn efforts_bound_motors() {
+    let bench = Bench::new();
+    let (arm, _) = ARM.split_once("  <joint name=\"grip\"").expect("a finger");
+    let limit = "<axis xyz=\"0 1 0\"/><limit effort=\"3.5\" velocity=\"1\"/></joint>\n  <link name=\"arm\">";
+    let arm = arm.replace("<axis xyz=\"0 1 0\"/></joint>\n  <link name=\"arm\">", limit);
+    bench.write("arm.urdf", format!("{arm}</robot>\n"));
+    let pushes = |model: &str, hinge: &str, more: &str| {
+        let motor = "type = \"pd\"\nstiffness = 1000\ntarget = 1.0\n";
+        let text = format!("model = {model}\n[[motor]]\nname = \"servo\"\nhinge = \"{hinge}\"\n{motor}{more}\n");
+        bench.write("scene.toml", text);
+        bench.call(&["inspect", "scene.toml", "--json"]).code(0).json()["motors"]["servo"].as_f64().expect("a torque")
+    };
+    assert_eq!(pushes("\"arm.urdf\"", "arm", ""), 3.5);
+    assert_eq!(pushes("\"arm.urdf\"", "arm", "limit = 20"), 20.0);
+    assert_eq!(pushes("{ file = \"arm.urdf\", prefix = \"left/\" }", "left/arm", ""), 3.5);
+}
+
+/// Links of random lightness: those that make accelerations without meaning are named, others are not.
+#[test]
+fn light_links_that_carry_heavy_ones_are_named() {
+    let bench = Bench::new();
+    let mut random = Random::new(9);
+    for case in 0..14 {
+        let light = 10.0_f64.powf(random.between(-13.0, -10.0));
+        let (before, after) = (random.below(3), 1 + random.below(2));
+        let mut text = String::new();
+        let count = before + 1 + after;
+        for link in 0..count {
+            let (mass, inertia, tip) = if link == before { (0.0, light, 0.0) } else { (1.0, 0.1, 0.4) };
+            let parent = if link == 0 { String::new() } else { format!(", parent = \"l{}\", at = \"tip\"", link - 1) };
+            let unphysical = if link == before { "unphysical = true\n" } else { "" };
+            text += &format!(
+                "[[body]]\nname = \"l{link}\"\nmass = {mass}\n{unphysical}center = [{}, 0, 0]\n\
+                 inertia = [{inertia:e}, {inertia:e}, {inertia:e}]\nmarkers = {{ tip = [{tip}, 0, 0] }}\n\
+                 hinge = {{ type = \"revolute\", axis = [0, 1, 0], damping = 0.1, velocity = {}{parent} }}\n",
+                0.5 * tip,
+                random.between(0.5, 2.0)
+            );
+        }
+        bench.write("chain.toml", &text);
+        for command in [&["check", "chain.toml"][..], &["inspect", "chain.toml"]] {
+            let said = bench.call(command).code(0).err;
+            assert!(said.contains(&format!("`l{before}`")) && said.contains("means nothing"), "{case}: {said}");
+        }
+        let found = bench.call(&["inspect", "chain.toml", "--json"]).code(0).json()["ill_conditioned"].clone();
+        assert!(found[0]["ratio"].as_f64().expect("a ratio") < 1e-6, "{found}");
+        let heavy = text.replace(&format!("{light:e}"), "1e-3");
+        bench.write("heavy.toml", heavy);
+        assert_eq!(bench.call(&["check", "heavy.toml"]).code(0).err, "");
+    }
 }

@@ -81,7 +81,8 @@ fn a_robot_reads_like_a_scenario() {
     ]
     "###);
     insta::assert_snapshot!(notes(&imported), @r###"
-    4: ignored: <limit> of joint `shoulder`: `effort = 10`, `velocity = 3`: no motor acts in it, and hinges have no largest speed; a [[motor]] has its own `limit`
+    4: used: <limit> of joint `shoulder`: `effort = 10`: no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own
+    4: ignored: <limit> of joint `shoulder`: `velocity = 3`: hinges have no largest speed
     4: ignored: <dynamics> of joint `shoulder`: `friction = 0.1`: dry friction is not simulated
     6: used: <limit> of joint `slide`: 0 is beyond them: the joint starts at 0.2
     "###);
@@ -156,7 +157,7 @@ fn what_is_not_taken_is_listed_line_by_line() {
     4: ignored: <mesh> of <geometry> of <visual> of link `arm`: no file `package://parts/arm.stl`: it is not drawn; say where the package is with `--package parts=FOLDER` or ROS_PACKAGE_PATH
     5: ignored: sensor `eye`: sensors are not simulated
     6: ignored: <safety_controller> of joint `turn`: controllers are not simulated
-    6: ignored: <limit> of joint `turn`: `effort = 2`: no motor acts in it, and hinges have no largest speed; a [[motor]] has its own `limit`
+    6: used: <limit> of joint `turn`: `effort = 2`: no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own
     6: ignored: <limit> of joint `turn`: a continuous joint has no `lower` and `upper`
     7: ignored: transmission `motor`: actuators and their gears are not simulated
     8: ignored: <gazebo>: meant for Gazebo

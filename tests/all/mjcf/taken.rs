@@ -111,3 +111,52 @@ fn the_gripper_rests_where_its_servo_its_spring_and_its_weight_balance() {
     system.accelerations(&found.position, &vec![0.0; accelerations.len()], &mut accelerations).expect("accelerations");
     assert!(accelerations.iter().all(|a| a.abs() < 1e-6), "{accelerations:?}");
 }
+
+/// What bounds make of a body is said, of bodies without geoms, too.
+#[test]
+fn bounds_of_mass_are_said() {
+    let text = r#"<mujoco><compiler boundmass="0.5" boundinertia="0.01"/><worldbody><body name="a"><joint/>
+<geom size="0.1"/><body name="bare"><joint axis="1 0 0"/></body></body></worldbody></mujoco>"#;
+    let imported = super::import(text).unwrap_or_else(|refused| panic!("{refused}"));
+    let said: Vec<&str> = imported.notes.iter().map(|note| note.what.as_str()).collect();
+    assert!(said.iter().any(|what| what.contains("make 0.5 kg of 0 kg")), "{said:?}");
+    let scene = super::scenario(text).description;
+    assert_eq!((scene.bodies[1].mass.mass, scene.bodies[1].mass.inertia.m11), (0.5, 0.01));
+}
+
+/// Joints that carry nothing with mass are fixed where they start, if that is asked for; what acts in them is left out.
+#[test]
+fn massless_joints_are_welded_if_asked_for() {
+    let text = r#"<mujoco><worldbody><body name="a"><joint name="j" axis="0 1 0"/><geom size="0.1" pos="0.3 0 0"/>
+<body name="f" pos="1 0 0"><joint name="k" axis="0 0 1" pos="0.1 0 0"/><joint name="s" type="slide" axis="1 0 0"/>
+<site name="end" pos="0.2 0 0"/><body name="g" pos="0 0 1"><joint name="b" type="ball"/></body></body></body></worldbody>
+<actuator><position joint="k" kp="3"/></actuator><keyframe><key qpos="0.2 0.5 0.25 0.8 0.6 0 0"/></keyframe></mujoco>"#;
+    let path = std::path::Path::new("model.xml");
+    let import = |weld_massless: bool| {
+        let options = stillpoint::import::Options { weld_massless, ..Default::default() };
+        stillpoint::scenario::convert_text(path, text.to_owned(), &options)
+    };
+    assert!(import(false).map(|_| ()).expect_err("massless").to_string().contains("--weld-massless"));
+    let imported = import(true).unwrap_or_else(|error| panic!("{error}"));
+    let said: Vec<&str> = imported.notes.iter().map(|note| note.what.as_str()).collect();
+    assert_eq!(said.iter().filter(|what| what.contains("it is fixed, as asked for")).count(), 3, "{said:?}");
+    assert!(said.iter().any(|what| what.contains("the joint `k` is fixed")), "{said:?}");
+    let scene =
+        stillpoint::scenario::parse("m.toml", &imported.scenario, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let model = stillpoint::model::Model::build(&scene.description).expect("a model");
+    assert_eq!((model.degrees_of_freedom(), imported.joints.len()), (1, 1));
+    // Where MuJoCo's kinematics puts the site: turned by 0.5 about the anchor at (0.1, 0, 0), then slid along its own x.
+    let mut poses = Vec::new();
+    let mut system = stillpoint::dynamics::System::new(&model);
+    let mut a = vec![0.0; 1];
+    let q = [0.0];
+    system.accelerations(&q, &[0.0], &mut a).expect("finite");
+    system.poses(&mut poses);
+    let f = model.body("f").expect("a body");
+    let (sine, cosine) = 0.5_f64.sin_cos();
+    let expected = [1.1 + 0.35 * cosine, 0.35 * sine];
+    let end = scene.description.bodies.iter().find(|body| body.name == "f").expect("a body").markers[0].1;
+    let found = (poses[f] * nalgebra::Point3::from(end)).coords;
+    // Round-off of a product of turns.
+    assert!((found.x - expected[0]).abs() < 1e-14 && (found.y - expected[1]).abs() < 1e-14, "{found}");
+}
