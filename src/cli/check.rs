@@ -48,8 +48,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
                 }
                 models.extend(scenario.models.iter().map(counts));
                 if !arguments.quiet
-                    && let Ok(mut model) = Model::build(&scenario.description)
-                    && assemble(&mut model).is_ok()
+                    && let Ok(model) = Model::build(&scenario.description)
+                    && let Ok((model, _)) = assemble(model)
                 {
                     conditioning::warn(&name, &conditioning::ill_conditioned(&model));
                 }

@@ -8,6 +8,7 @@ use super::{output, text};
 use crate::dynamics::{MassAction, System};
 use crate::model::Model;
 use serde_json::{Value, json};
+use std::sync::Arc;
 
 /// An acceleration (m/s² or rad/s²) beyond this many times gravity, or gravity over the scene's length, is none that a scene of
 /// like masses makes: a chain of a thousand links that lets go makes some hundred.
@@ -41,7 +42,7 @@ impl Light {
 }
 
 /// The hinges of a scene that move next to nothing, with the accelerations that they have because of that.
-pub(super) fn ill_conditioned(model: &Model) -> Vec<Light> {
+pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
     let (q, v) = (&model.start_position, &model.start_velocity);
     let mut system = System::new(model);
     let mut accelerations = v.clone();

@@ -84,7 +84,7 @@ fn a_named_number_that_is_found_holds_the_pose() {
         let links = text.matches("[[body]]").count();
         let others: String = (1..links).map(|link| format!(", \"link{link}.force\"")).collect();
         let scenario = read(&format!("statics = {{ unknown = [\"parameters.{name}\"{others}] }}\n{text}"), &[]);
-        let pose = Model::build(&scenario.description).expect("a model").start_position;
+        let pose = Model::build(&scenario.description).expect("a model").start_position.clone();
         let found = hold(&scenario.description, &scenario.unknown, &pose, &scenario.statics).expect("finite").found;
         tried += 1;
         if !found.converged {
@@ -166,7 +166,7 @@ fn start_files_and_messages_know_named_numbers() {
         text.replacen("[parameters]", "[parameters]\nidle = 1", 1)
     );
     let scenario = read(&nothing, &[]);
-    let pose = Model::build(&scenario.description).expect("a model").start_position;
+    let pose = Model::build(&scenario.description).expect("a model").start_position.clone();
     let found =
         hold(&scenario.description, &scenario.unknown, &pose, &statics::Settings::default()).expect("finite").found;
     assert!(!found.converged && found.notes.iter().any(|note| note.contains("cannot influence")), "{:?}", found.notes);
