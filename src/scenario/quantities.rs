@@ -5,15 +5,17 @@
 //! its coordinates. Parameters keep what they measure, and formulas of them combine it.
 
 mod hinges;
+mod parameters;
+
+pub(super) use parameters::{PARAMETERS, Parameters};
 
 use super::fields::{Key, Kind};
 use super::findings::{Finding, Findings};
 use super::format::{BUSHING_VALUES, SCENARIO};
 use super::naming::{Element, written};
-use super::reader::number;
-use crate::formula::{self, Formula, FormulaError};
+use crate::formula::{Formula, FormulaError};
 use crate::hinge::{HingeKind, Names};
-use crate::model::parameter::{self as model, NamedNumber};
+use crate::model::parameter::NamedNumber;
 use crate::model::{Description, Parameter};
 use crate::quantity::measure::Measure;
 use crate::quantity::{Dimension, Quantity};
@@ -33,9 +35,6 @@ pub(super) struct Numbers {
     /// Those of `[parameters]`.
     pub(super) parameters: Vec<NamedNumber>,
 }
-
-/// The name of the table of parameters.
-pub(super) const PARAMETERS: &str = "parameters";
 
 /// Whether a value holds a text that may stand for a number; most files have none.
 fn has_texts(value: &DeValue<'_>) -> bool {
@@ -212,97 +211,6 @@ impl Numbers {
     fn insert(&mut self, span: &Range<usize>, value: f64) {
         self.texts.insert((span.start, span.end), format!("{value:?}"));
     }
-}
-
-/// Names and values of `[parameters]`.
-#[derive(Debug, Default)]
-pub(super) struct Parameters {
-    names: Vec<String>,
-    /// Their values, and what they measure.
-    numbers: Vec<(f64, Measure)>,
-}
-
-impl Parameters {
-    /// What is wrong in it is said when the table itself is read.
-    pub(super) fn read(document: &DeTable<'_>) -> Self {
-        Self::read_after(document, &Self::default())
-    }
-
-    /// As [`read`](Self::read), after changes: a number without a unit in the place of one that had one, in `given`, is meant in
-    /// the SI unit of that.
-    fn read_after(document: &DeTable<'_>, given: &Self) -> Self {
-        let table = document.get(PARAMETERS).and_then(|value| value.get_ref().as_table());
-        let entries = table.into_iter().flat_map(|table| table.iter());
-        let mut open: Vec<_> = entries.map(|(name, value)| (name.get_ref().to_string(), value.get_ref())).collect();
-        let mut found = Self::default();
-        // Those that follow from others come when these are known.
-        loop {
-            let before = open.len();
-            open.retain(|(name, value)| match found.evaluate(value) {
-                Some((number, measure)) => {
-                    let measure = match (*value, given.names.iter().position(|known| known == name)) {
-                        (DeValue::Integer(_) | DeValue::Float(_), Some(index)) => given.numbers[index].1,
-                        _ => measure,
-                    };
-                    let number = (number, measure);
-                    found.names.push(name.clone());
-                    found.numbers.push(number);
-                    false
-                }
-                None => true,
-            });
-            if open.len() == before {
-                return found;
-            }
-        }
-    }
-
-    fn evaluate(&self, value: &DeValue<'_>) -> Option<(f64, Measure)> {
-        match value {
-            DeValue::String(text) if text.contains('{') => {
-                let formula = Formula::parse(text, &self.names()).ok()?;
-                let value = Some(formula.value(&self.values())).filter(|value| value.is_finite())?;
-                // What does not add up is said at its place, and fits everywhere else.
-                Some((value, formula.measure(&self.numbers).unwrap_or(Measure::Plain)))
-            }
-            DeValue::String(text) => {
-                Quantity::parse(text).ok().map(|quantity| (quantity.value, quantity.dimension.into()))
-            }
-            other => number(other).map(|value| (value, Measure::Plain)),
-        }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        self.numbers.iter().map(|(value, _)| *value).collect()
-    }
-
-    pub(super) fn names(&self) -> Vec<&str> {
-        self.names.iter().map(String::as_str).collect()
-    }
-
-    /// As a description has them.
-    pub(super) fn list(&self) -> Vec<NamedNumber> {
-        let of = |(name, (value, measure)): (&String, &(f64, Measure))| NamedNumber {
-            name: name.clone(),
-            value: *value,
-            quantity: if *measure == Measure::Plain { model::Quantity::Plain } else { measured(*measure) },
-        };
-        self.names.iter().zip(&self.numbers).map(of).collect()
-    }
-
-    /// A formula that has passed [`Formula::parse`] with these names, with numbers in their places.
-    pub(super) fn put_into(&self, text: &str, variables: &[&str]) -> String {
-        formula::with_numbers(text, |name| {
-            let known = self.names.iter().position(|known| known == name);
-            known.filter(|_| !variables.contains(&name)).map(|index| self.numbers[index].0)
-        })
-    }
-}
-
-/// The quantity that is measured so, if addresses know it.
-fn measured(measure: Measure) -> model::Quantity {
-    let fits = |quantity: &model::Quantity| Dimension::of(quantity.unit()).is_ok_and(|unit| measure.fits(unit));
-    model::Quantity::ALL.into_iter().find(fits).unwrap_or(model::Quantity::Plain)
 }
 
 /// In place of a unit: one number stands for coordinates that are measured in different units.

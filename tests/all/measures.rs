@@ -117,7 +117,7 @@ impl Maker {
                 let at = self.random.below(6);
                 let ((a, x), (b, y)) = (one(self, at), self.formula(UNITS[at].2, depth - 1));
                 let (c, z) = self.formula(powers, depth - 1);
-                (format!("{c}*exp(-{a}/({b}))"), z * (-x / y).exp())
+                (format!("{c}*exp(-min({a}/({b}), 1))"), z * (-(x / y).min(1.0)).exp())
             }
             _ => {
                 let other = UNITS[self.random.below(6)];

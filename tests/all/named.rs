@@ -153,9 +153,9 @@ fn start_files_and_messages_know_named_numbers() {
     let error = start::parse_start("start.toml", &start.replace("7.25", "-1.0"), &scene).map(|_| ());
     assert!(error.expect_err("a negative mass").to_string().contains("mass"));
     // Slips of the finger, everywhere.
-    for place in ["unknown = [\"parameters.mm\"]", "path = { parameter = \"parameters.mm\", to = 1 }"] {
+    for place in ["unknown = [\"parameters.angel\"]", "path = { parameter = \"parameters.angel\", to = 1 }"] {
         let error = scenario::parse("s.toml", &format!("statics.{place}\n{text}"), &[]).map(|_| ()).expect_err(place);
-        assert!(error.to_string().contains("did you mean `parameters.m`?"), "{error}");
+        assert!(error.to_string().contains("did you mean `parameters.angle`?"), "{error}");
     }
     let moved = text.replacen("position = ", "position = \"{angle}\" # ", 1).replacen("angle = \"", "angle = \"1", 1);
     let moved = moved.replace(", position = \"{angle}\" # ", ", position = \"{angle}\" }\n#");

@@ -38,7 +38,7 @@ pub struct NamedNumbers {
 
 impl NamedNumbers {
     /// `remake` makes the description in which some of them have other values, or says why there is none; its own list holds
-    /// their values there.
+    /// their values there, in the same order.
     pub fn new(
         list: Vec<NamedNumber>,
         remake: impl Fn(&[(String, f64)]) -> Result<Description, String> + Send + Sync + 'static,

@@ -167,7 +167,7 @@ fn a_moving_leaf_without_mass() {
     4 | <link name="ghost"/><joint name="j" type="continuous"><parent link="base"/><child link="arm"/></joint>
       | ^^^^^
       |
-      = help: give it a mass, weld it with a fixed hinge (`massless = "weld"` in `model`, or `convert --weld-massless`, for all of a URDF), or give the hinge an armature, as with `--set ghost.armature=1e-6`
+      = help: give it a mass, weld it with a fixed hinge (`massless = "weld"` in `model`, or `convert --weld-massless`, for all of a model), or give the hinge an armature, as with `--set ghost.armature=1e-6`
 
     robot.urdf: 1 error
     "###);
