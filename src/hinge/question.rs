@@ -75,6 +75,17 @@ pub enum Condition {
         /// Cosine of the angle between them.
         cosine: f64,
     },
+    /// A distance along an axis that goes with the angle about it, up to full turns: `axis·d = pitch φ`, see [`Twist`].
+    ///
+    /// [`Twist`]: crate::spatial::twist::Twist
+    Thread {
+        /// Unit vector of the axis, in both frames.
+        axis: Vector3<f64>,
+        /// A unit vector across it, in both frames: the angle is measured between the two.
+        across: Vector3<f64>,
+        /// (m/rad)
+        pitch: f64,
+    },
 }
 
 impl Condition {

@@ -293,7 +293,7 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
 /// inertia of what it carries, or of the scene: any number is exact, and one of that size keeps all digits.
 fn armature(model: &Model, coordinate: &Scalar) -> f64 {
     let link = &model.links[coordinate.link];
-    let (own, whole) = if coordinate.slides { (link.mass, 0.0) } else { (link.inertia.zz, link.inertia.trace()) };
+    let (own, whole) = if coordinate.slides { (link.mass, 0.0) } else { (link.axial_inertia(), link.inertia.trace()) };
     if own + model.coordinates[coordinate.velocity].armature > NO_INERTIA * whole {
         return 0.0;
     }

@@ -94,7 +94,7 @@ fn sweep(
         let (before, from_here) = own.split_at_mut(index - base);
         let parent = if link.parent >= base { &before[link.parent - base] } else { outside };
         let angle = match link.joint {
-            Joint::Turn => {
+            Joint::Turn | Joint::Screw { .. } => {
                 turn += 1;
                 angles[turn - 1]
             }
@@ -105,7 +105,7 @@ fn sweep(
 }
 
 /// The relations of section 2 of the method: one hinge and the body outboard of it. `angle` is the sine and the cosine
-/// of a turn.
+/// of a turn or screw.
 #[inline(always)]
 fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64; 2], own: &mut LinkMotion) {
     let from = Columns::of(&parent.turn);
@@ -117,9 +117,7 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
     let (turn, arm) = match &link.joint {
         Joint::None => (hinge, anchor),
         Joint::Turn => {
-            // Rot(z, angle): the z axis stays, the others turn in their plane.
-            let ([x, y, z], [s, c]) = (hinge.0, angle.map(Quad::all));
-            let turn = Columns([s.times_add(y, c * x), s.times_from(x, c * y), z]);
+            let z = hinge.0[2];
             let spin = Quad::all(v[link.velocity]) * z;
             own.axis = z.vector();
             own.relative = spin.vector();
@@ -128,7 +126,20 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
             let swing = swing(anchor);
             own.velocity = (Quad::of(&parent.velocity) + swing).vector();
             own.bias = w.cross(swing).vector();
-            (turn, anchor)
+            (about_z(&hinge, angle), anchor)
+        }
+        Joint::Screw { pitch } => {
+            let z = hinge.0[2];
+            let (spin, pitch) = (Quad::all(v[link.velocity]) * z, Quad::all(*pitch));
+            let arm = (pitch * Quad::all(q[link.position])).times_add(z, anchor);
+            let (swing, slip) = (swing(arm), pitch * spin);
+            own.axis = z.vector();
+            own.relative = spin.vector();
+            own.angular_velocity = (w + spin).vector();
+            own.angular_bias = w.cross(spin).vector();
+            own.velocity = (Quad::of(&parent.velocity) + swing + slip).vector();
+            own.bias = w.cross(swing + slip + slip).vector();
+            (about_z(&hinge, angle), arm)
         }
         Joint::Slide { axis } => {
             let axis = hinge.times(axis);
@@ -160,6 +171,13 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
         own.center = turn.times(&link.center).vector();
         own.inertia = link.principal.turned(&turn);
     }
+}
+
+/// The axes of a link after a turn about z by an angle of this sine and cosine: the others turn in their plane.
+#[inline(always)]
+fn about_z(hinge: &Columns, angle: [f64; 2]) -> Columns {
+    let ([x, y, z], [s, c]) = (hinge.0, angle.map(Quad::all));
+    Columns([s.times_add(y, c * x), s.times_from(x, c * y), z])
 }
 
 /// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.
@@ -203,6 +221,9 @@ pub(crate) fn project(link: &Link, at: &LinkMotion, wrench: &Wrench, mut put: im
         Joint::None => {}
         Joint::Turn => put(link.velocity, at.axis.dot(&wrench.moment)),
         Joint::Slide { .. } => put(link.velocity, at.axis.dot(&wrench.force)),
+        Joint::Screw { pitch } => {
+            put(link.velocity, at.axis.dot(&wrench.moment) + pitch * at.axis.dot(&wrench.force));
+        }
         Joint::Ball { .. } => {
             let moment = at.turn.tr_mul(&wrench.moment);
             (0..3).for_each(|i| put(link.velocity + i, moment[i]));
@@ -215,7 +236,7 @@ pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
     for link in &model.links {
         match link.joint {
             Joint::None => {}
-            Joint::Turn | Joint::Slide { .. } => q[link.position] += step[link.velocity],
+            Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => q[link.position] += step[link.velocity],
             Joint::Ball { .. } => {
                 let at = &mut q[link.position..link.position + 4];
                 let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);

@@ -14,7 +14,7 @@
 
 use super::search::BALANCED;
 use crate::force::{Act, Law};
-use crate::model::{Joint, Model};
+use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 
 /// An eigenvalue of `P`, eq. (2), below this per tree is zero: what unit axes leave by round-off.
@@ -130,7 +130,7 @@ fn still(model: &Model) -> Vec<bool> {
 fn axes(model: &Model, root: usize, still: &[bool], attached: &[bool]) -> Vec<Vector3<f64>> {
     let (mut axes, mut at, mut turn) = (Vec::new(), root, Matrix3::identity());
     while let Some(link) = model.links.get(at)
-        && let Joint::Slide { axis } = link.joint
+        && let Some(axis) = link.joint.slide_axis()
     {
         turn *= link.turn;
         if !still[link.velocity] {

@@ -32,13 +32,13 @@ pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench;
     tau.iter_mut().zip(push).for_each(|(tau, push)| *tau += push);
     let of_link = |(index, link): (usize, &Link)| match link.joint {
         Joint::None => [Wrench::ZERO; 2],
-        Joint::Turn | Joint::Slide { .. } => {
-            let gradient = coordinate(poses, index, link);
-            [gradient.on_link(tau[link.velocity]), gradient.on_parent(tau[link.velocity])]
-        }
         Joint::Ball { .. } => {
             let moment = poses.motion.links[index].turn * Vector3::from_column_slice(&tau[link.velocity..][..3]);
             [moment, -moment].map(|moment| Wrench { force: Vector3::zeros(), moment })
+        }
+        _ => {
+            let gradient = coordinate(poses, index, link);
+            [gradient.on_link(tau[link.velocity]), gradient.on_parent(tau[link.velocity])]
         }
     };
     model.links.iter().enumerate().map(of_link).collect()
@@ -80,12 +80,13 @@ pub(super) fn add_reactions(constraints: &[Constraint], poses: &Poses, multiplie
     }
 }
 
-/// The gradient of the one coordinate of a turn or slide.
+/// The gradient of the one coordinate of a turn, slide or screw; of a screw it is that of the angle, its distance goes with
+/// the thread.
 pub(super) fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
     let (own, parent) = (&poses.motion.links[index], &poses.motion.links[link.parent]);
     let zero = Vector3::zeros();
     match link.joint {
-        Joint::Turn => {
+        Joint::Turn | Joint::Screw { .. } => {
             let n = own.turn.column(2).into_owned();
             Gradient { force: zero, on_link: n, on_parent: -n }
         }
@@ -167,8 +168,8 @@ fn hinge(
     };
     match link.joint {
         Joint::None => {}
-        Joint::Turn | Joint::Slide { .. } if !active(0) => {}
-        Joint::Turn => {
+        Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } if !active(0) => {}
+        Joint::Turn | Joint::Screw { .. } => {
             let gradient = coordinate(poses, index, link);
             let moment = acting.moment.cross_matrix();
             entries.add((index, Part::Turn), (index, Part::Turn), &-moment);
