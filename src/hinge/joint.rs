@@ -108,6 +108,11 @@ impl Joint {
         (Self::Slide { axis: axis.normalize() }, UnitQuaternion::identity())
     }
 
+    /// A turn about an axis of the hinge frame that slides along it by `pitch` (m/rad), with the axes of its link.
+    pub(super) fn screw(axis: &Vector3<f64>, pitch: f64) -> (Self, UnitQuaternion<f64>) {
+        (Self::Screw { pitch }, axes_about(&axis.normalize()))
+    }
+
     /// Any turn, relaxed at a quaternion or at none, with the axes of its link.
     pub(super) fn ball(rest: &[f64]) -> (Self, UnitQuaternion<f64>) {
         (Self::Ball { rest: quaternion(rest) }, UnitQuaternion::identity())

@@ -59,6 +59,8 @@ pub trait Keys {
     fn axis(&self) -> Vector3<f64>;
     /// `axes`.
     fn axes(&self) -> [Vector3<f64>; 2];
+    /// `pitch` (m/rad).
+    fn pitch(&self) -> f64;
 }
 
 /// One condition on two frames, `a` on the first body and `b` on the second, between the origins of which `d` lies.

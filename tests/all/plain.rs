@@ -77,7 +77,7 @@ fn worst(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 /// and both ways are sums of up to forty terms: 1e-16 grows to 1e-12 at worst. Measured is 3e-14.
 #[test]
 fn the_fast_sweeps_give_what_the_printed_method_gives() {
-    let (mut kinds, mut armatures) = ([0; 3], 0);
+    let (mut kinds, mut armatures) = ([0; 4], 0);
     for seed in 0..400_u64 {
         let options = Options { bodies: 1 + seed as usize % 40, springs: seed % 4 != 0, welds: seed % 3 != 0 };
         let mut description = random_scene(seed + 40_000, &options);
@@ -94,13 +94,14 @@ fn the_fast_sweeps_give_what_the_printed_method_gives() {
                 Joint::Turn => kinds[0] += 1,
                 Joint::Slide { .. } => kinds[1] += 1,
                 Joint::Ball { .. } => kinds[2] += 1,
+                Joint::Screw { .. } => kinds[3] += 1,
             }
         }
         armatures += model.coordinates.iter().filter(|coordinate| coordinate.armature > 0.0).count();
         let found = Case::of(model).differences();
         assert!(found.iter().all(|difference| *difference < 1e-12), "seed {seed}: {found:?}");
     }
-    assert!(kinds.iter().all(|count| *count > 500) && armatures > 500, "{kinds:?} {armatures}");
+    assert!(kinds.iter().all(|count| *count > 300) && armatures > 500, "{kinds:?} {armatures}");
 }
 
 /// Trees so large that the fast sweeps compute two halves at once.
