@@ -45,9 +45,9 @@ impl Freedom for Screw {
     }
 
     fn conditions(&self) -> Vec<Condition> {
-        let [t, u, axis] = around(&self.axis);
-        let straight = [t, u].map(|across| Condition::perpendicular(across, axis));
-        let thread = Condition::Thread { axis, across: t, pitch: self.pitch };
-        [t, u].map(Condition::Along).into_iter().chain(straight).chain([thread]).collect()
+        let around = around(&self.axis);
+        let [across, _, axis] = around;
+        let thread = Condition::Thread { axis, across, pitch: self.pitch };
+        Condition::on_line(around).into_iter().chain(Condition::upright(around)).chain([thread]).collect()
     }
 }
