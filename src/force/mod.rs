@@ -111,6 +111,10 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.input(links),)+ }
             }
 
+            fn dead(&self) -> Option<(usize, Vector3<f64>)> {
+                match self { $(Self::$kind(law) => law.dead(),)+ }
+            }
+
             fn has_potential(&self) -> bool {
                 match self { $(Self::$kind(law) => law.has_potential(),)+ }
             }

@@ -3,7 +3,7 @@
 use crate::common::{Options, build, preload, random_scene, take_inertia};
 use nalgebra::Vector6;
 use std::sync::Arc;
-use stillpoint::forces;
+use stillpoint::dynamics::applied;
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
 use stillpoint::model::{Joint, Model};
 use stillpoint::motion::Motion;
@@ -26,9 +26,9 @@ impl Case {
         let mut motion = Motion::new(&model);
         motion.update(&model, &q, &v);
         let mut applied = vec![Wrench::ZERO; model.links.len()];
-        forces::apply(&forces::Laws::new(&model), &motion, &mut applied);
+        applied::apply(&applied::Laws::new(&model), &motion, &mut applied);
         let mut tau = v.clone();
-        forces::hinge::apply(&model, &q, &v, &mut tau);
+        applied::hinge::apply(&model, &q, &v, &mut tau);
         Self { model, motion, applied, tau }
     }
 
