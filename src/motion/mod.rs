@@ -112,55 +112,56 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
     let hinge = if link.straight { from } else { from.product(&link.turn) };
     let anchor = from.times(&link.offset);
     let w = Quad::of(&parent.angular_velocity);
-    let swing = |arm| w.cross(arm);
     own.angular_bias = Vector3::zeros();
+    // Relative to the parent it turns with `spin`,
+    let turns = |own: &mut LinkMotion, spin: Quad| {
+        own.relative = spin.vector();
+        own.angular_velocity = (w + spin).vector();
+        own.angular_bias = w.cross(spin).vector();
+    };
+    // and stays where it is,
+    let stays = |own: &mut LinkMotion, arm: Quad| {
+        let swing = w.cross(arm);
+        own.velocity = (Quad::of(&parent.velocity) + swing).vector();
+        own.bias = w.cross(swing).vector();
+    };
+    // or slides with `slip`.
+    let slides = |own: &mut LinkMotion, arm: Quad, slip: Quad| {
+        let swing = w.cross(arm);
+        own.velocity = (Quad::of(&parent.velocity) + swing + slip).vector();
+        own.bias = w.cross(swing + slip + slip).vector();
+    };
     let (turn, arm) = match &link.joint {
         Joint::None => (hinge, anchor),
         Joint::Turn => {
             let z = hinge.0[2];
-            let spin = Quad::all(v[link.velocity]) * z;
             own.axis = z.vector();
-            own.relative = spin.vector();
-            own.angular_velocity = (w + spin).vector();
-            own.angular_bias = w.cross(spin).vector();
-            let swing = swing(anchor);
-            own.velocity = (Quad::of(&parent.velocity) + swing).vector();
-            own.bias = w.cross(swing).vector();
+            turns(own, Quad::all(v[link.velocity]) * z);
+            stays(own, anchor);
             (about_z(&hinge, angle), anchor)
         }
         Joint::Screw { pitch } => {
-            let z = hinge.0[2];
-            let (spin, pitch) = (Quad::all(v[link.velocity]) * z, Quad::all(*pitch));
+            let (z, pitch) = (hinge.0[2], Quad::all(*pitch));
+            let spin = Quad::all(v[link.velocity]) * z;
             let arm = (pitch * Quad::all(q[link.position])).times_add(z, anchor);
-            let (swing, slip) = (swing(arm), pitch * spin);
             own.axis = z.vector();
-            own.relative = spin.vector();
-            own.angular_velocity = (w + spin).vector();
-            own.angular_bias = w.cross(spin).vector();
-            own.velocity = (Quad::of(&parent.velocity) + swing + slip).vector();
-            own.bias = w.cross(swing + slip + slip).vector();
+            turns(own, spin);
+            slides(own, arm, pitch * spin);
             (about_z(&hinge, angle), arm)
         }
         Joint::Slide { axis } => {
             let axis = hinge.times(axis);
             let (arm, slip) = (Quad::all(q[link.position]).times_add(axis, anchor), Quad::all(v[link.velocity]) * axis);
-            let swing = swing(arm);
             own.axis = axis.vector();
             own.relative = slip.vector();
             own.angular_velocity = parent.angular_velocity;
-            own.velocity = (Quad::of(&parent.velocity) + swing + slip).vector();
-            own.bias = w.cross(swing + slip + slip).vector();
+            slides(own, arm, slip);
             (hinge, arm)
         }
         Joint::Ball { .. } => {
             let turn = hinge.product(&hinge_from_link(&q[link.position..link.position + 4]));
-            let spin = turn.times(&Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]));
-            own.relative = spin.vector();
-            own.angular_velocity = (w + spin).vector();
-            own.angular_bias = w.cross(spin).vector();
-            let swing = swing(anchor);
-            own.velocity = (Quad::of(&parent.velocity) + swing).vector();
-            own.bias = w.cross(swing).vector();
+            turns(own, turn.times(&Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2])));
+            stays(own, anchor);
             (turn, anchor)
         }
     };
