@@ -88,10 +88,9 @@
 //! | [`model`] | what is simulated: a plain description, checked and compiled into a tree of links |
 //! | [`motion`] | where every link is and how fast it moves |
 //! | [`force`] | the kinds of force between points of bodies: springs, bushings, ropes, curves, loads |
-//! | [`forces`] | what force elements, hinge springs and motors do together |
 //! | [`transfer`] | the core: accelerations, reactions and tangents in O(n) |
 //! | [`constraint`] | closed loops, drives and gears: rows solved with the core's factorization |
-//! | [`dynamics`] | `System`, a model with its forces: the one place where those two meet |
+//! | [`dynamics`] | `System`, a model with the forces [`applied`](dynamics::applied) to it: the one place where these meet `transfer` |
 //! | [`statics`] | the equilibrium and its certificate: residual, stability, modes |
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
@@ -118,7 +117,6 @@ pub mod cli;
 pub mod constraint;
 pub mod dynamics;
 pub mod force;
-pub mod forces;
 pub mod foreign;
 pub mod formula;
 pub mod hinge;

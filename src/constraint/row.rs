@@ -13,6 +13,8 @@
 //! ```text
 //! along      g = t·d            load: t on the second end, −t on the same point of the first link
 //! aligned    g = t·m − cos      load: the moment m×t on the second link, −m×t on the first
+//! thread     g = t·d − p φ      load: as along, and the moment −p m on the second link, p m on the first
+//!            φ, m: angle about t between the links and its gradient, see `spatial::twist`; g up to full turns
 //! distance   g = |d| − length   load: d/|d| on the second end, −d/|d| on the first
 //! motion     g = c₁ q₁ + c₂ q₂ − s(t)
 //! ```
@@ -22,6 +24,7 @@ use crate::model::{End, Scalar};
 use crate::motion::variation::LinkVariation;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
+use crate::spatial::twist::Twist;
 use nalgebra::Vector3;
 
 /// The condition of a row.
@@ -40,6 +43,15 @@ pub(crate) enum Rule {
         second: Vector3<f64>,
         /// Cosine of the angle.
         cosine: f64,
+    },
+    /// The distance along an axis goes with the angle about it.
+    Thread {
+        /// Unit vector of the axis, and one across it, axes of the first link.
+        first: [Vector3<f64>; 2],
+        /// The same, axes of the second link.
+        second: [Vector3<f64>; 2],
+        /// (m/rad)
+        pitch: f64,
     },
     /// The ends keep their distance.
     Distance {
@@ -65,7 +77,7 @@ impl Rule {
     /// Whether the gap is an angle.
     pub(super) fn turns(&self) -> bool {
         match self {
-            Self::Along { .. } | Self::Distance { .. } => false,
+            Self::Along { .. } | Self::Thread { .. } | Self::Distance { .. } => false,
             Self::Aligned { .. } => true,
             Self::Motion { parts } => !parts[0].0.slides,
         }
@@ -117,22 +129,34 @@ impl<'a> Ends<'a> {
         self.between
     }
 
+    /// The angle of a thread; axes as in [`Rule::Thread`].
+    fn twist(&self, first: &[Vector3<f64>; 2], second: &[Vector3<f64>; 2]) -> Twist {
+        let across = |link: &LinkMotion, [n, t]: &[Vector3<f64>; 2]| [link.turn * t, link.turn * n.cross(t)];
+        Twist::between(across(self.links[0], first), across(self.links[1], second))
+    }
+
     pub(super) fn place(&self, rule: &Rule) -> Placed {
         let ([a, b], [arm_a, arm_b], d) = (self.links, self.arms, self.between);
         let (wa, wb) = (a.angular_velocity, b.angular_velocity);
         let swing = |w: Vector3<f64>, r: Vector3<f64>| w.cross(&w.cross(&r));
+        let along = |t: Vector3<f64>| {
+            let reach = arm_a + d;
+            // The second end seen from the first link.
+            let slip = (b.velocity + wb.cross(&arm_b)) - (a.velocity + wa.cross(&reach));
+            Placed {
+                wrenches: pair(t, reach, arm_b),
+                gap: t.dot(&d),
+                drift: 0.0,
+                bias: t.dot(&(swing(wb, arm_b) - swing(wa, reach) - 2.0 * wa.cross(&slip))),
+            }
+        };
         match *rule {
-            Rule::Along { axis } => {
-                let t = a.turn * axis;
-                let reach = arm_a + d;
-                // The second end seen from the first link.
-                let slip = (b.velocity + wb.cross(&arm_b)) - (a.velocity + wa.cross(&reach));
-                Placed {
-                    wrenches: pair(t, reach, arm_b),
-                    gap: t.dot(&d),
-                    drift: 0.0,
-                    bias: t.dot(&(swing(wb, arm_b) - swing(wa, reach) - 2.0 * wa.cross(&slip))),
-                }
+            Rule::Along { axis } => along(a.turn * axis),
+            Rule::Thread { first, second, pitch } => {
+                let (mut placed, twist) = (along(a.turn * first[0]), self.twist(&first, &second));
+                placed.gap = twist.off_thread(placed.gap, pitch);
+                placed.bias -= pitch * (wb - wa).dot(&twist.vary(&wa, &wb));
+                Placed { wrenches: with_moments(placed.wrenches, -pitch * twist.gradient), ..placed }
             }
             Rule::Aligned { first, second, cosine } => {
                 let (t, m) = (a.turn * first, b.turn * second);
@@ -167,11 +191,15 @@ impl<'a> Ends<'a> {
         let ([a, b], [arm_a, arm_b], d) = (self.links, self.arms, self.between);
         let [arm_a_by, arm_b_by] = [by[0].turn.cross(&arm_a), by[1].turn.cross(&arm_b)];
         let d_by = (by[1].position + arm_b_by) - (by[0].position + arm_a_by);
+        let along = |t: Vector3<f64>| {
+            let t_by = by[0].turn.cross(&t);
+            vary_pair(t, t_by, [arm_a + d, arm_b], [arm_a_by + d_by, arm_b_by])
+        };
         match *rule {
-            Rule::Along { axis } => {
-                let t = a.turn * axis;
-                let t_by = by[0].turn.cross(&t);
-                vary_pair(t, t_by, [arm_a + d, arm_b], [arm_a_by + d_by, arm_b_by])
+            Rule::Along { axis } => along(a.turn * axis),
+            Rule::Thread { first, second, pitch } => {
+                let moment = -pitch * self.twist(&first, &second).vary(&by[0].turn, &by[1].turn);
+                with_moments(along(a.turn * first[0]), moment)
             }
             Rule::Aligned { first, second, .. } => {
                 let (t, m) = (a.turn * first, b.turn * second);
@@ -199,6 +227,13 @@ pub(super) fn place_motion(parts: &[(Scalar, f64); 2], q: &[f64], now: &Instant)
 /// A force on the second link and its opposite on the first.
 fn pair(force: Vector3<f64>, first: Vector3<f64>, second: Vector3<f64>) -> [Wrench; 2] {
     [Wrench::at_arm(-force, first), Wrench::at_arm(force, second)]
+}
+
+/// With a moment on the second link and its opposite on the first.
+fn with_moments([mut first, mut second]: [Wrench; 2], moment: Vector3<f64>) -> [Wrench; 2] {
+    first.moment -= moment;
+    second.moment += moment;
+    [first, second]
 }
 
 fn vary_pair(f: Vector3<f64>, by: Vector3<f64>, arms: [Vector3<f64>; 2], arms_by: [Vector3<f64>; 2]) -> [Wrench; 2] {

@@ -214,6 +214,10 @@ fn of_loop(closed: &Loop, given: &Motion, rules: &mut Vec<Rule>) {
     let (one, other) = (closed.frame, second_frame(closed, given));
     rules.extend(kind.conditions().into_iter().map(|condition| match condition {
         Condition::Along(axis) => Rule::Along { axis: one * axis },
+        Condition::Thread { axis, across, pitch } => {
+            let [first, second] = [one, other].map(|frame| [frame * axis, frame * across]);
+            Rule::Thread { first, second, pitch }
+        }
         Condition::Aligned { first, second, cosine } => {
             Rule::Aligned { first: one * first, second: other * second, cosine }
         }

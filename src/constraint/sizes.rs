@@ -38,6 +38,7 @@ impl Constraints {
                 let multiplier = self.multipliers[*row];
                 let [forces, turns] = match &self.rules[*row] {
                     Rule::Along { .. } => [[1.0, 1.0], [reach, arms[1]]],
+                    Rule::Thread { pitch, .. } => [[1.0, 1.0], [reach + pitch.abs(), arms[1] + pitch.abs()]],
                     // The direction is known to the round-off of both ends' places over their distance.
                     Rule::Distance { length } => {
                         let force = 1.0 + reach / length;
@@ -56,7 +57,8 @@ impl Constraints {
                     let (given, at) = (&model.links[*link], &motion.links[*link]);
                     let (force, moment) = passed[*link];
                     let (_, count) = given.joint.counts();
-                    let size = if given.joint.is_slide() { force.norm() } else { moment };
+                    let along = force.norm();
+                    let size = if given.joint.is_slide() { along } else { moment + given.joint.pitch().abs() * along };
                     squares[given.velocity..given.velocity + count].iter_mut().for_each(|sum| *sum += size * size);
                     let parent = &mut passed[given.parent];
                     parent.0 += force;

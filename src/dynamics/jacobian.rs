@@ -1,9 +1,9 @@
 //! The Jacobians of the accelerations: by the sweeps of [`crate::transfer::jacobian`], or where force elements act, by
 //! columns of the dense derivatives.
 
+use super::applied;
 use super::linearize::Of;
 use super::{Dense, Fault, System};
-use crate::forces;
 use crate::model::Model;
 use crate::transfer::jacobian::{Jacobian, TOGETHER};
 use faer::Mat;
@@ -90,7 +90,7 @@ impl System {
 
     fn jacobians_by_sweeps(&self, q: &[f64], v: &[f64], out: &mut AccelerationJacobians) -> Result<(), Fault> {
         let model = &*self.model;
-        let spring = |link: &_| forces::hinge::ball_tangent(model, link, q);
+        let spring = |link: &_| applied::hinge::ball_tangent(model, link, q);
         out.sweep
             .update(model, &self.motion, &self.balance, spring)
             .map_err(|singular| self.singular(&singular, q, v))?;

@@ -1,9 +1,9 @@
 //! Dense derivatives: mass, damping and stiffness matrices (docs/guide/method.md: the transfer equations
 //! differentiated column by column).
 
+use super::applied;
 use super::{Fault, System};
-use crate::force::{Act, Law};
-use crate::forces;
+use crate::force::Act;
 use crate::motion::variation::Direction;
 use faer::Mat;
 use std::ops::Range;
@@ -116,7 +116,7 @@ impl System {
         let constrained = self.constraints.is_some();
         let forces = (!model.forces.is_empty() || constrained) && !(by.position.is_empty() && by.velocity.is_empty());
         if forces {
-            forces::vary(&self.laws, motion, &self.variation.links, &mut self.variation.applied);
+            applied::vary(&self.laws, motion, &self.variation.links, &mut self.variation.applied);
         }
         if forces && constrained {
             let mut applied = std::mem::take(&mut self.variation.applied);
@@ -133,8 +133,8 @@ impl System {
             self.variation.applied.fill(crate::spatial::Wrench::ZERO);
         }
         self.variation.clear(subtree);
-        forces::hinge::vary(model, q, by.position, by.velocity, &mut self.scratch);
-        forces::motor::vary(model, &self.pushes, by.position, by.velocity, &mut self.scratch);
+        applied::hinge::vary(model, q, by.position, by.velocity, &mut self.scratch);
+        applied::motor::vary(model, &self.pushes, by.position, by.velocity, &mut self.scratch);
         for (out, change) in out.iter_mut().zip(&self.scratch) {
             *out -= change;
         }
@@ -142,6 +142,6 @@ impl System {
 }
 
 /// Whether a force element can load a link that does not move itself.
-fn reaches_far(law: &Law) -> bool {
+fn reaches_far(law: &impl Act) -> bool {
     law.ends().iter().filter(|end| end.link != 0).count() > 1
 }

@@ -73,17 +73,19 @@ impl System {
         for index in (1..model.links.len()).rev() {
             let link = &model.links[index];
             let size = sizes[index];
-            let slide = link.joint.is_slide();
+            let (slide, pitch) = (link.joint.is_slide(), link.joint.pitch().abs());
+            // Of a coordinate of this link: along a slide, about the axis of a turn, or both.
+            let pick = |along: f64, about: f64, pitch: f64| if slide { along } else { about + pitch * along };
             let (_, count) = link.joint.counts();
             for i in link.velocity..link.velocity + count {
                 let coordinate = &model.coordinates[i];
                 let extent = if count == 1 { q[link.position].abs() + coordinate.rest.abs() } else { 1.0 };
                 let spring = coordinate.stiffness.abs() * extent + coordinate.force.abs();
-                out.force[i] = spring + if slide { size.force } else { size.moment };
-                out.noise[i] = spring + if slide { size.noise } else { size.noise_moment };
-                out.squares[i] = spring * spring + if slide { size.square } else { size.square_moment };
+                out.force[i] = spring + pick(size.force, size.moment, pitch);
+                out.noise[i] = spring + pick(size.noise, size.noise_moment, pitch);
+                out.squares[i] = spring * spring + pick(size.square, size.square_moment, pitch * pitch);
                 out.stiffness[i] =
-                    coordinate.stiffness.abs() + if slide { size.stiffness } else { size.turn_stiffness };
+                    coordinate.stiffness.abs() + pick(size.stiffness, size.turn_stiffness, pitch * pitch);
             }
             let arm = self.motion.links[index].arm.norm();
             let parent = &mut sizes[link.parent];

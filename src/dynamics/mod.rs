@@ -1,6 +1,7 @@
 //! A model with its forces: accelerations, residuals, their derivatives and energies of a state. The only place where
-//! `forces` and `transfer` meet.
+//! [`applied`] forces and `transfer` meet.
 
+pub mod applied;
 mod border;
 mod boundaries;
 mod constrained;
@@ -18,8 +19,6 @@ pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::force::Act;
-pub use crate::forces::Boundary;
-use crate::forces::{self, Laws};
 use crate::model::Model;
 use crate::model::motor::Push;
 use crate::motion::Motion;
@@ -28,6 +27,8 @@ use crate::transfer::balance::Balance;
 pub use crate::transfer::mass::MassAction;
 use crate::transfer::reduce::{Load, Reduction, Singular};
 use crate::transfer::variation::Variation;
+pub use applied::Boundary;
+use applied::Laws;
 use constrained::Constrained;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -171,12 +172,12 @@ impl System {
     fn prepare(&mut self, q: &[f64], v: &[f64]) {
         self.motion.update(&self.model, q, v);
         if !self.model.forces.is_empty() || self.constraints.is_some() {
-            forces::apply(&self.laws, &self.motion, &mut self.applied);
+            applied::apply(&self.laws, &self.motion, &mut self.applied);
         }
-        forces::hinge::apply(&self.model, q, v, &mut self.tau);
+        applied::hinge::apply(&self.model, q, v, &mut self.tau);
         if !self.pushes.is_empty() {
-            forces::motor::pushes(&self.model, &self.laws, self.time, q, v, &mut self.pushes);
-            forces::motor::apply(&self.model, &self.pushes, &mut self.tau);
+            applied::motor::pushes(&self.model, &self.laws, self.time, q, v, &mut self.pushes);
+            applied::motor::apply(&self.model, &self.pushes, &mut self.tau);
         }
         self.tau.iter_mut().zip(&self.outside).for_each(|(tau, outside)| *tau += outside);
     }
@@ -317,7 +318,7 @@ impl System {
         let inertia = turn * body.mass.inertia * turn.transpose();
         let force = body.mass.mass * (at_center - self.model.gravity);
         let moment = c.cross(&force) + inertia * dw + w.cross(&(inertia * w));
-        let mut applied = forces::on_body(&self.laws, &self.motion, index);
+        let mut applied = applied::on_body(&self.laws, &self.motion, index);
         if let Some(constrained) = &self.constraints {
             applied += constrained.on_body(index);
         }
@@ -332,14 +333,14 @@ impl System {
         let added = self.model.drives.iter().map(|drive| 0.5 * drive.armature * v[drive.coordinate.velocity].powi(2));
         Energies {
             kinetic: self.motion.kinetic_energy(&self.model) + (rotors - added.sum::<f64>()),
-            potential: forces::potential(&self.model, &self.laws, &self.motion, q),
+            potential: applied::potential(&self.model, &self.laws, &self.motion, q),
         }
     }
 
     /// Energies as a search for rest sees them: with the potential of motors at t = 0, whose energy is work in a run.
     pub fn energies_at_rest(&mut self, q: &[f64], v: &[f64]) -> Energies {
         let mut energies = self.energies(q, v);
-        energies.potential += forces::motor::potential_at_rest(&self.model, q);
+        energies.potential += applied::motor::potential_at_rest(&self.model, q);
         energies
     }
 
@@ -364,8 +365,8 @@ impl System {
         let driven = if self.model.drives.is_empty() { 0.0 } else { self.drive_power(q, v) };
         self.motion.update(&self.model, q, v);
         Powers {
-            input: forces::input(&self.model, &self.laws, &self.motion, self.time, q, v) + driven,
-            dissipated: forces::dissipated(&self.model, &self.laws, &self.motion, v),
+            input: applied::input(&self.model, &self.laws, &self.motion, self.time, q, v) + driven,
+            dissipated: applied::dissipated(&self.model, &self.laws, &self.motion, v),
         }
     }
 
@@ -405,7 +406,7 @@ impl System {
         if let Some(fault) = self.not_finite_formula() {
             return Err(fault);
         }
-        if let Some((force, what)) = forces::not_finite(&self.laws, &self.motion) {
+        if let Some((force, what)) = applied::not_finite(&self.laws, &self.motion) {
             return Err(Fault::NotFinite { what, element: force.name.clone() });
         }
         Err(Fault::NotFinite { what, element: self.model.owner(bad).to_owned() })

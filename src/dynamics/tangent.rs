@@ -1,9 +1,9 @@
 //! The tangent of a system with its forces: gathers what the sweep of [`crate::transfer::tangent`] needs.
 
+use super::applied;
 use super::border::{Border, PER_LINK};
 use super::{Fault, System};
 use crate::force::Act;
-use crate::forces;
 use crate::model::{End, Model};
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
@@ -219,7 +219,7 @@ impl System {
         for index in &solver.balls {
             let link = &self.model.links[*index];
             let first = link.velocity;
-            let spring = forces::hinge::ball_tangent(&self.model, link, q).map(|tangent| -tangent);
+            let spring = applied::hinge::ball_tangent(&self.model, link, q).map(|tangent| -tangent);
             let r = Vector3::from_column_slice(&self.scratch[first..first + 3]);
             let connection = symmetric.then(|| -0.5 * r.cross_matrix());
             if spring.is_some() || connection.is_some() {

@@ -10,7 +10,7 @@
 //! [`super::table`] says; one read straight from point to point has kinks, at which the tangent is that of longer or faster.
 //! They are the boundaries of its law: 2 k that at point k of the extension, 2 k + 1 that at point k of the rate.
 
-use super::end::Anchor;
+use super::segment::Segment;
 use super::table::{Interpolation, Table};
 use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report, Switch};
 use crate::spatial::Wrench;
@@ -103,33 +103,27 @@ impl Act for CurveLaw {
 
     fn wrenches(&self, links: &[LinkMotion], give: &mut impl FnMut(usize, Wrench)) {
         let state = State::of(self, links);
-        let force = state.pull() * state.direction;
-        give(0, Wrench::at_arm(force, state.points[0].arm));
-        give(1, Wrench::at_arm(-force, state.points[1].arm));
+        let [on_a, on_b] = state.segment.pull(state.force());
+        give(0, on_a);
+        give(1, on_b);
     }
 
     fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
         let state = State::of(self, links);
-        let [a, b] = [0, 1].map(|i| state.points[i].vary(&links[self.ends[i].link], &by[self.ends[i].link]));
-        let (between, velocity) = (b.position - a.position, b.velocity - a.velocity);
+        let by = state.segment.vary(&self.ends, links, by);
         let ([_, stiffness], [_, damping]) = (state.elastic, state.damper);
-        let total = state.pull() * state.direction;
-        let force = if state.distance == 0.0 {
-            stiffness * between
+        let force = if state.segment.distance == 0.0 {
+            stiffness * by.between
         } else {
-            let longer = state.direction.dot(&between);
-            let turn = (between - longer * state.direction) / state.distance;
-            let faster = turn.dot(&state.velocity) + state.direction.dot(&velocity);
-            (stiffness * longer + damping * faster) * state.direction + state.pull() * turn
+            (stiffness * by.distance + damping * by.rate) * state.segment.direction + state.pull() * by.direction
         };
-        for (i, (varied, sign)) in [(a, 1.0), (b, -1.0)].into_iter().enumerate() {
-            let moment = sign * (state.points[i].arm.cross(&force) + varied.arm.cross(&total));
-            give(i, Wrench { force: sign * force, moment });
-        }
+        let [on_a, on_b] = state.segment.vary_pull(&by, state.force(), force);
+        give(0, on_a);
+        give(1, on_b);
     }
 
     fn potential(&self, links: &[LinkMotion]) -> f64 {
-        let extension = State::of(self, links).distance - self.length;
+        let extension = State::of(self, links).segment.distance - self.length;
         self.extension.as_ref().map_or(0.0, |table| table.integral(extension)) + self.at_rest * extension
     }
 
@@ -148,7 +142,8 @@ impl Act for CurveLaw {
     fn magnitude(&self, links: &[LinkMotion]) -> Magnitude {
         let state = State::of(self, links);
         let ([force, stiffness], [damper, _]) = (state.elastic, state.damper);
-        let reach = state.points[0].position.norm() + state.points[1].position.norm() + self.length;
+        let [a, b] = &state.segment.points;
+        let reach = a.position.norm() + b.position.norm() + self.length;
         Magnitude {
             force: (force + damper).abs(),
             noise: force.abs() + damper.abs() + stiffness.abs() * reach,
@@ -164,7 +159,7 @@ impl Act for CurveLaw {
     }
 
     fn switch(&self, boundary: usize, links: &[LinkMotion]) -> Switch {
-        let State { distance, rate, .. } = State::of(self, links);
+        let Segment { distance, rate, .. } = State::of(self, links).segment;
         let (is_speed, extension) = (boundary % 2 == 1, distance - self.length);
         let kink = self.table(boundary).map_or(f64::NAN, |table| table.kink(boundary / 2));
         let (value, of_value) = if is_speed { (rate - kink, 0.0) } else { (extension - kink, rate) };
@@ -172,7 +167,7 @@ impl Act for CurveLaw {
     }
 
     fn keep(&mut self, links: &[LinkMotion]) {
-        let State { distance, rate, .. } = State::of(self, links);
+        let Segment { distance, rate, .. } = State::of(self, links).segment;
         let extension = distance - self.length;
         self.extension.iter_mut().for_each(|table| table.keep(extension));
         self.rate.iter_mut().for_each(|table| table.keep(rate));
@@ -210,13 +205,7 @@ impl CurveLaw {
 /// A curve at one instant.
 struct State<'a> {
     law: &'a CurveLaw,
-    points: [Anchor; 2],
-    /// L, u
-    distance: f64,
-    direction: Vector3<f64>,
-    /// v_b − v_a and L̇
-    velocity: Vector3<f64>,
-    rate: f64,
+    segment: Segment,
     /// f and g with their slopes.
     elastic: [f64; 2],
     damper: [f64; 2],
@@ -224,26 +213,26 @@ struct State<'a> {
 
 impl<'a> State<'a> {
     fn of(law: &'a CurveLaw, links: &[LinkMotion]) -> Self {
-        let points = [Anchor::of(&law.ends[0], links), Anchor::of(&law.ends[1], links)];
-        let between = points[1].position - points[0].position;
-        let distance = between.norm();
-        let velocity = points[1].velocity - points[0].velocity;
+        let segment = Segment::of(&law.ends, links);
         let value = |table: &Option<Table>, x: f64| table.as_ref().map_or([0.0; 2], |table| table.value(x));
-        let elastic = value(&law.extension, distance - law.length);
+        let elastic = value(&law.extension, segment.distance - law.length);
         // Without a pull a point that lies on the other is pulled nowhere.
-        let touching = distance == 0.0 && elastic[0] + law.at_rest == 0.0;
-        let direction = if touching { Vector3::zeros() } else { between / distance };
-        let rate = direction.dot(&velocity);
-        let damper = value(&law.rate, rate);
-        Self { law, points, distance, direction, velocity, rate, elastic, damper }
+        let touching = segment.distance == 0.0 && elastic[0] + law.at_rest == 0.0;
+        let segment = if touching { segment.touching() } else { segment };
+        Self { law, segment, elastic, damper: value(&law.rate, segment.rate) }
     }
 
     fn pull(&self) -> f64 {
         self.elastic[0] + self.damper[0]
     }
 
+    /// Force on the first end.
+    fn force(&self) -> Vector3<f64> {
+        self.pull() * self.segment.direction
+    }
+
     /// `(g(L̇) − g(0)) L̇`
     fn damping_power(&self) -> f64 {
-        (self.damper[0] - self.law.at_rest) * self.rate
+        (self.damper[0] - self.law.at_rest) * self.segment.rate
     }
 }

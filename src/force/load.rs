@@ -98,11 +98,6 @@ impl Describe for Load {
 }
 
 impl LoadLaw {
-    /// The link it acts on and its force, inertial axes (N), when that keeps its direction in space.
-    pub(crate) fn dead(&self) -> Option<(usize, Vector3<f64>)> {
-        (!self.follows).then_some((self.on.link, self.force))
-    }
-
     #[inline]
     fn wrench(&self, links: &[LinkMotion]) -> Wrench {
         let Self { on, force, torque, follows } = self;
@@ -148,6 +143,10 @@ impl Act for LoadLaw {
         }
         let wrench = self.wrench(links);
         wrench.force.dot(&link.velocity) + wrench.moment.dot(&link.angular_velocity)
+    }
+
+    fn dead(&self) -> Option<(usize, Vector3<f64>)> {
+        (!self.follows).then_some((self.on.link, self.force))
     }
 
     fn has_potential(&self) -> bool {

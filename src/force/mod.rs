@@ -2,11 +2,12 @@
 //!
 //! A kind answers [`Describe`] as a user writes it (its points, its check, its addressable numbers) and [`Act`] once it is
 //! compiled (its wrenches and their variation, potential, powers, sizes, picture). [`ForceKind`] and [`Law`] hold one of
-//! any kind and pass each question on. What they do in a scene as a whole is in [`crate::forces`]; how they are written in
+//! any kind and pass each question on. What they do in a scene as a whole is in [`crate::dynamics::applied`]; how they are written in
 //! files is declared in [`crate::scenario::format`].
 
 pub mod end;
 pub mod question;
+mod segment;
 pub mod table;
 
 pub use end::{Attachment, Carrier, End, GROUND, Point};
@@ -108,6 +109,10 @@ macro_rules! kinds {
 
             fn input(&self, links: &[LinkMotion]) -> f64 {
                 match self { $(Self::$kind(law) => law.input(links),)+ }
+            }
+
+            fn dead(&self) -> Option<(usize, Vector3<f64>)> {
+                match self { $(Self::$kind(law) => law.dead(),)+ }
             }
 
             fn has_potential(&self) -> bool {

@@ -56,6 +56,11 @@ pub trait Act {
         0.0
     }
 
+    /// The link it acts on and its force there (N, inertial axes), if that is the same in every state.
+    fn dead(&self) -> Option<(usize, Vector3<f64>)> {
+        None
+    }
+
     /// Whether its wrenches at rest follow from its potential.
     fn has_potential(&self) -> bool {
         true

@@ -13,7 +13,8 @@
 //! (2) is continuous: a damped rope that is pulled out fast begins to pull shortly before its path is as long as it is.
 //! A segment without length has no direction: then the force is not a number, which stops whoever asked.
 
-use super::end::{Anchor, AnchorVariation};
+use super::end::Anchor;
+use super::segment::Segment;
 use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report, Switch};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
@@ -133,9 +134,9 @@ impl Act for RopeLaw {
         }
         let tension = stretch.pull(self);
         for (i, segment) in self.segments(links).enumerate() {
-            let force = tension * segment.direction;
-            give(i, Wrench::at_arm(force, segment.points[0].arm));
-            give(i + 1, Wrench::at_arm(-force, segment.points[1].arm));
+            let [on_a, on_b] = segment.pull(tension * segment.direction);
+            give(i, on_a);
+            give(i + 1, on_b);
         }
     }
 
@@ -145,25 +146,15 @@ impl Act for RopeLaw {
             return;
         }
         let tension = stretch.pull(self);
-        let varied = |(i, segment): (usize, Segment)| {
-            let vary = |side: usize| {
-                let link = self.ends[i + side].link;
-                segment.points[side].vary(&links[link], &by[link])
-            };
-            let varied = segment.vary([0, 1].map(vary));
-            (i, segment, varied)
+        let segments = || {
+            self.segments(links).zip(self.ends.windows(2)).map(|(segment, pair)| (segment, segment.vary(pair, links, by)))
         };
-        let segments = || self.segments(links).enumerate().map(varied);
-        let change: f64 =
-            segments().map(|(.., varied)| self.stiffness * varied.distance + self.damping * varied.rate).sum();
-        for (i, segment, varied) in segments() {
-            let total = tension * segment.direction;
-            let force = change * segment.direction + tension * varied.direction;
-            for (side, sign) in [1.0, -1.0].into_iter().enumerate() {
-                let (arm, turned) = (segment.points[side].arm, varied.points[side].arm);
-                let moment = sign * (arm.cross(&force) + turned.cross(&total));
-                give(i + side, Wrench { force: sign * force, moment });
-            }
+        let change: f64 = segments().map(|(_, by)| self.stiffness * by.distance + self.damping * by.rate).sum();
+        for (i, (segment, by)) in segments().enumerate() {
+            let force = change * segment.direction + tension * by.direction;
+            let [on_a, on_b] = segment.vary_pull(&by, tension * segment.direction, force);
+            give(i, on_a);
+            give(i + 1, on_b);
         }
     }
 
@@ -285,53 +276,16 @@ impl Stretch {
     }
 }
 
-/// From one point of a rope to the next.
-struct Segment {
-    points: [Anchor; 2],
-    /// d, u
-    distance: f64,
-    direction: Vector3<f64>,
-    /// v_{i+1} − v_i
-    velocity: Vector3<f64>,
-}
-
-/// How a segment varies.
-struct SegmentVariation {
-    points: [AnchorVariation; 2],
-    /// δd, δḋ, δu
-    distance: f64,
-    rate: f64,
-    direction: Vector3<f64>,
-}
-
 impl RopeLaw {
     fn segments(&self, links: &[LinkMotion]) -> impl Iterator<Item = Segment> {
-        self.ends.windows(2).map(|pair| {
-            let points = [Anchor::of(&pair[0], links), Anchor::of(&pair[1], links)];
-            let between = points[1].position - points[0].position;
-            let distance = between.norm();
-            let velocity = points[1].velocity - points[0].velocity;
-            Segment { points, distance, direction: between / distance, velocity }
-        })
+        self.ends.windows(2).map(|pair| Segment::of(pair, links))
     }
 
     fn stretch(&self, links: &[LinkMotion]) -> Stretch {
         let start = Stretch { extension: -self.length, rate: 0.0 };
         self.segments(links).fold(start, |sum, segment| Stretch {
             extension: sum.extension + segment.distance,
-            rate: sum.rate + segment.direction.dot(&segment.velocity),
+            rate: sum.rate + segment.rate,
         })
-    }
-}
-
-impl Segment {
-    /// (4)
-    fn vary(&self, points: [AnchorVariation; 2]) -> SegmentVariation {
-        let between = points[1].position - points[0].position;
-        let velocity = points[1].velocity - points[0].velocity;
-        let distance = self.direction.dot(&between);
-        let direction = (between - distance * self.direction) / self.distance;
-        let rate = direction.dot(&self.velocity) + self.direction.dot(&velocity);
-        SegmentVariation { points, distance, rate, direction }
     }
 }

@@ -9,7 +9,7 @@
 //! A spring with L₀ = 0 is regular at L = 0 (force k x). With L₀ > 0 the direction is undefined there and the force is
 //! not a number, which stops whoever asked.
 
-use super::end::Anchor;
+use super::segment::Segment;
 use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
@@ -94,25 +94,28 @@ impl Act for SpringLaw {
 
     #[inline]
     fn wrenches(&self, links: &[LinkMotion], give: &mut impl FnMut(usize, Wrench)) {
-        let state = State::of(self, links);
-        let force = state.force();
-        give(0, Wrench::at_arm(force, state.points[0].arm));
-        give(1, Wrench::at_arm(-force, state.points[1].arm));
+        let segment = self.segment(links);
+        let [on_a, on_b] = segment.pull(self.force(&segment));
+        give(0, on_a);
+        give(1, on_b);
     }
 
     fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        let state = State::of(self, links);
-        let [on_a, on_b] = state.vary(links, by);
+        let segment = self.segment(links);
+        let by = segment.vary(&self.ends, links, by);
+        let force = self.stiffness * (by.between - self.length * by.direction)
+            + self.damping * (by.rate * segment.direction + segment.rate * by.direction);
+        let [on_a, on_b] = segment.vary_pull(&by, self.force(&segment), force);
         give(0, on_a);
         give(1, on_b);
     }
 
     fn potential(&self, links: &[LinkMotion]) -> f64 {
-        0.5 * self.stiffness * (State::of(self, links).distance - self.length).powi(2)
+        0.5 * self.stiffness * (self.segment(links).distance - self.length).powi(2)
     }
 
     fn dissipated(&self, links: &[LinkMotion]) -> f64 {
-        let rate = State::of(self, links).rate;
+        let rate = self.segment(links).rate;
         self.damping * rate * rate
     }
 
@@ -121,10 +124,10 @@ impl Act for SpringLaw {
     }
 
     fn magnitude(&self, links: &[LinkMotion]) -> Magnitude {
-        let state = State::of(self, links);
+        let segment = self.segment(links);
         Magnitude {
-            force: state.force().norm(),
-            noise: self.stiffness * (state.points[0].position.norm() + state.points[1].position.norm() + self.length),
+            force: self.force(&segment).norm(),
+            noise: self.stiffness * (segment.points[0].position.norm() + segment.points[1].position.norm() + self.length),
             stiffness: self.stiffness,
             ..Magnitude::default()
         }
@@ -135,55 +138,17 @@ impl Act for SpringLaw {
     }
 }
 
-/// A spring at one instant.
-struct State<'a> {
-    law: &'a SpringLaw,
-    points: [Anchor; 2],
-    /// x, L, u
-    between: Vector3<f64>,
-    distance: f64,
-    direction: Vector3<f64>,
-    /// v_b − v_a and L̇
-    velocity: Vector3<f64>,
-    rate: f64,
-}
-
-impl<'a> State<'a> {
+impl SpringLaw {
     #[inline]
-    fn of(law: &'a SpringLaw, links: &[LinkMotion]) -> Self {
-        let points = [Anchor::of(&law.ends[0], links), Anchor::of(&law.ends[1], links)];
-        let between = points[1].position - points[0].position;
-        let distance = between.norm();
-        let touching = distance == 0.0 && law.length == 0.0;
-        let direction = if touching { Vector3::zeros() } else { between / distance };
-        let velocity = points[1].velocity - points[0].velocity;
-        let rate = direction.dot(&velocity);
-        Self { law, points, between, distance, direction, velocity, rate }
+    fn segment(&self, links: &[LinkMotion]) -> Segment {
+        let segment = Segment::of(&self.ends, links);
+        if segment.distance == 0.0 && self.length == 0.0 { segment.touching() } else { segment }
     }
 
     /// Force on the first end.
-    fn force(&self) -> Vector3<f64> {
-        let elastic = self.law.stiffness * (self.between - self.law.length * self.direction);
-        elastic + self.law.damping * self.rate * self.direction
-    }
-
-    fn vary(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [Wrench; 2] {
-        let SpringLaw { ends, stiffness, length, damping } = self.law;
-        let [a, b] = [0, 1].map(|i| self.points[i].vary(&links[ends[i].link], &by[ends[i].link]));
-        let (between, velocity) = (b.position - a.position, b.velocity - a.velocity);
-        let turn = if self.distance == 0.0 {
-            Vector3::zeros()
-        } else {
-            (between - self.direction.dot(&between) * self.direction) / self.distance
-        };
-        let rate = turn.dot(&self.velocity) + self.direction.dot(&velocity);
-        let force =
-            *stiffness * (between - *length * turn) + *damping * (rate * self.direction + self.rate * turn);
-        let total = self.force();
-        let on = |arm: Vector3<f64>, varied: Vector3<f64>, sign: f64| Wrench {
-            force: sign * force,
-            moment: sign * (arm.cross(&force) + varied.cross(&total)),
-        };
-        [on(self.points[0].arm, a.arm, 1.0), on(self.points[1].arm, b.arm, -1.0)]
+    #[inline]
+    fn force(&self, segment: &Segment) -> Vector3<f64> {
+        let elastic = self.stiffness * (segment.between - self.length * segment.direction);
+        elastic + self.damping * segment.rate * segment.direction
     }
 }

@@ -1,8 +1,8 @@
 //! Slides along and turns about one axis.
 
-use super::axes::{around, check_axis};
+use super::axes::around;
 use super::joint::Joint;
-use super::question::{Condition, Freedom, Keys, Names, Say};
+use super::question::{Condition, Freedom, Keys, Names};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Slides along and turns about one axis.
@@ -25,10 +25,6 @@ impl Freedom for Cylindrical {
         Self { axis: keys.axis() }
     }
 
-    fn check(&self, owner: &str, say: Say<'_>) {
-        check_axis(&self.axis, owner, say);
-    }
-
     fn axes(&self) -> Vec<Vector3<f64>> {
         vec![self.axis]
     }
@@ -38,8 +34,7 @@ impl Freedom for Cylindrical {
     }
 
     fn conditions(&self) -> Vec<Condition> {
-        let perpendicular = Condition::perpendicular;
-        let [t, u, n] = around(&self.axis);
-        vec![Condition::Along(t), Condition::Along(u), perpendicular(t, n), perpendicular(u, n)]
+        let around = around(&self.axis);
+        [Condition::on_line(around), Condition::upright(around)].concat()
     }
 }

@@ -25,9 +25,7 @@ impl Freedom for Fixed {
     }
 
     fn conditions(&self) -> Vec<Condition> {
-        let [x, y, z] = frame();
-        let turned = [(x, y), (y, z), (z, x)].map(|(a, b)| Condition::perpendicular(a, b));
-        frame().map(Condition::Along).into_iter().chain(turned).collect()
+        [Condition::together(), Condition::parallel(frame())].concat()
     }
 
     fn shared(&self) -> Vec<Vector3<f64>> {

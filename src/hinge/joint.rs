@@ -14,6 +14,11 @@ pub enum Joint {
         /// Unit axis.
         axis: Vector3<f64>,
     },
+    /// A turn about the z axis of the link that slides along it by `pitch` per radian. One angle (rad).
+    Screw {
+        /// Distance along the axis for a turn by 1 rad (m/rad), not zero; negative for a left-hand thread.
+        pitch: f64,
+    },
     /// Any turn. Four numbers (unit quaternion w, x, y, z: `hinge_from_link`), three velocities (relative angular
     /// velocity, link axes).
     Ball {
@@ -28,21 +33,39 @@ impl Joint {
     pub fn counts(&self) -> (usize, usize) {
         match self {
             Self::None => (0, 0),
-            Self::Turn | Self::Slide { .. } => (1, 1),
+            Self::Turn | Self::Slide { .. } | Self::Screw { .. } => (1, 1),
             Self::Ball { .. } => (4, 3),
         }
     }
 
-    /// Whether its coordinate is an angle.
+    /// Whether it turns about an axis and does nothing else: a full turn leads back.
     #[inline]
     pub fn is_turn(&self) -> bool {
         matches!(self, Self::Turn)
+    }
+
+    /// Whether its coordinate is an angle.
+    #[inline]
+    pub fn is_angle(&self) -> bool {
+        matches!(self, Self::Turn | Self::Screw { .. })
     }
 
     /// Whether its coordinate is a distance.
     #[inline]
     pub fn is_slide(&self) -> bool {
         matches!(self, Self::Slide { .. })
+    }
+
+    /// The axis of a slide (unit vector, hinge frame).
+    #[inline]
+    pub fn slide_axis(&self) -> Option<&Vector3<f64>> {
+        if let Self::Slide { axis } = self { Some(axis) } else { None }
+    }
+
+    /// How far it slides along its axis for a turn by 1 rad (m/rad); 0 for all but screws.
+    #[inline]
+    pub fn pitch(&self) -> f64 {
+        if let Self::Screw { pitch } = self { *pitch } else { 0.0 }
     }
 
     /// Whether its coordinates are a quaternion.
@@ -54,7 +77,7 @@ impl Joint {
     /// Whether it lets the link turn.
     #[inline]
     pub fn turns(&self) -> bool {
-        self.is_turn() || self.is_ball()
+        self.is_angle() || self.is_ball()
     }
 
     /// Where the torsion spring of a ball is relaxed; `None` for others, whose springs belong to their coordinate.
@@ -69,7 +92,7 @@ impl Joint {
         self.counts().0 == 1
     }
 
-    /// The size of a displacement that counts as one: `length` (m) for a slide, 1 rad for turns.
+    /// The size of a displacement that counts as one: `length` (m) for a slide, 1 rad for angles.
     #[inline]
     pub fn unit(&self, length: f64) -> f64 {
         if self.is_slide() { length } else { 1.0 }
@@ -83,6 +106,11 @@ impl Joint {
     /// A slide along an axis of the hinge frame, with the axes of its link.
     pub(super) fn slide(axis: &Vector3<f64>) -> (Self, UnitQuaternion<f64>) {
         (Self::Slide { axis: axis.normalize() }, UnitQuaternion::identity())
+    }
+
+    /// A turn about an axis of the hinge frame that slides along it by `pitch` (m/rad), with the axes of its link.
+    pub(super) fn screw(axis: &Vector3<f64>, pitch: f64) -> (Self, UnitQuaternion<f64>) {
+        (Self::Screw { pitch }, axes_about(&axis.normalize()))
     }
 
     /// Any turn, relaxed at a quaternion or at none, with the axes of its link.

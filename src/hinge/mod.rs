@@ -26,6 +26,7 @@ macro_rules! kinds {
         /// | fixed | – | – |
         /// | revolute | angle | rate |
         /// | prismatic | distance | rate |
+        /// | screw | angle; the distance along the axis is `pitch` times it | rate |
         /// | cylindrical | distance, angle | rates |
         /// | universal | angle about the first axis, angle about the second (carried by the first) | rates |
         /// | planar | x, y in the hinge frame, angle about its z | rates |
@@ -120,6 +121,13 @@ kinds! {
         /// Axis, hinge frame.
         axis: Vector3<f64>
     } in prismatic,
+    /// Turns about one axis and slides along it by `pitch` per radian.
+    Screw {
+        /// Axis, hinge frame.
+        axis: Vector3<f64>,
+        /// (m/rad), not zero.
+        pitch: f64
+    } in screw,
     /// Slides along and turns about one axis.
     Cylindrical {
         /// Axis, hinge frame.

@@ -32,7 +32,6 @@ impl Freedom for Planar {
     }
 
     fn conditions(&self) -> Vec<Condition> {
-        let [x, y, z] = frame();
-        vec![Condition::Along(z), Condition::perpendicular(x, z), Condition::perpendicular(y, z)]
+        std::iter::once(Condition::Along(Vector3::z())).chain(Condition::upright(frame())).collect()
     }
 }

@@ -1,8 +1,8 @@
 //! Slides along one axis.
 
-use super::axes::{around, check_axis, frame};
+use super::axes::{around, frame};
 use super::joint::Joint;
-use super::question::{Condition, Freedom, Keys, Names, Say};
+use super::question::{Condition, Freedom, Keys, Names};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Slides along one axis.
@@ -24,10 +24,6 @@ impl Freedom for Prismatic {
         Self { axis: keys.axis() }
     }
 
-    fn check(&self, owner: &str, say: Say<'_>) {
-        check_axis(&self.axis, owner, say);
-    }
-
     fn axes(&self) -> Vec<Vector3<f64>> {
         vec![self.axis]
     }
@@ -37,9 +33,8 @@ impl Freedom for Prismatic {
     }
 
     fn conditions(&self) -> Vec<Condition> {
-        let [t, u, n] = around(&self.axis);
-        let along = [Condition::Along(t), Condition::Along(u)];
-        along.into_iter().chain([(t, u), (u, n), (n, t)].map(|(a, b)| Condition::perpendicular(a, b))).collect()
+        let around = around(&self.axis);
+        Condition::on_line(around).into_iter().chain(Condition::parallel(around)).collect()
     }
 
     fn shared(&self) -> Vec<Vector3<f64>> {

@@ -1,5 +1,6 @@
 //! What a kind of hinge answers.
 
+use super::axes::{check_axis, frame};
 use super::joint::Joint;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -26,9 +27,9 @@ pub trait Freedom: Sized {
     /// From the keys of a file.
     fn read(keys: &dyn Keys) -> Self;
 
-    /// Says what is wrong with its numbers; `owner` is "hinge of …" or "loop …".
+    /// Says what is wrong with its numbers; `owner` is "hinge of …" or "loop …". Every axis must have a direction.
     fn check(&self, owner: &str, say: Say<'_>) {
-        let _ = (owner, say);
+        self.axes().iter().for_each(|axis| check_axis(axis, owner, say));
     }
 
     /// The axes along which it slides or about which it turns, of any length; none if no direction is special.
@@ -59,6 +60,8 @@ pub trait Keys {
     fn axis(&self) -> Vector3<f64>;
     /// `axes`.
     fn axes(&self) -> [Vector3<f64>; 2];
+    /// `pitch` (m/rad).
+    fn pitch(&self) -> f64;
 }
 
 /// One condition on two frames, `a` on the first body and `b` on the second, between the origins of which `d` lies.
@@ -75,11 +78,42 @@ pub enum Condition {
         /// Cosine of the angle between them.
         cosine: f64,
     },
+    /// A distance along an axis that goes with the angle about it, up to full turns: `axis·d = pitch φ`, see [`Twist`].
+    ///
+    /// [`Twist`]: crate::spatial::twist::Twist
+    Thread {
+        /// Unit vector of the axis, in both frames.
+        axis: Vector3<f64>,
+        /// A unit vector across it, in both frames: the angle is measured between the two.
+        across: Vector3<f64>,
+        /// (m/rad)
+        pitch: f64,
+    },
 }
 
 impl Condition {
     /// The two unit vectors stay perpendicular.
     pub fn perpendicular(first: Vector3<f64>, second: Vector3<f64>) -> Self {
         Self::Aligned { first, second, cosine: 0.0 }
+    }
+
+    /// Both origins coincide.
+    pub(super) fn together() -> [Self; 3] {
+        frame().map(Self::Along)
+    }
+
+    /// The second origin is on an axis of the first frame; of [`around`](super::axes::around) the axis.
+    pub(super) fn on_line([t, u, _]: [Vector3<f64>; 3]) -> [Self; 2] {
+        [t, u].map(Self::Along)
+    }
+
+    /// Both frames share an axis.
+    pub(super) fn upright([t, u, n]: [Vector3<f64>; 3]) -> [Self; 2] {
+        [Self::perpendicular(t, n), Self::perpendicular(u, n)]
+    }
+
+    /// Both frames share all axes.
+    pub(super) fn parallel([t, u, n]: [Vector3<f64>; 3]) -> [Self; 3] {
+        [(t, u), (u, n), (n, t)].map(|(a, b)| Self::perpendicular(a, b))
     }
 }

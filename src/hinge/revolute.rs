@@ -1,8 +1,8 @@
 //! Turns about one axis.
 
-use super::axes::{around, check_axis};
+use super::axes::around;
 use super::joint::Joint;
-use super::question::{Condition, Freedom, Keys, Names, Say};
+use super::question::{Condition, Freedom, Keys, Names};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Turns about one axis.
@@ -24,10 +24,6 @@ impl Freedom for Revolute {
         Self { axis: keys.axis() }
     }
 
-    fn check(&self, owner: &str, say: Say<'_>) {
-        check_axis(&self.axis, owner, say);
-    }
-
     fn axes(&self) -> Vec<Vector3<f64>> {
         vec![self.axis]
     }
@@ -37,8 +33,7 @@ impl Freedom for Revolute {
     }
 
     fn conditions(&self) -> Vec<Condition> {
-        let perpendicular = Condition::perpendicular;
-        let [t, u, n] = around(&self.axis);
-        vec![Condition::Along(t), Condition::Along(u), Condition::Along(n), perpendicular(t, n), perpendicular(u, n)]
+        let around = around(&self.axis);
+        around.map(Condition::Along).into_iter().chain(Condition::upright(around)).collect()
     }
 }

@@ -1,6 +1,5 @@
 //! Turns freely.
 
-use super::axes::frame;
 use super::joint::Joint;
 use super::question::{Condition, Freedom, Keys, Names};
 use nalgebra::UnitQuaternion;
@@ -27,6 +26,6 @@ impl Freedom for Spherical {
     }
 
     fn conditions(&self) -> Vec<Condition> {
-        frame().map(Condition::Along).to_vec()
+        Condition::together().to_vec()
     }
 }

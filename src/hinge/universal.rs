@@ -1,6 +1,6 @@
 //! Turns about a first axis, then about a second one carried by the first.
 
-use super::axes::{frame, has_no_direction};
+use super::axes::has_no_direction;
 use super::joint::Joint;
 use super::question::{Condition, Freedom, Keys, Names, Say};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -52,7 +52,7 @@ impl Freedom for Universal {
     fn conditions(&self) -> Vec<Condition> {
         let [first, second] = self.axes.map(|axis| axis.normalize());
         let apart = Condition::Aligned { first, second, cosine: first.dot(&second) };
-        frame().map(Condition::Along).into_iter().chain([apart]).collect()
+        Condition::together().into_iter().chain([apart]).collect()
     }
 
     fn shared(&self) -> Vec<Vector3<f64>> {

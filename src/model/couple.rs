@@ -177,7 +177,7 @@ fn check_loop(index: usize, closed: &LoopDescription, add: &mut impl FnMut(Eleme
     }
 }
 
-/// A coordinate by name, or the problem with it; `before` it there were so many.
+/// A coordinate by name; `None` if there is none, with the problem added.
 pub(super) fn scalar(
     description: &Description,
     model: &Model,
@@ -185,13 +185,17 @@ pub(super) fn scalar(
     element: Element,
     field: &str,
     owner: &str,
-    before: usize,
-) -> Result<Scalar, Problem> {
-    let problem = |message: String, help: Option<String>| Problem { element, field: field.to_owned(), message, help };
+    problems: &mut Vec<Problem>,
+) -> Option<Scalar> {
+    let before = problems.len();
+    let mut add = |message: String, help: Option<String>| {
+        problems.push(Problem { element, field: field.to_owned(), message, help });
+    };
     let Some(body) = model.bodies.iter().find(|body| body.name == wanted.body) else {
         let known = description.bodies.iter().map(|body| body.name.as_str());
         let help = suggest::closest_of_many(before, &wanted.body, known).map(|near| format!("did you mean `{near}`?"));
-        return Err(problem(format!("there is no body `{}`", wanted.body), help));
+        add(format!("there is no body `{}`", wanted.body), help);
+        return None;
     };
     let kind = body.hinge.kind;
     let scalars: Vec<(usize, &Link)> = model
@@ -212,10 +216,11 @@ pub(super) fn scalar(
             0 => "a quaternion cannot be driven; build the turn from revolute hinges".to_owned(),
             count => format!("it has {count}, counted from 0"),
         };
-        return Err(problem(message, Some(help)));
+        add(message, Some(help));
+        return None;
     };
     let slides = link.joint.is_slide();
-    Ok(Scalar { link: *index, position: link.position, velocity: link.velocity, slides })
+    Some(Scalar { link: *index, position: link.position, velocity: link.velocity, slides })
 }
 
 /// Compiles loops, drives and gears into a model whose tree is complete.
@@ -252,14 +257,8 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
     let mut driven: HashMap<usize, &str> = HashMap::new();
     for (index, drive) in description.drives.iter().enumerate() {
         let element = Element::Drive(index);
-        let coordinate =
-            match scalar(description, model, &drive.coordinate, element, "hinge", &drive.name, problems.len()) {
-                Ok(coordinate) => coordinate,
-                Err(problem) => {
-                    problems.push(problem);
-                    continue;
-                }
-            };
+        let coordinate = scalar(description, model, &drive.coordinate, element, "hinge", &drive.name, problems);
+        let Some(coordinate) = coordinate else { continue };
         let mut add = |field: &str, message: String, help: &str| {
             problems.push(Problem { element, field: field.to_owned(), message, help: Some(help.to_owned()) });
         };
@@ -293,7 +292,7 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
 /// inertia of what it carries, or of the scene: any number is exact, and one of that size keeps all digits.
 fn armature(model: &Model, coordinate: &Scalar) -> f64 {
     let link = &model.links[coordinate.link];
-    let (own, whole) = if coordinate.slides { (link.mass, 0.0) } else { (link.inertia.zz, link.inertia.trace()) };
+    let (own, whole) = if coordinate.slides { (link.mass, 0.0) } else { (link.axial_inertia(), link.inertia.trace()) };
     if own + model.coordinates[coordinate.velocity].armature > NO_INERTIA * whole {
         return 0.0;
     }
@@ -312,10 +311,8 @@ fn gears(description: &Description, model: &mut Model, problems: &mut Vec<Proble
         let element = Element::Gear(index);
         let mut found = Vec::new();
         for (end, wanted) in gear.between.iter().enumerate() {
-            match scalar(description, model, wanted, element, &format!("between[{end}]"), &gear.name, problems.len()) {
-                Ok(coordinate) => found.push(coordinate),
-                Err(problem) => problems.push(problem),
-            }
+            let field = format!("between[{end}]");
+            found.extend(scalar(description, model, wanted, element, &field, &gear.name, problems));
         }
         let [first, second] = found[..] else { continue };
         let mut add = |message: String, help: &str| {

@@ -116,6 +116,11 @@ impl HingeDescription {
         Self::new(HingeKind::Prismatic { axis: axis.into() })
     }
 
+    /// Turns about an axis and slides along it by `pitch` (m/rad).
+    pub fn screw(axis: impl Into<Vector3<f64>>, pitch: f64) -> Self {
+        Self::new(HingeKind::Screw { axis: axis.into(), pitch })
+    }
+
     /// Slides along and turns about an axis.
     pub fn cylindrical(axis: impl Into<Vector3<f64>>) -> Self {
         Self::new(HingeKind::Cylindrical { axis: axis.into() })

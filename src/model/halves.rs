@@ -1,6 +1,6 @@
 //! Where a large tree falls into two halves that can be computed at once.
 
-use super::{Joint, Link};
+use super::Link;
 use std::ops::Range;
 
 /// Links in both halves from which on there is a second thread: as fast as one then, and faster while it does not fall asleep
@@ -49,7 +49,7 @@ impl Halves {
             let last = &links[half.end - 1];
             links[half.start].velocity..last.velocity + last.joint.counts().1
         };
-        let turns = |before: usize| links[..before].iter().filter(|link| link.joint == Joint::Turn).count();
+        let turns = |before: usize| links[..before].iter().filter(|link| link.joint.is_angle()).count();
         let [one, other] = &halves;
         Self {
             hub,
@@ -63,6 +63,7 @@ impl Halves {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Joint;
 
     /// A tree from the parents of its links, all turns.
     fn tree(parents: &[usize]) -> Vec<Link> {

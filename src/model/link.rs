@@ -57,6 +57,11 @@ impl Link {
         }
     }
 
+    /// What the link by itself resists a turn, or a screw motion, about its z axis with (kg m²).
+    pub fn axial_inertia(&self) -> f64 {
+        self.inertia.zz + self.joint.pitch().powi(2) * self.mass
+    }
+
     /// Whether the link has neither mass nor inertia: an inner link of a hinge with several coordinates.
     #[inline]
     pub fn is_massless(&self) -> bool {

@@ -1,7 +1,7 @@
 //! What is simulated: immutable, validated, no numbers that change in time.
 //!
 //! A [`Description`] is what a person writes; [`Model::build`] checks it and compiles it into a tree of *links*. A link
-//! is one elementary hinge (turn, slide or ball) and the rigid body outboard of it; a hinge with several coordinates
+//! is one elementary hinge (turn, slide, screw or ball) and the rigid body outboard of it; a hinge with several coordinates
 //! becomes several links, all but the last without mass. Welded bodies have no link of their own: they are part of the
 //! link that carries them. Link 0 is the ground.
 

@@ -268,14 +268,8 @@ fn table_problem(at: &[f64], forces: &[f64]) -> Option<String> {
 pub(super) fn motors(description: &Description, model: &mut Model, problems: &mut Vec<Problem>) {
     for (index, motor) in description.motors.iter().enumerate() {
         let element = Element::Motor(index);
-        let coordinate =
-            match scalar(description, model, &motor.coordinate, element, "hinge", &motor.name, problems.len()) {
-                Ok(coordinate) => coordinate,
-                Err(problem) => {
-                    problems.push(problem);
-                    continue;
-                }
-            };
+        let coordinate = scalar(description, model, &motor.coordinate, element, "hinge", &motor.name, problems);
+        let Some(coordinate) = coordinate else { continue };
         let mut add = |field: &str, message: String, help: &str| {
             problems.push(Problem { element, field: field.to_owned(), message, help: Some(help.to_owned()) });
         };

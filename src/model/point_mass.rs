@@ -21,7 +21,7 @@ pub(super) fn problems(description: &Description, model: &Model) -> Vec<Problem>
 fn resists(model: &Model, link: &Link) -> bool {
     let armature = |i: usize| model.coordinates[link.velocity + i].armature;
     match link.joint {
-        Joint::Turn => link.inertia.zz + armature(0) > NO_INERTIA * link.inertia.trace(),
+        Joint::Turn | Joint::Screw { .. } => link.axial_inertia() + armature(0) > NO_INERTIA * link.inertia.trace(),
         Joint::Ball { .. } => {
             let whole = link.inertia + Sym3::diagonal(Vector3::from([0, 1, 2].map(armature)));
             whole.inverse().is_some_and(|(_, pivots)| pivots.min() > NO_INERTIA * whole.trace())

@@ -1,4 +1,4 @@
-//! Sines and cosines of all angles of turns, four at a time.
+//! Sines and cosines of all angles of turns and screws, four at a time.
 
 use crate::model::Model;
 use wide::f64x4;
@@ -29,7 +29,7 @@ const COSINE: [f64; 6] = [
 /// Where the angles are, and their sines and cosines.
 #[derive(Debug, Clone)]
 pub(super) struct Angles {
-    /// Position coordinates that are angles of turns, in the order of the links; filled up to fours.
+    /// Position coordinates that are angles, in the order of the links; filled up to fours.
     at: Vec<[u32; 4]>,
     /// Sine and cosine of each.
     of: Vec<[f64; 2]>,
@@ -37,8 +37,8 @@ pub(super) struct Angles {
 
 impl Angles {
     pub(super) fn new(model: &Model) -> Self {
-        let turns = model.links.iter().filter(|link| link.joint.is_turn());
-        let at: Vec<u32> = turns.map(|link| link.position as u32).collect();
+        let angles = model.links.iter().filter(|link| link.joint.is_angle());
+        let at: Vec<u32> = angles.map(|link| link.position as u32).collect();
         let four = |some: &[u32]| std::array::from_fn(|i| some[i.min(some.len() - 1)]);
         let at: Vec<[u32; 4]> = at.chunks(4).map(four).collect();
         let of = vec![[0.0, 1.0]; 4 * at.len()];
@@ -63,7 +63,7 @@ impl Angles {
         }
     }
 
-    /// Sine and cosine of every turn.
+    /// Sine and cosine of every angle.
     #[inline(always)]
     pub(super) fn all(&self) -> &[[f64; 2]] {
         &self.of

@@ -94,7 +94,7 @@ fn sweep(
         let (before, from_here) = own.split_at_mut(index - base);
         let parent = if link.parent >= base { &before[link.parent - base] } else { outside };
         let angle = match link.joint {
-            Joint::Turn => {
+            Joint::Turn | Joint::Screw { .. } => {
                 turn += 1;
                 angles[turn - 1]
             }
@@ -105,51 +105,63 @@ fn sweep(
 }
 
 /// The relations of section 2 of the method: one hinge and the body outboard of it. `angle` is the sine and the cosine
-/// of a turn.
+/// of a turn or screw.
 #[inline(always)]
 fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64; 2], own: &mut LinkMotion) {
     let from = Columns::of(&parent.turn);
     let hinge = if link.straight { from } else { from.product(&link.turn) };
     let anchor = from.times(&link.offset);
     let w = Quad::of(&parent.angular_velocity);
-    let swing = |arm| w.cross(arm);
     own.angular_bias = Vector3::zeros();
+    // Relative to the parent it turns with `spin`,
+    let turns = |own: &mut LinkMotion, spin: Quad| {
+        own.relative = spin.vector();
+        own.angular_velocity = (w + spin).vector();
+        own.angular_bias = w.cross(spin).vector();
+    };
+    // and stays where it is,
+    let stays = |own: &mut LinkMotion, arm: Quad| {
+        let swing = w.cross(arm);
+        own.velocity = (Quad::of(&parent.velocity) + swing).vector();
+        own.bias = w.cross(swing).vector();
+    };
+    // or slides with `slip`.
+    let slides = |own: &mut LinkMotion, arm: Quad, slip: Quad| {
+        let swing = w.cross(arm);
+        own.velocity = (Quad::of(&parent.velocity) + swing + slip).vector();
+        own.bias = w.cross(swing + slip + slip).vector();
+    };
     let (turn, arm) = match &link.joint {
         Joint::None => (hinge, anchor),
         Joint::Turn => {
-            // Rot(z, angle): the z axis stays, the others turn in their plane.
-            let ([x, y, z], [s, c]) = (hinge.0, angle.map(Quad::all));
-            let turn = Columns([s.times_add(y, c * x), s.times_from(x, c * y), z]);
-            let spin = Quad::all(v[link.velocity]) * z;
+            let z = hinge.0[2];
             own.axis = z.vector();
-            own.relative = spin.vector();
-            own.angular_velocity = (w + spin).vector();
-            own.angular_bias = w.cross(spin).vector();
-            let swing = swing(anchor);
-            own.velocity = (Quad::of(&parent.velocity) + swing).vector();
-            own.bias = w.cross(swing).vector();
-            (turn, anchor)
+            turns(own, Quad::all(v[link.velocity]) * z);
+            stays(own, anchor);
+            (about_z(&hinge, angle), anchor)
+        }
+        Joint::Screw { pitch } => {
+            let (z, pitch) = (hinge.0[2], Quad::all(*pitch));
+            let spin = Quad::all(v[link.velocity]) * z;
+            let arm = (pitch * Quad::all(q[link.position])).times_add(z, anchor);
+            own.axis = z.vector();
+            turns(own, spin);
+            slides(own, arm, pitch * spin);
+            (about_z(&hinge, angle), arm)
         }
         Joint::Slide { axis } => {
             let axis = hinge.times(axis);
             let (arm, slip) = (Quad::all(q[link.position]).times_add(axis, anchor), Quad::all(v[link.velocity]) * axis);
-            let swing = swing(arm);
             own.axis = axis.vector();
             own.relative = slip.vector();
             own.angular_velocity = parent.angular_velocity;
-            own.velocity = (Quad::of(&parent.velocity) + swing + slip).vector();
-            own.bias = w.cross(swing + slip + slip).vector();
+            slides(own, arm, slip);
             (hinge, arm)
         }
         Joint::Ball { .. } => {
             let turn = hinge.product(&hinge_from_link(&q[link.position..link.position + 4]));
-            let spin = turn.times(&Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2]));
-            own.relative = spin.vector();
-            own.angular_velocity = (w + spin).vector();
-            own.angular_bias = w.cross(spin).vector();
-            let swing = swing(anchor);
-            own.velocity = (Quad::of(&parent.velocity) + swing).vector();
-            own.bias = w.cross(swing).vector();
+            turns(own, turn.times(&Vector3::new(v[link.velocity], v[link.velocity + 1], v[link.velocity + 2])));
+            stays(own, anchor);
             (turn, anchor)
         }
     };
@@ -160,6 +172,13 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
         own.center = turn.times(&link.center).vector();
         own.inertia = link.principal.turned(&turn);
     }
+}
+
+/// The axes of a link after a turn about z by an angle of this sine and cosine: the others turn in their plane.
+#[inline(always)]
+fn about_z(hinge: &Columns, angle: [f64; 2]) -> Columns {
+    let ([x, y, z], [s, c]) = (hinge.0, angle.map(Quad::all));
+    Columns([s.times_add(y, c * x), s.times_from(x, c * y), z])
 }
 
 /// The rotation of four numbers w, x, y, z, whatever their norm: between two steps quaternions drift off one.
@@ -203,6 +222,9 @@ pub(crate) fn project(link: &Link, at: &LinkMotion, wrench: &Wrench, mut put: im
         Joint::None => {}
         Joint::Turn => put(link.velocity, at.axis.dot(&wrench.moment)),
         Joint::Slide { .. } => put(link.velocity, at.axis.dot(&wrench.force)),
+        Joint::Screw { pitch } => {
+            put(link.velocity, at.axis.dot(&wrench.moment) + pitch * at.axis.dot(&wrench.force));
+        }
         Joint::Ball { .. } => {
             let moment = at.turn.tr_mul(&wrench.moment);
             (0..3).for_each(|i| put(link.velocity + i, moment[i]));
@@ -215,7 +237,7 @@ pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
     for link in &model.links {
         match link.joint {
             Joint::None => {}
-            Joint::Turn | Joint::Slide { .. } => q[link.position] += step[link.velocity],
+            Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => q[link.position] += step[link.velocity],
             Joint::Ball { .. } => {
                 let at = &mut q[link.position..link.position + 4];
                 let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);

@@ -60,18 +60,23 @@ fn outboard(
     let at = link.velocity;
     let mut delta_arm = p.turn.cross(&d);
     let mut turn = p.turn;
-    // Relative motion: along the axis (slip) or about it (spin); and their rates.
+    // Relative motion: along the axis (slip) and about it (spin); and their rates.
     let (mut slip, mut spin) = (Vector3::zeros(), Vector3::zeros());
     let (mut delta_slip, mut delta_spin) = (Vector3::zeros(), Vector3::zeros());
     let (mut delta_slip_rate, mut delta_spin_rate) = (Vector3::zeros(), Vector3::zeros());
     match link.joint {
         Joint::None => {}
-        Joint::Turn => {
+        Joint::Turn | Joint::Screw { .. } => {
             let (n, dn) = (own.axis, p.turn.cross(&own.axis));
             turn += n * one(by.position, at);
             spin = own.relative;
             delta_spin = p.turn.cross(&spin) + n * one(by.velocity, at);
             delta_spin_rate = dn * hinge_accelerations[at] + n * one(by.acceleration, at);
+            if let Joint::Screw { pitch } = link.joint {
+                delta_arm += pitch * n * one(by.position, at);
+                (slip, delta_slip) = (pitch * spin, pitch * delta_spin);
+                delta_slip_rate = pitch * delta_spin_rate;
+            }
         }
         Joint::Slide { .. } => {
             let (n, dn) = (own.axis, p.turn.cross(&own.axis));

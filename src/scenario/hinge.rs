@@ -67,6 +67,10 @@ impl Keys for Reader<'_> {
     fn axes(&self) -> [Vector3<f64>; 2] {
         axes(self).unwrap_or([Vector3::x(), Vector3::y()])
     }
+
+    fn pitch(&self) -> f64 {
+        self.number("pitch").unwrap_or(1.0)
+    }
 }
 
 pub(super) fn axes(table: &Reader<'_>) -> Option<[Vector3<f64>; 2]> {

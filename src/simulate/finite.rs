@@ -58,8 +58,7 @@ pub(super) fn check(model: &Model, sample: &Sample<'_>) -> Result<(), RunError> 
 /// # Errors
 /// [`RunError::Coarse`], with the hinge.
 pub(super) fn check_start(model: &Model, start: &State, tolerance: f64) -> Result<(), RunError> {
-    let turns = model.links.iter().filter(|link| link.joint.is_turn());
-    for link in turns {
+    for link in model.links.iter().filter(|link| link.joint.is_angle()) {
         let angle = start.position[link.position];
         let rounding = f64::EPSILON * angle.abs();
         if rounding > tolerance.max(FINEST) {

@@ -14,7 +14,7 @@ pub struct LinkMotion {
     pub position: Vector3<f64>,
     /// Of the root marker (m/s).
     pub velocity: Vector3<f64>,
-    /// Velocity relative to the parent: along the axis for a slide, else angular.
+    /// Velocity relative to the parent: along the axis for a slide, else angular (a screw's is `pitch` times that beside it).
     pub relative: Vector3<f64>,
     /// (rad/s)
     pub angular_velocity: Vector3<f64>,
@@ -22,7 +22,7 @@ pub struct LinkMotion {
     pub center: Vector3<f64>,
     /// About the root marker (kg m²).
     pub inertia: Sym3,
-    /// Axis of a turn or slide.
+    /// Axis of a turn, slide or screw.
     pub axis: Vector3<f64>,
     /// From the parent's root marker to this one (m).
     pub arm: Vector3<f64>,

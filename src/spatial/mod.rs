@@ -9,6 +9,7 @@ pub mod principal;
 pub mod quad;
 pub mod rotation;
 pub mod sym3;
+pub mod twist;
 
 pub use principal::Principal;
 pub use sym3::Sym3;

@@ -320,7 +320,7 @@ fn unresisted(landscape: &mut Landscape<'_>, place: &Place) -> Option<usize> {
     (largest > 1e-3).then(|| equals.min_by_key(|i| !slides[landscape.free[*i]]))?
 }
 
-/// The axis of a turn or slide in inertial axes; of the ball's axis for a ball.
+/// The axis of a single coordinate in inertial axes; one of the link's axes for a ball.
 fn direction(landscape: &mut Landscape<'_>, coordinate: usize) -> Option<Vector3<f64>> {
     let model = &Arc::clone(landscape.model());
     let (index, link) = model.links.iter().enumerate().skip(1).find(|(_, link)| {

@@ -187,7 +187,7 @@ impl<'l, 's> Search<'l, 's> {
     fn evaluate(&mut self) {
         self.evaluations += 1;
         let (model, state) = (&*self.model, &mut self.state);
-        let mut sum = balance::applied(model, &state.poses);
+        let mut sum = balance::on_links(model, &state.poses);
         if self.spins {
             let inertia = steady::inertia(model, &state.poses, &self.landscape.steady);
             sum.iter_mut().zip(inertia).for_each(|(sum, inertia)| *sum += inertia);
@@ -383,7 +383,7 @@ fn push(sums: &[Sum], multipliers: &[f64], count: usize) -> Vec<f64> {
 fn weights(model: &Model, poses: &Poses, (constraints, inertia): (&[Constraint], &[Wrench]), size: usize) -> Vec<f64> {
     let length = model.length_scale();
     let of_wrench = |wrench: &Wrench| wrench.force.norm() + wrench.moment.norm() / length;
-    let applied = balance::applied(model, poses);
+    let applied = balance::on_links(model, poses);
     let hinges = balance::hinges(model, poses, &[]);
     let sum: f64 = applied.iter().skip(1).chain(hinges.iter().map(|pair| &pair[0])).chain(inertia).map(of_wrench).sum();
     let force = if sum > 0.0 { sum } else { 1.0 };

@@ -13,8 +13,8 @@
 //! a link, driven coordinates) counts as joined to the ground: the certificate is sufficient, not necessary.
 
 use super::search::BALANCED;
-use crate::force::{Act, Law};
-use crate::model::{Joint, Model};
+use crate::force::Act;
+use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 
 /// An eigenvalue of `P`, eq. (2), below this per tree is zero: what unit axes leave by round-off.
@@ -73,9 +73,9 @@ impl Joined {
         let mut joined = Self { tree, of: (0..count).collect(), attached: vec![false; count] };
         for force in model.forces.iter() {
             let ends = force.law.ends().iter().map(|end| end.link);
-            let dead = matches!(&force.law, Law::Load(load) if load.dead().is_some());
-            let ground = matches!(&force.law, Law::Load(_)).then_some(0).filter(|_| !dead);
-            joined.join(ends.chain(ground));
+            // What pushes on one link alone, and not always the same, counts as joined to the ground.
+            let alone = force.law.ends().len() == 1 && force.law.dead().is_none();
+            joined.join(ends.chain(alone.then_some(0)));
         }
         for closed in &model.loops {
             joined.join(closed.ends.iter().map(|end| end.link));
@@ -130,7 +130,7 @@ fn still(model: &Model) -> Vec<bool> {
 fn axes(model: &Model, root: usize, still: &[bool], attached: &[bool]) -> Vec<Vector3<f64>> {
     let (mut axes, mut at, mut turn) = (Vec::new(), root, Matrix3::identity());
     while let Some(link) = model.links.get(at)
-        && let Joint::Slide { axis } = link.joint
+        && let Some(axis) = link.joint.slide_axis()
     {
         turn *= link.turn;
         if !still[link.velocity] {
@@ -169,8 +169,5 @@ fn nothing_feels(feels: &Matrix3<f64>, trees: usize) -> Matrix3<f64> {
 
 /// Forces that keep their direction in space: the link and the force (N).
 fn dead_loads(model: &Model) -> impl Iterator<Item = (usize, Vector3<f64>)> {
-    model.forces.iter().filter_map(|force| match &force.law {
-        Law::Load(load) => load.dead(),
-        _ => None,
-    })
+    model.forces.iter().filter_map(|force| force.law.dead())
 }

@@ -78,6 +78,10 @@ impl Balance {
                 Joint::None => {}
                 Joint::Turn => residual[link.velocity] = Quad::of(&at.axis).dot(moment),
                 Joint::Slide { .. } => residual[link.velocity] = Quad::of(&at.axis).dot(force),
+                Joint::Screw { pitch } => {
+                    let n = Quad::of(&at.axis);
+                    residual[link.velocity] = n.dot(moment) + pitch * n.dot(force);
+                }
                 Joint::Ball { .. } => {
                     let row = at.turn.tr_mul(&f.moment);
                     residual[link.velocity..link.velocity + 3].copy_from_slice(row.as_slice());

@@ -47,6 +47,7 @@ mod cause;
 mod lanes;
 mod place;
 
+use super::LinkAcceleration;
 use super::Singular;
 use super::balance::Balance;
 use super::element::Reduced;
@@ -178,6 +179,12 @@ impl Jacobian {
                 let damping = Vector3::ith(i - own.start, coordinate.damping);
                 let mut causes = match link.joint {
                     Joint::Slide { .. } => cause::of_slide(&at.axis, motion, balance, link, index),
+                    Joint::Screw { pitch } => {
+                        let mut causes = cause::of_turn(&at.axis, model, motion, balance, &at, index);
+                        let slides = cause::of_slide(&at.axis, motion, balance, link, index);
+                        causes.iter_mut().zip(&slides).for_each(|(cause, slide)| cause.add_times(pitch, slide));
+                        causes
+                    }
                     _ => cause::of_turn(&self.rows[i].axis, model, motion, balance, &at, index),
                 };
                 for (cause, resistance) in causes.iter_mut().zip([stiffness, damping]) {
@@ -204,6 +211,7 @@ impl Jacobian {
             let met = match self.places[i].kind {
                 Kind::Slide => row.axis.dot(&e.force),
                 Kind::Turn | Kind::Further => row.axis.dot(&e.moment),
+                Kind::Screw { pitch } => row.axis.dot(&(e.moment + pitch * e.force)),
             };
             let u = -(met + resistance[at]);
             own[at] = u * row.inverse;
@@ -312,6 +320,13 @@ impl Carried {
             Kind::Turn | Kind::Further => {
                 let SH = Wrench { force: S.fm * axis, moment: S.mm * axis };
                 (SH, N.moment.tr_mul(&axis), axis.dot(&SH.moment), S.mm.trace())
+            }
+            Kind::Screw { pitch } => {
+                let slide = pitch * axis;
+                let SH = S.times(&LinkAcceleration { linear: slide, angular: axis });
+                let HN = N.force.tr_mul(&slide) + N.moment.tr_mul(&axis);
+                let seen = S.mm.trace() + pitch * pitch * S.ff.trace();
+                (SH, HN, slide.dot(&SH.force) + axis.dot(&SH.moment), seen)
             }
         };
         let D = D + armature;

@@ -36,10 +36,10 @@ impl MassAction {
             let f = self.f[index];
             match link.joint {
                 Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => product[link.velocity] = along(&link.joint, &at.axis, &f),
                 Joint::Ball { .. } => {
                     product[link.velocity..link.velocity + 3].copy_from_slice(at.turn.tr_mul(&f.moment).as_slice());
                 }
+                _ => product[link.velocity] = along(&link.joint, &at.axis, &f),
             }
             self.f[link.parent] += f.shifted(at.arm);
         }

@@ -10,7 +10,7 @@
 //! | `a` = [`LinkAcceleration`] | r̈, ω̇ | acceleration of a root marker | 6 | m/s², rad/s² |
 //! | `f` = [`Wrench`] | q, m | internal force and moment at a root marker | 6 | N, N m |
 //! | `S`, `e` | S, e | reduced matrix and vector: `f = S a + e` | 6×6 sym., 6 | |
-//! | `H` | H | motion subspace of a hinge, at the marker | 6×k | |
+//! | `H` | H | motion subspace of a hinge, at the marker: `[0; n]` of a turn, `[n; 0]` of a slide, `[p n; n]` of a screw, `[0; 1]` of a ball | 6×k | |
 //! | `D`, `u` | | hinge pivot `Hᵀ S H + A` and load `τ − Hᵀ e` | k×k, k | |
 //! | `γ` | γ | what velocities add to the acceleration across a hinge | 6 | |
 //! | `d` | | from the parent's root marker to this one | 3 | m |
@@ -50,7 +50,7 @@ pub use reduce::{Reduction, Singular};
 use crate::model::{Joint, Link};
 use crate::motion::LinkMotion;
 use crate::spatial::Wrench;
-use crate::spatial::fused::{cross_add, dot, scale_add, times_add};
+use crate::spatial::fused::{cross_add, dot, fma, scale_add, times_add};
 use nalgebra::Vector3;
 
 /// `Hᵀ w` for a hinge of one coordinate.
@@ -58,6 +58,7 @@ use nalgebra::Vector3;
 fn along(joint: &Joint, axis: &Vector3<f64>, w: &Wrench) -> f64 {
     match joint {
         Joint::Slide { .. } => dot(axis, &w.force),
+        Joint::Screw { pitch } => fma(*pitch, dot(axis, &w.force), dot(axis, &w.moment)),
         _ => dot(axis, &w.moment),
     }
 }
@@ -81,6 +82,10 @@ fn accelerate(link: &Link, at: &LinkMotion, hinge: &[f64], a: &mut LinkAccelerat
         Joint::None => {}
         Joint::Turn => a.angular = scale_add(hinge[first], &at.axis, &a.angular),
         Joint::Slide { .. } => a.linear = scale_add(hinge[first], &at.axis, &a.linear),
+        Joint::Screw { pitch } => {
+            a.angular = scale_add(hinge[first], &at.axis, &a.angular);
+            a.linear = scale_add(pitch * hinge[first], &at.axis, &a.linear);
+        }
         Joint::Ball { .. } => {
             let relative = Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);
             a.angular = times_add(&at.turn, &relative, &a.angular);

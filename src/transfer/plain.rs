@@ -108,6 +108,7 @@ fn motion_subspace(link: &Link, at: &LinkMotion) -> Matrix6xX<f64> {
         Joint::None => Matrix6xX::zeros(0),
         Joint::Turn => Matrix6xX::from_columns(&[stacked(&zero, &at.axis)]),
         Joint::Slide { .. } => Matrix6xX::from_columns(&[stacked(&at.axis, &zero)]),
+        Joint::Screw { pitch } => Matrix6xX::from_columns(&[stacked(&(pitch * at.axis), &at.axis)]),
         Joint::Ball { .. } => {
             let axis = |i: usize| stacked(&zero, &at.turn.column(i).into_owned());
             Matrix6xX::from_columns(&[axis(0), axis(1), axis(2)])

@@ -17,7 +17,7 @@ const DELICATE: f64 = 1e-3;
 pub(super) struct Place {
     /// Nothing hangs on it.
     pub is_leaf: bool,
-    /// So, it turns about an axis about which it has hardly any inertia.
+    /// So, it turns (or screws) about an axis about which it has hardly any inertia.
     pub is_slender: bool,
     /// It turns and is slender, or its body is such that digits may be lost with it.
     pub is_delicate: bool,
@@ -31,7 +31,7 @@ pub(super) struct Place {
     pub to: To,
     /// Index of a ball among the balls.
     pub ball: u32,
-    /// Its parent, its first velocity and what moves there, the armature of a turn or slide (kg or kg m²) and its mass (kg):
+    /// Its parent, its first velocity and what moves there, the armature of a single coordinate (kg or kg m²) and its mass (kg):
     /// beside the rest, for a link as a whole is long.
     pub parent: u32,
     pub velocity: u32,
@@ -46,6 +46,7 @@ pub(super) enum Kind {
     None,
     Turn,
     Slide,
+    Screw,
     Ball,
 }
 
@@ -90,15 +91,17 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             Joint::None => Kind::None,
             Joint::Turn => Kind::Turn,
             Joint::Slide { .. } => Kind::Slide,
+            Joint::Screw { .. } => Kind::Screw,
             Joint::Ball { .. } => Kind::Ball,
         };
         let (parent, velocity, is_massless) = (link.parent as u32, link.velocity as u32, link.is_massless());
         let axial = link.inertia.zz / link.inertia.trace();
-        let is_slender = is_leaf && kind == Kind::Turn && axial < SLENDER;
+        let has_axis = matches!(kind, Kind::Turn | Kind::Screw);
+        let is_slender = is_leaf && has_axis && axial < SLENDER;
         plan.push(Place {
             is_leaf,
             is_slender,
-            is_delicate: is_slender || kind == Kind::Turn && is_delicate(model, index),
+            is_delicate: is_slender || has_axis && is_delicate(model, index),
             is_massless,
             translates,
             join,

@@ -23,7 +23,7 @@ use std::ops::Range;
 /// last place of the sums it is the difference of.
 const SINGULAR: f64 = 4.0 * f64::EPSILON;
 
-/// The pivot of a turn below this part of it, and its square below this part of the square of `S H`, lost a digit or more.
+/// The pivot of a turn or screw below this part of it, and its square below this part of the square of `S H`, lost a digit or more.
 /// Where such pivots follow each other hardly any may be left: accelerations with one are looked at, and refined where
 /// that is so.
 const LOST: f64 = 1.0 / 16.0;
@@ -180,14 +180,14 @@ impl Reduction {
             let mut e = self.e[index];
             match link.joint {
                 Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => {
-                    let left = &mut self.hinges[index];
-                    left.u = load.tau[link.velocity] - along(&link.joint, &at.axis, &e);
-                    e.add_times(left.inverse * left.u, &left.SH);
-                }
                 Joint::Ball { .. } => {
                     let ball = &mut self.balls[self.plan[index].ball as usize];
                     e = ball.load(at, &three(load.tau, link.velocity), &e, || at.turn.tr_mul(&e.moment));
+                }
+                _ => {
+                    let left = &mut self.hinges[index];
+                    left.u = load.tau[link.velocity] - along(&link.joint, &at.axis, &e);
+                    e.add_times(left.inverse * left.u, &left.SH);
                 }
             }
             self.e[link.parent] += e.shifted(at.arm);
@@ -228,13 +228,13 @@ impl Reduction {
             let first = link.velocity;
             match link.joint {
                 Joint::None => {}
-                Joint::Turn | Joint::Slide { .. } => out[first] = 1.0 / self.hinges[index].inverse,
                 Joint::Ball { .. } => {
                     let seen = self.balls[self.plan[index].ball as usize].inertia(&motion.links[index]);
                     for i in 0..3 {
                         out[first + i] = seen[i] + model.coordinates[first + i].armature;
                     }
                 }
+                _ => out[first] = 1.0 / self.hinges[index].inverse,
             }
         }
     }

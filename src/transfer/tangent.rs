@@ -11,6 +11,7 @@
 //! (2) hinge    z_R = T z_P + h δq            δ'r̈ gains δ'ω̇_P × d + 2 δ'ω_P × s,   s = ω_P × d + slip
 //!     turn     h = [(r̈−g) × n, c₂ n + 2c₁ ω_P×n + ω̇_P×n + ω_P×(ω_P×n), c₁ n + ω_P×n, n, 0, 0]
 //!     slide    h = [c₂ n + 2c₁ ω_P×n + ω̇_P×n + ω_P×(ω_P×n), 0, 0, 0, n, c₁ n + ω_P×n]
+//!     screw    the turn's and p times the slide's; so are its row and its w
 //! (3) row      Hᵀ δ'f_R + κ δq = rhs         κ: hinge spring, damper, armature, shift
 //! (4)          D = Hᵀ S h + κ,   row = Hᵀ S
 //! (5)          δq = D⁻¹ (u − row T z_P),   u = rhs − Hᵀ e
@@ -38,7 +39,7 @@ use crate::pages::Pages;
 use crate::spatial::Wrench;
 use crate::spatial::quad::Quad;
 use eliminate::{eliminate_ball, eliminate_one};
-use hinge::{Around, Left, Three};
+use hinge::{Around, Left, Three, Way};
 use nalgebra::{Matrix3, Vector3};
 use parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
 use std::ops::Range;
@@ -84,6 +85,8 @@ pub struct Tangent {
     balls: Vec<Three>,
     /// Under weight alone.
     weight: Weight,
+    /// Of every link what [`Joint::pitch`](crate::model::Joint::pitch) says; empty without screws.
+    pitches: Vec<f64>,
     /// As `joins`, for right sides.
     loads: Vec<(Quad, Quad)>,
     z: Pages<Varied>,
@@ -123,8 +126,11 @@ impl Tangent {
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
         let (plan, joins, balls) = plan(model);
+        let has_screws = plan.iter().any(|place| place.kind == Kind::Screw);
+        let pitches = model.links.iter().take(if has_screws { n } else { 0 }).map(|link| link.joint.pitch()).collect();
         Self {
             plan,
+            pitches,
             joins: vec![Carried::default(); joins],
             broken: false,
             left: Pages::filled(Left::default(), n),
@@ -196,14 +202,14 @@ impl Tangent {
             let f = &at.balance.reactions[index];
             let first = place.velocity as usize;
             let left = &mut self.left[index];
-            (left.arm, left.swing) = (own.arm, around.swing(own, place.kind));
+            let way = Way::of(place.kind, &self.pitches, index);
+            (left.arm, left.swing) = (own.arm, around.swing(own, way));
             match place.kind {
                 Kind::None => {}
-                Kind::Turn | Kind::Slide => {
-                    let slides = place.kind == Kind::Slide;
+                Kind::Turn | Kind::Slide | Kind::Screw => {
                     left.axis = Quad::of(&own.axis);
-                    left.h = around.one::<PARTS>(left.axis, slides);
-                    let D = eliminate_one::<PARTS>(left, slides, &mut S, f, at.diagonal[first], coupling)
+                    left.h = around.one::<PARTS>(left.axis, way);
+                    let D = eliminate_one::<PARTS>(left, way, &mut S, f, at.diagonal[first], coupling)
                         .filter(|D| !definite || *D > 0.0)
                         .ok_or(Breakdown { link: index, axis: None })?;
                     self.negative += usize::from(D < 0.0);
@@ -305,8 +311,8 @@ impl Tangent {
             let first = place.velocity as usize;
             match place.kind {
                 Kind::None => {}
-                Kind::Turn | Kind::Slide => {
-                    left.u = x[first] - left.axis.dot(if place.kind == Kind::Slide { force } else { moment });
+                Kind::Turn | Kind::Slide | Kind::Screw => {
+                    left.u = x[first] - Way::of(place.kind, &self.pitches, index).project(left.axis, force, moment);
                     let step = Quad::all(left.inverse * left.u);
                     (force, moment) = (step.times_add(left.w.0, force), step.times_add(left.w.1, moment));
                 }
@@ -336,7 +342,7 @@ impl Tangent {
             let first = place.velocity as usize;
             match place.kind {
                 Kind::None => {}
-                Kind::Turn | Kind::Slide => {
+                Kind::Turn | Kind::Slide | Kind::Screw => {
                     let step = left.inverse * (left.u - left.row.dot::<PARTS>(&z));
                     x[first] = step;
                     z.add_times::<PARTS>(step, &left.h);

@@ -5,7 +5,8 @@
 //! body    δf_R = m (δr̈ + δω̇×c + ω̇×δc + δ(ω×(ω×c))),  δm_R = m (δc×(r̈−g) + c×δr̈) + δ(J ω̇) + δ(ω×J ω)
 //!         with δc = δθ×c,  (δJ) y = δθ×(J y) − J (δθ×y)
 //! arm     δm_P gains  δd × f + d × δf
-//! row     one coordinate: δ(n·m) = n·δm + (δθ_P×n)·m;   ball, in link axes: Rᵀ (δm − δθ×m)
+//! row     turn: δ(n·m) = n·δm + (δθ_P×n)·m;   slide: the same of f;   screw: their sum with p f
+//!         ball, in link axes: Rᵀ (δm − δθ×m)
 //! ```
 
 use super::balance::Balance;
@@ -124,11 +125,14 @@ impl Variation {
     ) {
         let (link, at, f) = (&model.links[index], &motion.links[index], &balance.reactions[index]);
         let (delta, first) = (self.wrenches[index], link.velocity);
-        let turn_parent = self.links[link.parent].turn;
+        let axis_by = self.links[link.parent].turn.cross(&at.axis);
+        let about = || at.axis.dot(&delta.moment) + axis_by.dot(&f.moment);
+        let along = || at.axis.dot(&delta.force) + axis_by.dot(&f.force);
         match link.joint {
             Joint::None => {}
-            Joint::Turn => out[first] = at.axis.dot(&delta.moment) + turn_parent.cross(&at.axis).dot(&f.moment),
-            Joint::Slide { .. } => out[first] = at.axis.dot(&delta.force) + turn_parent.cross(&at.axis).dot(&f.force),
+            Joint::Turn => out[first] = about(),
+            Joint::Slide { .. } => out[first] = along(),
+            Joint::Screw { pitch } => out[first] = about() + pitch * along(),
             Joint::Ball { .. } => {
                 let row = at.turn.tr_mul(&(delta.moment - self.links[index].turn.cross(&f.moment)));
                 out[first..first + 3].copy_from_slice(row.as_slice());
@@ -149,9 +153,14 @@ impl Variation {
     #[inline]
     fn arm(&self, link: &Link, at: &LinkMotion, by: &Direction<'_>) -> Vector3<f64> {
         let turned = self.links[link.parent].turn.cross(&at.arm);
-        match link.joint {
-            Joint::Slide { .. } if !by.position.is_empty() => turned + at.axis * by.position[link.velocity],
-            _ => turned,
+        let per_coordinate = match link.joint {
+            Joint::Slide { .. } => 1.0,
+            Joint::Screw { pitch } => pitch,
+            _ => return turned,
+        };
+        match by.position.get(link.velocity) {
+            Some(step) => turned + at.axis * (per_coordinate * step),
+            None => turned,
         }
     }
 }

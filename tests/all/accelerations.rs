@@ -94,7 +94,7 @@ fn the_random_trees_contain_every_hinge_and_every_force() {
     }
     let counts: Vec<i32> =
         kinds.values().copied().chain(forces).chain([armatures, torsion, rests].map(|n| n as i32)).collect();
-    assert_eq!(kinds.len(), 8, "{kinds:?}");
+    assert_eq!(kinds.len(), stillpoint::hinge::DECLARED.len(), "{kinds:?}");
     assert!(counts.iter().all(|count| *count > 100), "{kinds:?} {forces:?} {armatures} {torsion} {rests}");
 }
 
@@ -104,6 +104,7 @@ fn the_random_trees_contain_every_hinge_and_every_force() {
 fn chains_of_forty_equal_hinges_move_as_the_equations_say() {
     let kinds = [
         HingeKind::Revolute { axis: Vector3::new(0.3, 1.0, -0.2) },
+        HingeKind::Screw { axis: Vector3::new(0.3, 1.0, -0.2), pitch: -0.15 },
         HingeKind::Cylindrical { axis: Vector3::new(0.3, 1.0, -0.2) },
         HingeKind::Universal { axes: [Vector3::x(), Vector3::y()] },
         HingeKind::Planar,

@@ -22,12 +22,11 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("hinge", &[]),
     ("model", &["force", "formula", "hinge", "pages", "spatial", "suggest"]),
     ("motion", &["model", "pages", "spatial"]),
-    ("forces", &["force", "model", "motion", "spatial"]),
     ("transfer", &["model", "motion", "pages", "spatial"]),
     ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
-    ("dynamics", &["model", "motion", "force", "forces", "transfer", "constraint", "spatial"]),
-    // `motion` and `forces` for the baseline in maximal coordinates: poses that no tree sweep gives.
-    ("statics", &["model", "motion", "force", "forces", "constraint", "dynamics", "transfer", "spatial"]),
+    ("dynamics", &["model", "motion", "force", "transfer", "constraint", "spatial"]),
+    // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
+    ("statics", &["model", "motion", "force", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
     ("simulate", &["force", "hinge", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     // `model` for the mass properties of solids.

@@ -80,6 +80,8 @@ pub(crate) struct Options {
 pub(crate) fn hinge_kind(random: &mut Random, welds: bool) -> HingeKind {
     let axis = random.unit();
     match random.below(if welds { 8 } else { 7 }) {
+        // Half the axes have a thread, by the axis itself: no further number is drawn for it.
+        0 if axis.x > 0.0 => HingeKind::Screw { axis, pitch: 0.5 * axis.y },
         0 => HingeKind::Revolute { axis },
         1 => HingeKind::Prismatic { axis },
         2 => HingeKind::Cylindrical { axis },

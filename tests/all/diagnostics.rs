@@ -171,7 +171,7 @@ hinge = { parent = "ground" }
     4 | hinge = { parent = "ground" }
       |         ^^^^^^^^^^^^^^^^^^^^^
       |
-      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
+      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `screw`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
 
     scene.toml: 1 error
     "#);
@@ -259,7 +259,7 @@ hinge = { type = "spherical", axis = [0, 1, 0] }
     4 | hinge = { type = "spherical", axis = [0, 1, 0] }
       |                               ^^^^
       |
-      = help: for the types `revolute`, `prismatic`, `cylindrical`
+      = help: for the types `revolute`, `prismatic`, `screw`, `cylindrical`
 
     scene.toml: 1 error
     "#);
@@ -345,6 +345,29 @@ hinge = { type = "revolute", axis = [0, 0, 0] }
       |                                     ^^^^^^^^^
       |
       = help: allowed: a finite vector that is not zero
+
+    scene.toml: 1 error
+    "#);
+}
+
+#[test]
+fn a_screw_without_pitch() {
+    let text = r#"
+[[body]]
+name = "nut"
+mass = 1.0
+inertia = [0.1, 0.1, 0.1]
+hinge = { type = "screw", axis = [0, 0, 1], pitch = 0.0 }
+"#
+    .trim_start();
+    insta::assert_snapshot!(said(text, &[]), @r#"
+    error: the pitch of the hinge of `nut` is 0 m/rad
+     --> scene.toml:5:53
+      |
+    5 | hinge = { type = "screw", axis = [0, 0, 1], pitch = 0.0 }
+      |                                                     ^^^
+      |
+      = help: allowed: a finite number that is not zero, negative for a left-hand thread; a hinge that turns without sliding is `revolute`
 
     scene.toml: 1 error
     "#);
@@ -672,7 +695,7 @@ hinge = { type = "free" }
     1 | --set bob.hinge.type=spinning
       |                      ^^^^^^^^
       |
-      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
+      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `screw`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
 
     error: nothing is called `bbo`
      --> command line:1:7

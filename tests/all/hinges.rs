@@ -26,6 +26,11 @@ fn residual(condition: &Condition, pose: &Isometry3<f64>) -> f64 {
     match condition {
         Condition::Along(axis) => axis.dot(&pose.translation.vector),
         Condition::Aligned { first, second, cosine } => first.dot(&(pose.rotation * second)) - cosine,
+        Condition::Thread { axis, pitch, .. } => {
+            let angle = 2.0 * pose.rotation.imag().dot(axis).atan2(pose.rotation.w);
+            let (off, lead) = (axis.dot(&pose.translation.vector) - pitch * angle, std::f64::consts::TAU * pitch);
+            off - lead * (off / lead).round()
+        }
     }
 }
 
@@ -98,6 +103,7 @@ fn axes_without_direction_are_refused() {
         let kinds = [
             HingeKind::Revolute { axis: bad },
             HingeKind::Prismatic { axis: bad },
+            HingeKind::Screw { axis: bad, pitch: 0.01 },
             HingeKind::Cylindrical { axis: bad },
             HingeKind::Universal { axes: [bad, good] },
             HingeKind::Universal { axes: [good, bad] },

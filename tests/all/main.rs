@@ -39,6 +39,7 @@ mod robust;
 mod ropes;
 mod scenario;
 mod scenarios;
+mod screws;
 mod statics;
 mod statics_cascade;
 mod statics_inverse;

@@ -3,7 +3,7 @@
 use crate::common::{Options, build, preload, random_scene, take_inertia};
 use nalgebra::Vector6;
 use std::sync::Arc;
-use stillpoint::forces;
+use stillpoint::dynamics::applied;
 use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
 use stillpoint::model::{Joint, Model};
 use stillpoint::motion::Motion;
@@ -26,9 +26,9 @@ impl Case {
         let mut motion = Motion::new(&model);
         motion.update(&model, &q, &v);
         let mut applied = vec![Wrench::ZERO; model.links.len()];
-        forces::apply(&forces::Laws::new(&model), &motion, &mut applied);
+        applied::apply(&applied::Laws::new(&model), &motion, &mut applied);
         let mut tau = v.clone();
-        forces::hinge::apply(&model, &q, &v, &mut tau);
+        applied::hinge::apply(&model, &q, &v, &mut tau);
         Self { model, motion, applied, tau }
     }
 
@@ -77,7 +77,7 @@ fn worst(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
 /// and both ways are sums of up to forty terms: 1e-16 grows to 1e-12 at worst. Measured is 3e-14.
 #[test]
 fn the_fast_sweeps_give_what_the_printed_method_gives() {
-    let (mut kinds, mut armatures) = ([0; 3], 0);
+    let (mut kinds, mut armatures) = ([0; 4], 0);
     for seed in 0..400_u64 {
         let options = Options { bodies: 1 + seed as usize % 40, springs: seed % 4 != 0, welds: seed % 3 != 0 };
         let mut description = random_scene(seed + 40_000, &options);
@@ -94,13 +94,14 @@ fn the_fast_sweeps_give_what_the_printed_method_gives() {
                 Joint::Turn => kinds[0] += 1,
                 Joint::Slide { .. } => kinds[1] += 1,
                 Joint::Ball { .. } => kinds[2] += 1,
+                Joint::Screw { .. } => kinds[3] += 1,
             }
         }
         armatures += model.coordinates.iter().filter(|coordinate| coordinate.armature > 0.0).count();
         let found = Case::of(model).differences();
         assert!(found.iter().all(|difference| *difference < 1e-12), "seed {seed}: {found:?}");
     }
-    assert!(kinds.iter().all(|count| *count > 500) && armatures > 500, "{kinds:?} {armatures}");
+    assert!(kinds.iter().all(|count| *count > 300) && armatures > 500, "{kinds:?} {armatures}");
 }
 
 /// Trees so large that the fast sweeps compute two halves at once.

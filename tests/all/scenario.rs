@@ -254,7 +254,7 @@ fn the_schema_closes_every_table_and_names_the_units() {
     assert_eq!(body["required"], serde_json::json!(["name", "hinge"]));
     assert_eq!(body["properties"]["density"]["exclusiveMinimum"], 0.0);
     let hinges = body["properties"]["hinge"]["oneOf"].as_array().expect("one variant per type");
-    assert_eq!(hinges.len(), 8);
+    assert_eq!(hinges.len(), 9);
     assert_eq!(hinges[1]["properties"]["type"]["const"], "revolute");
     assert_eq!(hinges[1]["required"], serde_json::json!(["type", "axis"]));
     let text = schema.to_string();

@@ -482,6 +482,27 @@ fn collar_slides_until_the_spring_carries_its_weight_and_turns_its_arm_down() {
     near(arm.z, -(1.0 - rod.z * rod.z).sqrt(), 1e-12);
 }
 
+/// The knees of the jack come together by the pitch of the thread, and the drive pushes with what virtual work says: a load
+/// `W` on arms of length `L` with half the width `c` takes `W p c/√(L² − c²)`.
+#[test]
+fn the_screw_of_the_jack_lifts_the_car() {
+    let (scenario, model) = shipped("scissor_jack", &[]);
+    let (arm, pitch) = (0.2_f64, 4e-3 / TAU);
+    let height = |half: f64| 2.0 * (arm * arm - half * half).sqrt();
+    let equilibrium = found(&scenario, &model);
+    near(coordinates(&model, &equilibrium.position, "car")[0], height(0.16), 1e-12);
+    // Arms lift at a quarter and at three quarters of the height, what the knees carry at half of it.
+    let weight = G * (400.0 + 2.0 * 0.8 + 0.5 * (0.2 + 0.5 + 0.2));
+    near(equilibrium.drive_forces[0].1, weight * pitch * 0.16 / (0.5 * height(0.16)), 1e-9);
+    let (summary, samples) = simulated(&scenario, &model);
+    for sample in &samples {
+        let turned = coordinates(&model, &sample.positions, "rod")[0];
+        near(coordinates(&model, &sample.positions, "car")[0], height(0.16 - 0.5 * pitch * turned), 1e-11);
+        near(coordinates(&model, &sample.positions, "nut")[0], 80.0 * TAU - turned, 1e-9);
+    }
+    near(coordinates(&model, &summary.state.position, "car")[0], 0.32, 1e-11);
+}
+
 /// Grashof's rule: the crank turns round, the rocker stays between the two angles at which crank and coupler lie in one
 /// line (cosine rule).
 #[test]

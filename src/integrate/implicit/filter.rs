@@ -13,7 +13,7 @@
 //! filter costs one residual and one solve.
 
 use crate::integrate::{
-    implicit::stage::evaluate, problem::ImplicitProblem, step::error::Limit, step::statistics::Statistics,
+    implicit::stage::correct, problem::ImplicitProblem, step::error::Limit, step::statistics::Statistics,
 };
 
 /// The end of a step, where the residual vanishes; `K` is factorized.
@@ -40,9 +40,7 @@ pub(crate) fn filter<P: ImplicitProblem>(
     displaced.copy_from_slice(end.state);
     displaced.iter_mut().zip(&*error_q).for_each(|(q, error)| *q -= error);
     acceleration.iter_mut().zip(&*error_v).for_each(|(a, error)| *a += error / end.step);
-    evaluate(problem, end.time, displaced, acceleration, filtered, statistics)?;
-    problem.solve(filtered);
-    statistics.solves += 1;
+    correct(problem, end.time, displaced, acceleration, filtered, statistics)?;
 
     let turned = &mut displaced[..position_count];
     problem.position_rate(&end.state[..position_count], filtered, turned);

@@ -15,29 +15,43 @@ use crate::integrate::{
     step::error::{Limit, StepError},
     step::norm::Measured,
     step::progress::Progress,
+    step::stepper::Stepper,
 };
 
 /// What such a method does in a step.
-pub(crate) trait Implicit<P: ImplicitProblem> {
+pub(crate) trait Implicit {
+    /// Where the run stands.
+    fn reached(&self) -> &Progress;
+
     /// Where the run stands, and what chooses its steps.
     fn parts(&mut self) -> (&mut Progress, &mut Controller);
 
     /// Solves for the end of a step; gives the norm of its error estimate, 0 where the step is fixed.
-    fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit>;
+    fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit>;
 
     /// Makes the end of the step tried the state reached.
     ///
     /// # Errors
     /// Where it cannot be projected.
-    fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit>;
+    fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit>;
 
     /// Gives up tangents of an earlier step, or takes more of them where the step cannot be shortened; false where that would
     /// not help any more.
     fn discard_old(&mut self) -> bool;
 }
 
+impl<P: ImplicitProblem, M: Implicit> Stepper<P> for M {
+    fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
+        step(self, problem)
+    }
+
+    fn progress(&self) -> &Progress {
+        self.reached()
+    }
+}
+
 /// Makes one accepted step.
-pub(crate) fn step<P: ImplicitProblem>(method: &mut impl Implicit<P>, problem: &mut P) -> Result<(), StepError> {
+fn step<P: ImplicitProblem>(method: &mut impl Implicit, problem: &mut P) -> Result<(), StepError> {
     loop {
         let (progress, control) = method.parts();
         if progress.finished() {

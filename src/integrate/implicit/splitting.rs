@@ -11,10 +11,11 @@
 //! there are two, one for what the step resolves and one for stiff systems.
 //! `γ` is such that `γ^s = det A`: then `1 − L⁻¹ A`, which is left for `z → −∞`, can be nilpotent, as with triangular factors
 //! `A = L U` (P.J. van der Houwen, J.J.B. de Swart, *Triangularly implicit iteration methods for ODE-IVP solvers*, SIAM J. Sci.
-//! Comput. 18, 1997). The other entries are found by search: those that make the mean of `log ‖G³‖^{1/3}` least
+//! Comput. 18, 1997). The other entries make the mean of `log ‖G³‖^{1/3}` least, as `docs/splitting.py` finds them,
 //!
-//! * at `z = iy`, `y = 0.3, 0.6, 1, 1.5, 2, 3, 4`, while the spectral radius is nowhere in the left half plane above a bound;
-//! * on rays through the left half plane, `|z| = 10 … 10⁴`.
+//! * at `z = iy`, `y = 0.3, 0.6, 1, 1.5, 2, 3, 4`;
+//! * on rays through the left half plane, `|z| = 10 … 10⁴`. With five stages the minimum is flat: entries a tenth apart leave
+//!   two thousandths more.
 //!
 //! | `‖G³‖^{1/3}` at | i, 2i, 4i | −1000 | | of `A = L U` | |
 //! |---|---|---|---|---|---|

@@ -134,10 +134,8 @@ impl Newton {
         let prior = self.contraction.map(|contraction| contraction.powf(TRUST));
         let mut iteration = Iteration::new(accuracy, MAX_ITERATIONS).expecting(prior);
         loop {
-            evaluate(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
+            correct(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
-            statistics.solves += 1;
-            problem.solve(&mut self.correction);
             displace(problem, state, &self.correction, c1, &mut self.displacement);
             let size = norm.measure(&self.displacement, stage.start, state).value;
 
@@ -170,22 +168,24 @@ pub(crate) fn place<P: ImplicitProblem>(problem: &P, stage: Stage<'_>, accelerat
     problem.implicit_position(known_q, stage.step, v, q);
 }
 
-/// `residual ← r(t, q, v, a)`, checked to be finite.
-pub(crate) fn evaluate<P: ImplicitProblem>(
+/// `correction ← K⁻¹ r(t, q, v, a)` with the tangent factorized last; the residual is checked to be finite.
+pub(crate) fn correct<P: ImplicitProblem>(
     problem: &mut P,
     time: f64,
     state: &[f64],
     acceleration: &[f64],
-    residual: &mut [f64],
+    correction: &mut [f64],
     statistics: &mut Statistics,
 ) -> Result<(), Limit> {
     let (q, v) = state.split_at(problem.position_count());
     statistics.residual_evaluations += 1;
-    problem.residual(time, q, v, acceleration, residual).map_err(Limit::Failure)?;
-    match residual.iter().position(|r| !r.is_finite()) {
-        Some(index) => Err(Limit::NotFinite(Component::Velocity(index))),
-        None => Ok(()),
+    problem.residual(time, q, v, acceleration, correction).map_err(Limit::Failure)?;
+    if let Some(index) = correction.iter().position(|r| !r.is_finite()) {
+        return Err(Limit::NotFinite(Component::Velocity(index)));
     }
+    statistics.solves += 1;
+    problem.solve(correction);
+    Ok(())
 }
 
 /// `displacement ← (N(q) δq, c₁ δq)`: what a correction of the position in velocity coordinates does to the state.

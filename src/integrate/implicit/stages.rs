@@ -35,7 +35,7 @@ use crate::integrate::{
     implicit::contraction::{Accuracy, Iteration},
     implicit::history::History,
     implicit::splitting::Splitting,
-    implicit::stage::{ROUNDINGS, Stage, evaluate, place},
+    implicit::stage::{ROUNDINGS, Stage, correct, place},
     implicit::tangent::{Shift, TangentCache},
     problem::{ImplicitProblem, Point},
     step::error::Limit,
@@ -307,10 +307,8 @@ impl Stages {
         let (rate, change) = (&mut rates[i], &mut changes[i]);
         self.acceleration.copy_from_slice(&rate[position_count..]);
         place(problem, stage, &self.acceleration, state);
-        evaluate(problem, stage.time, state, &self.acceleration, &mut self.correction, statistics)?;
+        correct(problem, stage.time, state, &self.acceleration, &mut self.correction, statistics)?;
         statistics.newton_iterations += 1;
-        statistics.solves += 1;
-        problem.solve(&mut self.correction);
         let Shift { c2, .. } = self.tangent.shift()?;
         self.acceleration.iter_mut().zip(&self.correction).for_each(|(a, correction)| *a -= c2 * correction);
         place(problem, stage, &self.acceleration, state);

@@ -48,7 +48,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{require_finite, state_rate},
-    step::start::first_step,
+    step::start::Begun,
     step::stepper::Stepper,
 };
 
@@ -123,16 +123,8 @@ impl Adams {
     /// # Errors
     /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: Problem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
-        options.validate()?;
-        let mut progress = Progress::new(problem, start)?;
-        let mut norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
-        let mut rate = vec![0.0; progress.state.len()];
-        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
-            .map_err(|limit| progress.cannot_start(limit))?;
-        let step = match options.step {
-            Some(step) => step,
-            None => first_step(problem, &mut norm, &mut progress, &rate, 2),
-        };
+        let norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
+        let Begun { progress, norm, rate, step } = Begun::new(problem, options, start, norm, 2)?;
         let past = Differences::new(progress.time, &rate);
         Ok(Self {
             control: Controller::new(options, 2, step, &progress, ADVICE),

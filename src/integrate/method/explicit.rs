@@ -25,7 +25,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{combine, require_finite, state_rate, weighted_sum},
-    step::start::first_step,
+    step::start::Begun,
 };
 
 /// Smallest share of the tolerance that a step is asked for: see `norm.rs`.
@@ -112,17 +112,11 @@ impl Explicit {
         options: &Options,
         start: Start<'_>,
     ) -> Result<Self, StepError> {
-        options.validate()?;
-        let mut progress = Progress::new(problem, start)?;
+        let norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
+        let Begun { mut progress, norm, rate, step } = Begun::new(problem, options, start, norm, pair.order)?;
         progress.dense.with_higher_terms(dense_terms);
-        let mut norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
-        let mut rates = vec![vec![0.0; progress.state.len()]; pair.nodes.len()];
-        state_rate(problem, progress.time, &progress.state, &mut rates[0], &mut progress.statistics)
-            .map_err(|limit| progress.cannot_start(limit))?;
-        let step = match options.step {
-            Some(step) => step,
-            None => first_step(problem, &mut norm, &mut progress, &rates[0], pair.order),
-        };
+        let mut rates = vec![vec![0.0; rate.len()]; pair.nodes.len()];
+        rates[0] = rate;
         Ok(Self {
             control: Controller::new(options, pair.order, step, &progress, ADVICE),
             next: progress.state.clone(),

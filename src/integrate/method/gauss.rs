@@ -37,7 +37,8 @@ use crate::integrate::{
     step::norm::ErrorNorm,
     step::options::{Options, Start},
     step::progress::Progress,
-    step::rates::{require_finite, settle, state_rate},
+    step::rates::{require_finite, settle},
+    step::start::Begun,
     step::stepper::Stepper,
 };
 
@@ -72,16 +73,16 @@ impl Gauss {
     /// evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         let options = Options { fixed: true, ..*options };
-        options.validate()?;
-        let step = options.step.ok_or(StepError::NoStep)?;
-        let mut progress = Progress::new(problem, start)?;
+        if options.step.is_none() {
+            options.validate()?;
+            return Err(StepError::NoStep);
+        }
+        let (order, norm) = (2 * STAGES as u8, ErrorNorm::new(problem, UNIT, UNIT));
+        let Begun { mut progress, norm, rate, step } = Begun::new(problem, &options, start, norm, order)?;
         progress.dense.with_terms(STAGES + 1);
-        let mut rate = vec![0.0; progress.state.len()];
-        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
-            .map_err(|limit| progress.cannot_start(limit))?;
         Ok(Self {
-            control: Controller::new(&options, 2 * STAGES as u8, step, &progress, ADVICE),
-            norm: ErrorNorm::new(problem, UNIT, UNIT),
+            control: Controller::new(&options, order, step, &progress, ADVICE),
+            norm,
             stages: Stages::new(problem, Collocation::gauss(STAGES), SOLUTION, &rate),
             next: rate.clone(),
             lost: vec![0.0; rate.len()],

@@ -38,10 +38,10 @@
 //! M. Arnold, Mech. Mach. Theory 48 (2012) for the manifold.
 
 use crate::integrate::{
+    implicit::Implicit,
     implicit::contraction::{Accuracy, Iteration},
-    implicit::stage::evaluate,
+    implicit::stage::correct,
     implicit::tangent::{Shift, TangentCache},
-    implicit::{self, Implicit},
     problem::{ImplicitProblem, Point},
     step::control::{Controller, Trial},
     step::error::{Limit, StepError},
@@ -49,8 +49,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{require_finite, settle, state_rate},
-    step::start::first_step,
-    step::stepper::Stepper,
+    step::start::Begun,
 };
 
 /// The error estimate is `O(h³)`, in shares of the tolerance it is `O(h²)`.
@@ -119,17 +118,9 @@ impl GeneralizedAlpha {
     /// # Errors
     /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
-        options.validate()?;
+        let norm = ErrorNorm::shared(problem, options, &start, 0.0);
+        let Begun { progress, norm, rate, step } = Begun::new(problem, options, start, norm, ESTIMATE_ORDER)?;
         problem.reserve();
-        let mut progress = Progress::new(problem, start)?;
-        let mut norm = ErrorNorm::shared(problem, options, &start, 0.0);
-        let mut rate = vec![0.0; progress.state.len()];
-        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
-            .map_err(|limit| progress.cannot_start(limit))?;
-        let step = match options.step {
-            Some(step) => step,
-            None => first_step(problem, &mut norm, &mut progress, &rate, ESTIMATE_ORDER),
-        };
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
             control: Controller::new(options, ESTIMATE_ORDER, step, &progress, ADVICE).holding_below(HOLD_BELOW),
@@ -158,10 +149,8 @@ impl GeneralizedAlpha {
         loop {
             let Progress { state, statistics, .. } = &mut self.progress;
             let acceleration = &mut self.next_rate[position_count..];
-            evaluate(problem, trial.time, &self.next, acceleration, &mut self.correction, statistics)?;
+            correct(problem, trial.time, &self.next, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
-            statistics.solves += 1;
-            problem.solve(&mut self.correction);
             let (of_position, of_velocity) = self.displacement.split_at_mut(position_count);
             problem.position_rate(&self.next[..position_count], &self.correction, of_position);
             of_velocity.iter_mut().zip(&self.correction).for_each(|(by, x)| *by = c1 * x);
@@ -225,9 +214,7 @@ impl GeneralizedAlpha {
                 };
                 self.displaced[i] = then + c2 * error;
             }
-            evaluate(problem, trial.time, &self.next, &self.displaced, &mut self.correction, statistics)?;
-            problem.solve(&mut self.correction);
-            statistics.solves += 1;
+            correct(problem, trial.time, &self.next, &self.displaced, &mut self.correction, statistics)?;
             match pass {
                 Pass::Velocity => of_velocity.copy_from_slice(&self.correction),
                 Pass::Position => problem.position_rate(&self.next[..*position_count], &self.correction, of_position),
@@ -244,12 +231,16 @@ enum Pass {
     Position,
 }
 
-impl<P: ImplicitProblem> Implicit<P> for GeneralizedAlpha {
+impl Implicit for GeneralizedAlpha {
+    fn reached(&self) -> &Progress {
+        &self.progress
+    }
+
     fn parts(&mut self) -> (&mut Progress, &mut Controller) {
         (&mut self.progress, &mut self.control)
     }
 
-    fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+    fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         self.norm.allow(trial.step);
         let position_count = self.progress.position_count;
         let (c1, c2) = self.weights.shifts(trial.step);
@@ -272,7 +263,7 @@ impl<P: ImplicitProblem> Implicit<P> for GeneralizedAlpha {
         self.estimate(problem, trial)
     }
 
-    fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
+    fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
         let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
         if settle(problem, trial.time, &mut self.next, *position_count)? {
             state_rate(problem, trial.time, &self.next, &mut self.next_rate, statistics)?;
@@ -290,15 +281,5 @@ impl<P: ImplicitProblem> Implicit<P> for GeneralizedAlpha {
 
     fn discard_old(&mut self) -> bool {
         self.tangent.discard_old()
-    }
-}
-
-impl<P: ImplicitProblem> Stepper<P> for GeneralizedAlpha {
-    fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
-        implicit::step(self, problem)
-    }
-
-    fn progress(&self) -> &Progress {
-        &self.progress
     }
 }

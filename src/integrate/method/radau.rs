@@ -34,12 +34,12 @@
 //! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.5, IV.8.
 
 use crate::integrate::{
+    implicit::Implicit,
     implicit::collocation::Collocation,
     implicit::contraction::Accuracy,
     implicit::filter::{End, filter},
     implicit::splitting::{RADAU_3, RADAU_5, Splitting},
     implicit::stages::{Solution, Stages},
-    implicit::{self, Implicit},
     problem::ImplicitProblem,
     step::control::{Controller, Trial},
     step::error::{Limit, StepError},
@@ -47,8 +47,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{settle, state_rate},
-    step::start::first_step,
-    step::stepper::Stepper,
+    step::start::Begun,
 };
 
 /// At a tolerance of 10⁻¹⁰. A larger part left spoils the prediction of the next stages, and three times as much leaves
@@ -117,18 +116,9 @@ impl Radau {
         options: &Options,
         start: Start<'_>,
     ) -> Result<Self, StepError> {
-        options.validate()?;
-        let mut progress = Progress::new(problem, start)?;
+        let (estimate_order, norm) = (stages as u8 + 1, ErrorNorm::new(problem, options.relative, options.absolute));
+        let Begun { mut progress, norm, rate, step } = Begun::new(problem, options, start, norm, estimate_order)?;
         progress.dense.with_terms(stages + 1);
-        let mut norm = ErrorNorm::new(problem, options.relative, options.absolute);
-        let mut rate = vec![0.0; progress.state.len()];
-        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
-            .map_err(|limit| progress.cannot_start(limit))?;
-        let estimate_order = stages as u8 + 1;
-        let step = match options.step {
-            Some(step) => step,
-            None => first_step(problem, &mut norm, &mut progress, &rate, estimate_order),
-        };
         let method = Collocation::radau(stages);
         let steps_fewer = (norm.tolerance() / TIGHT).powf(1.0 / f64::from(estimate_order)).clamp(1.0, MOST_LEFT);
         let accuracy = Accuracy { left: steps_fewer * ACCURACY.left, ..ACCURACY };
@@ -168,12 +158,16 @@ impl Radau {
     }
 }
 
-impl<P: ImplicitProblem> Implicit<P> for Radau {
+impl Implicit for Radau {
+    fn reached(&self) -> &Progress {
+        &self.progress
+    }
+
     fn parts(&mut self) -> (&mut Progress, &mut Controller) {
         (&mut self.progress, &mut self.control)
     }
 
-    fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+    fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         let Progress { time, state, statistics, .. } = &mut self.progress;
         self.stages.solve(problem, &self.norm, (*time, state), trial.step, statistics)?;
         self.next.copy_from_slice(&self.stages.states[self.at_start.len() - 1]);
@@ -183,7 +177,7 @@ impl<P: ImplicitProblem> Implicit<P> for Radau {
         self.estimate(problem, trial)
     }
 
-    fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
+    fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
         let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
         if settle(problem, trial.time, &mut self.next, *position_count)? {
             state_rate(problem, trial.time, &self.next, &mut self.rate, statistics)?;
@@ -199,15 +193,5 @@ impl<P: ImplicitProblem> Implicit<P> for Radau {
 
     fn discard_old(&mut self) -> bool {
         self.stages.discard_old() || (self.control.is_fixed() && self.stages.take_care())
-    }
-}
-
-impl<P: ImplicitProblem> Stepper<P> for Radau {
-    fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
-        implicit::step(self, problem)
-    }
-
-    fn progress(&self) -> &Progress {
-        &self.progress
     }
 }

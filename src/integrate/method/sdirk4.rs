@@ -27,9 +27,9 @@
 //! **Reference**: Hairer, Wanner, *Solving Ordinary Differential Equations II*, 2nd ed., IV.6 (method), IV.8 (practice).
 
 use crate::integrate::{
+    implicit::Implicit,
     implicit::filter::{End, filter},
     implicit::stage::{Newton, Stage},
-    implicit::{self, Implicit},
     method::predict::Predictor,
     method::tableau::sdirk4::{A, C, CUBES, E, GAMMA, SQUARES},
     problem::{ImplicitProblem, Point},
@@ -38,9 +38,8 @@ use crate::integrate::{
     step::norm::{ErrorNorm, Measured},
     step::options::{Options, Start},
     step::progress::Progress,
-    step::rates::{combine, require_finite, settle, state_rate, weighted_sum},
-    step::start::first_step,
-    step::stepper::Stepper,
+    step::rates::{combine, require_finite, settle, weighted_sum},
+    step::start::Begun,
 };
 
 /// Smallest share of the tolerance that a step is asked for (see `norm.rs`): its steps are better than their estimate, by an
@@ -79,17 +78,9 @@ impl Sdirk4 {
     /// # Errors
     /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
-        options.validate()?;
+        let norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
+        let Begun { progress, norm, rate, step } = Begun::new(problem, options, start, norm, ESTIMATE_ORDER)?;
         problem.reserve();
-        let mut progress = Progress::new(problem, start)?;
-        let mut norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
-        let mut rate = vec![0.0; progress.state.len()];
-        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
-            .map_err(|limit| progress.cannot_start(limit))?;
-        let step = match options.step {
-            Some(step) => step,
-            None => first_step(problem, &mut norm, &mut progress, &rate, ESTIMATE_ORDER),
-        };
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
             control: Controller::new(options, ESTIMATE_ORDER, step, &progress, ADVICE).holding_below(HOLD_BELOW),
@@ -119,12 +110,16 @@ impl Sdirk4 {
     }
 }
 
-impl<P: ImplicitProblem> Implicit<P> for Sdirk4 {
+impl Implicit for Sdirk4 {
+    fn reached(&self) -> &Progress {
+        &self.progress
+    }
+
     fn parts(&mut self) -> (&mut Progress, &mut Controller) {
         (&mut self.progress, &mut self.control)
     }
 
-    fn attempt(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
+    fn attempt<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
         self.norm.allow(trial.step);
         let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
         let (q, v) = state.split_at(*position_count);
@@ -149,7 +144,7 @@ impl<P: ImplicitProblem> Implicit<P> for Sdirk4 {
         self.estimate(problem, trial)
     }
 
-    fn accept(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
+    fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
         let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
         settle(problem, trial.time, &mut self.next, *position_count)?;
         dense.cubic(trial.step, [state, &self.next], &SQUARES, &CUBES, &self.rates);
@@ -162,15 +157,5 @@ impl<P: ImplicitProblem> Implicit<P> for Sdirk4 {
 
     fn discard_old(&mut self) -> bool {
         self.newton.discard_old()
-    }
-}
-
-impl<P: ImplicitProblem> Stepper<P> for Sdirk4 {
-    fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
-        implicit::step(self, problem)
-    }
-
-    fn progress(&self) -> &Progress {
-        &self.progress
     }
 }

@@ -1,4 +1,4 @@
-//! The first step of an adaptive method.
+//! How a run starts, and the first step of an adaptive method.
 //!
 //! ```text
 //! d₀ = ‖x₀‖, d₁ = ‖ẋ₀‖, h₀ = 0.01 d₀/d₁;  an Euler step of h₀ gives d₂ = ‖ẋ(h₀) − ẋ₀‖ / h₀
@@ -10,7 +10,14 @@
 //! makes `d₁` and `d₂` small or zero and the rule boundless; `T/100` is the bound it lacks. The first step is then
 //! judged by its own error estimate as every other.
 
-use crate::integrate::{problem::Problem, step::norm::ErrorNorm, step::progress::Progress, step::rates::state_rate};
+use crate::integrate::{
+    problem::Problem,
+    step::error::StepError,
+    step::norm::ErrorNorm,
+    step::options::{Options, Start},
+    step::progress::Progress,
+    step::rates::state_rate,
+};
 
 /// Largest first step and step for looking ahead, as a fraction of the time scale.
 const TIME_FRACTION: f64 = 0.01;
@@ -19,8 +26,43 @@ const BLIND_FRACTION: f64 = 1e-6;
 /// Norms below this, in tolerances, are negligible.
 const NEGLIGIBLE: f64 = 1e-5;
 
+/// A run before its first step.
+pub(crate) struct Begun {
+    pub(crate) progress: Progress,
+    pub(crate) norm: ErrorNorm,
+    /// `(N(q) v, a)` at the start.
+    pub(crate) rate: Vec<f64>,
+    /// The `step` of the options, or one chosen from the system (s).
+    pub(crate) step: f64,
+}
+
+impl Begun {
+    /// A run whose error estimate has order `order`.
+    ///
+    /// # Errors
+    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    pub(crate) fn new<P: Problem>(
+        problem: &mut P,
+        options: &Options,
+        start: Start<'_>,
+        mut norm: ErrorNorm,
+        order: u8,
+    ) -> Result<Self, StepError> {
+        options.validate()?;
+        let mut progress = Progress::new(problem, start)?;
+        let mut rate = vec![0.0; progress.state.len()];
+        state_rate(problem, progress.time, &progress.state, &mut rate, &mut progress.statistics)
+            .map_err(|limit| progress.cannot_start(limit))?;
+        let step = match options.step {
+            Some(step) => step,
+            None => first_step(problem, &mut norm, &mut progress, &rate, order),
+        };
+        Ok(Self { progress, norm, rate, step })
+    }
+}
+
 /// A first step for an error estimate of order `order`, in s, from the state of `progress` and its `rate`.
-pub(crate) fn first_step<P: Problem>(
+fn first_step<P: Problem>(
     problem: &mut P,
     norm: &mut ErrorNorm,
     progress: &mut Progress,

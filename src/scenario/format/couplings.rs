@@ -2,7 +2,7 @@
 
 use super::super::fields::{Key, Kind, Range, Table};
 use super::force::END;
-use super::hinge::{ACROSS, ALONG};
+use super::hinge::{ACROSS, ALONG, PITCH};
 use super::{NUMBER, POSITIVE, VECTOR};
 use crate::hinge::{DECLARED, Which, count, names};
 
@@ -27,6 +27,7 @@ pub const LOOP: Table = Table {
             .required()
             .only(&ACROSS)
             .example("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]"),
+        PITCH,
         Key::new("rpy", VECTOR, "Turn of the loop's frame in the first body: roll, pitch, yaw as in URDF.")
             .unit("rad")
             .default("[0.0, 0.0, 0.0]")

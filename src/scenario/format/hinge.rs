@@ -47,6 +47,7 @@ pub const HINGE: Table = Table {
             .required()
             .only(&ACROSS)
             .example("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]"),
+        PITCH,
         Key::new("position", PER_COORDINATE, "Coordinates at the start, or the guess from which statics starts.")
             .unit("m or rad")
             .default("0.0")
@@ -103,6 +104,14 @@ pub const HINGE: Table = Table {
         Key::new("friction", Kind::Refused("`friction` is reserved for a later version"), "Dry friction."),
     ],
 };
+
+/// Of a screw, in the tree or in a loop.
+pub(super) const PITCH: Key =
+    Key::new("pitch", NUMBER, "Distance along the axis per angle, not zero; negative for a left-hand thread.")
+        .unit("m/rad")
+        .required()
+        .only(&["screw"])
+        .example("\"5 mm/rev\"");
 
 /// Every kind with what it does.
 const TYPES: [(&str, &str); DECLARED.len()] = {

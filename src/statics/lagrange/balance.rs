@@ -3,8 +3,8 @@
 use super::constraints::{Constraint, Gradient, axial};
 use super::entries::{Entries, Part};
 use super::poses::Poses;
+use crate::dynamics::applied;
 use crate::force::Act;
-use crate::forces;
 use crate::model::motor::Push;
 use crate::model::{Joint, Link, Model};
 use crate::motion::variation::LinkVariation;
@@ -13,9 +13,9 @@ use crate::transfer::element::Reduced;
 use nalgebra::{Matrix3, Vector3};
 
 /// What acts on every link without its hinge: weight and force elements, at the root markers.
-pub(super) fn applied(model: &Model, poses: &Poses) -> Vec<Wrench> {
+pub(super) fn on_links(model: &Model, poses: &Poses) -> Vec<Wrench> {
     let mut wrenches = vec![Wrench::ZERO; model.links.len()];
-    forces::apply(&forces::Laws::new(model), &poses.motion, &mut wrenches);
+    applied::apply(&applied::Laws::new(model), &poses.motion, &mut wrenches);
     for (index, link) in model.links.iter().enumerate().skip(1) {
         wrenches[index] += Wrench::at_arm(link.mass * model.gravity, poses.motion.links[index].center);
     }
@@ -27,18 +27,18 @@ pub(super) fn applied(model: &Model, poses: &Poses) -> Vec<Wrench> {
 pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench; 2]> {
     let rest = vec![0.0; model.velocity_count()];
     let mut tau = rest.clone();
-    forces::hinge::apply(model, &poses.q, &rest, &mut tau);
-    forces::motor::apply(model, &motors(model, poses), &mut tau);
+    applied::hinge::apply(model, &poses.q, &rest, &mut tau);
+    applied::motor::apply(model, &motors(model, poses), &mut tau);
     tau.iter_mut().zip(push).for_each(|(tau, push)| *tau += push);
     let of_link = |(index, link): (usize, &Link)| match link.joint {
         Joint::None => [Wrench::ZERO; 2],
-        Joint::Turn | Joint::Slide { .. } => {
-            let gradient = coordinate(poses, index, link);
-            [gradient.on_link(tau[link.velocity]), gradient.on_parent(tau[link.velocity])]
-        }
         Joint::Ball { .. } => {
             let moment = poses.motion.links[index].turn * Vector3::from_column_slice(&tau[link.velocity..][..3]);
             [moment, -moment].map(|moment| Wrench { force: Vector3::zeros(), moment })
+        }
+        _ => {
+            let gradient = coordinate(poses, index, link);
+            [gradient.on_link(tau[link.velocity]), gradient.on_parent(tau[link.velocity])]
         }
     };
     model.links.iter().enumerate().map(of_link).collect()
@@ -47,7 +47,7 @@ pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench;
 /// What motors and curves push with at rest.
 fn motors(model: &Model, poses: &Poses) -> Vec<Push> {
     let (rest, mut pushes) = (vec![0.0; model.velocity_count()], vec![Push::default(); model.pushed().count()]);
-    forces::motor::pushes(model, &forces::Laws::new(model), 0.0, &poses.q, &rest, &mut pushes);
+    applied::motor::pushes(model, &applied::Laws::new(model), 0.0, &poses.q, &rest, &mut pushes);
     pushes
 }
 
@@ -80,12 +80,13 @@ pub(super) fn add_reactions(constraints: &[Constraint], poses: &Poses, multiplie
     }
 }
 
-/// The gradient of the one coordinate of a turn or slide.
+/// The gradient of the one coordinate of a turn, slide or screw; of a screw it is that of the angle, its distance goes with
+/// the thread.
 pub(super) fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
     let (own, parent) = (&poses.motion.links[index], &poses.motion.links[link.parent]);
     let zero = Vector3::zeros();
     match link.joint {
-        Joint::Turn => {
+        Joint::Turn | Joint::Screw { .. } => {
             let n = own.turn.column(2).into_owned();
             Gradient { force: zero, on_link: n, on_parent: -n }
         }
@@ -167,8 +168,8 @@ fn hinge(
     };
     match link.joint {
         Joint::None => {}
-        Joint::Turn | Joint::Slide { .. } if !active(0) => {}
-        Joint::Turn => {
+        Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } if !active(0) => {}
+        Joint::Turn | Joint::Screw { .. } => {
             let gradient = coordinate(poses, index, link);
             let moment = acting.moment.cross_matrix();
             entries.add((index, Part::Turn), (index, Part::Turn), &-moment);
@@ -185,7 +186,7 @@ fn hinge(
         Joint::Ball { .. } => {
             let turn = poses.motion.links[index].turn;
             let rotor = Matrix3::from_diagonal(&Vector3::from_fn(|i, _| of(i).armature));
-            let tangent = forces::hinge::ball_tangent(model, link, &poses.q).unwrap_or_default();
+            let tangent = applied::hinge::ball_tangent(model, link, &poses.q).unwrap_or_default();
             let moment = acting.moment.cross_matrix();
             let by_relative = turn * (tangent - shift * rotor) * turn.transpose();
             entries.add((index, Part::Turn), (index, Part::Turn), &(by_relative - moment));

@@ -11,6 +11,7 @@
 //! |---|---|
 //! | turn about n | coincide; square for n against the two axes across it |
 //! | slide along n | across for the two axes; square for three pairs of axes |
+//! | screw about n | across and square for the two axes across it; thread |
 //! | ball | coincide |
 //!
 //! A locked hinge is one without freedom: coincide, and square for three pairs.
@@ -22,13 +23,15 @@
 //! plane     g = u·(D + B − A)        u on the link at B; −u on P at D + B
 //! distance  g = |D + B − A| − l      along that line, at B and at A
 //! square    g = a·b − cosine
+//! thread    g = u·(D + B − A) − p φ    as plane, and the moment −p m on the link, p m on P; φ, m: see `spatial::twist`
 //! ```
 
 use super::entries::{Entries, Part};
 use crate::constraint::{IndependentRow, Rule};
 use crate::model::{Joint, Link, Model};
-use crate::motion::{Motion, hinge_from_link};
+use crate::motion::{LinkMotion, Motion, hinge_from_link};
 use crate::spatial::Wrench;
+use crate::spatial::twist::Twist;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// One constraint: three rows for `Coincide`, else one.
@@ -51,6 +54,14 @@ enum Kind {
     Square { on_parent: Vector3<f64>, on_link: Vector3<f64>, cosine: f64 },
     /// A point of the link in a plane of the parent: its normal and a point of it, parent axes.
     Plane { axis: Vector3<f64>, point: Vector3<f64>, on_link: Vector3<f64> },
+    /// A plane at the angle of a thread: axis and an axis across it on the parent and on the link, each in its own axes.
+    Thread {
+        on_parent: [Vector3<f64>; 2],
+        on_link: [Vector3<f64>; 2],
+        pitch: f64,
+        point: Vector3<f64>,
+        end: Vector3<f64>,
+    },
     /// A point of the parent and one of the link.
     Distance { length: f64, point: Vector3<f64>, on_link: Vector3<f64> },
 }
@@ -106,18 +117,22 @@ fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
     let locked = model.coordinates[link.velocity..link.velocity + count].iter().any(|c| c.lock);
     match link.joint {
         Joint::None => welded(point, link.turn),
-        Joint::Turn if locked => {
-            let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), q[link.position]);
-            welded(point, link.turn * turn.matrix())
+        Joint::Turn | Joint::Screw { .. } if locked => {
+            let (z, angle) = (Vector3::z_axis(), q[link.position]);
+            let slid = link.joint.pitch() * angle * (link.turn * z.into_inner());
+            welded(point + slid, link.turn * Rotation3::from_axis_angle(&z, angle).matrix())
         }
         Joint::Slide { axis } if locked => welded(point + q[link.position] * (link.turn * axis), link.turn),
         Joint::Ball { .. } if locked => {
             welded(point, link.turn * hinge_from_link(&q[link.position..link.position + 4]))
         }
-        Joint::Turn => {
-            let square = |across| Kind::Square { on_parent: link.turn * across, on_link: Vector3::z(), cosine: 0.0 };
-            let [first, second] = across(&Vector3::z());
-            vec![Kind::Coincide { point }, square(first), square(second)]
+        Joint::Turn => std::iter::once(Kind::Coincide { point }).chain(upright(link.turn)).collect(),
+        Joint::Screw { pitch } => {
+            let [z, x] = [Vector3::z(), Vector3::x()];
+            let along = across(&z).map(|axis| Kind::Across { axis: link.turn * axis, point });
+            let on_parent = [link.turn * z, link.turn * x];
+            let thread = Kind::Thread { on_parent, on_link: [z, x], pitch, point, end: Vector3::zeros() };
+            along.into_iter().chain(upright(link.turn)).chain([thread]).collect()
         }
         Joint::Slide { axis } => {
             let of = |axis: Vector3<f64>| Kind::Across { axis: link.turn * axis, point };
@@ -129,6 +144,11 @@ fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
 
 fn welded(point: Vector3<f64>, turn: Matrix3<f64>) -> Vec<Kind> {
     std::iter::once(Kind::Coincide { point }).chain(parallel(turn)).collect()
+}
+
+/// The link's z axis stands as `turn` says on the parent.
+fn upright(turn: Matrix3<f64>) -> [Kind; 2] {
+    across(&Vector3::z()).map(|axis| Kind::Square { on_parent: turn * axis, on_link: Vector3::z(), cosine: 0.0 })
 }
 
 /// The link's axes stand as `turn` on the parent.
@@ -149,6 +169,9 @@ pub(super) fn of_loops(rows: &[IndependentRow], first: usize) -> Vec<Constraint>
             Rule::Along { axis } => Kind::Plane { axis, point, on_link },
             Rule::Aligned { first, second, cosine } => Kind::Square { on_parent: first, on_link: second, cosine },
             Rule::Distance { length } => Kind::Distance { length, point, on_link },
+            Rule::Thread { first: on_parent, second, pitch } => {
+                Kind::Thread { on_parent, on_link: second, pitch, point, end: on_link }
+            }
             Rule::Motion { .. } => return None,
         };
         Some(Constraint { link: b.link, parent: a.link, row: first + index, kind })
@@ -197,11 +220,13 @@ impl Constraint {
                 let moment = a.cross(&b);
                 [(a.dot(&b) - cosine, Gradient { force: zero, on_link: -moment, on_parent: moment }); 3]
             }
-            Kind::Plane { axis, point, on_link } => {
-                let (u, arm) = (parent.turn * axis, link.turn * on_link);
-                let reach = between + arm;
-                let gradient = Gradient { force: u, on_link: arm.cross(&u), on_parent: u.cross(&reach) };
-                [(u.dot(&(reach - parent.turn * point)), gradient); 3]
+            Kind::Plane { axis, point, on_link } => [plane((link, parent), axis, point, on_link); 3],
+            Kind::Thread { on_parent, on_link, pitch, point, end } => {
+                let (distance, mut gradient) = plane((link, parent), on_parent[0], point, end);
+                let twist = twist((link, parent), on_parent, on_link);
+                gradient.on_link -= pitch * twist.gradient;
+                gradient.on_parent += pitch * twist.gradient;
+                [(twist.off_thread(distance, pitch), gradient); 3]
             }
             Kind::Distance { length, point, on_link } => {
                 let (arm, far) = (parent.turn * point, link.turn * on_link);
@@ -227,18 +252,18 @@ impl Constraint {
                 axial(motion, (i, p), parent.turn * axis, multipliers[self.row], entries);
             }
             Kind::Plane { axis, on_link, .. } => {
-                let arm = link.turn * on_link;
-                let reach = (link.position - parent.position + arm).cross_matrix();
-                let arm = arm.cross_matrix();
-                let force = multipliers[self.row] * (parent.turn * axis).cross_matrix();
-                entries.add((i, Part::Place), (p, Part::Turn), &-force);
-                entries.add((p, Part::Place), (p, Part::Turn), &force);
-                entries.add((i, Part::Turn), (i, Part::Turn), &(force * arm));
-                entries.add((i, Part::Turn), (p, Part::Turn), &(-arm * force));
-                entries.add((p, Part::Turn), (p, Part::Turn), &(reach * force));
-                entries.add((p, Part::Turn), (i, Part::Turn), &(-force * arm));
-                entries.add((p, Part::Turn), (i, Part::Place), &force);
-                entries.add((p, Part::Turn), (p, Part::Place), &-force);
+                vary_plane(motion, (i, p), (axis, on_link), multipliers[self.row], entries);
+            }
+            Kind::Thread { on_parent, on_link, pitch, end, .. } => {
+                vary_plane(motion, (i, p), (on_parent[0], end), multipliers[self.row], entries);
+                let (twist, size) = (twist((link, parent), on_parent, on_link), -pitch * multipliers[self.row]);
+                let (none, units) = (Vector3::zeros(), [0, 1, 2].map(|axis| Vector3::ith(axis, size)));
+                let by_parent = Matrix3::from_columns(&units.map(|unit| twist.vary(&unit, &none)));
+                let by_link = Matrix3::from_columns(&units.map(|unit| twist.vary(&none, &unit)));
+                entries.add((i, Part::Turn), (p, Part::Turn), &by_parent);
+                entries.add((i, Part::Turn), (i, Part::Turn), &by_link);
+                entries.add((p, Part::Turn), (p, Part::Turn), &-by_parent);
+                entries.add((p, Part::Turn), (i, Part::Turn), &-by_link);
             }
             Kind::Distance { point, on_link, .. } => {
                 let (arm, far) = (parent.turn * point, link.turn * on_link);
@@ -275,6 +300,52 @@ impl Constraint {
             }
         }
     }
+}
+
+/// The distance of a point of the link along an axis of the parent from one of the parent, and its gradient.
+fn plane(
+    (link, parent): (&LinkMotion, &LinkMotion),
+    axis: Vector3<f64>,
+    point: Vector3<f64>,
+    on_link: Vector3<f64>,
+) -> (f64, Gradient) {
+    let (u, arm) = (parent.turn * axis, link.turn * on_link);
+    let reach = link.position - parent.position + arm;
+    let gradient = Gradient { force: u, on_link: arm.cross(&u), on_parent: u.cross(&reach) };
+    (u.dot(&(reach - parent.turn * point)), gradient)
+}
+
+/// How a force of fixed size on a point of the link, along an axis carried by the parent, varies with the poses.
+fn vary_plane(
+    motion: &Motion,
+    (i, p): (usize, usize),
+    (axis, on_link): (Vector3<f64>, Vector3<f64>),
+    size: f64,
+    entries: &mut Entries,
+) {
+    let (link, parent) = (&motion.links[i], &motion.links[p]);
+    let arm = link.turn * on_link;
+    let reach = (link.position - parent.position + arm).cross_matrix();
+    let arm = arm.cross_matrix();
+    let force = size * (parent.turn * axis).cross_matrix();
+    entries.add((i, Part::Place), (p, Part::Turn), &-force);
+    entries.add((p, Part::Place), (p, Part::Turn), &force);
+    entries.add((i, Part::Turn), (i, Part::Turn), &(force * arm));
+    entries.add((i, Part::Turn), (p, Part::Turn), &(-arm * force));
+    entries.add((p, Part::Turn), (p, Part::Turn), &(reach * force));
+    entries.add((p, Part::Turn), (i, Part::Turn), &(-force * arm));
+    entries.add((p, Part::Turn), (i, Part::Place), &force);
+    entries.add((p, Part::Turn), (p, Part::Place), &-force);
+}
+
+/// The angle of a thread.
+fn twist(
+    (link, parent): (&LinkMotion, &LinkMotion),
+    on_parent: [Vector3<f64>; 2],
+    on_link: [Vector3<f64>; 2],
+) -> Twist {
+    let across = |turn: &Matrix3<f64>, [n, t]: [Vector3<f64>; 2]| [turn * t, turn * n.cross(&t)];
+    Twist::between(across(&parent.turn, on_parent), across(&link.turn, on_link))
 }
 
 /// How a force of fixed size along an axis carried by the parent varies with the poses.

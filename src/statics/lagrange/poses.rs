@@ -36,7 +36,7 @@ impl Poses {
         new
     }
 
-    /// Hinge coordinates from the poses; full turns are counted from the coordinates before. Locked ones stay.
+    /// Hinge coordinates from the poses; full turns are counted from the coordinates before, or on the thread. Locked ones stay.
     fn read(&mut self, model: &Model) {
         for (index, link) in model.links.iter().enumerate().skip(1) {
             let (own, parent) = (&self.motion.links[index], &self.motion.links[link.parent]);
@@ -50,10 +50,18 @@ impl Poses {
             }
             match link.joint {
                 Joint::None => {}
-                Joint::Turn => {
+                Joint::Turn | Joint::Screw { .. } => {
                     let turn = relative();
                     let angle = 2.0 * turn.k.atan2(turn.w);
-                    self.q[at] = angle + TAU * ((self.q[at] - angle) / TAU).round();
+                    let near = match link.joint {
+                        // Its place on the thread says how many full turns it has made.
+                        Joint::Screw { pitch } => {
+                            let between = own.position - parent.position - parent.turn * link.offset;
+                            base.column(2).dot(&between) / pitch
+                        }
+                        _ => self.q[at],
+                    };
+                    self.q[at] = angle + TAU * ((near - angle) / TAU).round();
                 }
                 Joint::Slide { axis } => {
                     let between = own.position - parent.position - parent.turn * link.offset;

@@ -21,6 +21,14 @@ pub(super) struct Cause {
 }
 
 impl Cause {
+    /// Adds `factor` times another one of the same hinge.
+    pub(super) fn add_times(&mut self, factor: f64, other: &Self) {
+        self.alpha.linear += factor * other.alpha.linear;
+        self.alpha.angular += factor * other.alpha.angular;
+        self.rate += factor * other.rate;
+        self.passed.add_times(factor, &other.passed);
+    }
+
     /// From the link's root marker to that of the parent, at `−arm` from it.
     pub(super) fn move_to_parent(&mut self, arm: &Vector3<f64>) {
         self.passed = self.passed.shifted(*arm);
@@ -68,7 +76,8 @@ pub(super) fn of_turn(
     [by_position, by_velocity]
 }
 
-/// The same for a slide along `n`, which turns nothing: `w = 0`, and `α` has no angular part.
+/// By position and by velocity, for a slide along `n`, which turns nothing: `w = 0`, and `α` has no angular part. (A screw
+/// is a turn and `p` times a slide: what its slip adds to `r̈` and to `2 v × w` cancels.)
 ///
 /// ```text
 /// ∂q_j    α = ω̇_P × n + ω_P × (ω_P × n)

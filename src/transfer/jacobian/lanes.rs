@@ -68,6 +68,12 @@ impl Field {
                 self.solve(row, x);
                 add(&mut self.linear, &row.axis, x);
             }
+            Kind::Screw { pitch } => {
+                self.shift(&row.arm);
+                self.solve(row, x);
+                add(&mut self.angular, &row.axis, x);
+                add(&mut self.linear, &(pitch * row.axis), x);
+            }
             Kind::Further => {
                 self.solve(row, x);
                 add(&mut self.angular, &row.axis, x);
@@ -112,6 +118,12 @@ impl Load {
             match kind {
                 Kind::Slide => resist(&row.axis, &self.force, &mut u),
                 Kind::Turn | Kind::Further => resist(&row.axis, &self.moment, &mut u),
+                Kind::Screw { pitch } => {
+                    let mut along = [0.0; LANES];
+                    resist(&row.axis, &self.moment, &mut u);
+                    resist(&(pitch * row.axis), &self.force, &mut along);
+                    (0..LANES).for_each(|lane| u[lane] += along[lane]);
+                }
             }
             for lane in 0..LANES {
                 u[lane] *= if MASKED { mask[lane] } else { 1.0 };

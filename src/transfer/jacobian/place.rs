@@ -28,6 +28,10 @@ pub(super) enum Kind {
     /// A turn, or the first axis of a ball.
     Turn,
     Slide,
+    /// A turn with a slide of `pitch` per radian (m/rad).
+    Screw {
+        pitch: f64,
+    },
     /// A further axis of a ball, at the same marker.
     Further,
 }
@@ -63,6 +67,7 @@ pub(super) fn places(model: &Model) -> (Vec<Place>, usize) {
             places.push(Place {
                 kind: match link.joint {
                     Joint::Slide { .. } => Kind::Slide,
+                    Joint::Screw { pitch } => Kind::Screw { pitch },
                     _ if is_first => Kind::Turn,
                     _ => Kind::Further,
                 },

@@ -85,18 +85,36 @@ impl Carried {
         Left::of(force, moment, n.dot(moment) + armature, self.mm.trace(), tau - n.dot(self.moment))
     }
 
-    /// The same for one below which bodies may resist hardly anything: notes where digits are lost. The elimination
-    /// multiplies what is known of the rest by the square of `|S H|/D`.
+    /// Eqs. (5) and (6) for a screw, `H = [p n; n]`.
+    #[inline]
+    pub(super) fn screw(&self, axis: &Vector3<f64>, pitch: f64, armature: f64, tau: f64) -> Result<Left, f64> {
+        let (n, p) = (Quad::of(axis), Quad::all(pitch));
+        let force = p.times_add(self.ff.times(axis), self.fm.times(axis));
+        let moment = p.times_add(self.fm.transposed().times(axis), self.mm.times(axis));
+        let along = |force: Quad, moment: Quad| n.dot(p.times_add(force, moment));
+        let seen = self.mm.trace() + pitch * pitch * self.ff.trace();
+        Left::of(force, moment, along(force, moment) + armature, seen, tau - along(self.force, self.moment))
+    }
+
+    /// Eqs. (5) and (6) for a turn or screw below which bodies may resist hardly anything: notes if digits are lost. The
+    /// elimination multiplies what is known of the rest by the square of `|S H|/D`.
     #[inline(always)]
-    pub(super) fn delicate(&self, axis: &Vector3<f64>, armature: f64, tau: f64, lost: &mut bool) -> Result<Left, f64> {
-        let left = self.turn(axis, armature, tau)?;
+    pub(super) fn delicate(
+        &self,
+        axis: &Vector3<f64>,
+        pitch: f64,
+        armature: f64,
+        tau: f64,
+        lost: &mut bool,
+    ) -> Result<Left, f64> {
+        let left = if pitch == 0.0 { self.turn(axis, armature, tau)? } else { self.screw(axis, pitch, armature, tau)? };
         let D = 1.0 / left.inverse;
         *lost |= D < LOST * self.mm.trace() && D * D < LOST * left.moment.dot(left.moment);
         Ok(left)
     }
 
-    /// The same for a last link that is slender, by its numbers in its own axes: there `S H` and `D` are a column of its
-    /// inertia and `Hᵀ e` is its `axial` moment. Turned to inertial axes they are known to the round-off of its largest
+    /// Eqs. (5) and (6) for a turn or screw with a last link that is slender, by its numbers in its own axes: there the moment
+    /// part of `S H` and of `D` is a column of its inertia and that of `Hᵀ e` is its `axial` moment. Turned to inertial axes they are known to the round-off of its largest
     /// moment, which the elimination would multiply by the square of `|S H|/D`. Also `S` and `e` that agree with them.
     #[inline(always)]
     pub(super) fn slender(
@@ -117,7 +135,13 @@ impl Carried {
             moment: self.moment + Quad::all(axial - n.dot(self.moment)) * n,
             ..*self
         };
-        (straight, Left::of(force, moment, J.zz + armature, J.trace(), tau - axial))
+        // What a screw adds: `p S [n; 0]`. No first moment of mass takes part in `D`: `n · (c × n) = 0`.
+        let (pitch, p) = (link.joint.pitch(), Quad::all(link.joint.pitch()));
+        let (slid, turned) = (self.ff.times(&at.axis), straight.fm.transposed().times(&at.axis));
+        let (force, moment) = (p.times_add(slid, force), p.times_add(turned, moment));
+        let D = J.zz + pitch * pitch * link.mass + armature;
+        let u = tau - axial - pitch * n.dot(self.force);
+        (straight, Left::of(force, moment, D, J.trace() + 3.0 * pitch * pitch * link.mass, u))
     }
 
     /// The same for a slide.

@@ -102,13 +102,13 @@ impl<'a> Part<'a> {
             let velocity = place.velocity as usize;
             carried = match place.kind {
                 Kind::None => here,
-                Kind::Turn | Kind::Slide => {
+                Kind::Turn | Kind::Slide | Kind::Screw => {
                     let (armature, tau) = (place.armature, load.tau[velocity]);
                     let one = match place.kind {
-                        Kind::Turn if place.is_delicate && !place.is_slender => {
-                            here.delicate(&at.axis, armature, tau, &mut lost)
+                        Kind::Turn | Kind::Screw if place.is_delicate && !place.is_slender => {
+                            here.delicate(&at.axis, link.joint.pitch(), armature, tau, &mut lost)
                         }
-                        Kind::Turn if place.is_delicate => {
+                        Kind::Turn | Kind::Screw if place.is_delicate => {
                             let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
                             let axial = moment_in_link_axes(link, &model.gravity, at).z - given;
                             let (straight, one) = here.slender(link, at, armature, (tau, axial));
@@ -116,6 +116,7 @@ impl<'a> Part<'a> {
                             one
                         }
                         Kind::Turn => here.turn(&at.axis, armature, tau),
+                        Kind::Screw => here.screw(&at.axis, link.joint.pitch(), armature, tau),
                         _ => here.slide(&at.axis, armature, tau),
                     };
                     let one = one.map_err(failed)?;
@@ -179,13 +180,18 @@ impl Outward<'_> {
             let mut a = inboard(at, &parent, BIAS);
             match place.kind {
                 Kind::None => {}
-                Kind::Turn | Kind::Slide => {
+                Kind::Turn | Kind::Slide | Kind::Screw => {
                     let free = dot_add(&-left.SH.moment, &a.angular, left.u);
                     let relative = left.inverse * dot_add(&-left.SH.force, &a.linear, free);
                     hinge[first] = relative;
                     match place.kind {
                         Kind::Turn => a.angular = scale_add(relative, &at.axis, &a.angular),
-                        _ => a.linear = scale_add(relative, &at.axis, &a.linear),
+                        Kind::Slide => a.linear = scale_add(relative, &at.axis, &a.linear),
+                        _ => {
+                            let pitch = model.links[index].joint.pitch();
+                            a.angular = scale_add(relative, &at.axis, &a.angular);
+                            a.linear = scale_add(pitch * relative, &at.axis, &a.linear);
+                        }
                     }
                 }
                 Kind::Ball => {

@@ -113,8 +113,8 @@ impl Reduction {
         for (index, link) in model.links.iter().enumerate().skip(1) {
             resisted += match link.joint {
                 Joint::None => 0.0,
-                Joint::Turn | Joint::Slide { .. } => self.hinges[index].u.powi(2) * self.hinges[index].inverse,
                 Joint::Ball { .. } => self.balls[self.plan[index].ball as usize].resisted(),
+                _ => self.hinges[index].u.powi(2) * self.hinges[index].inverse,
             };
             seen += link.inertia.trace() * self.a[index].angular.norm_squared();
         }
@@ -158,10 +158,14 @@ impl Reduction {
             let rotor = |i: usize| tau[i] - model.coordinates[i].armature * hinge[i];
             match link.joint {
                 Joint::None => {}
-                // The axis of a turn is the link's z.
+                // The axis of a turn or screw is the link's z.
                 Joint::Turn => left[to] = rotor(to) - (along(&link.joint, &at.axis, &passed) + own.moment.z),
                 Joint::Slide { .. } => {
                     left[to] = rotor(to) - along(&link.joint, &at.axis, &passed) - at.axis.dot(&own.force);
+                }
+                Joint::Screw { pitch } => {
+                    let own = own.moment.z + pitch * at.axis.dot(&own.force);
+                    left[to] = rotor(to) - (along(&link.joint, &at.axis, &passed) + own);
                 }
                 Joint::Ball { .. } => {
                     let moment = at.turn.tr_mul(&passed.moment) + own.moment;

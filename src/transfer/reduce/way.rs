@@ -18,7 +18,7 @@ impl Reduction {
     }
 
     /// Eq. (6) at one hinge for a load without velocity terms: takes `e` across it and gives `u` and `D⁻¹ u` (of a ball
-    /// three numbers, else the first). `tau` is the hinge force on a turn or slide.
+    /// three numbers, else the first). `tau` is the hinge force on a single coordinate.
     ///
     /// Over the ways from loaded links to the root these are the only ones that are not zero, and for any two loads
     /// `b`, `c` it is `bᵀ M⁻¹ c = Σ uᵦ · D⁻¹ u꜀`: small systems of loads need no outward sweep.
@@ -34,17 +34,17 @@ impl Reduction {
         let (link, at) = (&model.links[index], &motion.links[index]);
         match link.joint {
             Joint::None => (Vector3::zeros(), Vector3::zeros()),
-            Joint::Turn | Joint::Slide { .. } => {
+            Joint::Ball { .. } => {
+                let (u, step, passed) = self.balls[self.plan[index].ball as usize].pass(at, e);
+                *e = passed;
+                (u, step)
+            }
+            _ => {
                 let left = &self.hinges[index];
                 let u = tau - along(&link.joint, &at.axis, e);
                 let step = left.inverse * u;
                 *e += left.SH.times(step);
                 (Vector3::new(u, 0.0, 0.0), Vector3::new(step, 0.0, 0.0))
-            }
-            Joint::Ball { .. } => {
-                let (u, step, passed) = self.balls[self.plan[index].ball as usize].pass(at, e);
-                *e = passed;
-                (u, step)
             }
         }
     }

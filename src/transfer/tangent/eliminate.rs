@@ -1,7 +1,7 @@
 //! The elimination of one hinge: eqs. (4) and (6).
 
 use super::applied::Coupling;
-use super::hinge::{Left, Three};
+use super::hinge::{Left, Three, Way};
 use super::parts::Carried;
 use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::{Sym3, Wrench};
@@ -27,7 +27,7 @@ impl Coupled {
 #[inline(always)]
 pub(super) fn eliminate_one<const PARTS: u8>(
     left: &mut Left,
-    slides: bool,
+    way: Way,
     S: &mut Carried,
     f: &Wrench,
     kappa: f64,
@@ -35,7 +35,7 @@ pub(super) fn eliminate_one<const PARTS: u8>(
 ) -> Option<f64> {
     let n = left.axis;
     let (mut force, mut moment) = S.times::<PARTS>(&left.h);
-    let D = kappa + n.dot(if slides { force } else { moment });
+    let D = kappa + way.project(n, force, moment);
     if D == 0.0 || D.is_nan() {
         return None;
     }
@@ -43,7 +43,10 @@ pub(super) fn eliminate_one<const PARTS: u8>(
     if let Some(coupled) = &coupled {
         S.take::<PARTS>(&coupled.by_parent);
     }
-    let row = S.row::<PARTS>(n, slides);
+    let mut row = S.row::<PARTS>(n, way.slides);
+    if way.pitch != 0.0 {
+        row.add_times::<PARTS>(way.pitch, &S.row::<PARTS>(n, true));
+    }
     if let Some(coupled) = &coupled {
         let (on_force, on_moment) = coupled.on_parent.times::<PARTS>(&left.h);
         (force, moment) = (force - on_force, moment - on_moment);
@@ -51,11 +54,14 @@ pub(super) fn eliminate_one<const PARTS: u8>(
     }
     // What the hinge passes on turns, or slides along, with the link.
     let passed = Quad::of(&f.force);
-    if slides {
+    if way.slides {
         moment = n.cross_add(passed, moment);
     } else {
         force = n.cross_add(passed, force);
         moment = n.cross_add(Quad::of(&f.moment), moment);
+        if way.pitch != 0.0 {
+            moment = Quad::all(way.pitch).times_add(n.cross(passed), moment);
+        }
     }
     // Zero for a coordinate that is held.
     let inverse = 1.0 / D;

@@ -25,6 +25,29 @@ pub(super) struct Left {
     pub(super) row: Varied,
 }
 
+/// Which way a hinge of one coordinate goes: `H = [n; 0]` of a slide, else `[p n; n]`, with `p = 0` for a turn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    pub(super) slides: bool,
+    /// `p` (m/rad).
+    pub(super) pitch: f64,
+}
+
+impl Way {
+    /// Of a link; `pitches` has one number per link if there are screws.
+    #[inline(always)]
+    pub(super) fn of(kind: Kind, pitches: &[f64], link: usize) -> Self {
+        Self { slides: kind == Kind::Slide, pitch: if kind == Kind::Screw { pitches[link] } else { 0.0 } }
+    }
+
+    /// `Hᵀ f`.
+    #[inline(always)]
+    pub(super) fn project(self, n: Quad, force: Quad, moment: Quad) -> f64 {
+        let about = n.dot(if self.slides { force } else { moment });
+        if self.pitch == 0.0 { about } else { about + self.pitch * n.dot(force) }
+    }
+}
+
 /// What is left of a ball, inertial axes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Three {
@@ -73,17 +96,20 @@ impl Around {
 
     /// `s = ω_P × d + slip`.
     #[inline(always)]
-    pub(super) fn swing(&self, own: &LinkMotion, kind: Kind) -> Vector3<f64> {
+    pub(super) fn swing(&self, own: &LinkMotion, way: Way) -> Vector3<f64> {
         let swing = self.w.cross(Quad::of(&own.arm));
-        match kind {
-            Kind::Slide => (swing + Quad::of(&own.relative)).vector(),
-            _ => swing.vector(),
+        if way.slides {
+            (swing + Quad::of(&own.relative)).vector()
+        } else if way.pitch != 0.0 {
+            Quad::all(way.pitch).times_add(Quad::of(&own.relative), swing).vector()
+        } else {
+            swing.vector()
         }
     }
 
-    /// `h` of a turn about, or a slide along, `n`.
+    /// `h` of a turn about, or a slide along, `n`, or of both.
     #[inline(always)]
-    pub(super) fn one<const PARTS: u8>(&self, n: Quad, slides: bool) -> Varied {
+    pub(super) fn one<const PARTS: u8>(&self, n: Quad, way: Way) -> Varied {
         let (c1, c2) = (Quad::all(self.c1), Quad::all(self.c2));
         // c₂ n + 2 c₁ ω_P×n + ω̇_P×n + ω_P×(ω_P×n)
         let mut h = Varied::default();
@@ -91,7 +117,7 @@ impl Around {
         let still = || self.dw.cross_add(n, c2 * n);
         let swept = if PARTS & RATES != 0 { self.w.cross(n) } else { Quad::default() };
         let accelerated = if PARTS & RATES != 0 { accelerated(swept) } else { still() };
-        if slides {
+        if way.slides {
             h.linear = accelerated;
             (h.place, h.speed) = (n, c1.times_add(n, swept));
         } else {
@@ -99,6 +125,11 @@ impl Around {
             h.angular = accelerated;
             h.rate = c1.times_add(n, swept);
             h.turn = n;
+            if way.pitch != 0.0 {
+                let p = Quad::all(way.pitch);
+                h.linear = p.times_add(accelerated, h.linear);
+                (h.place, h.speed) = (p * n, p * h.rate);
+            }
         }
         h
     }

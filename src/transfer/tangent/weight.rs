@@ -5,6 +5,7 @@
 //! body     δm_R = [b]× [c]× δθ + …,   b = −m g                       eq. (1) of the parent module, plain variations
 //! turn     D = n·S n + κ,   w = S n,   row = Sᵀ n + n × m            S ← S − w D⁻¹ row
 //! slide    D = κ,           w = n × f = row
+//! screw    D of the turn, w and row the turn's and p times the slide's
 //! ball     D = S + [m]× + κ,   S ← S D⁻¹ κ
 //! shift    S ← S + [f]× [d]×
 //! ```
@@ -32,10 +33,10 @@ pub(super) struct Weight {
     broken: bool,
 }
 
-/// What is left of a turn or slide.
+/// What is left of a turn, slide or screw.
 #[derive(Debug, Clone, Copy, Default)]
 struct Left {
-    /// Of a turn; zero for others.
+    /// Of a turn or screw; zero for others.
     axis: Quad,
     w: Quad,
     row: Quad,
@@ -90,7 +91,7 @@ impl Weight {
             let left = &mut self.left[index];
             match place.kind {
                 Kind::None => {}
-                Kind::Turn | Kind::Slide => {
+                Kind::Turn | Kind::Slide | Kind::Screw => {
                     let (n, kappa) = (Quad::of(&own.axis), at.diagonal[first]);
                     let (D, w, row) = match place.kind {
                         Kind::Slide => {
@@ -98,12 +99,18 @@ impl Weight {
                             (kappa, w, w)
                         }
                         _ => {
-                            let w = S.times(&own.axis);
-                            let row = S.transposed().times_add(&own.axis, n.cross(Quad::of(&f.moment)));
-                            (kappa + n.dot(w), w, row)
+                            let mut w = S.times(&own.axis);
+                            let mut row = S.transposed().times_add(&own.axis, n.cross(Quad::of(&f.moment)));
+                            let D = kappa + n.dot(w);
+                            if place.kind == Kind::Screw {
+                                let p = Quad::all(model.links[index].joint.pitch());
+                                let slid = n.cross(Quad::of(&f.force));
+                                (w, row) = (p.times_add(slid, w), p.times_add(slid, row));
+                            }
+                            (D, w, row)
                         }
                     };
-                    let axis = if place.kind == Kind::Turn { n } else { Quad::default() };
+                    let axis = if place.kind == Kind::Slide { Quad::default() } else { n };
                     *left = Left { axis, w, row, inverse: 1.0 / D, u: 0.0 };
                     if D == 0.0 || D.is_nan() || (definite && D < 0.0) {
                         return Err(Breakdown { link: index, axis: None });
@@ -164,7 +171,7 @@ impl Weight {
             let first = place.velocity as usize;
             match place.kind {
                 Kind::None => {}
-                Kind::Turn | Kind::Slide => {
+                Kind::Turn | Kind::Slide | Kind::Screw => {
                     left.u = x[first] - left.axis.dot(e);
                     e = Quad::all(left.inverse * left.u).times_add(left.w, e);
                 }
@@ -192,7 +199,7 @@ impl Weight {
             let first = place.velocity as usize;
             match place.kind {
                 Kind::None => {}
-                Kind::Turn | Kind::Slide => {
+                Kind::Turn | Kind::Slide | Kind::Screw => {
                     let step = left.inverse * (left.u - left.row.dot(turned));
                     x[first] = step;
                     turned = Quad::all(step).times_add(left.axis, turned);

@@ -7,8 +7,8 @@ use crate::oracle::force::{Push, pushes};
 use crate::oracle::place::{Placed, place};
 use nalgebra::Vector3;
 use stillpoint::dynamics::System;
+use stillpoint::dynamics::applied;
 use stillpoint::force::Describe;
-use stillpoint::forces;
 use stillpoint::model::Description;
 use stillpoint::model::Model;
 use stillpoint::model::description::{Attachment, ForceKind, GROUND, HingeDescription, HingeKind};
@@ -124,7 +124,7 @@ fn springs_and_bushings_pull_both_ends_alike() {
             let mut alone = Model::clone(&start.model);
             alone.forces = [force.clone()].into();
             let mut wrenches = vec![Wrench::ZERO; alone.links.len()];
-            forces::apply(&forces::Laws::new(&alone), system.motion(), &mut wrenches);
+            applied::apply(&applied::Laws::new(&alone), system.motion(), &mut wrenches);
             let mut sum = Wrench::ZERO;
             for (wrench, link) in wrenches.iter().zip(&system.motion().links) {
                 sum += about_origin(wrench.force, wrench.moment, &link.position);

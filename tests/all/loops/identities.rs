@@ -41,6 +41,7 @@ fn a_loop_hinge_is_a_hinge() {
     for (kind, extra) in [
         ("revolute", "axis = [0.2, -0.5, 1.0]"),
         ("prismatic", "axis = [0.2, -0.5, 1.0]"),
+        ("screw", "axis = [0.2, -0.5, 1.0], pitch = -0.05"),
         ("cylindrical", "axis = [0.2, -0.5, 1.0]"),
         ("universal", "axes = [[1.0, 0.2, 0.0], [0.0, 1.0, 0.5]]"),
         ("planar", ""),
@@ -59,7 +60,7 @@ fn a_loop_hinge_is_a_hinge() {
         let velocity = turn.cross(&(at.translation.vector - carrier.translation.vector));
         let (p, q) = (at.translation.vector, at.rotation);
         let spin = q.inverse() * turn;
-        let (rest, keys) = (at.translation.vector, extra.trim_start_matches(", "));
+        let (rest, keys) = (at.translation.vector, extra.trim_start_matches(", ").replace(", pitch", "\npitch"));
         let tied = format!(
             "{CARRIER}{body}hinge = {{ type = \"free\", position = [{:?}, {:?}, {:?}, {:?}, {:?}, {:?}, {:?}], velocity = [{:?}, {:?}, {:?}, {:?}, {:?}, {:?}] }}\n\
              [[loop]]\ntype = \"{kind}\"\nbetween = [{{ body = \"carrier\", at = [0.4, 0.1, 0.0] }}, \"load\"]\nrpy = [0.3, -0.2, 0.5]\n{keys}\n",

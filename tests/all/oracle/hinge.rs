@@ -155,6 +155,13 @@ pub(super) fn conditions(description: &Description, placed: &[Placed], body: usi
             let n = in_world(axis);
             ([on_line(&n), parallel()].concat(), vec![pair.slides(&n)])
         }
+        HingeKind::Screw { axis, pitch } => {
+            let n = in_world(axis);
+            let thread = pair.distance(&n).plus(pair.turn(&n).times(-pitch));
+            let mut screws = pair.turns(&n, &n);
+            screws.force.extend(dotted(force_of(body), &(*pitch * n)));
+            ([on_line(&n), upright(&n), vec![thread]].concat(), vec![screws])
+        }
         HingeKind::Cylindrical { axis } => {
             let n = in_world(axis);
             ([on_line(&n), upright(&n)].concat(), vec![pair.slides(&n), pair.turns(&n, &n)])

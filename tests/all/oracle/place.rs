@@ -113,6 +113,11 @@ fn relative(hinge: &HingeDescription) -> Relative {
             shift = axis.normalize() * q[0];
             slip = axis.normalize() * v[0];
         }
+        HingeKind::Screw { axis, pitch } => {
+            let n = axis.normalize();
+            (shift, slip) = (n * (pitch * q[0]), n * (pitch * v[0]));
+            (turn, spin) = (about(axis, q[0]), n * v[0]);
+        }
         HingeKind::Cylindrical { axis } => {
             shift = axis.normalize() * q[0];
             slip = axis.normalize() * v[0];
