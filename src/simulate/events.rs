@@ -2,7 +2,7 @@
 //!
 //! Every function is looked at several times in a step, and between two looks at its extremum if its rate says that there is
 //! one on the far side, so that a coordinate which goes there and back within one look is seen, too. Between two times of
-//! different sign the event is located to the rounding of time (`search.rs`). How exact that is in the motion itself is a matter
+//! different sign the event is located to 10⁻¹² of the scene's time, or to the rounding of time (`search.rs`). How exact that is in the motion itself is a matter
 //! of the step's tolerance. Beside loops, drives and gears states are settled on them first, as samples are.
 //!
 //! Laws that are smooth in parts only (ropes, straight tables) are watched as stops are, see `switching.rs`.
@@ -24,6 +24,8 @@ use crate::model::{Model, StopLaw, Watched};
 use std::fmt;
 use std::sync::Arc;
 
+/// The time of an event is known to this part of the scene's own, or to the rounding of time.
+const TIME: f64 = 1e-12;
 /// A crossing that was noted is noted again when the number has come back by more than this part of itself.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings in search of an extremum.
@@ -376,7 +378,8 @@ impl Events {
             return Ok(None);
         }
         let ends = [beyond(self, left, level)?, beyond(self, right, level)?];
-        let width = 0.5 * TIMES * f64::EPSILON * right.abs().max(right - left);
+        let rounding = TIMES * f64::EPSILON * right.abs().max(right - left);
+        let width = 0.5 * rounding.max(TIME * motion.model().time_scale());
         let root = self.search.root;
         let time = root.locate([left, right], ends, width, |time| beyond(self, time, level))?;
         self.move_to(motion, stepper, time)?;

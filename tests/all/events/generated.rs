@@ -90,7 +90,9 @@ pub(super) fn check(
     let mut before = first;
     for energy in energies {
         assert!(energy.kinetic + energy.potential <= first.kinetic + first.potential + slack, "{}", case());
-        assert!(energy.dissipated >= before.dissipated, "{}", case());
+        // What is booked is a difference of sums of this size.
+        let fallen = before.dissipated - energy.dissipated;
+        assert!(fallen <= 1e-12 * size, "dissipated falls by {fallen:e} J, {}", case());
         before = energy;
     }
 }
