@@ -53,19 +53,23 @@ fn state(recording: &Recording, survey: &Survey) -> (&'static str, String) {
     (ending.name(), sentence.to_owned())
 }
 
-/// First and last time of the samples (s): those of the channel with most messages.
+/// First and last time of whole samples (s).
 fn span(survey: &Survey) -> Option<(f64, f64)> {
-    let longest = survey.channels.iter().max_by_key(|channel| channel.messages)?;
-    seconds(longest.span)
+    seconds(whole(survey)?.span)
+}
+
+/// The channel that ends each sample: its poses.
+fn whole(survey: &Survey) -> Option<&ChannelSurvey> {
+    survey.channels.iter().find(|channel| channel.topic == "/tf")
 }
 
 fn seconds(span: Option<(u64, u64)>) -> Option<(f64, f64)> {
     span.map(|(first, last)| (first as f64 / 1e9, last as f64 / 1e9))
 }
 
-/// How many samples are whole: each ends with its poses.
+/// How many samples are whole.
 fn samples(survey: &Survey) -> u64 {
-    survey.channels.iter().find(|channel| channel.topic == "/tf").map_or(0, |channel| channel.messages)
+    whole(survey).map_or(0, |channel| channel.messages)
 }
 
 fn as_json(recording: &Recording, survey: &Survey, statics: Value, outcome: Value) -> Value {

@@ -252,7 +252,7 @@ impl Run<'_> {
         if self.common.json {
             output::print(&result.to_string())?;
         } else if !self.common.quiet {
-            output::print(&text::run(&summary, &path))?;
+            output::print(&text::run(self.model, &summary, &path))?;
             if let Some(verified) = &verified {
                 output::print(&text::verified(verified))?;
             }

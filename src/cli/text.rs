@@ -101,7 +101,7 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         "start" if found.balanced => "the guess is one already".to_owned(),
         "start" => "no search".to_owned(),
         "inverse" => "of the given pose".to_owned(),
-        stage => format!("{} steps, {stage}", found.iterations),
+        stage => format!("{}, {stage}", count(found.iterations, "step", "steps")),
     };
     let _ = writeln!(out, "{} ({stage}, {})", bold(&verdict), duration(wall));
     let _ = writeln!(
@@ -309,12 +309,35 @@ pub(super) fn verified(verified: &Verified) -> String {
     out
 }
 
-/// The end of a run.
-pub(super) fn run(summary: &Summary, recording: &str) -> String {
-    let part = |what: &str, energy: f64| match energy {
+/// The energies of a run; what is below the round-off of their scale is 0, and that is said.
+fn energies(model: &Model, summary: &Summary) -> String {
+    let Summary { energy_start, energy_end, work, dissipated, energy_drift, .. } = *summary;
+    // Heights are known to the round-off of the scene's length, whatever the sum of their energies is.
+    let weight = model.total_mass() * model.gravity.norm() * model.length_scale();
+    let scale =
+        [energy_start, energy_end, work, dissipated].iter().fold(weight, |scale, energy| scale.max(energy.abs()));
+    let shown = |energy: f64| without_noise(energy, scale);
+    let part = |what: &str, energy: f64| match shown(energy) {
         0.0 => String::new(),
-        _ => format!(", {} J {what}", number(energy)),
+        energy => format!(", {} J {what}", number(energy)),
     };
+    let is_noise = |energy: &f64| *energy != 0.0 && shown(*energy) == 0.0;
+    let floor = match [energy_start, energy_end, energy_drift].iter().any(is_noise) {
+        true => format!(" (0: below the round-off of {} J)", small(ROUND_OFF * scale)),
+        false => String::new(),
+    };
+    format!(
+        "{} J at the start, {} J at the end{}{}, unaccounted for {} J at most{floor}",
+        number(shown(energy_start)),
+        number(shown(energy_end)),
+        part("put in", work),
+        part("dissipated", dissipated),
+        small(shown(energy_drift)),
+    )
+}
+
+/// The end of a run.
+pub(super) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
     let mut out = String::new();
     let methods: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
@@ -354,15 +377,18 @@ pub(super) fn run(summary: &Summary, recording: &str) -> String {
     .collect();
     let _ =
         writeln!(out, "  steps        {} ({} rejected), {}", counters.steps, counters.rejected_steps, work.join(", "));
-    let _ = writeln!(
-        out,
-        "  energy       {} J at the start, {} J at the end{}{}, unaccounted for {} J at most",
-        number(summary.energy_start),
-        number(summary.energy_end),
-        part("put in", summary.work),
-        part("dissipated", summary.dissipated),
-        small(summary.energy_drift)
-    );
+    // Rounding adds up as a random walk: √n of n steps.
+    let rounding = f64::EPSILON * (counters.steps as f64).sqrt();
+    if counters.error_sum > summary.tolerance {
+        let _ = writeln!(
+            out,
+            "  accuracy     the errors of these steps add up to {} at most, above the tolerance of {:.0e}; rounding to {}",
+            small(counters.error_sum),
+            summary.tolerance,
+            small(rounding)
+        );
+    }
+    let _ = writeln!(out, "  energy       {}", energies(model, summary));
     let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));
     let _ = write!(out, "  to see it    stillpoint view {recording}");
     out

@@ -11,6 +11,8 @@
 //! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole. Short ways back
 //! onto the rows of long chains are taken like that: the tip would need a hundred steps.
 
+use super::component::between_ends;
+use super::rows::Owner;
 use super::{Constraints, Held, Rate};
 use crate::model::Model;
 use crate::motion::{Motion, displace};
@@ -30,7 +32,7 @@ const MOST_STEPS: usize = 300;
 /// A short way back in the metric of the inertia takes a handful of steps. One that takes more is about a light body that
 /// cannot close the gap by itself, and whips about before a heavy one gives way: all coordinates are bent then.
 const SHORT_WAY: usize = 30;
-/// Largest turn (rad), and part of the scene's length, of one step.
+/// Largest turn (rad), and part of the scene's length, of one step within a loop.
 const LONGEST_STEP: f64 = 0.3;
 
 /// The widest gap that is left.
@@ -93,6 +95,8 @@ pub(super) struct Closing {
     rest: Vec<f64>,
     /// Of every velocity coordinate, what is as far as a turn by 1 rad: the scene's length for a slide.
     units: Vec<f64>,
+    /// Of every velocity coordinate, its longest step (m or rad): infinite outside of loops, for drives and gears are linear.
+    longest: Vec<f64>,
 }
 
 impl Closing {
@@ -105,7 +109,15 @@ impl Closing {
         for link in model.links.iter().filter(|link| link.joint.is_slide()) {
             units[link.velocity] = length;
         }
+        let mut longest = vec![f64::INFINITY; n];
+        let loops = rows.elements.iter().filter(|element| matches!(element.owner, Owner::Loop(_)));
+        for link in loops.flat_map(between_ends).map(|link| &model.links[link]) {
+            for i in link.velocity..link.velocity + link.joint.counts().1 {
+                longest[i] = LONGEST_STEP * units[i];
+            }
+        }
         Self {
+            longest,
             rows,
             motion: Motion::new(model),
             reduction: Reduction::new(model),
@@ -268,9 +280,9 @@ impl Closing {
     }
 
     fn shorten(&mut self) {
-        let longest = self.step.iter().zip(&self.units).map(|(step, unit)| step.abs() / unit).fold(0.0, f64::max);
-        if longest > LONGEST_STEP {
-            self.step.iter_mut().for_each(|step| *step *= LONGEST_STEP / longest);
+        let times = self.step.iter().zip(&self.longest).map(|(step, longest)| step.abs() / longest).fold(0.0, f64::max);
+        if times > 1.0 {
+            self.step.iter_mut().for_each(|step| *step /= times);
         }
     }
 

@@ -218,10 +218,13 @@ impl<'a> Ends<'a> {
     }
 }
 
-/// A motion row: `drift` and `bias` from the prescribed motion.
+/// A motion row: `drift` and `bias` from the prescribed motion. A gap below the round-off of its own terms is none, however
+/// long they are beside the scene.
 pub(super) fn place_motion(parts: &[(Scalar, f64); 2], q: &[f64], now: &Instant) -> Placed {
-    let sum: f64 = parts.iter().map(|(scalar, factor)| factor * q[scalar.position]).sum();
-    Placed { gap: sum - now.position, drift: -now.velocity, bias: -now.acceleration, ..Placed::default() }
+    let [first, second] = parts.map(|(scalar, factor)| factor * q[scalar.position]);
+    let (gap, terms) = (first + second - now.position, first.abs() + second.abs() + now.position.abs());
+    let gap = if gap.abs() <= f64::EPSILON * terms { 0.0 } else { gap };
+    Placed { gap, drift: -now.velocity, bias: -now.acceleration, ..Placed::default() }
 }
 
 /// A force on the second link and its opposite on the first.

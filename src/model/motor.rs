@@ -278,7 +278,7 @@ pub(super) fn motors(description: &Description, model: &mut Model, problems: &mu
             let message = format!("`{}` pushes on {label}, whose motion `{}` prescribes", motor.name, drive.name);
             add("hinge", message, "take off the motor or the drive: a drive takes whatever force it needs");
         }
-        let given = model.start_position[coordinate.position];
+        let given = (model.start_position[coordinate.position], model.start_velocity[coordinate.velocity]);
         match compile(&motor.law, given) {
             Ok(law) => {
                 let limit = motor.limit.unwrap_or(f64::INFINITY);
@@ -291,7 +291,8 @@ pub(super) fn motors(description: &Description, model: &mut Model, problems: &mu
     }
 }
 
-fn compile(law: &MotorLawDescription, given: f64) -> Result<MotorLaw, (&'static str, String)> {
+/// The law of a motor whose coordinate has this position (m or rad) and rate (m/s or rad/s) given.
+fn compile(law: &MotorLawDescription, (given, rate): (f64, f64)) -> Result<MotorLaw, (&'static str, String)> {
     Ok(match law {
         MotorLawDescription::Constant { force } => MotorLaw::Constant(*force),
         MotorLawDescription::Table { over, at, forces } => {
@@ -307,8 +308,8 @@ fn compile(law: &MotorLawDescription, given: f64) -> Result<MotorLaw, (&'static 
         }
         MotorLawDescription::Expression { text } => {
             let formula = Formula::parse(text, &VARIABLES).map_err(|error| ("expression", error.in_words(text)))?;
-            if !formula.value(&[0.0, given, 0.0]).is_finite() {
-                let message = "at t = 0 and the given position its force is not a finite number".to_owned();
+            if !formula.value(&[0.0, given, rate]).is_finite() {
+                let message = format!("at t = 0, q = {given} and v = {rate} as given its force is not a finite number");
                 return Err(("expression", message));
             }
             MotorLaw::Formula(Box::new(formula))
@@ -322,7 +323,7 @@ mod tests {
 
     fn motor(law: &MotorLawDescription, limit: f64) -> Motor {
         let coordinate = Scalar { link: 1, position: 0, velocity: 0, slides: false };
-        Motor { name: "motor".to_owned(), coordinate, law: compile(law, 0.3).unwrap(), limit }
+        Motor { name: "motor".to_owned(), coordinate, law: compile(law, (0.3, 0.0)).unwrap(), limit }
     }
 
     fn laws() -> Vec<MotorLawDescription> {

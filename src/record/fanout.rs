@@ -57,6 +57,14 @@ impl Recorder for Fanout {
         Ok(())
     }
 
+    fn pause(&mut self) -> Result<(), RecordError> {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.pause()?;
+        }
+        self.tell_onlookers(|onlooker| onlooker.pause());
+        Ok(())
+    }
+
     fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         let finished = self.recorder.as_mut().map_or(Ok(()), |recorder| recorder.finish(outcome));
         self.tell_onlookers(|onlooker| onlooker.finish(outcome));

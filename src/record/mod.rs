@@ -89,6 +89,14 @@ pub trait Recorder {
         Ok(())
     }
 
+    /// Between two steps of a run, after the samples and events of the first: the next ones may take long to come.
+    ///
+    /// # Errors
+    /// When what was taken cannot be kept.
+    fn pause(&mut self) -> Result<(), RecordError> {
+        Ok(())
+    }
+
     /// Ends the recording: of a run that reached its end and of one that was stopped alike. Later calls do nothing.
     ///
     /// # Errors

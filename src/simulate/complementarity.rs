@@ -6,7 +6,8 @@
 //!
 //! a linear complementarity problem, and the optimality condition of min ½ λᵀ A λ + bᵀ λ, λ ≥ 0. It is solved by the active
 //! set method of Lawson and Hanson (*Solving Least Squares Problems*, 1974, ch. 23), which keeps the active rows linearly
-//! independent: a row that depends on the active ones replaces one of them, if that can be.
+//! independent: a row that depends on the active ones replaces one of them, if that can be. A row that cannot enter now may
+//! do so once the active set is another one.
 
 /// A pivot below this part of a row's own entry without loops, drives and gears counts as zero.
 const DEPENDENT: f64 = 1e-9;
@@ -31,15 +32,22 @@ pub(super) struct Solution {
     pub(super) multipliers: Vec<f64>,
     /// Rows that push; they are linearly independent.
     pub(super) active: Vec<bool>,
-    /// `w`: below −tolerance for a row that no multipliers can satisfy.
+    /// `w`.
     pub(super) rates: Vec<f64>,
+    /// Rows with `w` below −tolerance: no multipliers satisfy them.
+    pub(super) violated: Vec<bool>,
 }
 
 impl Problem<'_> {
     /// Solves (1). Rows that cannot be satisfied show in the rates.
     pub(super) fn solve(&self) -> Solution {
         let n = self.rates.len();
-        let mut state = Solution { multipliers: vec![0.0; n], active: vec![false; n], rates: self.rates.to_vec() };
+        let mut state = Solution {
+            multipliers: vec![0.0; n],
+            active: vec![false; n],
+            rates: self.rates.to_vec(),
+            violated: vec![false; n],
+        };
         if self.all_at_once(&mut state) {
             return state;
         }
@@ -51,11 +59,13 @@ impl Problem<'_> {
             let open = (0..n)
                 .filter(|row| !state.active[*row] && !unreachable[*row] && state.rates[*row] < -self.tolerances[*row]);
             let Some(row) = open.min_by(|a, b| worst(*a).total_cmp(&worst(*b))) else { break };
-            if !self.enter(&mut state, row) {
-                unreachable[row] = true;
+            match self.enter(&mut state, row) {
+                true => unreachable.fill(false),
+                false => unreachable[row] = true,
             }
         }
         state.rates = self.rates_of(&state.multipliers);
+        state.violated = (0..n).map(|row| !state.active[row] && state.rates[row] < -self.tolerances[row]).collect();
         state
     }
 
@@ -77,9 +87,9 @@ impl Problem<'_> {
         satisfied
     }
 
-    /// Takes a row among the active ones; false if no multiplier of it helps.
+    /// Takes a row among the active ones; false if that leaves the active set as it is: no multiplier of the row helps.
     fn enter(&self, state: &mut Solution, row: usize) -> bool {
-        let active = state.rows();
+        let (active, before) = (state.rows(), state.active.clone());
         let Some(combination) = self.combine(&active, row) else { return false };
         let pivot = self.entry(row, row)
             - active.iter().zip(&combination).map(|(other, c)| self.entry(row, *other) * c).sum::<f64>();
@@ -96,7 +106,7 @@ impl Problem<'_> {
         }
         state.active[row] = true;
         self.descend(state);
-        state.active[row]
+        state.active != before
     }
 
     /// To the stationary point of the active rows, or to where multipliers vanish on the way; those rows leave.
@@ -207,6 +217,55 @@ mod tests {
                 assert!(found.active[i] || found.multipliers[i] == 0.0, "case {case}: {found:?}");
             }
         }
+    }
+
+    /// The rates of (1) by trying all sets of active rows, which are unique; `None` if there is no solution.
+    fn by_enumeration(matrix: &[f64], rates: &[f64]) -> Option<Vec<f64>> {
+        let n = rates.len();
+        (0..1_usize << n).find_map(|set| {
+            let rows: Vec<usize> = (0..n).filter(|row| set >> row & 1 == 1).collect();
+            let a = nalgebra::DMatrix::from_fn(rows.len(), rows.len(), |i, j| matrix[rows[i] * n + rows[j]]);
+            let b = nalgebra::DVector::from_iterator(rows.len(), rows.iter().map(|row| -rates[*row]));
+            let regular = |factor: &nalgebra::Cholesky<f64, nalgebra::Dyn>| factor.l().diagonal().min() > 1e-5;
+            let multipliers = if rows.is_empty() { b } else { a.cholesky().filter(regular)?.solve(&b) };
+            let w =
+                |i: usize| rates[i] + rows.iter().zip(&multipliers).map(|(j, x)| matrix[i * n + j] * x).sum::<f64>();
+            let w: Vec<f64> = (0..n).map(w).collect();
+            let is_solution = multipliers.iter().all(|x| *x >= -1e-9) && w.iter().all(|w| *w >= -1e-9);
+            is_solution.then_some(w)
+        })
+    }
+
+    /// Small integers: rows that are multiples and sums of others, rows of zeros, multipliers of zero. Rates are unique also
+    /// where multipliers are not; a problem without a solution is said to be one.
+    #[test]
+    fn degenerate_problems_have_the_rates_that_enumeration_finds() {
+        let (mut seed, mut unsolvable) = (0x2545_f491_4f6c_dd1d, 0);
+        let mut whole = |size: f64| (size * next(&mut seed)).round();
+        for case in 0..6000 {
+            let (n, rank) = (1 + case % 8, 1 + (case / 8) % 5);
+            let b: Vec<f64> = (0..n * rank).map(|_| whole(2.0)).collect();
+            let dot = |i: usize, x: &[f64]| (0..rank).map(|k| b[i * rank + k] * x[k]).sum::<f64>();
+            let matrix: Vec<f64> = (0..n * n).map(|at| dot(at / n, &b[at % n * rank..at % n * rank + rank])).collect();
+            let free: Vec<f64> = (0..n).map(|i| matrix[i * n + i].max(1.0)).collect();
+            let speed: Vec<f64> = (0..rank).map(|_| whole(3.0)).collect();
+            // Every other time rates that only some multipliers answer, if any do.
+            let rates: Vec<f64> = (0..n).map(|i| if case % 2 == 0 { dot(i, &speed) } else { whole(3.0) }).collect();
+            let tolerances = vec![1e-10; n];
+            let found = Problem { matrix: &matrix, free: &free, rates: &rates, tolerances: &tolerances }.solve();
+            match by_enumeration(&matrix, &rates) {
+                None => {
+                    unsolvable += 1;
+                    assert!(found.violated.iter().any(|row| *row), "case {case}: {found:?} of {matrix:?}, {rates:?}");
+                }
+                Some(expected) => {
+                    let off = expected.iter().zip(&found.rates).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                    let fine = off < 1e-8 && !found.violated.contains(&true);
+                    assert!(fine, "case {case}: {found:?}, not {expected:?}, of {matrix:?}, {rates:?}");
+                }
+            }
+        }
+        assert!((500..3000).contains(&unsolvable), "{unsolvable}");
     }
 
     /// A coordinate that a drive moves answers no impulse.

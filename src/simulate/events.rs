@@ -2,7 +2,7 @@
 //!
 //! Every function is looked at several times in a step, and between two looks at its extremum if its rate says that there is
 //! one on the far side, so that a coordinate which goes there and back within one look is seen, too. Between two times of
-//! different sign the event is located to 10⁻¹² of the time (`search.rs`). How exact that is in the motion itself is a matter
+//! different sign the event is located to 10⁻¹² of the scene's time, or to the rounding of time (`search.rs`). How exact that is in the motion itself is a matter
 //! of the step's tolerance. Beside loops, drives and gears states are settled on them first, as samples are.
 //!
 //! Laws that are smooth in parts only (ropes, straight tables) are watched as stops are, see `switching.rs`.
@@ -13,7 +13,7 @@
 use super::error::RunError;
 use super::instant::sides;
 use super::ledger::interpolate;
-use super::problem::Motion;
+use super::problem::{Motion, TIMES};
 use super::run::State;
 use super::search::Search;
 use super::stops::Side;
@@ -24,7 +24,7 @@ use crate::model::{Model, StopLaw, Watched};
 use std::fmt;
 use std::sync::Arc;
 
-/// The time of an event is known to this part of itself.
+/// The time of an event is known to this part of the scene's own, or to the rounding of time.
 const TIME: f64 = 1e-12;
 /// A crossing that was noted is noted again when the number has come back by more than this part of itself.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -155,6 +155,8 @@ pub(super) enum Turn {
     Release(Side),
     /// A compliant stop pushes from now on, or no longer.
     Push(Side, bool),
+    /// A compliant stop that pushes no longer is relaxed: the power of its damper has a kink there.
+    Relax(Side),
     /// A law changes: the step ends there, so that none goes across.
     Switch(Boundary),
     /// The run ends; index of the event.
@@ -376,7 +378,8 @@ impl Events {
             return Ok(None);
         }
         let ends = [beyond(self, left, level)?, beyond(self, right, level)?];
-        let width = 0.5 * TIME * right.abs().max(right - left);
+        let rounding = TIMES * f64::EPSILON * right.abs().max(right - left);
+        let width = 0.5 * rounding.max(TIME * motion.model().time_scale());
         let root = self.search.root;
         let time = root.locate([left, right], ends, width, |time| beyond(self, time, level))?;
         self.move_to(motion, stepper, time)?;
@@ -388,10 +391,11 @@ impl Events {
         let Watch { function, positive, .. } = self.watches[index];
         let model = &Arc::clone(motion.model());
         match function {
-            Function::Depth(_) if positive => None,
-            Function::Depth(side) => match model.stops[side.stop].law {
-                StopLaw::Rigid { .. } => Some(Turn::Strike(side)),
-                StopLaw::Compliant { .. } => Some(Turn::Push(side, true)),
+            Function::Depth(side) => match (model.stops[side.stop].law, positive) {
+                (StopLaw::Rigid { .. }, true) => None,
+                (StopLaw::Rigid { .. }, false) => Some(Turn::Strike(side)),
+                (StopLaw::Compliant { .. }, true) => Some(Turn::Relax(side)),
+                (StopLaw::Compliant { .. }, false) => Some(Turn::Push(side, true)),
             },
             Function::Push(side) => {
                 let inside = model.stops[side.stop].depth(side.sign, &self.state.position) > 0.0;

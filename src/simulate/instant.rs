@@ -55,8 +55,6 @@ pub(super) struct Outcome {
     pub(super) happened: Vec<Occurrence>,
     /// Energy that blows took out (J).
     pub(super) lost: f64,
-    /// Energy that pads took with them which let go before they were relaxed (J).
-    pub(super) let_go: f64,
     /// Work of drives in blows (J).
     pub(super) work: f64,
 }
@@ -72,6 +70,8 @@ struct Instant<'a> {
     /// `H M⁻¹ Hᵀ` by rows, and its diagonal without loops, drives and gears.
     matrix: Vec<f64>,
     free: Vec<f64>,
+    /// Accelerations towards the stops as nothing holds, ≥ 0 (m/s², rad/s²).
+    inward: Vec<f64>,
     /// Rows that parted from their stops before the blows.
     parted: Vec<bool>,
     /// The last speed of each coordinate before a blow that left it none (m/s, rad/s).
@@ -104,6 +104,7 @@ pub(super) fn resolve(
         sides,
         matrix: Vec::new(),
         free: Vec::new(),
+        inward: Vec::new(),
         outcome: Outcome::default(),
     };
     if instant.sides.is_empty() {
@@ -161,6 +162,7 @@ impl Instant<'_> {
         let (mut force, mut change, m) = (vec![0.0; n], vec![0.0; n], self.sides.len());
         self.matrix = vec![0.0; m * m];
         self.free = vec![0.0; m];
+        self.inward = self.rates(&a).iter().map(|rate| (-rate).max(0.0)).collect();
         for column in 0..m {
             let (i, sign) = self.coordinate(column);
             force[i] = -sign;
@@ -208,11 +210,16 @@ impl Instant<'_> {
         ROUND_OFF * largest * scales[self.coordinate(row).0]
     }
 
-    /// The speed below which nothing comes back from a blow.
+    /// The speed below which nothing comes back from a blow: that of the tolerance, or of a rise `u² / (2 a)` by rounding.
     fn least(&self, row: usize) -> f64 {
-        let (_, scales) = self.motion.scales();
-        let height = if self.motion.model().is_constrained() { SETTLED_HEIGHT } else { ROUNDED_HEIGHT };
-        (REST_SPEEDS * self.tolerance).max(height.sqrt()) * scales[self.coordinate(row).0]
+        let (positions, velocities) = self.motion.scales();
+        let model = self.motion.model();
+        let speed = velocities[self.coordinate(row).0];
+        let part = if model.is_constrained() { SETTLED_HEIGHT } else { ROUNDED_HEIGHT };
+        let height = part * positions[model.stops[self.sides[row].stop].position];
+        // At least the scene's own acceleration: what presses may do so later.
+        let inward = self.inward[row].max(0.5 * speed / model.time_scale());
+        (REST_SPEEDS * self.tolerance * speed).max((2.0 * inward * height).sqrt())
     }
 
     fn restitution(&self, row: usize) -> f64 {
@@ -248,7 +255,7 @@ impl Instant<'_> {
             let found = self.solve(&rows, &rates, &floor);
             for (at, row) in rows.iter().enumerate().filter(|(at, row)| !found.active[*at] && approaches(**row)) {
                 let after = found.rates[at] - factors[at] * before[*row];
-                if after < -self.least(*row) {
+                if found.violated[at] && after < -self.least(*row) {
                     return Err(self.jam(*row));
                 }
                 // A drive that touches a stop at the speed of rounding.
@@ -329,10 +336,6 @@ impl Instant<'_> {
                 continue;
             }
             let speed = velocity[stop.velocity];
-            if let StopLaw::Compliant { stiffness, .. } = stop.law {
-                let spring = 0.5 * stiffness * depth * depth;
-                self.outcome.let_go += if wanted { -spring } else { spring };
-            }
             self.motion.push(side, wanted);
             let kind = if wanted { Kind::Contact } else { Kind::Separation };
             self.note_side(side, kind, speed);
@@ -353,8 +356,7 @@ impl Instant<'_> {
         }
         let mut a = vec![0.0; self.state.velocity.len()];
         self.accelerate(&mut a).map_err(|fault| RunError::Sample { time: self.time, fault })?;
-        let per = 1.0 / self.motion.model().time_scale();
-        let noise: Vec<f64> = rows.iter().map(|row| self.round_off(*row, &a, per)).collect();
+        let noise = self.noise(&rows, &a);
         // What neither presses nor parts counts as pressing.
         let rate = |(row, noise): (&usize, &f64)| match released == Some(self.sides[*row]) {
             true => self.rate(*row, &a),
@@ -366,7 +368,7 @@ impl Instant<'_> {
         let (mut held, mut holding) = (Vec::new(), Vec::new());
         for (at, row) in rows.iter().enumerate() {
             let tied = found.rates[at] < -ANSWERED.sqrt() * rates[at].abs() - 10.0 * noise[at];
-            if tied && !found.active[at] {
+            if tied && found.violated[at] {
                 return Err(self.jam(*row));
             }
             if found.active[at] {
@@ -377,6 +379,16 @@ impl Instant<'_> {
         }
         self.stop(&holding);
         Ok(held)
+    }
+
+    /// What the accelerations of rows are known to: their round-off, and what the problem of all of them leaves unanswered. A
+    /// row within that of rest presses as little as it parts.
+    fn noise(&self, rows: &[usize], a: &[f64]) -> Vec<f64> {
+        let per = 1.0 / self.motion.model().time_scale();
+        let size = |row: &usize| self.rate(*row, a).abs() / self.free[*row].sqrt();
+        let largest = rows.iter().map(size).fold(0.0, f64::max);
+        let unanswered = |row: &usize| 2.0 * ANSWERED * largest * self.free[*row].sqrt();
+        rows.iter().map(|row| self.round_off(*row, a, per).max(unanswered(row))).collect()
     }
 
     /// Takes what is left of their speeds from rows that are held from now on: a projection, which gains no energy.

@@ -82,7 +82,7 @@ impl Ledger {
         Ok(())
     }
 
-    /// Energy that a blow takes out, or a pad that lets go before it is relaxed (J).
+    /// Energy that a blow takes out (J).
     pub(super) fn lose(&mut self, energy: f64) {
         self.dissipated += energy;
     }

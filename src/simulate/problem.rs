@@ -176,7 +176,7 @@ impl Motion {
             stops.press(q, v, system.outside());
         }
         let mut powers = system.powers(q, v);
-        powers.dissipated += self.stops.as_ref().map_or(0.0, |stops| stops.dissipated(v));
+        powers.dissipated += self.stops.as_ref().map_or(0.0, |stops| stops.dissipated(q, v));
         powers
     }
 
@@ -257,7 +257,8 @@ impl Motion {
         pressure + slack
     }
 
-    /// Whether every rigid stop is kept to [`Motion::passing`]: independent of the search for events.
+    /// Whether every rigid stop is kept to [`Motion::passing`] and the rounding of time: independent of the search for
+    /// events.
     ///
     /// # Errors
     /// [`RunError::Passed`].
@@ -265,7 +266,9 @@ impl Motion {
         for (index, stop) in self.model().stops.iter().enumerate() {
             for sign in stop.signs() {
                 let side = Side { stop: index, sign };
-                let beyond = !(stop.depth(sign, &state.position) <= self.passing(side));
+                // What a coordinate moves by in the rounding of time.
+                let rounding = TIMES * f64::EPSILON * time.abs() * state.velocity[stop.velocity].abs();
+                let beyond = !(stop.depth(sign, &state.position) <= self.passing(side).max(rounding));
                 if beyond && matches!(stop.law, StopLaw::Rigid { .. }) {
                     let hinge = self.model().bodies[stop.body].name.clone();
                     let (value, limit) = (state.position[stop.position], stop.limit(sign));
@@ -316,6 +319,8 @@ impl Motion {
 
 /// A rigid stop that is passed by more than this part of its coordinate is passed.
 const PASSED: f64 = 1e-9;
+/// The time of an event is known to so many of its roundings.
+pub(super) const TIMES: f64 = 8.0;
 /// A coordinate on its limit is known to this part.
 const ON_THE_LIMIT: f64 = 1e-12;
 

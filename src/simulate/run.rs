@@ -72,6 +72,8 @@ pub struct Summary {
     pub state: State,
     /// Root markers of the named bodies at the end.
     pub poses: Vec<Pose>,
+    /// The tolerance asked for.
+    pub tolerance: f64,
     /// Number of samples handed to the recorder.
     pub samples: usize,
     /// Time spent in steps (s).
@@ -193,6 +195,7 @@ impl<'m> Run<'m> {
             constraint_error: self.gap,
             state: self.state,
             poses,
+            tolerance: settings.tolerance,
             samples: self.sampler.count,
             wall: self.wall,
         }
@@ -223,6 +226,7 @@ impl<'m> Run<'m> {
                 time = hit.map_or(stepper.time(), |hit| hit.time);
                 turn = hit.map(|hit| hit.turn);
                 stopped = !self.tell(motion, stepper.as_mut(), time, recorder, go_on)?;
+                recorder.pause()?;
                 self.close_step(motion, stepper.as_mut(), time)?;
                 if let Some(creep) = pace.see(time, settings.duration).filter(|_| !choice.method.needs_step()) {
                     return Err(self.creeps(motion, time, creep));
@@ -390,9 +394,10 @@ impl<'m> Run<'m> {
                 motion.system.cross(boundary);
                 Outcome::default()
             }
+            Turn::Relax(_) => Outcome::default(),
             _ => instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, Some(turn))?,
         };
-        self.ledger.lose(outcome.lost + outcome.let_go);
+        self.ledger.lose(outcome.lost);
         self.ledger.put_in(outcome.work);
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);

@@ -3,7 +3,12 @@
 //! ```text
 //! (1)  pushing     τ_i −= side · (k p + d ṗ),  p = side · (q_i − limit);  until it would pull
 //! (2)  held        a_i = 0:  a = a₀ + M⁻¹ Hᵀ λ,  (H M⁻¹ Hᵀ) λ = −H a₀;  released when λ would pull
+//! (3)  stored      V = ½ k max(0, p)²,  whether it pushes or not
+//! (4)  dissipated  P = d ṗ² while it pushes,  P = −k p ṗ > 0 while it does not and p > 0
 //! ```
+//!
+//! By (4) a damped stop that its coordinate leaves faster than it relaxes spends what (3) still holds on its own damper:
+//! `k p + d ṗ < 0` there, and so `ṗ < 0`. A coordinate that comes back before `p = 0` meets the rest of it.
 //!
 //! Which stops push and which hold is the [`Mode`] of a run. It changes at events alone (`instant.rs`): within a step every
 //! law is smooth, so that no method has to step over a jump. `M⁻¹` of a unit force is one more right side of the
@@ -188,24 +193,32 @@ impl Stops {
         &self.force
     }
 
-    /// Energy in the springs of stops that push (J).
+    /// (3) of all stops (J).
     pub(super) fn potential(&self, q: &[f64]) -> f64 {
-        let of_side = |side: &Side| match self.model.stops[side.stop].law {
-            StopLaw::Rigid { .. } => 0.0,
-            StopLaw::Compliant { stiffness, .. } => {
-                0.5 * stiffness * self.model.stops[side.stop].depth(side.sign, q).powi(2)
-            }
-        };
-        self.mode.pushing.iter().map(of_side).sum()
+        self.compliant()
+            .map(|(side, [k, _])| 0.5 * k * self.model.stops[side.stop].depth(side.sign, q).max(0.0).powi(2))
+            .sum()
     }
 
-    /// Power that the dampers of stops that push take out (W).
-    pub(super) fn dissipated(&self, v: &[f64]) -> f64 {
-        let of_side = |side: &Side| match self.model.stops[side.stop].law {
-            StopLaw::Rigid { .. } => 0.0,
-            StopLaw::Compliant { damping, .. } => damping * v[self.model.stops[side.stop].velocity].powi(2),
+    /// (4) of all stops (W).
+    pub(super) fn dissipated(&self, q: &[f64], v: &[f64]) -> f64 {
+        let of_side = |(side, [k, d]): (Side, [f64; 2])| {
+            let stop = &self.model.stops[side.stop];
+            let (p, rate) = (stop.depth(side.sign, q), side.sign * v[stop.velocity]);
+            if self.mode.pushing.contains(&side) { d * rate * rate } else { -k * p.max(0.0) * rate }
         };
-        self.mode.pushing.iter().map(of_side).sum()
+        self.compliant().map(of_side).sum()
+    }
+
+    /// The sides of compliant stops, stiffness and damping with them.
+    fn compliant(&self) -> impl Iterator<Item = (Side, [f64; 2])> {
+        let law = |stop: &Stop| match stop.law {
+            StopLaw::Rigid { .. } => None,
+            StopLaw::Compliant { stiffness, damping } => Some([stiffness, damping]),
+        };
+        let stops =
+            self.model.stops.iter().enumerate().filter_map(move |(index, stop)| Some((index, stop, law(stop)?)));
+        stops.flat_map(|(index, stop, law)| stop.signs().map(move |sign| (Side { stop: index, sign }, law)))
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod account;
 mod generated;
+mod mixed;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -202,6 +202,7 @@ impl Adams {
         let same = (trial.step / self.progress.last_step() - 1.0).abs() < 1e-9;
         self.constant = if same { self.constant + 1 } else { 1 };
         self.last_order = self.order;
+        self.progress.statistics.error_sum += left.error * self.norm.tolerance();
         std::mem::swap(&mut self.past, &mut self.tried);
         let factor = self.choose(left);
         self.control.follow(trial, factor);

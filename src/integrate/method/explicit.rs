@@ -214,6 +214,7 @@ impl Explicit {
         let Progress { state, dense, statistics, .. } = &mut self.progress;
         dense.hermite(trial.step, [state, &self.next], [&self.rates[0], &self.rates[self.pair.last]]);
         self.control.accept(trial, error, statistics.steps == 0);
+        statistics.error_sum += error * self.norm.tolerance();
         self.edge.accept(self.pair.edge);
         self.progress.advance(trial.time, &mut self.next);
         self.accepted = true;

@@ -270,6 +270,7 @@ impl Implicit for GeneralizedAlpha {
         }
         dense.hermite(trial.step, [state, &self.next], [&self.rate, &self.next_rate]);
         self.control.accept(trial, error, statistics.steps == 0);
+        statistics.error_sum += error * self.norm.tolerance();
         self.before.copy_from_slice(&self.rate[*position_count..]);
         self.last_step = Some(trial.step);
         std::mem::swap(&mut self.rate, &mut self.next_rate);

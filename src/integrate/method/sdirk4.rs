@@ -149,6 +149,7 @@ impl Implicit for Sdirk4 {
         settle(problem, trial.time, &mut self.next, *position_count)?;
         dense.cubic(trial.step, [state, &self.next], &SQUARES, &CUBES, &self.rates);
         self.control.accept(trial, error, statistics.steps == 0);
+        statistics.error_sum += error * self.norm.tolerance();
         self.predictor.advance(trial.step);
         self.newton.advance();
         self.progress.advance(trial.time, &mut self.next);

@@ -21,6 +21,10 @@ pub struct Statistics {
     pub smallest_step: f64,
     /// Longest accepted step in s; 0 before the first step.
     pub largest_step: f64,
+    /// Sum of the error estimates of accepted steps, in parts of the state: what they may add up to, which the tolerance of a
+    /// run bounds only for as many steps as there are smallest shares in it. 0 for fixed steps and for Radau methods, whose
+    /// steps end far better than they are estimated.
+    pub error_sum: f64,
 }
 
 impl Statistics {
@@ -40,6 +44,7 @@ impl Statistics {
         };
         self.largest_step = self.largest_step.max(part.largest_step);
         self.steps += part.steps;
+        self.error_sum += part.error_sum;
         self.rejected_steps += part.rejected_steps;
         self.acceleration_evaluations += part.acceleration_evaluations;
         self.residual_evaluations += part.residual_evaluations;

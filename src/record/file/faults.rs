@@ -157,3 +157,24 @@ fn a_run_killed_after_any_write_leaves_what_was_flushed() {
         assert!(kept.contains(&flushed), "{kept:?}");
     }
 }
+
+/// Samples of one step that took long are kept at its end, though a flush has just been.
+#[test]
+fn a_long_step_is_flushed_as_a_whole() {
+    let (held, writes) = (Arc::default(), Arc::default());
+    let (room, at_once, fault) = (usize::MAX, usize::MAX, ErrorKind::Other);
+    let disk = Disk { held: Arc::clone(&held), room, at_once, fault, writes };
+    let scene = scene();
+    let opening = Opening { scene: &scene, scenario: "title = \"rod\"", statics: None };
+    let mut output = Output::begin(disk, &opening, false).expect("begun");
+    let mut transforms = super::frames::transforms(&scene);
+    output.pause().expect("a first step");
+    std::thread::sleep(std::time::Duration::from_millis(600));
+    let kept = || read(&held.lock().expect("one thread")).map_or(0, |(samples, _)| samples.len());
+    for index in 0..SAMPLES {
+        output.sample(&sample(index).borrow(), &mut transforms).expect("written");
+    }
+    assert!(kept() < SAMPLES, "nothing is left to flush");
+    output.pause().expect("the end of the long step");
+    assert_eq!(kept(), SAMPLES);
+}

@@ -90,6 +90,11 @@ impl Recorder for FileWriter {
         self.lost_where_failed(written)
     }
 
+    fn pause(&mut self) -> Result<(), RecordError> {
+        let written = self.output.as_mut().map_or(Ok(()), Output::pause);
+        self.lost_where_failed(written)
+    }
+
     fn finish(&mut self, outcome: &Outcome) -> Result<(), RecordError> {
         let Some(output) = self.output.take() else { return Ok(()) };
         // The file carries the lock: it lives until it has its name.
@@ -119,6 +124,7 @@ pub(super) struct Output<W: Write + Seek> {
     buffer: Vec<u8>,
     chunk_bytes: usize,
     flushed: Instant,
+    paused: Instant,
 }
 
 #[derive(Clone, Copy)]
@@ -161,7 +167,9 @@ impl<W: Write + Seek> Output<W> {
             None => None,
         };
         mcap.flush()?;
-        Ok(Self { mcap, channels, joints, sequence: 0, buffer: Vec::new(), chunk_bytes: 0, flushed: Instant::now() })
+        let now = Instant::now();
+        let buffer = Vec::new();
+        Ok(Self { mcap, channels, joints, sequence: 0, buffer, chunk_bytes: 0, flushed: now, paused: now })
     }
 
     pub(super) fn sample(&mut self, sample: &Sample, transforms: &mut FrameTransforms) -> McapResult<()> {
@@ -197,6 +205,15 @@ impl<W: Write + Seek> Output<W> {
             self.flush()?;
         }
         Ok(())
+    }
+
+    /// Flushes what a step gave that took long, all of it: the next one may take as long.
+    pub(super) fn pause(&mut self) -> McapResult<()> {
+        let before = std::mem::replace(&mut self.paused, Instant::now());
+        match self.chunk_bytes > 0 && self.paused - before >= FLUSH_PERIOD {
+            true => self.flush(),
+            false => Ok(()),
+        }
     }
 
     /// Closes the chunk, so that what is in it outlives this program.

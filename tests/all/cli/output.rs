@@ -14,6 +14,24 @@ fn quiet_says_nothing_when_all_is_well() {
     assert!(!bench.call(&["run", "nothing.toml", "--quiet"]).code(2).err.is_empty(), "errors are said all the same");
 }
 
+/// What a sum of energies is known to is no energy; JSON has it all the same.
+#[test]
+fn energies_below_their_round_off_are_zero() {
+    let bench = Bench::new();
+    let rod = |torque: &str| {
+        format!(
+            "simulate = {{ duration = 0.5, integrator = \"dopri5\", start = \"given\" }}\n[[body]]\nname = \"rod\"\nmass = 2.0\n\
+             center = [0, 0, -1]\ninertia = [1, 1, 0.1]\nhinge = {{ type = \"revolute\", axis = [0, 1, 0], velocity = {torque} }}\n"
+        )
+    };
+    bench.write("still.toml", rod("1e-12"));
+    let still = bench.call(&["run", "still.toml"]).code(0).out;
+    // Of 2 kg · g · 1 m.
+    assert!(still.contains("unaccounted for 0 J at most (0: below the round-off of 2.0e-11 J)"), "{still}");
+    let drift = bench.call(&["run", "still.toml", "--json"]).code(0).json()["energy_drift"].clone();
+    assert!(drift.as_f64().is_some_and(|drift| drift > 0.0 && drift < 2e-11), "{drift}");
+}
+
 #[test]
 fn the_recording_goes_where_it_is_sent() {
     let bench = Bench::new();

@@ -38,6 +38,26 @@ fn info_says_what_is_in_a_recording() {
     assert_eq!(bench.call(&["info", "pencil.mcap", "--json"]).code(0).json()["statics"]["stability"], "unstable");
 }
 
+/// A run that fails after more events than samples: its range is that of the samples.
+#[test]
+fn info_tells_the_range_of_samples_and_not_of_events() {
+    let bench = Bench::new();
+    bench.write(
+        "jam.toml",
+        "record = { rate = 2.0 }\nsimulate = { start = \"given\", duration = 9.0 }\n\
+         [[body]]\nname = \"ball\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [0, 0, 1], position = 0.2, \
+         limits = { low = 0.0, restitution = 0.9 } }\n\
+         [[body]]\nname = \"ram\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [1, 0, 0], limits = { high = 1.3 } }\n\
+         [[drive]]\nname = \"press\"\nhinge = \"ram\"\ntype = \"rate\"\nrate = 1.0\n",
+    );
+    bench.call(&["run", "jam.toml", "--quiet"]).code(1);
+    let info = bench.call(&["info", "jam.mcap", "--json"]).code(0).json();
+    let events = info["channels"].as_array().expect("channels").iter().find(|channel| channel["topic"] == "/events");
+    assert!(events.expect("/events")["messages"].as_u64() > info["samples"].as_u64(), "{info}");
+    let said = (&info["state"], &info["samples"], &info["first_time"], &info["last_time"]);
+    assert_eq!(said, (&"failed".into(), &3.into(), &0.0.into(), &1.0.into()));
+}
+
 #[test]
 fn what_was_cut_is_recovered_up_to_the_last_whole_chunk() {
     let bench = Bench::new();

@@ -15,7 +15,7 @@ use stillpoint::simulate::events::Kind;
 /// A stop is kept to this (m or rad): the program's own bound, 10⁻⁹ of a radian or of the scene's length.
 const KEPT: f64 = 1e-9;
 
-fn cases(usual: u64) -> u64 {
+pub(super) fn cases(usual: u64) -> u64 {
     std::env::var("EVENT_CASES").map_or(usual, |cases| cases.parse().expect("EVENT_CASES is a number"))
 }
 
@@ -64,7 +64,12 @@ fn chain(random: &mut Random, links: usize, between: Between, duration: f64) -> 
 }
 
 /// The account of a run that nothing puts energy into.
-fn check(seed: u64, scenario: &Scenario, model: &Model, (summary, memory, deepest): &(Summary, Memory, f64)) {
+pub(super) fn check(
+    seed: u64,
+    scenario: &Scenario,
+    model: &Model,
+    (summary, memory, deepest): &(Summary, Memory, f64),
+) {
     let case = || format!("seed {seed}: {}", scenario.text);
     assert_eq!(summary.end_time, scenario.simulate.duration, "{}", case());
     let rigid = || model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. }));
@@ -85,20 +90,20 @@ fn check(seed: u64, scenario: &Scenario, model: &Model, (summary, memory, deepes
     let mut before = first;
     for energy in energies {
         assert!(energy.kinetic + energy.potential <= first.kinetic + first.potential + slack, "{}", case());
-        // Blows take out; pads that are left before they are relaxed and touched again give back what they took.
-        let pads = rigid().count() < model.stops.len();
-        assert!(pads || energy.dissipated >= before.dissipated, "{}", case());
+        // What is booked is a difference of sums of this size.
+        let fallen = before.dissipated - energy.dissipated;
+        assert!(fallen <= 1e-12 * size, "dissipated falls by {fallen:e} J, {}", case());
         before = energy;
     }
 }
 
-fn read(text: &str) -> (Scenario, Arc<Model>) {
+pub(super) fn read(text: &str) -> (Scenario, Arc<Model>) {
     let scenario = stillpoint::scenario::parse("scene.toml", text, &[]).unwrap_or_else(|found| panic!("{found:?}"));
     let model = build(&scenario.description);
     (scenario, model)
 }
 
-fn run_all(cases: u64, text: impl Fn(&mut Random) -> String) -> usize {
+pub(super) fn run_all(cases: u64, text: impl Fn(&mut Random) -> String) -> usize {
     let mut events = 0;
     for seed in 0..cases {
         let (scenario, model) = read(&text(&mut Random::new(seed)));

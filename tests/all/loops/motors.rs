@@ -182,3 +182,23 @@ values = [0.0, 0.025, 0.05, 0.025, 0.0]
         assert!(end.abs() > 1e-5, "the wheel still swings");
     }
 }
+
+/// A law is judged at the given rate, not at rest: constant power, `v v̇ = P / m`.
+#[test]
+fn a_formula_is_judged_where_the_scene_starts() {
+    let cart = |velocity: f64| {
+        format!(
+            "simulate = {{ start = \"given\", duration = 1.0 }}\n[[body]]\nname = \"cart\"\nmass = 2.0\n\
+             hinge = {{ type = \"prismatic\", axis = [1, 0, 0], velocity = {velocity} }}\n\
+             [[motor]]\nname = \"engine\"\nhinge = \"cart\"\ntype = \"expression\"\nexpression = \"6/v\"\n"
+        )
+    };
+    for velocity in [0.5, 2.0, -3.0] {
+        let (scenario, model) = read(&cart(velocity));
+        let summary = run(&model, &scenario.simulate);
+        let expected = f64::sqrt(velocity * velocity + 6.0).copysign(velocity);
+        assert!((summary.state.velocity[0] - expected).abs() < 1e-7, "{velocity}: {:?}", summary.state);
+        assert!((summary.work - 6.0).abs() < 1e-7, "{velocity}: {}", summary.work);
+    }
+    refused(&cart(0.0), &["`engine`", "at t = 0, q = 0 and v = 0 as given", "not a finite number", "6/v"]);
+}
