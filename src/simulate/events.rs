@@ -366,6 +366,7 @@ impl Events {
         let Watch { function, last, band, .. } = self.watches[index];
         // At zero, unless that was passed by rounding before.
         let level = if self.watches[index].towards(last[0]) <= 0.0 { 0.0 } else { band };
+        let typical = TIME * motion.model().time_scale();
         let mut beyond = |this: &mut Self, time: f64, level: f64| {
             this.move_to(motion, stepper, time)?;
             let now = [this.value(motion, function, time), this.rate(motion, function, time)];
@@ -379,7 +380,7 @@ impl Events {
         }
         let ends = [beyond(self, left, level)?, beyond(self, right, level)?];
         let rounding = TIMES * f64::EPSILON * right.abs().max(right - left);
-        let width = 0.5 * rounding.max(TIME * motion.model().time_scale());
+        let width = 0.5 * rounding.max(typical);
         let root = self.search.root;
         let time = root.locate([left, right], ends, width, |time| beyond(self, time, level))?;
         self.move_to(motion, stepper, time)?;
