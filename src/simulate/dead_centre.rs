@@ -39,7 +39,6 @@ fn is_held_up(model: &Arc<Model>, drive: usize, time: f64, state: &State) -> boo
 /// The clearance of the rows next to a state; 0 where it cannot be settled.
 fn clearance(model: &Arc<Model>, time: f64, state: &State) -> f64 {
     let mut system = System::new(model);
-    system.set_time(time);
     let (mut q, mut v) = (state.position.clone(), state.velocity.clone());
-    system.settle(&mut q, &mut v).map_or(0.0, |settled| settled.clearance)
+    system.settle(time, &mut q, &mut v).map_or(0.0, |settled| settled.clearance)
 }

@@ -79,8 +79,8 @@ fn held(landscape: &mut Landscape<'_>, q: &[f64]) -> Result<Arc<Model>, Fault> {
     }
     let mut inertia = vec![0.0; model.velocity_count()];
     let rest = inertia.clone();
-    landscape.system().accelerations(q, &rest, &mut inertia)?;
-    landscape.system().articulated_inertia(&mut inertia);
+    let mut accelerations = rest.clone();
+    landscape.system().at(0.0, q, &rest).accelerations(&mut accelerations)?.articulated_inertia(&mut inertia);
     for (coordinate, inertia) in model.coordinates.iter_mut().zip(&inertia) {
         if coordinate.lock {
             coordinate.armature += HELD * inertia;
@@ -254,7 +254,7 @@ impl<'l, 's> Motion<'l, 's> {
             return self.landscape.force(q);
         }
         self.acceleration(q)?;
-        self.system.residual(q, &self.steady, &self.rest, &mut self.full)?;
+        self.system.at(0.0, q, &self.steady).residual(&self.rest, &mut self.full)?;
         Ok(self.landscape.free.iter().map(|i| -self.full[*i]).collect())
     }
 
@@ -268,7 +268,7 @@ impl<'l, 's> Motion<'l, 's> {
             self.full[*i] += v;
         }
         let mut q = q.to_vec();
-        if self.system.settle(&mut q, &mut self.full).is_ok() {
+        if self.system.settle(0.0, &mut q, &mut self.full).is_ok() {
             let moving = self.landscape.free.iter().map(|i| self.full[*i] - self.steady[*i]);
             velocity.iter_mut().zip(moving).for_each(|(v, moving)| *v = moving);
         }
@@ -277,8 +277,10 @@ impl<'l, 's> Motion<'l, 's> {
     /// Accelerations of the free coordinates at rest.
     fn acceleration(&mut self, q: &[f64]) -> Result<Vec<f64>, Fault> {
         self.accelerations += 1;
-        self.system.accelerations(q, &self.steady, &mut self.full)?;
-        if self.system.model().is_constrained() {
+        let tied = self.system.model().is_constrained();
+        let mut at = self.system.at(0.0, q, &self.steady);
+        let mut mass = at.accelerations(&mut self.full)?;
+        if tied {
             return Ok(self.landscape.free.iter().map(|i| self.full[*i]).collect());
         }
         if self.landscape.free.len() < self.rest.len() {
@@ -287,7 +289,7 @@ impl<'l, 's> Motion<'l, 's> {
             for (i, value) in self.landscape.free.clone().into_iter().zip(self.landscape.force(q)?) {
                 force[i] = value;
             }
-            self.system.solve_mass(&force, &mut self.full);
+            mass.solve_mass(&force, &mut self.full);
         }
         Ok(self.landscape.free.iter().map(|i| self.full[*i]).collect())
     }
