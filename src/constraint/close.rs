@@ -11,7 +11,7 @@
 //! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole. Short ways back
 //! onto the rows of long chains are taken like that: the tip would need a hundred steps.
 
-use super::{Constraints, Held, Rate};
+use super::{Constraints, Mode, Rate};
 use crate::model::Model;
 use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
@@ -47,7 +47,7 @@ pub(crate) struct Closer(Closing);
 
 impl Closer {
     pub(crate) fn new(model: &Model) -> Self {
-        Self(Closing::new(model, &super::rows::locks(model), 0.0))
+        Self(Closing::new(model, &Mode::locks(model), 0.0))
     }
 
     /// Closes `q`; false where a gap is left, or the tree is singular.
@@ -96,9 +96,9 @@ pub(super) struct Closing {
 }
 
 impl Closing {
-    pub(super) fn new(model: &Model, held: &[Held], time: f64) -> Self {
+    pub(super) fn new(model: &Model, mode: &Mode, time: f64) -> Self {
         let n = model.velocity_count();
-        let mut rows = Constraints::all(model, held);
+        let mut rows = Constraints::every_row(model, mode);
         rows.set_time(time);
         let length = model.length_scale();
         let mut units = vec![1.0; n];

@@ -1,7 +1,7 @@
 //! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
 
 use super::{Evaluated, Fault, System};
-use crate::constraint::{Constraints, Largest, LoopReaction, OpenGap, ROUND_OFF, Rate};
+use crate::constraint::{Constraints, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
 use crate::model::Model;
 use crate::model::prescribed::Instant;
 use crate::motion::variation::LinkVariation;
@@ -21,7 +21,9 @@ const OPEN: f64 = 1e-9;
 #[derive(Debug, Clone)]
 pub(super) struct Constrained {
     pub(super) rows: Constraints,
-    /// The same with none left out, once reactions are shared among linearly dependent rows.
+    /// Of the model, beside what a run holds.
+    mode: Mode,
+    /// All rows of the mode, none left out, once reactions are shared among linearly dependent rows.
     every_row: Option<Box<Constraints>>,
     /// Widest gap of redundant rows at the start, in parts of the reach: what numbers with few digits leave open.
     left_open: f64,
@@ -54,15 +56,16 @@ impl Settled {
 }
 
 impl Constrained {
-    pub(super) fn new(model: &Model) -> Option<Box<Self>> {
-        let mut rows = Constraints::new(model)?;
+    /// Room for the rows of a model in a mode, with what they leave open at a position.
+    pub(super) fn new(model: &Model, mode: &Mode, mut rows: Constraints, q: &[f64]) -> Box<Self> {
         let mut given = Motion::new(model);
-        given.update(model, &model.start_position, &model.start_velocity);
-        rows.place(model, &given, &model.start_position, true);
+        given.update(model, q, &model.start_velocity);
+        rows.place(model, &given, q, true);
         let left_open = rows.largest(&given, Rate::Gap, true).relative;
         let n = model.velocity_count();
-        Some(Box::new(Self {
+        Box::new(Self {
             rows,
+            mode: mode.clone(),
             every_row: None,
             left_open: if left_open <= ROUGH { left_open } else { 0.0 },
             loads: vec![Wrench::ZERO; model.links.len()],
@@ -70,7 +73,7 @@ impl Constrained {
             step: vec![0.0; n],
             before: vec![0.0; model.position_count().max(n)],
             on_bodies: vec![Wrench::ZERO; if model.loops.is_empty() { 0 } else { model.bodies.len() }],
-        }))
+        })
     }
 
     pub(super) fn on_body(&self, body: usize) -> Wrench {
@@ -163,7 +166,8 @@ impl System {
         self.constraints.as_ref().map_or(0.0, |tied| tied.rows.held_force(velocity))
     }
 
-    /// What drives do in an impulse that changes velocities so, after [`Factorized::answer_impulse`] (J): their impulse times their speed.
+    /// What drives do in an impulse that changes velocities so, after
+    /// [`Factorized::answer_impulse`](super::Factorized::answer_impulse) (J): their impulse times their speed.
     pub fn impulse_work(&self, change: &[f64]) -> f64 {
         self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.power(&self.model, change))
     }
@@ -317,11 +321,11 @@ impl Evaluated<'_> {
     pub fn share_multipliers(&mut self) -> Result<(), Fault> {
         let Some(constrained) = &mut self.system.constraints else { return Ok(()) };
         constrained.tau.fill(0.0);
-        let Constrained { rows, every_row, tau, .. } = &mut **constrained;
+        let Constrained { rows, mode, every_row, tau, .. } = &mut **constrained;
         if let Err(singular) = self.system.reduction.prepare(&self.system.model, &self.system.motion, tau) {
             return Err(self.system.singular(&singular, self.q, self.v));
         }
-        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.system.model)));
+        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.system.model, mode)));
         rows.share(all, &self.system.model, &self.system.motion, &self.system.reduction, self.q);
         rows.place(&self.system.model, &self.system.motion, self.q, true);
         Ok(())

@@ -20,6 +20,8 @@ pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};
 
+use crate::constraint::Constraints;
+pub use crate::constraint::{Held, Mode};
 pub use crate::forces::Boundary;
 use crate::forces::{self, Laws};
 use crate::model::Model;
@@ -39,7 +41,7 @@ pub struct System {
     model: Arc<Model>,
     /// What pushes, as the model has it or as a run keeps it.
     laws: Laws,
-    /// Positions and velocities of the last evaluation.
+    /// Positions and velocities of the place.
     motion: Motion,
     reduction: Reduction,
     balance: Balance,
@@ -51,7 +53,7 @@ pub struct System {
     scratch: Vec<f64>,
     /// Hinge forces from outside of the model; empty where none can come.
     outside: Vec<f64>,
-    /// What motors and curves push with, of the last evaluation, in the order of [`Model::pushed`].
+    /// What motors and curves push with, in the order of [`Model::pushed`].
     pushes: Vec<Push>,
     /// The time at which drives and motors are looked at (s).
     time: f64,
@@ -137,8 +139,20 @@ pub struct Powers {
 }
 
 impl System {
-    /// Scratch memory for a model.
+    /// Scratch memory for a model with its loops, drives and gears.
     pub fn new(model: &Arc<Model>) -> Self {
+        let rows = Constraints::new(model);
+        Self::with(model, rows.map(|rows| Constrained::new(model, &Mode::default(), rows, &model.start_position)))
+    }
+
+    /// Scratch memory for a model in a mode. Which of its rows are independent is decided at a time (s) and a position.
+    pub fn in_mode(model: &Arc<Model>, mode: &Mode, time: f64, q: &[f64]) -> Self {
+        let mut rows = Constraints::in_mode(model, mode, time, q);
+        rows.iter_mut().for_each(|rows| rows.set_time(time));
+        Self::with(model, rows.map(|rows| Constrained::new(model, mode, rows, q)))
+    }
+
+    fn with(model: &Arc<Model>, constraints: Option<Box<Constrained>>) -> Self {
         let n = model.links.len();
         Self {
             model: Arc::clone(model),
@@ -153,7 +167,7 @@ impl System {
             outside: vec![0.0; if model.stops.is_empty() { 0 } else { model.velocity_count() }],
             pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
-            constraints: Constrained::new(model),
+            constraints,
         }
     }
 
