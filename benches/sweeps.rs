@@ -67,7 +67,7 @@ fn accelerations(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new(name, model.bodies.len()), |b: &mut Bencher<'_>| {
             b.iter(|| {
                 let (q, v) = (black_box(&model.start_position), black_box(&model.start_velocity));
-                system.accelerations(q, v, &mut a).unwrap();
+                system.at(0.0, q, v).accelerations(&mut a).unwrap();
             });
         });
     };
@@ -95,8 +95,8 @@ fn two_threads(c: &mut Criterion) {
         group.throughput(Throughput::Elements(count as u64));
         group.bench_function(BenchmarkId::new("in turn", count), |bencher| {
             bencher.iter(|| {
-                first.accelerations(black_box(q), v, &mut a).unwrap();
-                second.accelerations(black_box(q), v, &mut b).unwrap();
+                first.at(0.0, black_box(q), v).accelerations(&mut a).unwrap();
+                second.at(0.0, black_box(q), v).accelerations(&mut b).unwrap();
             });
         });
         let (asked, answered) = (AtomicU64::new(0), AtomicU64::new(0));
@@ -109,7 +109,7 @@ fn two_threads(c: &mut Criterion) {
                         END => break,
                         call if call == seen => std::hint::spin_loop(),
                         call => {
-                            second.accelerations(black_box(q), v, &mut b).unwrap();
+                            second.at(0.0, black_box(q), v).accelerations(&mut b).unwrap();
                             seen = call;
                             answered.store(call, Ordering::Release);
                         }
@@ -121,7 +121,7 @@ fn two_threads(c: &mut Criterion) {
                 bencher.iter(|| {
                     call += 1;
                     asked.store(call, Ordering::Release);
-                    first.accelerations(black_box(q), v, &mut a).unwrap();
+                    first.at(0.0, black_box(q), v).accelerations(&mut a).unwrap();
                     while answered.load(Ordering::Acquire) != call {
                         std::hint::spin_loop();
                     }
@@ -139,12 +139,12 @@ fn tangent(c: &mut Criterion) {
         let (q, v) = (&model.start_position, &model.start_velocity);
         let (mut system, mut solver) = (System::new(model), TangentSolver::new(model));
         let (mut a, mut x) = (v.clone(), v.clone());
-        system.accelerations(q, v, &mut a).unwrap();
+        system.at(0.0, q, v).accelerations(&mut a).unwrap();
         let with = Coefficients { c1: 1e2, c2: 1e4, ..Coefficients::default() };
         group.throughput(Throughput::Elements(model.bodies.len() as u64));
         group.bench_function(BenchmarkId::new(name, model.bodies.len()), |b: &mut Bencher<'_>| {
             b.iter(|| {
-                assert!(system.factorize_tangent(&mut solver, black_box(q), v, &a, &with).unwrap());
+                assert!(system.at(0.0, black_box(q), v).factorize_tangent(&mut solver, &a, &with).unwrap());
                 x.fill(1.0);
                 solver.solve(&mut x);
             });

@@ -26,10 +26,9 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     while !stepper.finished() {
         stepper.step(&mut motion)?;
         let (q, v) = (stepper.position().to_vec(), stepper.velocity().to_vec());
-        let system = motion.at(stepper.time());
-        system.accelerations(&q, &v, &mut a)?;
-        system.residual(&q, &v, &a, &mut unbalanced)?;
-        system.reactions(&mut reactions);
+        let mut at = motion.at(stepper.time(), &q, &v);
+        at.accelerations(&mut a)?;
+        at.residual(&a, &mut unbalanced)?.reactions(&mut reactions);
         largest = largest.max(reactions[0].force.norm());
     }
     println!("{} steps to {} s", stepper.statistics().steps, stepper.time());

@@ -59,7 +59,7 @@
 //! | describe a scene | [`model::description`] |
 //! | read a scenario file | [`scenario::load`] |
 //! | find and judge an equilibrium | [`statics::equilibrium()`] |
-//! | evaluate accelerations and reactions | [`dynamics::System`] |
+//! | evaluate accelerations and reactions | [`dynamics::System::at`] |
 //! | step an integrator by hand | [`simulate::problem::Motion`] |
 //! | run and record | [`simulate::run`], [`record::RecordingFile`] |
 //! | read a recording | [`record::Recording`], [`record::Table`] |

@@ -62,7 +62,7 @@ impl Routines {
             a: model.start_velocity.clone(),
             x: model.start_velocity.clone(),
         };
-        routines.system.accelerations(&model.start_position, &model.start_velocity, &mut routines.a)?;
+        routines.system.at(0.0, &model.start_position, &model.start_velocity).accelerations(&mut routines.a)?;
         Ok(routines)
     }
 
@@ -89,17 +89,17 @@ impl Routines {
         let implicit = Coefficients { c1: rate, c2: rate * rate, ..Coefficients::default() };
         let (v, a, with) = match (routine, &mut self.jacobians, &mut self.solver) {
             (Routine::Acceleration, ..) => {
-                return self.system.accelerations(q, v, &mut self.x).map(|()| true);
+                return self.system.at(0.0, q, v).accelerations(&mut self.x).map(|_| true);
             }
             (Routine::Jacobian, Some(jacobians), _) => {
-                return self.system.acceleration_jacobians_into(q, v, jacobians).map(|()| true);
+                return self.system.at(0.0, q, v).acceleration_jacobians_into(jacobians).map(|()| true);
             }
             (Routine::TangentSolve, _, Some(_)) => (v, &self.a, implicit),
             (Routine::StaticStep, _, Some(_)) => (&self.rest, &self.rest, Coefficients::default()),
             _ => return Ok(false),
         };
         let Some(solver) = &mut self.solver else { return Ok(false) };
-        let regular = self.system.factorize_tangent(solver, q, v, a, &with)?;
+        let regular = self.system.at(0.0, q, v).factorize_tangent(solver, a, &with)?;
         self.x.fill(1.0);
         solver.solve(&mut self.x);
         Ok(regular)

@@ -47,11 +47,12 @@ pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
     let mut system = System::new(model);
     let mut accelerations = v.clone();
     // What cannot be computed is said where it is asked for.
-    if system.accelerations(q, v, &mut accelerations).is_err() {
-        return Vec::new();
-    }
+    let mut at_start = system.at(0.0, q, v);
     let mut inertia = vec![0.0; v.len()];
-    system.articulated_inertia(&mut inertia);
+    match at_start.accelerations(&mut accelerations) {
+        Ok(factorized) => factorized.articulated_inertia(&mut inertia),
+        Err(_) => return Vec::new(),
+    }
     let mut action = MassAction::new(model);
     let mut found = Vec::new();
     for body in &model.bodies {
@@ -65,7 +66,7 @@ pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
             }
             let (mut one, mut column) = (vec![0.0; v.len()], vec![0.0; v.len()]);
             one[at] = 1.0;
-            system.mass_times(&mut action, &one, &mut column);
+            at_start.mass_times(&mut action, &one, &mut column);
             if inertia[at] < LIGHT * column[at] {
                 let unit = if slides { "kg" } else { "kg m²" };
                 let (hinge, acceleration) = (model.label(at), accelerations[at]);

@@ -2,7 +2,7 @@
 
 use super::{Common, Exit, conditioning, json, output, scene, text};
 use crate::constraint;
-use crate::dynamics::System;
+use crate::dynamics::{Evaluated, System};
 use crate::model::Model;
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -28,17 +28,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let (q, v) = (&model.start_position, &model.start_velocity);
     let mut system = System::new(&model);
     let mut accelerations = v.clone();
-    system
-        .accelerations(q, v, &mut accelerations)
+    let mut at = system.at(0.0, q, v);
+    at.accelerations(&mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
     let forces: Vec<(String, f64)> =
-        system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(&model, &accelerations).collect());
-    system.share_multipliers(q, v)?;
-    let loops = system.loop_reactions();
-    let energies = system.energies(q, v);
+        at.system().constraints().map_or(Vec::new(), |rows| rows.drive_forces(&model, &accelerations).collect());
+    at.share_multipliers()?;
+    let loops = at.loop_reactions();
+    let energies = at.energies();
     let (_, assembly) = constraint::assemble(model.clone())
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
-    let center = center_of_mass(&model, &system);
+    let center = center_of_mass(&model, &at);
     let light = conditioning::ill_conditioned(&model);
     if !common.quiet {
         conditioning::warn(&scenario.name, &light);
@@ -85,9 +85,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-fn center_of_mass(model: &Model, system: &System) -> Vector3<f64> {
+fn center_of_mass(model: &Model, at: &Evaluated<'_>) -> Vector3<f64> {
     let mut poses = Vec::new();
-    system.poses(&mut poses);
+    at.poses(&mut poses);
     let moment: Vector3<f64> = model
         .bodies
         .iter()

@@ -74,8 +74,8 @@ pub(super) fn motors(model: &Model, q: &[f64], v: &[f64]) -> Vec<(String, f64)> 
 /// What every rope and curve pulls with (N).
 fn pulls(model: &Arc<Model>, q: &[f64], v: &[f64]) -> Value {
     let mut system = System::new(model);
-    system.energies(q, v);
-    Value::Object(system.pulls().map(|(name, pull)| (name.to_owned(), json!(pull))).collect())
+    let at = system.at(0.0, q, v);
+    Value::Object(at.pulls().map(|(name, pull)| (name.to_owned(), json!(pull))).collect())
 }
 
 pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {

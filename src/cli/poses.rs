@@ -52,10 +52,11 @@ fn film(
     let rest = vec![0.0; model.velocity_count()];
     let (mut unbalanced, mut bodies, mut reactions) = (rest.clone(), Vec::new(), Vec::new());
     for (time, q) in frames {
-        let potential = system.energies(q, &rest).potential;
-        system.residual(q, &rest, &rest, &mut unbalanced).context("a pose that cannot be evaluated")?;
-        system.poses(&mut bodies);
-        system.reactions(&mut reactions);
+        let mut at = system.at(0.0, q, &rest);
+        let potential = at.energies().potential;
+        let balanced = at.residual(&rest, &mut unbalanced).context("a pose that cannot be evaluated")?;
+        balanced.reactions(&mut reactions);
+        at.poses(&mut bodies);
         recorder.sample(&Sample {
             time: *time,
             positions: q,

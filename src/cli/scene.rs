@@ -104,7 +104,7 @@ fn check_start(path: &Path, model: &Arc<Model>, multipliers: &[(String, Vec<f64>
     }
     let mut system = System::new(model);
     let mut a = vec![0.0; v.len()];
-    system.accelerations(q, v, &mut a).with_context(of_file)?;
+    system.at(0.0, q, v).accelerations(&mut a).with_context(of_file)?;
     let here = system.constraints().map_or(Vec::new(), Constraints::by_element);
     let largest = here.iter().flat_map(|(_, list)| list).fold(0.0_f64, |m, x| m.max(x.abs()));
     for (name, list) in multipliers {

@@ -13,7 +13,7 @@
 
 use super::component::between_ends;
 use super::rows::Owner;
-use super::{Constraints, Held, Rate};
+use super::{Constraints, Mode, Rate};
 use crate::model::Model;
 use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
@@ -49,7 +49,7 @@ pub(crate) struct Closer(Closing);
 
 impl Closer {
     pub(crate) fn new(model: &Model) -> Self {
-        Self(Closing::new(model, &super::rows::locks(model), 0.0))
+        Self(Closing::new(model, &Mode::locks(model), 0.0))
     }
 
     /// Closes `q`; false where a gap is left, or the tree is singular.
@@ -100,9 +100,9 @@ pub(super) struct Closing {
 }
 
 impl Closing {
-    pub(super) fn new(model: &Model, held: &[Held], time: f64) -> Self {
+    pub(super) fn new(model: &Model, mode: &Mode, time: f64) -> Self {
         let n = model.velocity_count();
-        let mut rows = Constraints::all(model, held);
+        let mut rows = Constraints::every_row(model, mode);
         rows.set_time(time);
         let length = model.length_scale();
         let mut units = vec![1.0; n];

@@ -1,7 +1,8 @@
 //! Coordinates that rest on a stop: rows that come and go while a scene moves, beside those of its loops, drives and gears.
 
+use super::mode::{Held, scalars};
 use super::row::Placed;
-use super::rows::{self, Held};
+use super::rows;
 use super::{Constraints, Owner};
 use crate::model::Model;
 use crate::model::prescribed::Instant;
@@ -31,7 +32,7 @@ impl Constraints {
         self.not_unique.truncate(rows);
         self.is_shared = false;
         let of = |(velocity, at): &(usize, Instant)| {
-            let coordinate = rows::scalars(model).find(|scalar| scalar.velocity == *velocity)?;
+            let coordinate = scalars(model).find(|scalar| scalar.velocity == *velocity)?;
             Some(Held::Coordinate { coordinate, at: *at })
         };
         let held: Vec<Held> = targets.iter().filter_map(of).collect();

@@ -24,6 +24,7 @@ mod envelope;
 mod hold;
 mod listed;
 mod loads;
+mod mode;
 mod plan;
 mod rank;
 mod row;
@@ -43,11 +44,11 @@ use component::Lengths;
 use envelope::Envelope;
 pub(crate) use listed::IndependentRow;
 pub use loads::LoopReaction;
+pub use mode::{Held, Mode};
 use nalgebra::Vector3;
 use plan::Plan;
 pub(crate) use row::Rule;
 use row::{Ends, Placed, place_motion, power};
-use rows::Held;
 pub use rows::{Element, Owner};
 
 /// The rows of a model and the scratch memory to solve with them.
@@ -112,9 +113,9 @@ pub(crate) enum Rate<'a> {
 }
 
 impl Constraints {
-    /// All rows of a model and those that hold coordinates beside them, none left out.
-    fn all(model: &Model, held: &[Held]) -> Self {
-        let (elements, rules, given) = rows::of_model(model, held);
+    /// All rows of a model in a mode, none left out.
+    pub(crate) fn every_row(model: &Model, mode: &Mode) -> Self {
+        let (elements, rules, given) = rows::of_model(model, mode);
         let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
         let (mut weights, mut reaches) = (vec![1.0; rules.len()], vec![1.0; rules.len()]);
         let lengths = component::lengths(model, &elements, &rules, &given);
@@ -150,25 +151,35 @@ impl Constraints {
         all
     }
 
-    /// All rows of a model, none left out.
-    pub(crate) fn every_row(model: &Model) -> Self {
-        Self::all(model, &[])
-    }
-
     /// The rows of a model; `None` where it has none. Which of them are independent is what [`assemble`] found, or is
     /// decided here at the given positions where the model has not been assembled.
     pub fn new(model: &Model) -> Option<Self> {
         if !model.is_constrained() {
             return None;
         }
-        let mut rows = Self::all(model, &[]);
         let independent = match &model.independent_rows {
             Some(rows) => rows.clone(),
-            None => rank::decide(model, &model.start_position, 0.0).independent,
+            None => rank::decide(model, &Mode::default(), &model.start_position, 0.0).independent,
         };
+        Some(Self::of_independent(model, &Mode::default(), independent))
+    }
+
+    /// The rows of a model in a mode; `None` if it has none there. Which of them are independent is decided at a position and a
+    /// time.
+    pub fn in_mode(model: &Model, mode: &Mode, time: f64, q: &[f64]) -> Option<Self> {
+        let is_empty = mode.held.is_empty() && mode.released.len() == model.drives.len();
+        if is_empty && model.loops.is_empty() && model.gears.is_empty() {
+            return None;
+        }
+        let independent = rank::decide(model, mode, q, time).independent;
+        Some(Self::of_independent(model, mode, independent))
+    }
+
+    fn of_independent(model: &Model, mode: &Mode, independent: Vec<bool>) -> Self {
+        let mut rows = Self::every_row(model, mode);
         rows.keep(|row| independent[row]);
         rows.independent = independent;
-        Some(rows)
+        rows
     }
 
     /// Solves from now on for the rows that `wanted` says.

@@ -10,10 +10,10 @@
 //! rows are looked at in the position itself and in closed positions around it: in a singular position (a change point, a dead
 //! centre) rows are linearly dependent that are not elsewhere, and those have to be kept.
 
-use super::Constraints;
 use super::close::Closing;
 use super::component::{between_ends, components, lengths, members};
 use super::rows::Owner;
+use super::{Constraints, Mode};
 use crate::model::Model;
 use crate::motion::Motion;
 
@@ -39,9 +39,9 @@ pub(super) struct Ranking {
     pub(super) singular: bool,
 }
 
-/// Decides at a closed position, at the time of the drives.
-pub(super) fn decide(model: &Model, q: &[f64], time: f64) -> Ranking {
-    let mut closing = Closing::new(model, &[], time);
+/// Decides in a mode at a closed position, at the time of the drives.
+pub(super) fn decide(model: &Model, mode: &Mode, q: &[f64], time: f64) -> Ranking {
+    let mut closing = Closing::new(model, mode, time);
     closing.gap(model, q);
     let mut independent = closing.rows.independent_now(model, &closing.motion);
     let components = members(&components(model, &closing.rows.elements));

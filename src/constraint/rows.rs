@@ -1,5 +1,6 @@
 //! The rows of a model's loops, drives, gears and locks.
 
+use super::mode::{Held, Mode};
 use super::row::Rule;
 use crate::hinge::Condition;
 use crate::model::couplings::Closure;
@@ -20,20 +21,6 @@ pub enum Owner {
     Gear(usize),
     /// What is held, by its first velocity coordinate: while positions are closed, or on a stop.
     Held(usize),
-}
-
-/// What is held.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Held {
-    /// A coordinate, and where or at which rate.
-    Coordinate {
-        /// Which.
-        coordinate: Scalar,
-        /// Where.
-        at: Instant,
-    },
-    /// The ball of this link as it is given.
-    Ball(usize),
 }
 
 /// A loop, drive, gear or held coordinate and its rows.
@@ -97,31 +84,12 @@ pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
     way
 }
 
-/// What is locked, held where it is given.
-pub(super) fn locks(model: &Model) -> Vec<Held> {
-    let at = |scalar: &Scalar| Instant { position: model.start_position[scalar.position], ..Instant::default() };
-    let locked = scalars(model).filter(|scalar| model.coordinates[scalar.velocity].lock);
-    let balls = model.links.iter().enumerate().filter(|(_, link)| link.joint.is_ball());
-    let balls = balls.filter(|(_, link)| model.coordinates[link.velocity].lock).map(|(index, _)| Held::Ball(index));
-    locked.map(|coordinate| Held::Coordinate { coordinate, at: at(&coordinate) }).chain(balls).collect()
-}
-
-pub(super) fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
-    let plain = model.links.iter().enumerate().filter(|(_, link)| link.joint.is_scalar());
-    plain.map(|(index, link)| Scalar {
-        link: index,
-        position: link.position,
-        velocity: link.velocity,
-        slides: link.joint.is_slide(),
-    })
-}
-
-/// Elements and rows of a model, and of coordinates that are held beside them; and the positions as given.
-pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>, Motion) {
+/// Elements and rows of a model in a mode; and the positions as given.
+pub(super) fn of_model(model: &Model, mode: &Mode) -> (Vec<Element>, Vec<Rule>, Motion) {
     let mut rules = Vec::new();
     let mut elements = Vec::new();
     let mut given = Motion::new(model);
-    if !model.loops.is_empty() || !held.is_empty() {
+    if !model.loops.is_empty() || !mode.held.is_empty() {
         given.update(model, &model.start_position, &vec![0.0; model.velocity_count()]);
     }
     let nothing = Instant::default();
@@ -138,7 +106,7 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
     let mut motion = |owner: Owner, name: String, parts: [(Scalar, f64); 2], held: Instant| {
         of_motion((owner, name), parts, held, &mut elements, &mut rules);
     };
-    for (index, drive) in model.drives.iter().enumerate() {
+    for (index, drive) in model.drives.iter().enumerate().filter(|(index, _)| !mode.released.contains(index)) {
         let parts = [(drive.coordinate, 1.0), (drive.coordinate, 0.0)];
         motion(Owner::Drive(index), format!("drive `{}`", drive.name), parts, nothing);
     }
@@ -146,8 +114,8 @@ pub(super) fn of_model(model: &Model, held: &[Held]) -> (Vec<Element>, Vec<Rule>
         let parts = [(gear.coordinates[0], 1.0), (gear.coordinates[1], -gear.ratio)];
         motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
     }
-    hold(model, held, &mut elements, &mut rules);
-    for held in held {
+    hold(model, &mode.held, &mut elements, &mut rules);
+    for held in &mode.held {
         let Held::Ball(link) = *held else { continue };
         let (parent, velocity) = (model.links[link].parent, model.links[link].velocity);
         let first = rules.len();

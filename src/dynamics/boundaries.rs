@@ -1,24 +1,12 @@
 //! Where laws are not smooth: what a run needs to end its steps there.
 
-use super::{Boundary, System};
+use super::{Boundary, Evaluated, System};
 use crate::force::Switch;
 
 impl System {
-    /// Keeps all laws in the smooth parts to which a state belongs, whatever the states are that follow.
-    pub fn keep_laws(&mut self, q: &[f64], v: &[f64]) {
-        self.motion.update(&self.model, q, v);
-        self.laws.keep(&self.motion, q, v);
-    }
-
     /// The boundaries next to the parts in which laws are kept.
     pub fn boundaries(&self) -> impl Iterator<Item = Boundary> {
         self.laws.boundaries()
-    }
-
-    /// The function whose change of sign is the crossing of a boundary, at a state.
-    pub fn switch(&mut self, boundary: Boundary, q: &[f64], v: &[f64]) -> Switch {
-        self.motion.update(&self.model, q, v);
-        self.laws.switch(boundary, &self.motion, q, v)
     }
 
     /// The size with which a boundary's function is compared: the scene's length or speed, 1 rad or that by its time.
@@ -37,5 +25,18 @@ impl System {
     /// Keeps a law on the other side of a boundary from now on.
     pub fn cross(&mut self, boundary: Boundary) {
         self.laws.cross(boundary);
+    }
+}
+
+impl Evaluated<'_> {
+    /// Keeps all laws in the smooth parts to which this place belongs, whatever the places are that follow.
+    pub fn keep_laws(&mut self) {
+        let System { laws, motion, .. } = &mut *self.system;
+        laws.keep(motion, self.q, self.v);
+    }
+
+    /// The function whose change of sign is the crossing of a boundary.
+    pub fn switch(&self, boundary: Boundary) -> Switch {
+        self.system.laws.switch(boundary, &self.system.motion, self.q, self.v)
     }
 }

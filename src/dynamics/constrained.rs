@@ -1,7 +1,7 @@
 //! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
 
-use super::{Fault, System};
-use crate::constraint::{Constraints, Largest, LoopReaction, OpenGap, ROUND_OFF, Rate};
+use super::{Evaluated, Fault, System};
+use crate::constraint::{Constraints, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
 use crate::model::Model;
 use crate::model::prescribed::Instant;
 use crate::motion::variation::LinkVariation;
@@ -20,14 +20,16 @@ const OPEN: f64 = 1e-9;
 /// The rows of a model and scratch memory to push with them.
 #[derive(Debug, Clone)]
 pub(super) struct Constrained {
-    rows: Constraints,
-    /// The same with none left out, once reactions are shared among linearly dependent rows.
+    pub(super) rows: Constraints,
+    /// Of the model, beside what a run holds.
+    mode: Mode,
+    /// All rows of the mode, none left out, once reactions are shared among linearly dependent rows.
     every_row: Option<Box<Constraints>>,
     /// Widest gap of redundant rows at the start, in parts of the reach: what numbers with few digits leave open.
     left_open: f64,
     loads: Vec<Wrench>,
     tau: Vec<f64>,
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     /// What was before a round of a projection.
     before: Vec<f64>,
     /// What the last multipliers apply to named bodies, for reactions of welds.
@@ -54,15 +56,16 @@ impl Settled {
 }
 
 impl Constrained {
-    pub(super) fn new(model: &Model) -> Option<Box<Self>> {
-        let mut rows = Constraints::new(model)?;
+    /// Room for the rows of a model in a mode, with what they leave open at a position.
+    pub(super) fn new(model: &Model, mode: &Mode, mut rows: Constraints, q: &[f64]) -> Box<Self> {
         let mut given = Motion::new(model);
-        given.update(model, &model.start_position, &model.start_velocity);
-        rows.place(model, &given, &model.start_position, true);
+        given.update(model, q, &model.start_velocity);
+        rows.place(model, &given, q, true);
         let left_open = rows.largest(&given, Rate::Gap, true).relative;
         let n = model.velocity_count();
-        Some(Box::new(Self {
+        Box::new(Self {
             rows,
+            mode: mode.clone(),
             every_row: None,
             left_open: if left_open <= ROUGH { left_open } else { 0.0 },
             loads: vec![Wrench::ZERO; model.links.len()],
@@ -70,7 +73,7 @@ impl Constrained {
             step: vec![0.0; n],
             before: vec![0.0; model.position_count().max(n)],
             on_bodies: vec![Wrench::ZERO; if model.loops.is_empty() { 0 } else { model.bodies.len() }],
-        }))
+        })
     }
 
     pub(super) fn on_body(&self, body: usize) -> Wrench {
@@ -79,33 +82,13 @@ impl Constrained {
 }
 
 impl System {
-    /// The time at which drives and motors are looked at (s); nothing else depends on time.
-    pub fn set_time(&mut self, time: f64) {
-        self.time = time;
-        if let Some(constrained) = &mut self.constraints {
-            constrained.rows.set_time(time);
-        }
-    }
-
     /// The rows of loops, drives and gears, with the multipliers of the last accelerations; `None` without any.
     pub fn constraints(&self) -> Option<&Constraints> {
         self.constraints.as_ref().map(|constrained| &constrained.rows)
     }
 
-    /// From the accelerations `a` of the free tree to those that the rows allow.
-    pub(super) fn constrain(&mut self, q: &[f64], a: &mut [f64]) {
-        let Some(constrained) = &mut self.constraints else { return };
-        let rows = &mut constrained.rows;
-        rows.place(&self.model, &self.motion, q, false);
-        rows.factorize(&self.model, &self.motion, &self.reduction, 0.0);
-        rows.solve(&self.motion, Rate::Acceleration(self.reduction.links(), a));
-        self.push();
-        let Some(constrained) = &self.constraints else { return };
-        a.iter_mut().zip(&constrained.step).for_each(|(a, step)| *a += step);
-    }
-
     /// `step ← M⁻¹ Gᵀ λ` with the last multipliers.
-    fn push(&mut self) {
+    pub(super) fn push(&mut self) {
         let Some(constrained) = &mut self.constraints else { return };
         let Constrained { rows, loads, tau, step, .. } = &mut **constrained;
         loads.fill(Wrench::ZERO);
@@ -115,66 +98,17 @@ impl System {
         self.reduction.solve(&self.model, &self.motion, &load, step);
     }
 
-    /// Adds what the last multipliers push to the wrenches and hinge forces of a force balance.
-    pub(super) fn apply_multipliers(&mut self, q: &[f64]) {
-        let Some(constrained) = &mut self.constraints else { return };
-        constrained.rows.place(&self.model, &self.motion, q, constrained.rows.is_shared());
-        constrained.rows.add_loads(&mut self.applied, &mut self.tau);
-        if !constrained.on_bodies.is_empty() {
-            constrained.on_bodies.fill(Wrench::ZERO);
-            constrained.rows.add_to_bodies(&mut constrained.on_bodies);
-        }
-    }
-
     /// How the wrenches of one loop vary with its links at fixed multipliers.
     pub(super) fn vary_loop(&self, index: usize, by: &[LinkVariation]) -> [Wrench; 2] {
         let rows = self.constraints.as_ref().map(|constrained| &constrained.rows);
         rows.map_or([Wrench::ZERO; 2], |rows| rows.vary_loop(index, &self.motion, by))
     }
 
-    /// Adds how what [`System::apply_multipliers`] applied varies with the links at fixed multipliers.
+    /// Adds how what `apply_multipliers` applied varies with the links at fixed multipliers.
     pub(super) fn vary_multipliers(&self, motion_by: &[LinkVariation], applied: &mut [Wrench]) {
         if let Some(constrained) = &self.constraints {
             constrained.rows.add_variation(&self.motion, motion_by, applied);
         }
-    }
-
-    /// `G` at the last evaluation's position: one row per independent row of loops, gears and drives, one column per
-    /// velocity.
-    pub fn constraint_matrix(&mut self, q: &[f64]) -> Mat<f64> {
-        let n = self.model.velocity_count();
-        let Some(constrained) = &mut self.constraints else { return Mat::zeros(0, n) };
-        constrained.rows.place(&self.model, &self.motion, q, false);
-        let mut matrix = Mat::zeros(constrained.rows.rank(), n);
-        constrained.rows.gradient(&self.model, &self.motion, |row, column, entry| matrix[(row, column)] += entry);
-        matrix
-    }
-
-    /// Adds to squares of force terms those of what the last multipliers push each velocity coordinate with (N², N² m²);
-    /// positions as in the last call of [`System::constraint_matrix`].
-    pub fn add_multiplier_squares(&self, squares: &mut [f64]) {
-        if let Some(constrained) = &self.constraints {
-            constrained.rows.add_squares(&self.model, &self.motion, squares);
-        }
-    }
-
-    /// Of all multipliers that balance a state as the last ones do, takes the smallest for residuals, reactions and loops
-    /// that follow: where rows are redundant there are many. Loops, drives and gears are placed there.
-    ///
-    /// # Errors
-    /// A singular hinge.
-    pub fn share_multipliers(&mut self, q: &[f64], v: &[f64]) -> Result<(), Fault> {
-        let Some(constrained) = &mut self.constraints else { return Ok(()) };
-        self.motion.update(&self.model, q, v);
-        constrained.tau.fill(0.0);
-        let Constrained { rows, every_row, tau, .. } = &mut **constrained;
-        if let Err(singular) = self.reduction.prepare(&self.model, &self.motion, tau) {
-            return Err(self.singular(&singular, q, v));
-        }
-        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.model)));
-        rows.share(all, &self.model, &self.motion, &self.reduction, q);
-        rows.place(&self.model, &self.motion, q, true);
-        Ok(())
     }
 
     /// Number of rows that are left out as linearly dependent on others.
@@ -182,13 +116,13 @@ impl System {
         self.constraints.as_ref().map_or(0, |constrained| constrained.rows.left_out())
     }
 
-    /// Number of self-stresses after [`System::share_multipliers`]: multipliers that balance each other.
+    /// Number of self-stresses after [`Evaluated::share_multipliers`]: multipliers that balance each other.
     pub fn self_stresses(&self) -> usize {
         self.constraints.as_ref().map_or(0, |constrained| constrained.rows.self_stresses())
     }
 
     /// Adds self-stresses, one number for each (N or N m at the row left out), to the multipliers of
-    /// [`System::share_multipliers`].
+    /// [`Evaluated::share_multipliers`].
     pub fn add_self_stress(&mut self, alpha: &[f64]) {
         if let Some(constrained) = &mut self.constraints {
             constrained.rows.add_self_stress(alpha);
@@ -207,136 +141,47 @@ impl System {
         self.constraints.as_ref().map_or_else(none, |constrained| constrained.rows.units(&self.model))
     }
 
-    /// What the loops pass, after [`System::share_multipliers`]; empty without loops.
-    pub fn loop_reactions(&self) -> Vec<LoopReaction> {
-        let rows = self.constraints.as_ref().map(|constrained| &constrained.rows);
-        rows.map_or(Vec::new(), |rows| rows.loop_reactions(&self.model, &self.motion))
-    }
-
     /// Number of independent rows of loops, gears and drives.
     pub fn constraint_rank(&self) -> usize {
         self.constraints.as_ref().map_or(0, |constrained| constrained.rows.rank())
     }
 
-    /// The same as [`System::constraint_matrix`], by rows, into memory that was made before.
-    pub fn constraint_gradient(&mut self, q: &[f64], out: &mut [f64]) {
-        let n = self.model.velocity_count();
-        out.fill(0.0);
-        let Some(constrained) = &mut self.constraints else { return };
-        constrained.rows.place(&self.model, &self.motion, q, false);
-        constrained.rows.gradient(&self.model, &self.motion, |row, column, entry| out[row * n + column] += entry);
-    }
-
-    /// After accelerations: marks the rows whose clearance is not above a limit, and takes their multipliers as zero for
-    /// what follows.
-    pub fn drop_weak_multipliers(&mut self, limit: f64, weak: &mut [bool]) {
-        if let Some(constrained) = &mut self.constraints {
-            constrained.rows.drop_weak(limit, weak);
-        }
-    }
-
-    /// `G a + bias` of the independent rows for accelerations `a`: zero where they agree with the rows.
-    ///
-    /// # Errors
-    /// The element whose numbers are not finite.
-    pub fn constraint_rates(&mut self, q: &[f64], v: &[f64], a: &[f64], rates: &mut [f64]) -> Result<(), Fault> {
-        let mut residual = std::mem::take(&mut self.scratch);
-        let evaluated = self.residual(q, v, a, &mut residual);
-        self.scratch = residual;
-        evaluated?;
-        if let Some(constrained) = &mut self.constraints {
-            let rate = Rate::Acceleration(&self.balance.accelerations, a);
-            constrained.rows.rates(&self.motion, rate, rates);
-        }
-        Ok(())
-    }
-
-    /// Takes multipliers, one per row of [`System::constraint_matrix`], for residuals and linearizations that follow.
+    /// Takes multipliers, one per row of [`Evaluated::constraint_matrix`], for residuals and linearizations that follow.
     pub fn set_multipliers(&mut self, multipliers: &[f64]) {
         if let Some(constrained) = &mut self.constraints {
             constrained.rows.set_multipliers(multipliers);
         }
     }
 
-    /// Adds the multipliers of the last accelerations, one per row of [`System::constraint_matrix`], times a weight.
+    /// Adds the multipliers of the last accelerations, one per row of [`Evaluated::constraint_matrix`], times a weight.
     pub fn add_multipliers(&self, weight: f64, sum: &mut [f64]) {
         if let Some(constrained) = &self.constraints {
             constrained.rows.add_multipliers(weight, sum);
         }
     }
 
-    /// Holds velocity coordinates from now on, each where and at the rate that it is told, as rows like those of loops,
-    /// drives and gears; those held before are let go. Says which of them the others leave free to be held. Nothing is
-    /// done without loops, drives or gears.
-    ///
-    /// # Errors
-    /// As [`System::accelerations`].
-    pub fn hold(&mut self, q: &[f64], v: &[f64], held: &[(usize, Instant)]) -> Result<Vec<bool>, Fault> {
-        let mut a = std::mem::take(&mut self.scratch);
-        let evaluated = self.accelerations(q, v, &mut a);
-        self.scratch = a;
-        evaluated?;
-        let Self { constraints, model, motion, .. } = self;
-        Ok(constraints.as_mut().map_or(Vec::new(), |tied| tied.rows.hold(model, motion, q, held)))
-    }
-
-    /// What holds a velocity coordinate given to [`System::hold`], at the last accelerations (N or N m); 0 where it has
+    /// What holds a velocity coordinate given to [`Evaluated::hold`], at the last accelerations (N or N m); 0 where it has
     /// no row.
     pub fn held_force(&self, velocity: usize) -> f64 {
         self.constraints.as_ref().map_or(0.0, |tied| tied.rows.held_force(velocity))
     }
 
-    /// `change ← (M⁻¹ − M⁻¹ Gᵀ A⁻¹ G M⁻¹) impulse`: how velocities answer an impulse beside loops, drives and gears, with the
-    /// last factorization of [`System::accelerations`].
-    pub fn answer_impulse(&mut self, q: &[f64], impulse: &[f64], change: &mut [f64]) {
-        self.solve_mass(impulse, change);
-        if self.constraints.is_none() {
-            return;
-        }
-        self.motion.update(&self.model, q, change);
-        if let Some(constrained) = &mut self.constraints {
-            constrained.rows.solve(&self.motion, Rate::Change(change));
-        }
-        self.push();
-        if let Some(constrained) = &self.constraints {
-            change.iter_mut().zip(&constrained.step).for_each(|(change, step)| *change += step);
-        }
-    }
-
-    /// What drives do in an impulse that changes velocities so, after [`System::answer_impulse`] (J): their impulse times their speed.
+    /// What drives do in an impulse that changes velocities so, after
+    /// [`Factorized::answer_impulse`](super::Factorized::answer_impulse) (J): their impulse times their speed.
     pub fn impulse_work(&self, change: &[f64]) -> f64 {
         self.constraints.as_ref().map_or(0.0, |constrained| constrained.rows.power(&self.model, change))
     }
 
-    /// Power that drives put in (W).
-    pub(super) fn drive_power(&mut self, q: &[f64], v: &[f64]) -> f64 {
-        let mut a = std::mem::take(&mut self.scratch);
-        let evaluated = self.accelerations(q, v, &mut a);
-        self.scratch = a;
-        match (evaluated, &self.constraints) {
-            (Ok(()), Some(constrained)) => constrained.rows.power(&self.model, &self.scratch),
-            _ => f64::NAN,
-        }
-    }
-
-    /// The widest gap of loops, gears and drives at a position (m; rad times the reach of the mechanism); 0 without any.
-    pub fn gap(&mut self, q: &[f64]) -> f64 {
-        let Some(constrained) = &mut self.constraints else { return 0.0 };
-        self.scratch.fill(0.0);
-        self.motion.update(&self.model, q, &self.scratch);
-        constrained.rows.place(&self.model, &self.motion, q, true);
-        constrained.rows.largest(&self.motion, Rate::Gap, true).absolute
-    }
-
-    /// Brings a state onto the loops, drives and gears: positions, then velocities, each the nearest in the metric of
+    /// Brings a state at a time (s) onto the loops, drives and gears: positions, then velocities, each the nearest in the metric of
     /// the inertia. A state that is closed to round-off comes back bit for bit.
     ///
     /// # Errors
     /// The loop that cannot be closed from here, a singular hinge, or a number that is not finite.
-    pub fn settle(&mut self, q: &mut [f64], v: &mut [f64]) -> Result<Settled, Fault> {
+    pub fn settle(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<Settled, Fault> {
         if self.constraints.is_none() {
             return Ok(Settled::FREE);
         }
+        self.set_time(time);
         self.motion.update(&self.model, q, v);
         let gap_before = self.place_gap(q).absolute;
         if let Some(constrained) = &mut self.constraints {
@@ -428,5 +273,138 @@ impl System {
             moved = true;
         }
         moved
+    }
+}
+
+impl Evaluated<'_> {
+    /// From the accelerations `a` of the free tree to those that the rows allow.
+    pub(super) fn constrain(&mut self, a: &mut [f64]) {
+        let Some(constrained) = &mut self.system.constraints else { return };
+        let rows = &mut constrained.rows;
+        rows.place(&self.system.model, &self.system.motion, self.q, false);
+        rows.factorize(&self.system.model, &self.system.motion, &self.system.reduction, 0.0);
+        rows.solve(&self.system.motion, Rate::Acceleration(self.system.reduction.links(), a));
+        self.system.push();
+        let Some(constrained) = &self.system.constraints else { return };
+        a.iter_mut().zip(&constrained.step).for_each(|(a, step)| *a += step);
+    }
+
+    /// Adds what the last multipliers push to the wrenches and hinge forces of a force balance.
+    pub(super) fn apply_multipliers(&mut self) {
+        let Some(constrained) = &mut self.system.constraints else { return };
+        constrained.rows.place(&self.system.model, &self.system.motion, self.q, constrained.rows.is_shared());
+        constrained.rows.add_loads(&mut self.system.applied, &mut self.system.tau);
+        if !constrained.on_bodies.is_empty() {
+            constrained.on_bodies.fill(Wrench::ZERO);
+            constrained.rows.add_to_bodies(&mut constrained.on_bodies);
+        }
+    }
+
+    /// `G`: one row per independent row of loops, gears and drives, one column per
+    /// velocity.
+    pub fn constraint_matrix(&mut self) -> Mat<f64> {
+        let n = self.system.model.velocity_count();
+        let Some(constrained) = &mut self.system.constraints else { return Mat::zeros(0, n) };
+        constrained.rows.place(&self.system.model, &self.system.motion, self.q, false);
+        let mut matrix = Mat::zeros(constrained.rows.rank(), n);
+        constrained
+            .rows
+            .gradient(&self.system.model, &self.system.motion, |row, column, entry| matrix[(row, column)] += entry);
+        matrix
+    }
+
+    /// Of all multipliers that balance a state as the last ones do, takes the smallest for residuals, reactions and loops
+    /// that follow: where rows are redundant there are many. Loops, drives and gears are placed there.
+    ///
+    /// # Errors
+    /// A singular hinge.
+    pub fn share_multipliers(&mut self) -> Result<(), Fault> {
+        let Some(constrained) = &mut self.system.constraints else { return Ok(()) };
+        constrained.tau.fill(0.0);
+        let Constrained { rows, mode, every_row, tau, .. } = &mut **constrained;
+        if let Err(singular) = self.system.reduction.prepare(&self.system.model, &self.system.motion, tau) {
+            return Err(self.system.singular(&singular, self.q, self.v));
+        }
+        let all = every_row.get_or_insert_with(|| Box::new(Constraints::every_row(&self.system.model, mode)));
+        rows.share(all, &self.system.model, &self.system.motion, &self.system.reduction, self.q);
+        rows.place(&self.system.model, &self.system.motion, self.q, true);
+        Ok(())
+    }
+
+    /// What the loops pass, after [`Evaluated::share_multipliers`]; empty without loops.
+    pub fn loop_reactions(&self) -> Vec<LoopReaction> {
+        let rows = self.system.constraints.as_ref().map(|constrained| &constrained.rows);
+        rows.map_or(Vec::new(), |rows| rows.loop_reactions(&self.system.model, &self.system.motion))
+    }
+
+    /// `G` by rows, as [`Evaluated::constraint_matrix`], into memory that was made before.
+    pub fn constraint_gradient(&mut self, out: &mut [f64]) {
+        let n = self.system.model.velocity_count();
+        out.fill(0.0);
+        let Some(constrained) = &mut self.system.constraints else { return };
+        constrained.rows.place(&self.system.model, &self.system.motion, self.q, false);
+        constrained
+            .rows
+            .gradient(&self.system.model, &self.system.motion, |row, column, entry| out[row * n + column] += entry);
+    }
+
+    /// `G a + bias` of the independent rows for accelerations `a`: zero where they agree with the rows.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn constraint_rates(&mut self, a: &[f64], rates: &mut [f64]) -> Result<(), Fault> {
+        self.balance(a)?;
+        let System { motion, balance, constraints, .. } = &mut *self.system;
+        if let Some(constrained) = constraints {
+            constrained.rows.rates(motion, Rate::Acceleration(&balance.accelerations, a), rates);
+        }
+        Ok(())
+    }
+
+    /// Holds velocity coordinates from now on, each where and at the rate that it is told, as rows like those of loops,
+    /// drives and gears; those held before are let go. Says which of them the others leave free to be held. Nothing is
+    /// done without loops, drives or gears.
+    ///
+    /// # Errors
+    /// As [`Evaluated::accelerations`].
+    pub fn hold(&mut self, held: &[(usize, Instant)]) -> Result<Vec<bool>, Fault> {
+        let mut a = std::mem::take(&mut self.system.scratch);
+        let evaluated = self.accelerations(&mut a).map(|_| ());
+        self.system.scratch = a;
+        evaluated?;
+        let System { constraints, model, motion, .. } = &mut *self.system;
+        Ok(constraints.as_mut().map_or(Vec::new(), |tied| tied.rows.hold(model, motion, self.q, held)))
+    }
+
+    /// Power that drives put in (W).
+    pub(super) fn drive_power(&mut self) -> f64 {
+        let mut a = std::mem::take(&mut self.system.scratch);
+        let evaluated = self.accelerations(&mut a).is_ok();
+        self.system.scratch = a;
+        match &self.system.constraints {
+            Some(constrained) if evaluated => constrained.rows.power(&self.system.model, &self.system.scratch),
+            _ => f64::NAN,
+        }
+    }
+
+    /// The widest gap of loops, drives and gears (m; rad times the reach of the mechanism); 0 without any.
+    pub fn gap(&mut self) -> f64 {
+        self.system.place_gap(self.q).absolute
+    }
+
+    /// Adds to squares of force terms those of what the last multipliers push each velocity coordinate with (N², N² m²);
+    /// positions as in the last call of [`Evaluated::constraint_matrix`].
+    pub fn add_multiplier_squares(&self, squares: &mut [f64]) {
+        if let Some(constrained) = &self.system.constraints {
+            constrained.rows.add_squares(&self.system.model, &self.system.motion, squares);
+        }
+    }
+
+    /// After accelerations: marks the rows whose clearance is not above a limit, and takes their multipliers as zero for
+    /// what follows.
+    pub fn drop_weak_multipliers(&mut self, limit: f64, weak: &mut [bool]) {
+        if let Some(constrained) = &mut self.system.constraints {
+            constrained.rows.drop_weak(limit, weak);
+        }
     }
 }

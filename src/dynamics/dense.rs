@@ -1,6 +1,6 @@
 //! Dense systems that are factorized in place: the library's factorizations ask for memory at every call.
 
-use super::{Fault, System};
+use super::{Evaluated, Fault};
 use crate::model::Model;
 use crate::motion::variation::Direction;
 
@@ -91,8 +91,8 @@ impl DenseTangent {
     }
 }
 
-impl System {
-    /// Factorizes the tangent at a state with hinge accelerations `a`; `shift` is added to its diagonal, infinite for a
+impl Evaluated<'_> {
+    /// Factorizes the dense tangent with hinge accelerations `a`; `shift` is added to its diagonal, infinite for a
     /// coordinate that is held, empty for nothing. `Ok(false)` where it is singular.
     ///
     /// # Errors
@@ -100,26 +100,22 @@ impl System {
     pub fn factorize_dense(
         &mut self,
         dense: &mut DenseTangent,
-        q: &[f64],
-        v: &[f64],
         a: &[f64],
         [c1, c2]: [f64; 2],
         shift: &[f64],
     ) -> Result<bool, Fault> {
-        let mut residual = std::mem::take(&mut self.scratch);
-        let evaluated = self.residual(q, v, a, &mut residual);
-        self.scratch = residual;
-        evaluated?;
+        self.balance(a)?;
         let held = |i: usize| shift.get(i).is_some_and(|shift| shift.is_infinite());
         let DenseTangent { matrix, unit, column } = dense;
-        for link in 1..self.model.links.len() {
-            let (first, (_, count)) = (self.model.links[link].velocity, self.model.links[link].joint.counts());
+        for link in 1..self.system.model.links.len() {
+            let (first, (_, count)) =
+                (self.system.model.links[link].velocity, self.system.model.links[link].joint.counts());
             for j in first..first + count {
                 [1.0, c1, c2].iter().zip(&mut *unit).for_each(|(size, unit)| unit[j] = *size);
                 let [position, velocity, acceleration] = &*unit;
                 column.fill(0.0);
-                let subtree = link..self.model.links[link].subtree_end;
-                self.column(q, a, &Direction { position, velocity, acceleration }, subtree, column);
+                let subtree = link..self.system.model.links[link].subtree_end;
+                self.column(a, &Direction { position, velocity, acceleration }, subtree, column);
                 unit.iter_mut().for_each(|unit| unit[j] = 0.0);
                 for (i, x) in column.iter().enumerate() {
                     let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };

@@ -3,7 +3,7 @@
 
 use super::applied;
 use super::linearize::Of;
-use super::{Dense, Fault, System};
+use super::{Dense, Evaluated, Fault, System};
 use crate::model::Model;
 use crate::transfer::jacobian::{Jacobian, TOGETHER};
 use faer::Mat;
@@ -35,9 +35,9 @@ impl AccelerationJacobians {
     }
 }
 
-impl System {
+impl Evaluated<'_> {
     /// Jacobians of the hinge accelerations: `(∂q̈/∂q, ∂q̈/∂q̇)`, each n×n. What calls for them often keeps their memory:
-    /// [`System::acceleration_jacobians_into`].
+    /// [`Evaluated::acceleration_jacobians_into`].
     ///
     /// ```
     /// # use stillpoint::model::{description::*, Model};
@@ -46,7 +46,7 @@ impl System {
     /// let hinge = HingeDescription::revolute([0.0, 1.0, 0.0]).damping([0.4]);
     /// let bob = BodyDescription::new("bob", hinge).mass(1.0).center([0.0, 0.0, -2.0]);
     /// let model = Model::build(&Description::new("").gravity([0.0, 0.0, -9.81]).body(bob)).unwrap();
-    /// let (by_position, by_velocity) = System::new(&model).acceleration_jacobians(&[0.0], &[0.0]).unwrap();
+    /// let (by_position, by_velocity) = System::new(&model).at(0.0, &[0.0], &[0.0]).acceleration_jacobians().unwrap();
     /// assert!((by_position[(0, 0)] + 9.81 / 2.0).abs() < 1e-14);
     /// // The damper: −c/(m l²).
     /// assert!((by_velocity[(0, 0)] + 0.4 / 4.0).abs() < 1e-14);
@@ -54,9 +54,9 @@ impl System {
     ///
     /// # Errors
     /// A singular hinge, or the element whose numbers are not finite.
-    pub fn acceleration_jacobians(&mut self, q: &[f64], v: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
-        let mut jacobians = AccelerationJacobians::new(&self.model);
-        self.acceleration_jacobians_into(q, v, &mut jacobians)?;
+    pub fn acceleration_jacobians(&mut self) -> Result<(Mat<f64>, Mat<f64>), Fault> {
+        let mut jacobians = AccelerationJacobians::new(&self.system.model);
+        self.acceleration_jacobians_into(&mut jacobians)?;
         Ok((jacobians.by_position, jacobians.by_velocity))
     }
 
@@ -67,33 +67,28 @@ impl System {
     /// steps that keep them closed they are the mechanism's own.
     ///
     /// # Errors
-    /// As [`System::acceleration_jacobians`]; then the matrices are not to be used.
-    pub fn acceleration_jacobians_into(
-        &mut self,
-        q: &[f64],
-        v: &[f64],
-        out: &mut AccelerationJacobians,
-    ) -> Result<(), Fault> {
-        self.accelerations(q, v, &mut out.accelerations)?;
-        self.residual(q, v, &out.accelerations, &mut out.residual)?;
-        if self.constraints.is_some() {
-            return self.jacobians_with_rows(q, v, out);
+    /// As [`Evaluated::acceleration_jacobians`]; then the matrices are not to be used.
+    pub fn acceleration_jacobians_into(&mut self, out: &mut AccelerationJacobians) -> Result<(), Fault> {
+        self.accelerations(&mut out.accelerations)?;
+        self.residual(&out.accelerations, &mut out.residual)?;
+        if self.system.constraints.is_some() {
+            return self.jacobians_with_rows(out);
         }
-        match self.model.forces.is_empty() && self.pushes.is_empty() {
-            true => self.jacobians_by_sweeps(q, v, out),
+        match self.system.model.forces.is_empty() && self.system.pushes.is_empty() {
+            true => self.jacobians_by_sweeps(out),
             false => {
-                self.jacobians_by_columns(q, out);
+                self.jacobians_by_columns(out);
                 Ok(())
             }
         }
     }
 
-    fn jacobians_by_sweeps(&self, q: &[f64], v: &[f64], out: &mut AccelerationJacobians) -> Result<(), Fault> {
-        let model = &*self.model;
-        let spring = |link: &_| applied::hinge::ball_tangent(model, link, q);
+    fn jacobians_by_sweeps(&self, out: &mut AccelerationJacobians) -> Result<(), Fault> {
+        let model = &*self.system.model;
+        let spring = |link: &_| applied::hinge::ball_tangent(model, link, self.q);
         out.sweep
-            .update(model, &self.motion, &self.balance, spring)
-            .map_err(|singular| self.singular(&singular, q, v))?;
+            .update(model, &self.system.motion, &self.system.balance, spring)
+            .map_err(|singular| self.system.singular(&singular, self.q, self.v))?;
         let n = model.velocity_count();
         for first in (0..n).step_by(TOGETHER) {
             let (touched, rows) = out.sweep.columns(first);
@@ -111,13 +106,13 @@ impl System {
         Ok(())
     }
 
-    fn jacobians_by_columns(&mut self, q: &[f64], out: &mut AccelerationJacobians) {
+    fn jacobians_by_columns(&mut self, out: &mut AccelerationJacobians) {
         for (of, matrix) in [(Of::Position, &mut out.by_position), (Of::Velocity, &mut out.by_velocity)] {
-            *matrix = self.columns(q, &out.accelerations, of);
+            *matrix = self.columns(&out.accelerations, of);
             for j in 0..matrix.ncols() {
                 let column = matrix.col_as_slice_mut(j);
                 column.iter_mut().for_each(|x| *x = -*x);
-                self.solve_mass(column, &mut out.residual);
+                self.system.factorized(self.q, self.v).solve_mass(column, &mut out.residual);
                 column.copy_from_slice(&out.residual);
             }
         }
@@ -125,13 +120,13 @@ impl System {
 
     /// `M a − Gᵀ λ = f`, `G a + bias = 0` differentiated: the columns of the free tree at fixed multipliers, then the
     /// multipliers' variation, which takes the rows' variation away.
-    fn jacobians_with_rows(&mut self, q: &[f64], v: &[f64], out: &mut AccelerationJacobians) -> Result<(), Fault> {
-        let (m, n) = (self.constraint_rank(), v.len());
+    fn jacobians_with_rows(&mut self, out: &mut AccelerationJacobians) -> Result<(), Fault> {
+        let (m, n) = (self.system.constraint_rank(), self.v.len());
         let mut gradient = vec![0.0; m * n];
-        self.constraint_gradient(q, &mut gradient);
+        self.constraint_gradient(&mut gradient);
         let mut responses = gradient.clone();
         for (row, response) in gradient.chunks_exact(n).zip(responses.chunks_exact_mut(n)) {
-            self.solve_mass(row, response);
+            self.system.factorized(self.q, self.v).solve_mass(row, response);
         }
         let product = |row: &[f64], x: &[f64]| row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>();
         let mut small = Dense::new(m);
@@ -139,14 +134,14 @@ impl System {
             responses.chunks_exact(n).enumerate().for_each(|(j, y)| *small.entry(i, j) = product(row, y));
         }
         if !small.eliminate() {
-            let element = self.constraints().and_then(|rows| rows.elements().first()).map(|e| e.name.clone());
+            let element = self.system.constraints().and_then(|rows| rows.elements().first()).map(|e| e.name.clone());
             return Err(Fault::NotFinite { what: "the tangent", element: element.unwrap_or_default() });
         }
-        self.jacobians_by_columns(q, out);
+        self.jacobians_by_columns(out);
         for (of, matrix) in [(Of::Position, &mut out.by_position), (Of::Velocity, &mut out.by_velocity)] {
             for j in 0..n {
                 let column = matrix.col_as_slice_mut(j);
-                let mut rates = self.row_derivative(q, v, &out.accelerations, of, j)?;
+                let mut rates = self.row_derivative(&out.accelerations, of, j)?;
                 for (rate, row) in rates.iter_mut().zip(gradient.chunks_exact(n)) {
                     *rate = -*rate - product(row, column);
                 }
@@ -160,9 +155,10 @@ impl System {
     }
 
     /// How `G a + bias` varies with one coordinate or velocity at fixed accelerations: a difference of fourth order.
-    fn row_derivative(&mut self, q: &[f64], v: &[f64], a: &[f64], of: Of, j: usize) -> Result<Vec<f64>, Fault> {
+    fn row_derivative(&mut self, a: &[f64], of: Of, j: usize) -> Result<Vec<f64>, Fault> {
         const STEP: f64 = 1e-3;
-        let m = self.constraint_rank();
+        let (m, q, v) = (self.system.constraint_rank(), self.q, self.v);
+        let time = self.system.time;
         let (mut sum, mut rates) = (vec![0.0; m], vec![0.0; m]);
         let (mut near, mut by) = (q.to_vec(), vec![0.0; v.len()]);
         for (times, weight) in [(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)] {
@@ -173,9 +169,9 @@ impl System {
             };
             near.copy_from_slice(q);
             if matches!(of, Of::Position) {
-                System::displace(&self.model, &mut near, &by);
+                System::displace(&self.system.model, &mut near, &by);
             }
-            self.constraint_rates(&near, &faster, a, &mut rates)?;
+            self.system.at(time, &near, &faster).constraint_rates(a, &mut rates)?;
             sum.iter_mut().zip(&rates).for_each(|(sum, rate)| *sum += weight / STEP * rate);
         }
         Ok(sum)

@@ -1,7 +1,7 @@
 //! How large the terms of the static balance are: the same sweep with absolute values. Tells a residual that is
 //! round-off from one that is not.
 
-use super::System;
+use super::Balanced;
 use crate::force::Act;
 
 /// Magnitudes per velocity coordinate.
@@ -31,14 +31,14 @@ struct Size {
     turn_stiffness: f64,
 }
 
-impl System {
-    /// Sizes of the terms of the balance at the state of the last call of [`System::residual`]: at rest, or where drives
-    /// keep their velocity.
-    pub fn balance_magnitudes(&self, q: &[f64]) -> Magnitudes {
-        let model = &*self.model;
+impl Balanced<'_> {
+    /// Sizes of the terms of the balance, at rest or where drives keep their velocity.
+    pub fn magnitudes(&self) -> Magnitudes {
+        let q = self.q;
+        let model = &*self.system.model;
         let mut sizes = vec![Size::default(); model.links.len()];
         for (index, link) in model.links.iter().enumerate() {
-            let (at, moves) = (&self.motion.links[index], &self.balance.accelerations[index]);
+            let (at, moves) = (&self.system.motion.links[index], &self.system.balance.accelerations[index]);
             let turns = moves.angular.norm() + at.angular_velocity.norm_squared();
             let weight = link.mass * (model.gravity.norm() + moves.linear.norm() + turns * at.center.norm());
             let moment = weight * at.center.norm() + turns * at.inertia.trace();
@@ -52,11 +52,11 @@ impl System {
                 ..Size::default()
             };
         }
-        for force in self.laws.forces.iter() {
-            let part = force.law.magnitude(&self.motion.links);
+        for force in self.system.laws.forces.iter() {
+            let part = force.law.magnitude(&self.system.motion.links);
             for end in force.law.ends() {
                 let size = &mut sizes[end.link];
-                let arm = (self.motion.links[end.link].turn * end.point).norm();
+                let arm = (self.system.motion.links[end.link].turn * end.point).norm();
                 size.force += part.force;
                 size.moment += part.force * arm + part.moment;
                 size.noise += part.noise;
@@ -87,7 +87,7 @@ impl System {
                 out.stiffness[i] =
                     coordinate.stiffness.abs() + pick(size.stiffness, size.turn_stiffness, pitch * pitch);
             }
-            let arm = self.motion.links[index].arm.norm();
+            let arm = self.system.motion.links[index].arm.norm();
             let parent = &mut sizes[link.parent];
             parent.force += size.force;
             parent.moment += size.moment + arm * size.force;
@@ -98,7 +98,7 @@ impl System {
             parent.stiffness += size.stiffness;
             parent.turn_stiffness += size.turn_stiffness + arm * arm * size.stiffness;
         }
-        for (coordinate, push) in model.pushed().zip(&self.pushes) {
+        for (coordinate, push) in model.pushed().zip(&self.system.pushes) {
             let (i, at) = (coordinate.velocity, coordinate.position);
             let size = push.force.abs() + (push.by_position * q[at]).abs();
             out.force[i] += size;

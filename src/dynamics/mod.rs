@@ -6,41 +6,43 @@ mod border;
 mod boundaries;
 mod constrained;
 mod dense;
+mod evaluated;
 mod jacobian;
 mod linearize;
 mod magnitudes;
+mod reactions;
 mod tangent;
 
 pub use constrained::Settled;
 pub use dense::{Dense, DenseTangent};
+pub use evaluated::{Balanced, Evaluated, Factorized};
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
 pub use tangent::{Coefficients, TangentSolver};
 
-use crate::force::Act;
+use crate::constraint::Constraints;
+pub use crate::constraint::{Held, Mode};
 use crate::model::Model;
 use crate::model::motor::Push;
 use crate::motion::Motion;
-use crate::spatial::{Pose, Wrench};
+use crate::spatial::Wrench;
 use crate::transfer::balance::Balance;
 pub use crate::transfer::mass::MassAction;
-use crate::transfer::reduce::{Load, Reduction, Singular};
+use crate::transfer::reduce::{Reduction, Singular};
 use crate::transfer::variation::Variation;
 pub use applied::Boundary;
 use applied::Laws;
 use constrained::Constrained;
-use nalgebra::Vector3;
 use std::sync::Arc;
 
-/// A model and the scratch memory to evaluate it. States come in from outside; nothing of them is kept but the last
-/// sweep.
+/// A model and the scratch memory to evaluate it. States come in from outside, by [`System::at`].
 #[derive(Debug, Clone)]
 pub struct System {
     model: Arc<Model>,
     /// What pushes, as the model has it or as a run keeps it.
     laws: Laws,
-    /// Positions and velocities of the last evaluation.
+    /// Positions and velocities of the place.
     motion: Motion,
     reduction: Reduction,
     balance: Balance,
@@ -52,7 +54,7 @@ pub struct System {
     scratch: Vec<f64>,
     /// Hinge forces from outside of the model; empty where none can come.
     outside: Vec<f64>,
-    /// What motors and curves push with, of the last evaluation, in the order of [`Model::pushed`].
+    /// What motors and curves push with, in the order of [`Model::pushed`].
     pushes: Vec<Push>,
     /// The time at which drives and motors are looked at (s).
     time: f64,
@@ -138,8 +140,20 @@ pub struct Powers {
 }
 
 impl System {
-    /// Scratch memory for a model.
+    /// Scratch memory for a model with its loops, drives and gears.
     pub fn new(model: &Arc<Model>) -> Self {
+        let rows = Constraints::new(model);
+        Self::with(model, rows.map(|rows| Constrained::new(model, &Mode::default(), rows, &model.start_position)))
+    }
+
+    /// Scratch memory for a model in a mode. Which of its rows are independent is decided at a time (s) and a position.
+    pub fn in_mode(model: &Arc<Model>, mode: &Mode, time: f64, q: &[f64]) -> Self {
+        let mut rows = Constraints::in_mode(model, mode, time, q);
+        rows.iter_mut().for_each(|rows| rows.set_time(time));
+        Self::with(model, rows.map(|rows| Constrained::new(model, mode, rows, q)))
+    }
+
+    fn with(model: &Arc<Model>, constraints: Option<Box<Constrained>>) -> Self {
         let n = model.links.len();
         Self {
             model: Arc::clone(model),
@@ -154,7 +168,7 @@ impl System {
             outside: vec![0.0; if model.stops.is_empty() { 0 } else { model.velocity_count() }],
             pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
-            constraints: Constrained::new(model),
+            constraints,
         }
     }
 
@@ -163,217 +177,31 @@ impl System {
         &self.model
     }
 
-    /// Positions and velocities of the last evaluation.
-    pub fn motion(&self) -> &Motion {
-        &self.motion
+    /// What follows from positions and velocities at a time (s), with everything of the model acting and no stop touched.
+    /// Positions are `position_count` numbers, velocities `velocity_count`. Costs one outward sweep.
+    pub fn at<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
+        self.set_time(time);
+        self.motion.update(&self.model, q, v);
+        Evaluated { system: self, q, v }
     }
 
-    /// Positions, velocities and forces; no accelerations.
-    fn prepare(&mut self, q: &[f64], v: &[f64]) {
-        self.motion.update(&self.model, q, v);
-        if !self.model.forces.is_empty() || self.constraints.is_some() {
-            applied::apply(&self.laws, &self.motion, &mut self.applied);
+    /// The time at which drives and motors are looked at (s); nothing else depends on time.
+    fn set_time(&mut self, time: f64) {
+        self.time = time;
+        if let Some(constrained) = &mut self.constraints {
+            constrained.rows.set_time(time);
         }
-        applied::hinge::apply(&self.model, q, v, &mut self.tau);
-        if !self.pushes.is_empty() {
-            applied::motor::pushes(&self.model, &self.laws, self.time, q, v, &mut self.pushes);
-            applied::motor::apply(&self.model, &self.pushes, &mut self.tau);
-        }
-        self.tau.iter_mut().zip(&self.outside).for_each(|(tau, outside)| *tau += outside);
     }
 
     /// Hinge forces (N, N m) that evaluations take in from now on: what compliant stops push with. Empty for a model
     /// without stops.
-    pub fn outside(&mut self) -> &mut [f64] {
+    pub(crate) fn outside(&mut self) -> &mut [f64] {
         &mut self.outside
     }
 
-    /// `a ← q̈(q, v)`, in O(n).
-    ///
-    /// # Errors
-    /// A singular hinge, or the element whose numbers are not finite.
-    pub fn accelerations(&mut self, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        self.prepare(q, v);
-        let applied = if self.model.forces.is_empty() { &[] } else { self.applied.as_slice() };
-        let load = Load { applied, tau: &self.tau };
-        if let Err(singular) = self.reduction.accelerations(&self.model, &self.motion, &load, a) {
-            return Err(self.singular(&singular, q, v));
-        }
-        if self.constraints.is_some() {
-            self.constrain(q, a);
-        }
-        self.check_finite("the acceleration", a, q, v)
-    }
-
-    /// `residual ← M(q) a + b(q, v) − τ(q, v)`, in O(n).
-    ///
-    /// # Errors
-    /// The element whose numbers are not finite.
-    pub fn residual(&mut self, q: &[f64], v: &[f64], a: &[f64], residual: &mut [f64]) -> Result<(), Fault> {
-        self.prepare(q, v);
-        if self.constraints.is_some() {
-            self.apply_multipliers(q);
-        }
-        self.balance.update(&self.model, &self.motion, &self.applied, &self.tau, a, residual);
-        self.check_finite("the force balance", residual, q, v)
-    }
-
-    /// `x ← M⁻¹ rhs` with the last factorization of [`System::accelerations`].
-    pub fn solve_mass(&mut self, rhs: &[f64], x: &mut [f64]) {
-        let load = Load { applied: &[], tau: rhs };
-        self.reduction.solve(&self.model, &self.motion, &load, x);
-    }
-
-    /// `product ← M x` at the position of the last evaluation, in O(n).
-    pub fn mass_times(&self, action: &mut MassAction, x: &[f64], product: &mut [f64]) {
-        action.times(&self.model, &self.motion, x, product);
-    }
-
-    /// The inertia that each velocity coordinate sees while everything outboard moves freely (kg, kg m²), of the last
-    /// factorization.
-    pub fn articulated_inertia(&self, out: &mut [f64]) {
-        self.reduction.articulated_inertia(&self.model, &self.motion, out);
-    }
-
-    /// What the hinge passes to each named body at its root marker, from the last call of [`System::residual`].
-    ///
-    /// ```
-    /// use stillpoint::dynamics::System;
-    /// use stillpoint::model::Model;
-    /// use stillpoint::model::description::{BodyDescription, Description, HingeDescription};
-    ///
-    /// // A bob on a string of 2 m that swings through its lowest point at 3 m/s.
-    /// let hinge = HingeDescription::revolute([0.0, 1.0, 0.0]);
-    /// let bob = BodyDescription::new("bob", hinge).mass(0.5).center([0.0, 0.0, -2.0]);
-    /// let model = Model::build(&Description::new("Bob").body(bob)).expect("a sound scene");
-    /// let mut system = System::new(&model);
-    /// let (q, v) = ([0.0], [3.0 / 2.0]);
-    /// let (mut a, mut unbalanced, mut reactions) = ([0.0], [0.0], Vec::new());
-    /// system.accelerations(&q, &v, &mut a)?;
-    /// system.residual(&q, &v, &a, &mut unbalanced)?;
-    /// system.reactions(&mut reactions);
-    /// // m g + m v² / l
-    /// assert!((reactions[0].force.z - 0.5 * (9.80665 + 9.0 / 2.0)).abs() < 1e-12);
-    /// assert!(a[0].abs() < 1e-12 && unbalanced[0].abs() < 1e-12);
-    /// # Ok::<(), stillpoint::dynamics::Fault>(())
-    /// ```
-    pub fn reactions(&self, out: &mut Vec<Wrench>) {
-        out.clear();
-        out.resize(self.model.bodies.len(), Wrench::ZERO);
-        for (index, body) in self.model.bodies.iter().enumerate() {
-            if body.link != 0 && self.model.links[body.link].body == index {
-                out[index] = self.balance.reactions[body.link];
-            }
-        }
-        self.weld_reactions(out);
-    }
-
-    /// A weld carries what its body and all that hangs on it need.
-    fn weld_reactions(&self, out: &mut [Wrench]) {
-        let welded = |index: usize| {
-            let body = &self.model.bodies[index];
-            body.link == 0 || self.model.links[body.link].body != index
-        };
-        if !(0..out.len()).any(welded) {
-            return;
-        }
-        // Children after parents is not promised by the order of names: go by depth.
-        let mut depth = vec![0_usize; out.len()];
-        for (index, slot) in depth.iter_mut().enumerate() {
-            let mut above = self.model.bodies[index].parent;
-            while let Some(parent) = above {
-                *slot += 1;
-                above = self.model.bodies[parent].parent;
-            }
-        }
-        let mut order: Vec<usize> = (0..out.len()).collect();
-        order.sort_by_key(|index| std::cmp::Reverse(depth[*index]));
-        let mut carried = vec![Wrench::ZERO; out.len()];
-        for index in order {
-            if welded(index) {
-                out[index] = carried[index] + self.body_wrench(index);
-            }
-            let body = &self.model.bodies[index];
-            if let Some(parent) = body.parent {
-                let arm = self.root_marker(index) - self.root_marker(parent);
-                carried[parent] += out[index].shifted(arm);
-            }
-        }
-    }
-
-    fn root_marker(&self, body: usize) -> Vector3<f64> {
-        let body = &self.model.bodies[body];
-        let link = &self.motion.links[body.link];
-        link.position + link.turn * body.link_from_body.translation.vector
-    }
-
-    /// `M a + b − applied` of one named body at its own root marker.
-    fn body_wrench(&self, index: usize) -> Wrench {
-        let body = &self.model.bodies[index];
-        let (link, a) = (&self.motion.links[body.link], &self.balance.accelerations[body.link]);
-        let arm = link.turn * body.link_from_body.translation.vector;
-        let turn = link.turn * body.link_from_body.rotation.to_rotation_matrix().matrix();
-        let (w, dw, c) = (link.angular_velocity, a.angular, turn * body.mass.center);
-        let at_center = a.linear + dw.cross(&(arm + c)) + w.cross(&w.cross(&(arm + c)));
-        let inertia = turn * body.mass.inertia * turn.transpose();
-        let force = body.mass.mass * (at_center - self.model.gravity);
-        let moment = c.cross(&force) + inertia * dw + w.cross(&(inertia * w));
-        let mut applied = applied::on_body(&self.laws, &self.motion, index);
-        if let Some(constrained) = &self.constraints {
-            applied += constrained.on_body(index);
-        }
-        Wrench { force, moment } - applied.shifted(-arm)
-    }
-
-    /// Kinetic and potential energy of a state.
-    pub fn energies(&mut self, q: &[f64], v: &[f64]) -> Energies {
-        self.motion.update(&self.model, q, v);
-        let rotors: f64 = self.model.coordinates.iter().zip(v).map(|(c, v)| 0.5 * c.armature * v * v).sum();
-        // What drives add to armatures is no inertia of the scene.
-        let added = self.model.drives.iter().map(|drive| 0.5 * drive.armature * v[drive.coordinate.velocity].powi(2));
-        Energies {
-            kinetic: self.motion.kinetic_energy(&self.model) + (rotors - added.sum::<f64>()),
-            potential: applied::potential(&self.model, &self.laws, &self.motion, q),
-        }
-    }
-
-    /// Energies as a search for rest sees them: with the potential of motors at t = 0, whose energy is work in a run.
-    pub fn energies_at_rest(&mut self, q: &[f64], v: &[f64]) -> Energies {
-        let mut energies = self.energies(q, v);
-        energies.potential += applied::motor::potential_at_rest(&self.model, q);
-        energies
-    }
-
-    /// The motors and what each pushes with at the last evaluation (N or N m).
-    pub fn motor_forces(&self) -> impl Iterator<Item = (String, f64)> {
-        self.model.motors.iter().zip(&self.pushes).map(|(motor, push)| (motor.name.clone(), push.force))
-    }
-
-    /// The same without the names, in the order of the model.
-    pub(crate) fn motor_pushes(&self) -> impl Iterator<Item = f64> {
-        self.pushes.iter().take(self.model.motors.len()).map(|push| push.force)
-    }
-
-    /// The ropes and curves and what each pulls with at the last evaluation (N).
-    pub fn pulls(&self) -> impl Iterator<Item = (&str, f64)> {
-        let told = self.laws.forces.iter().filter(|force| force.law.pull_name().is_some());
-        told.map(|force| (force.name.as_str(), force.law.pull(&self.motion.links)))
-    }
-
-    /// Powers of a state that no potential stands for.
-    pub fn powers(&mut self, q: &[f64], v: &[f64]) -> Powers {
-        let driven = if self.model.drives.is_empty() { 0.0 } else { self.drive_power(q, v) };
-        self.motion.update(&self.model, q, v);
-        Powers {
-            input: applied::input(&self.model, &self.laws, &self.motion, self.time, q, v) + driven,
-            dissipated: applied::dissipated(&self.model, &self.laws, &self.motion, v),
-        }
-    }
-
-    /// Poses of the named bodies' root markers at the last evaluation: `world_from_body`.
-    pub fn poses(&self, out: &mut Vec<Pose>) {
-        out.clear();
-        out.extend(self.model.bodies.iter().map(|body| self.motion.body_pose(body)));
+    /// The factorization of the last accelerations, which were at `q` and `v`.
+    pub(crate) fn factorized<'a>(&'a mut self, q: &'a [f64], v: &'a [f64]) -> Factorized<'a> {
+        Factorized { system: self, q, v }
     }
 
     fn singular(&self, singular: &Singular, q: &[f64], v: &[f64]) -> Fault {

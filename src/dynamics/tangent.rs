@@ -2,7 +2,7 @@
 
 use super::applied;
 use super::border::{Border, PER_LINK};
-use super::{Fault, System};
+use super::{Evaluated, Fault, System};
 use crate::force::Act;
 use crate::model::{End, Model};
 use crate::motion::LinkMotion;
@@ -151,76 +151,39 @@ impl TangentSolver {
     }
 }
 
-impl System {
-    /// Factorizes the tangent at a state with hinge accelerations `a`. `Ok(false)` where a pivot does not do.
+impl Evaluated<'_> {
+    /// Factorizes the tangent with hinge accelerations `a`. `Ok(false)` where a pivot does not do.
     ///
     /// # Errors
     /// The element whose numbers are not finite.
     pub fn factorize_tangent(
         &mut self,
         solver: &mut TangentSolver,
-        q: &[f64],
-        v: &[f64],
         a: &[f64],
         with: &Coefficients<'_>,
     ) -> Result<bool, Fault> {
-        let mut residual = std::mem::take(&mut self.scratch);
-        let evaluated = self.residual(q, v, a, &mut residual);
-        self.scratch = residual;
-        evaluated?;
-        let model = &*self.model;
+        self.balance(a)?;
+        let model = &*self.system.model;
         for (i, coordinate) in model.coordinates.iter().enumerate() {
             solver.diagonal[i] = with.c1 * coordinate.damping + with.c2 * coordinate.armature + solver.springs[i];
         }
-        for (coordinate, push) in model.pushed().zip(&self.pushes) {
+        for (coordinate, push) in model.pushed().zip(&self.system.pushes) {
             solver.diagonal[coordinate.velocity] -= push.by_position + with.c1 * push.by_velocity;
         }
-        self.gather_springs(solver, q, with.symmetric);
+        self.gather_springs(solver, with.symmetric);
         self.gather_forces(solver);
-        Ok(self.factorize_shifted(solver, a, with).is_ok())
-    }
-
-    /// Factorizes again with another shift; positions, velocities, forces and `c₁`, `c₂` as in the last call of
-    /// [`System::factorize_tangent`] or [`System::residual`].
-    ///
-    /// # Errors
-    /// The link whose pivot does not do; the ground where the elements that reach far make it singular.
-    pub fn factorize_shifted(
-        &self,
-        solver: &mut TangentSolver,
-        a: &[f64],
-        with: &Coefficients<'_>,
-    ) -> Result<(), Breakdown> {
-        solver.shifted.copy_from_slice(&solver.diagonal);
-        for (diagonal, shift) in solver.shifted.iter_mut().zip(with.shift) {
-            *diagonal += shift;
-        }
-        let at = At {
-            motion: &self.motion,
-            balance: &self.balance,
-            hinge: a,
-            c1: with.c1,
-            c2: with.c2,
-            diagonal: &solver.shifted,
-            applied: &solver.applied,
-            wrenches: &self.applied,
-            coupled: &solver.coupled,
-            ball_springs: &solver.ball_springs,
-        };
-        solver.tangent.factorize(&self.model, &at, with.definite)?;
-        let regular = solver.border.is_empty() || solver.border.factorize(&self.model, &mut solver.tangent);
-        if regular { Ok(()) } else { Err(Breakdown { link: 0, axis: None }) }
+        Ok(self.system.factorize_shifted(solver, a, with).is_ok())
     }
 
     /// Springs of balls. With `symmetric`, off equilibrium, their stiffness is rid of its connection term: the residual of
     /// the last evaluation (in `scratch`) turns it by `½ [r]×`.
-    fn gather_springs(&self, solver: &mut TangentSolver, q: &[f64], symmetric: bool) {
+    fn gather_springs(&self, solver: &mut TangentSolver, symmetric: bool) {
         solver.ball_springs.clear();
         for index in &solver.balls {
-            let link = &self.model.links[*index];
+            let link = &self.system.model.links[*index];
             let first = link.velocity;
-            let spring = applied::hinge::ball_tangent(&self.model, link, q).map(|tangent| -tangent);
-            let r = Vector3::from_column_slice(&self.scratch[first..first + 3]);
+            let spring = applied::hinge::ball_tangent(&self.system.model, link, self.q).map(|tangent| -tangent);
+            let r = Vector3::from_column_slice(&self.system.scratch[first..first + 3]);
             let connection = symmetric.then(|| -0.5 * r.cross_matrix());
             if spring.is_some() || connection.is_some() {
                 let none = Matrix3::zeros();
@@ -267,7 +230,7 @@ impl System {
         blocks.fill(Applied::default());
         for block in 0..4 {
             for axis in 0..3 {
-                unit[link] = unit_variation(block, axis, &self.motion.links[link]);
+                unit[link] = unit_variation(block, axis, &self.system.motion.links[link]);
                 self.vary_element(index, unit, &mut |end, wrench| {
                     if let Some(place) = element.places[end] {
                         let Column { force, moment } = &mut blocks[place][block];
@@ -282,13 +245,47 @@ impl System {
 
     /// The variation of the wrenches of an element, by its index among the forces and then the loops.
     fn vary_element(&self, index: usize, by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        match self.laws.forces.get(index) {
-            Some(force) => force.law.vary(&self.motion.links, by, give),
+        match self.system.laws.forces.get(index) {
+            Some(force) => force.law.vary(&self.system.motion.links, by, give),
             None => {
-                let wrenches = self.vary_loop(index - self.model.forces.len(), by);
+                let wrenches = self.system.vary_loop(index - self.system.model.forces.len(), by);
                 wrenches.into_iter().enumerate().for_each(|(end, wrench)| give(end, wrench));
             }
         }
+    }
+}
+
+impl System {
+    /// Factorizes the tangent of the last [`Evaluated::factorize_tangent`] again with another shift; accelerations, `c₁` and
+    /// `c₂` as there.
+    ///
+    /// # Errors
+    /// The link whose pivot does not do; the ground where the elements that reach far make it singular.
+    pub fn factorize_shifted(
+        &self,
+        solver: &mut TangentSolver,
+        a: &[f64],
+        with: &Coefficients<'_>,
+    ) -> Result<(), Breakdown> {
+        solver.shifted.copy_from_slice(&solver.diagonal);
+        for (diagonal, shift) in solver.shifted.iter_mut().zip(with.shift) {
+            *diagonal += shift;
+        }
+        let at = At {
+            motion: &self.motion,
+            balance: &self.balance,
+            hinge: a,
+            c1: with.c1,
+            c2: with.c2,
+            diagonal: &solver.shifted,
+            applied: &solver.applied,
+            wrenches: &self.applied,
+            coupled: &solver.coupled,
+            ball_springs: &solver.ball_springs,
+        };
+        solver.tangent.factorize(&self.model, &at, with.definite)?;
+        let regular = solver.border.is_empty() || solver.border.factorize(&self.model, &mut solver.tangent);
+        if regular { Ok(()) } else { Err(Breakdown { link: 0, axis: None }) }
     }
 }
 

@@ -113,23 +113,24 @@ impl Bordered {
         self.at.q.copy_from_slice(at.q);
         self.at.v.copy_from_slice(at.v);
         self.at.a.copy_from_slice(at.a);
-        system.accelerations(at.q, at.v, &mut self.x)?;
-        system.drop_weak_multipliers(weak, &mut self.weak);
-        system.constraint_gradient(at.q, &mut self.gradient);
+        let mut here = system.at(at.time, at.q, at.v);
+        here.constraint_gradient(&mut self.gradient);
+        let mut mass = here.accelerations(&mut self.x)?;
         for (row, weighted) in self.gradient.chunks_exact(n).zip(self.weighted.chunks_exact_mut(n)) {
-            system.solve_mass(row, weighted);
+            mass.solve_mass(row, weighted);
         }
+        here.drop_weak_multipliers(weak, &mut self.weak);
         let regular = match &mut self.tree {
             Tree::Sweep(solver) => {
                 let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
-                system.factorize_tangent(solver, at.q, at.v, at.a, &with)?
+                here.factorize_tangent(solver, at.a, &with)?
             }
-            Tree::Dense(dense) => system.factorize_dense(dense, at.q, at.v, at.a, [c1, c2], shift)?,
+            Tree::Dense(dense) => here.factorize_dense(dense, at.a, [c1, c2], shift)?,
         };
         if !regular {
             return Ok(false);
         }
-        system.constraint_rates(at.q, at.v, at.a, &mut self.base)?;
+        here.constraint_rates(at.a, &mut self.base)?;
         self.responses.copy_from_slice(&self.gradient);
         for row in 0..m {
             self.tree.solve(&mut self.responses[row * n..(row + 1) * n]);
@@ -161,7 +162,7 @@ impl Bordered {
         velocity.iter_mut().zip(&*x).for_each(|(step, x)| *step = size * x);
         displace(system.model(), position, velocity);
         velocity.iter_mut().zip(&at.v).for_each(|(step, v)| *step = v + at.c1 * *step);
-        system.constraint_rates(position, velocity, &at.a, rates)?;
+        system.at(at.time, position, velocity).constraint_rates(&at.a, rates)?;
         for (i, row) in gradient.chunks_exact(x.len()).enumerate() {
             let by_acceleration: f64 = row.iter().zip(&*x).map(|(g, x)| g * x).sum();
             rates[i] = (rates[i] - base[i]) / size + at.c2 * by_acceleration;
@@ -177,7 +178,6 @@ impl Bordered {
         }
         self.tree.solve(rhs);
         self.x.copy_from_slice(rhs);
-        system.set_time(self.at.time);
         if self.rates_along(system).is_err() {
             return rhs.fill(f64::NAN);
         }

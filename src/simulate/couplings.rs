@@ -1,6 +1,6 @@
 //! What drives, motors, gears, loops, ropes and curves push with, as numbers with names: for recordings.
 
-use crate::dynamics::System;
+use crate::dynamics::{Evaluated, System};
 use crate::model::Model;
 use crate::model::couplings::Closure;
 use crate::record::scene::Channel;
@@ -44,21 +44,22 @@ pub(super) fn channels(model: &Model) -> Vec<Channel> {
     all
 }
 
-/// The numbers at the last evaluation with its accelerations, multipliers shared and all rows placed.
-pub(super) fn fill(system: &System, accelerations: &[f64], out: &mut Vec<f64>) {
+/// The numbers at a place with its accelerations, after its multipliers have been shared.
+pub(super) fn fill(at: &mut Evaluated<'_>, accelerations: &[f64], out: &mut Vec<f64>) {
     out.clear();
-    let rows = system.constraints();
-    out.extend(rows.into_iter().flat_map(|rows| rows.drive_pushes(system.model(), accelerations)));
-    out.extend(system.motor_pushes());
+    let rows = at.system().constraints();
+    out.extend(rows.into_iter().flat_map(|rows| rows.drive_pushes(at.system().model(), accelerations)));
+    out.extend(at.motor_forces().map(|(_, force)| force));
+    let rows = at.system().constraints();
     out.extend(rows.into_iter().flat_map(|rows| rows.gear_pushes().flatten()));
-    for reaction in system.loop_reactions() {
+    for reaction in at.loop_reactions() {
         match reaction.pull {
             Some(pull) => out.push(pull),
             None => out.extend(reaction.force.iter().chain(reaction.moment.iter())),
         }
         out.push(reaction.gap);
     }
-    out.extend(system.pulls().map(|(_, pull)| pull));
+    out.extend(at.pulls().map(|(_, pull)| pull));
 }
 
 /// Loops whose reactions are not unique at the given start; none where that cannot be evaluated.
@@ -67,9 +68,10 @@ pub(super) fn not_unique(model: &Arc<Model>) -> Vec<String> {
         return Vec::new();
     }
     let mut system = System::new(model);
-    match system.share_multipliers(&model.start_position, &model.start_velocity) {
+    let mut at = system.at(0.0, &model.start_position, &model.start_velocity);
+    match at.share_multipliers() {
         Ok(()) => {
-            let reactions = system.loop_reactions().into_iter();
+            let reactions = at.loop_reactions().into_iter();
             reactions.filter(|reaction| !reaction.unique).map(|reaction| reaction.name).collect()
         }
         Err(_) => Vec::new(),

@@ -1,11 +1,11 @@
 //! Dead centres of drives: positions in which the loops leave a driven hinge no way on, however hard it is pushed.
 //!
-//! There the rows hang on each other, and without the drive they do not. A run that fails next to one says which drive it
+//! There the rows are linearly dependent, and without the drive they are not. A run that fails next to one says which drive it
 //! is: steps that shrink, or loops that cannot be closed, only tell what follows from it.
 
 use super::RunError;
 use super::run::State;
-use crate::dynamics::System;
+use crate::dynamics::{Mode, System};
 use crate::model::Model;
 use std::sync::Arc;
 
@@ -29,17 +29,12 @@ pub(super) fn beside(error: RunError, model: &Arc<Model>, time: f64, state: &Sta
 }
 
 fn is_held_up(model: &Arc<Model>, drive: usize, time: f64, state: &State) -> bool {
-    let mut without = Model::clone(model);
-    without.drives.remove(drive);
-    without.start_position.clone_from(&state.position);
-    without.independent_rows = None;
-    clearance(model, time, state) < NEXT_TO * clearance(&Arc::new(without), time, state)
+    let without = System::in_mode(model, &Mode::without_drive(drive), time, &state.position);
+    clearance(System::new(model), time, state) < NEXT_TO * clearance(without, time, state)
 }
 
 /// The clearance of the rows next to a state; 0 where it cannot be settled.
-fn clearance(model: &Arc<Model>, time: f64, state: &State) -> f64 {
-    let mut system = System::new(model);
-    system.set_time(time);
+fn clearance(mut system: System, time: f64, state: &State) -> f64 {
     let (mut q, mut v) = (state.position.clone(), state.velocity.clone());
-    system.settle(&mut q, &mut v).map_or(0.0, |settled| settled.clearance)
+    system.settle(time, &mut q, &mut v).map_or(0.0, |settled| settled.clearance)
 }

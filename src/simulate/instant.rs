@@ -25,7 +25,7 @@
 use super::complementarity::{Problem, Solution};
 use super::error::RunError;
 use super::events::{Kind, Occurrence, Turn};
-use super::problem::{Motion, at_time};
+use super::problem::Motion;
 use super::run::State;
 use super::stops::{Held, Side};
 use crate::dynamics::Fault;
@@ -166,9 +166,12 @@ impl Instant<'_> {
         for column in 0..m {
             let (i, sign) = self.coordinate(column);
             force[i] = -sign;
-            self.motion.system.solve_mass(&force, &mut change);
+            self.motion.system.factorized(&self.state.position, &self.state.velocity).solve_mass(&force, &mut change);
             self.free[column] = -sign * change[i];
-            self.motion.system.answer_impulse(&self.state.position, &force, &mut change);
+            self.motion
+                .system
+                .factorized(&self.state.position, &self.state.velocity)
+                .answer_impulse(&force, &mut change);
             for row in 0..m {
                 self.matrix[row * m + column] = self.rate(row, &change);
             }
@@ -180,11 +183,11 @@ impl Instant<'_> {
     /// Accelerations as nothing holds, with the factorization that belongs to the state.
     fn accelerate(&mut self, a: &mut [f64]) -> Result<(), Fault> {
         let State { position, velocity } = &*self.state;
-        let system = at_time(&mut self.motion.system, self.time);
+        let system = &mut self.motion.system;
         if let Some(stops) = &self.motion.stops {
             stops.press(position, velocity, system.outside());
         }
-        system.accelerations(position, velocity, a)
+        system.at(self.time, position, velocity).accelerations(a).map(|_| ())
     }
 
     /// The velocity coordinate of a row, and the side of its stop.
@@ -305,7 +308,7 @@ impl Instant<'_> {
             let (i, sign) = self.coordinate(*row);
             impulse[i] -= sign * push;
         }
-        self.motion.system.answer_impulse(&self.state.position, &impulse, &mut change);
+        self.motion.system.factorized(&self.state.position, &self.state.velocity).answer_impulse(&impulse, &mut change);
         self.outcome.work += self.motion.system.impulse_work(&change);
         self.state.velocity.iter_mut().zip(&change).for_each(|(v, change)| *v += change);
         for (row, push) in rows.iter().zip(impulses) {

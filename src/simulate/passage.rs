@@ -58,18 +58,18 @@ impl Passage {
             acceleration: vec![0.0; model.velocity_count()],
             multipliers: vec![0.0; system.constraint_rank()],
         };
-        passage.start(system, &model.start_position, &model.start_velocity);
+        passage.start(system, 0.0, &model.start_position, &model.start_velocity);
         passage
     }
 
     /// Looks anew from a state: the rows are others than before.
-    pub(super) fn start(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
+    pub(super) fn start(&mut self, system: &mut System, time: f64, q: &[f64], v: &[f64]) {
         self.multipliers.resize(system.constraint_rank(), 0.0);
-        self.clearance = self.look(system, q, v, 0.0).unwrap_or(0.0);
+        self.clearance = self.look(system, time, (q, v), 0.0).unwrap_or(0.0);
         self.widest = self.clearance.max(f64::MIN_POSITIVE);
         let fastest = self.fastest(v);
         for along in [-0.2, -0.05, 0.05, 0.2] {
-            let there = if fastest > 0.0 { self.look(system, q, v, along / fastest) } else { None };
+            let there = if fastest > 0.0 { self.look(system, time, (q, v), along / fastest) } else { None };
             self.widest = self.widest.max(there.unwrap_or(0.0));
         }
     }
@@ -87,36 +87,37 @@ impl Passage {
     /// `a ← q̈` near a singular position.
     ///
     /// # Errors
-    /// As [`System::accelerations`].
+    /// As [`Evaluated::accelerations`](crate::dynamics::Evaluated::accelerations).
     pub(super) fn accelerations(
         &mut self,
         system: &mut System,
+        time: f64,
         q: &[f64],
         v: &[f64],
         a: &mut [f64],
     ) -> Result<(), Fault> {
-        let here = self.look(system, q, v, 0.0);
+        let here = self.look(system, time, (q, v), 0.0);
         let within = here.is_some_and(|clearance| clearance < WITHIN * self.widest);
-        if within && self.interpolate(system, q, v, a) {
+        if within && self.interpolate(system, time, q, v, a) {
             return Ok(());
         }
         if within || here.is_none() {
-            return system.accelerations(q, v, a);
+            return system.at(time, q, v).accelerations(a).map(|_| ());
         }
-        self.look(system, q, v, 0.0);
-        system.accelerations(&self.position, &self.velocity, a)
+        self.look(system, time, (q, v), 0.0);
+        system.at(time, &self.position, &self.velocity).accelerations(a).map(|_| ())
     }
 
     /// The interpolation; false where the points around are not clear.
-    fn interpolate(&mut self, system: &mut System, q: &[f64], v: &[f64], a: &mut [f64]) -> bool {
+    fn interpolate(&mut self, system: &mut System, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> bool {
         let fastest = self.fastest(v);
         // The nearest points first: how far one has to go depends on how fast the clearance grows.
         let mut along = 2.0 * WITHIN * self.widest;
         let clear = WITHIN * self.widest;
         while along * WEIGHTS.len() as f64 <= FARTHEST {
-            let sides = [-1.0, 1.0].map(|sign| self.look(system, q, v, sign * along / fastest));
+            let sides = [-1.0, 1.0].map(|sign| self.look(system, time, (q, v), sign * along / fastest));
             if sides.iter().all(|side| side.is_some_and(|clearance| clearance >= clear)) {
-                return self.sum(system, q, v, along / fastest, a);
+                return self.sum(system, time, (q, v), along / fastest, a);
             }
             along *= 2.0;
         }
@@ -124,14 +125,14 @@ impl Passage {
     }
 
     /// The sum; that of the multipliers is left in the system, to go with it.
-    fn sum(&mut self, system: &mut System, q: &[f64], v: &[f64], tau: f64, a: &mut [f64]) -> bool {
+    fn sum(&mut self, system: &mut System, time: f64, (q, v): (&[f64], &[f64]), tau: f64, a: &mut [f64]) -> bool {
         a.fill(0.0);
         self.multipliers.fill(0.0);
         for (k, weight) in WEIGHTS.iter().enumerate() {
             for sign in [-1.0, 1.0] {
-                let clear = self.look(system, q, v, sign * (k + 1) as f64 * tau).is_some();
+                let clear = self.look(system, time, (q, v), sign * (k + 1) as f64 * tau).is_some();
                 let Self { position, velocity, acceleration, multipliers, .. } = self;
-                if !clear || system.accelerations(position, velocity, acceleration).is_err() {
+                if !clear || system.at(time, position, velocity).accelerations(acceleration).is_err() {
                     return false;
                 }
                 a.iter_mut().zip(&*acceleration).for_each(|(a, there)| *a += weight * there);
@@ -142,17 +143,17 @@ impl Passage {
         true
     }
 
-    /// Settles the state that lies `time` along the motion into the scratch state; its clearance, `None` where there is
+    /// Settles the state that lies `along` (s) further on the motion into the scratch state; its clearance, `None` where there is
     /// none.
-    fn look(&mut self, system: &mut System, q: &[f64], v: &[f64], time: f64) -> Option<f64> {
+    fn look(&mut self, system: &mut System, time: f64, (q, v): (&[f64], &[f64]), along: f64) -> Option<f64> {
         let Self { position, velocity, step, .. } = self;
         position.copy_from_slice(q);
         velocity.copy_from_slice(v);
-        if time != 0.0 {
-            step.iter_mut().zip(v).for_each(|(step, v)| *step = time * v);
+        if along != 0.0 {
+            step.iter_mut().zip(v).for_each(|(step, v)| *step = along * v);
             System::displace(system.model(), position, step);
         }
-        system.settle(position, velocity).ok().map(|settled| settled.clearance)
+        system.settle(time, position, velocity).ok().map(|settled| settled.clearance)
     }
 
     /// The fastest coordinate (1/s).
@@ -164,11 +165,17 @@ impl Passage {
     ///
     /// # Errors
     /// As [`System::settle`].
-    pub(super) fn settle(&mut self, system: &mut System, q: &mut [f64], v: &mut [f64]) -> Result<Settled, Fault> {
+    pub(super) fn settle(
+        &mut self,
+        system: &mut System,
+        time: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<Settled, Fault> {
         let Self { position, velocity, .. } = self;
         position.copy_from_slice(q);
         velocity.copy_from_slice(v);
-        let settled = system.settle(position, velocity)?;
+        let settled = system.settle(time, position, velocity)?;
         if settled.clearance < TOUCHING * self.widest {
             return Ok(Settled { moved: false, gap: settled.gap_before, ..settled });
         }

@@ -3,7 +3,7 @@
 use super::bordered::Bordered;
 use super::error::RunError;
 use super::passage::Passage;
-use crate::dynamics::{Coefficients, DenseTangent, Energies, Fault, Powers, System, TangentSolver};
+use crate::dynamics::{Coefficients, DenseTangent, Energies, Evaluated, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::prescribed::Instant;
 use crate::model::{End, Model, StopLaw};
@@ -121,9 +121,9 @@ impl Motion {
         Self { system, runs, position_scales, velocity_scales, tangent, stops, passage, allowed, balance, scratch }
     }
 
-    /// The system at a time (s), for what is recorded between steps.
-    pub fn at(&mut self, time: f64) -> &mut System {
-        at_time(&mut self.system, time)
+    /// The system at a time (s) and a state, for what is recorded between steps.
+    pub fn at<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
+        self.system.at(time, q, v)
     }
 
     /// The model.
@@ -134,18 +134,18 @@ impl Motion {
     /// `a ← q̈(t, q, v)`, stops included.
     ///
     /// # Errors
-    /// As [`System::accelerations`].
+    /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        let system = at_time(&mut self.system, time);
         if let Some(stops) = &self.stops {
-            stops.press(q, v, system.outside());
+            stops.press(q, v, self.system.outside());
         }
-        match &mut self.passage {
-            Some(passage) if passage.is_near() => passage.accelerations(system, q, v, a)?,
-            _ => system.accelerations(q, v, a)?,
+        if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
+            return passage.accelerations(&mut self.system, time, q, v, a);
         }
+        let mut at = self.system.at(time, q, v);
+        let mut mass = at.accelerations(a)?;
         if let Some(stops) = &mut self.stops {
-            stops.correct(a, &mut |rhs, x| system.solve_mass(rhs, x));
+            stops.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
         }
         Ok(())
     }
@@ -156,26 +156,25 @@ impl Motion {
     /// As [`System::settle`].
     pub(super) fn settle(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), Fault> {
         match &mut self.passage {
-            Some(passage) => passage.settle(at_time(&mut self.system, time), q, v).map(drop),
+            Some(passage) => passage.settle(&mut self.system, time, q, v).map(drop),
             None => Ok(()),
         }
     }
 
     /// Kinetic and potential energy, stops included.
     pub fn energies(&mut self, time: f64, q: &[f64], v: &[f64]) -> Energies {
-        let mut energies = self.at(time).energies(q, v);
+        let mut energies = self.at(time, q, v).energies();
         energies.potential += self.stops.as_ref().map_or(0.0, |stops| stops.potential(q));
         energies
     }
 
     /// Powers that no potential stands for, stops included.
     pub fn powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
-        let system = at_time(&mut self.system, time);
         // What drives push with depends on what stops push with.
         if let Some(stops) = &self.stops {
-            stops.press(q, v, system.outside());
+            stops.press(q, v, self.system.outside());
         }
-        let mut powers = system.powers(q, v);
+        let mut powers = self.system.at(time, q, v).powers();
         powers.dissipated += self.stops.as_ref().map_or(0.0, |stops| stops.dissipated(q, v));
         powers
     }
@@ -204,17 +203,16 @@ impl Motion {
     /// independent of theirs.
     ///
     /// # Errors
-    /// As [`System::accelerations`].
+    /// As [`Evaluated::accelerations`].
     pub(super) fn hold(&mut self, time: f64, state: &State, held: &[Held]) -> Result<(), Fault> {
         let Some(stops) = &mut self.stops else { return Ok(()) };
         stops.set_held(held);
         let Some(passage) = &mut self.passage else { return Ok(()) };
         let State { position, velocity } = state;
-        let system = at_time(&mut self.system, time);
         let rows: Vec<(usize, Instant)> = held.iter().map(|held| stops.row(held.side, 0.0)).collect();
-        let mut counts = system.hold(position, velocity, &rows)?.into_iter();
+        let mut counts = self.system.at(time, position, velocity).hold(&rows)?.into_iter();
         stops.mode.held.retain(|_| counts.next() == Some(true));
-        passage.start(system, position, velocity);
+        passage.start(&mut self.system, time, position, velocity);
         // It has other rows now.
         self.tangent = Tangent::None;
         Ok(())
@@ -224,7 +222,7 @@ impl Motion {
     /// [`Motion::hold`].
     ///
     /// # Errors
-    /// As [`System::accelerations`].
+    /// As [`Evaluated::accelerations`].
     pub(super) fn lift(&mut self, time: f64, state: &mut State, sides: &[Side]) -> Result<(), Fault> {
         let Some(stops) = &mut self.stops else { return Ok(()) };
         if self.passage.is_none() {
@@ -236,9 +234,8 @@ impl Motion {
         }
         let speed = |side: &Side| state.velocity[stops.model.stops[side.stop].velocity];
         let rows: Vec<(usize, Instant)> = sides.iter().map(|side| stops.row(*side, speed(side))).collect();
-        let system = at_time(&mut self.system, time);
-        system.hold(&state.position, &state.velocity, &rows)?;
-        system.settle(&mut state.position, &mut state.velocity)?;
+        self.system.at(time, &state.position, &state.velocity).hold(&rows)?;
+        self.system.settle(time, &mut state.position, &mut state.velocity)?;
         Ok(())
     }
 
@@ -302,17 +299,15 @@ impl Motion {
 
     /// Where a point is (m).
     pub(super) fn point(&mut self, time: f64, end: &End, state: &State) -> Vector3<f64> {
-        let system = self.at(time);
-        system.energies(&state.position, &state.velocity);
-        let link = &system.motion().links[end.link];
+        let at = self.at(time, &state.position, &state.velocity);
+        let link = &at.motion().links[end.link];
         link.position + link.turn * end.point
     }
 
     /// How fast a point moves (m/s).
     pub(super) fn point_velocity(&mut self, time: f64, end: &End, state: &State) -> Vector3<f64> {
-        let system = self.at(time);
-        system.energies(&state.position, &state.velocity);
-        let link = &system.motion().links[end.link];
+        let at = self.at(time, &state.position, &state.velocity);
+        let link = &at.motion().links[end.link];
         link.velocity + link.angular_velocity.cross(&(link.turn * end.point))
     }
 }
@@ -323,12 +318,6 @@ const PASSED: f64 = 1e-9;
 pub(super) const TIMES: f64 = 8.0;
 /// A coordinate on its limit is known to this part.
 const ON_THE_LIMIT: f64 = 1e-12;
-
-/// The one way from a time to the system.
-pub(super) fn at_time(system: &mut System, time: f64) -> &mut System {
-    system.set_time(time);
-    system
-}
 
 /// `½ p ∘ (0, ω)`: the rate of a quaternion from the angular velocity in the axes it leads from.
 fn half_product(p: &[f64], w: &[f64]) -> [f64; 4] {
@@ -376,7 +365,7 @@ impl Problem for Motion {
 
     fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {
         let Some(passage) = &mut self.passage else { return Ok(false) };
-        let settled = passage.settle(at_time(&mut self.system, time), q, v)?;
+        let settled = passage.settle(&mut self.system, time, q, v)?;
         passage.advance(&settled);
         Ok(settled.moved)
     }
@@ -414,25 +403,28 @@ impl ImplicitProblem for Motion {
     }
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        let system = at_time(&mut self.system, time);
         if let Some(stops) = &self.stops {
-            stops.press(q, v, system.outside());
+            stops.press(q, v, self.system.outside());
         }
         match &mut self.passage {
             // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
             Some(passage) if passage.is_near() => {
-                passage.accelerations(system, q, v, r)?;
+                passage.accelerations(&mut self.system, time, q, v, r)?;
                 self.allowed.copy_from_slice(r);
-                system.residual(q, v, &self.allowed, &mut self.balance)?;
-                system.residual(q, v, a, r)?;
+                let mut at = self.system.at(time, q, v);
+                at.residual(&self.allowed, &mut self.balance)?;
+                at.residual(a, r)?;
                 r.iter_mut().zip(&self.balance).for_each(|(r, allowed)| *r -= allowed);
             }
             // The multipliers of this state, see `bordered`.
             Some(_) => {
-                system.accelerations(q, v, r)?;
-                system.residual(q, v, a, r)?;
+                let mut at = self.system.at(time, q, v);
+                at.accelerations(r)?;
+                at.residual(a, r)?;
             }
-            None => system.residual(q, v, a, r)?,
+            None => {
+                self.system.at(time, q, v).residual(a, r)?;
+            }
         }
         if let Some(stops) = &self.stops {
             stops.balance(r);
@@ -453,7 +445,7 @@ impl ImplicitProblem for Motion {
 
     fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let Point { time, q, v, a } = at;
-        let system = at_time(&mut self.system, time);
+        let system = &mut self.system;
         // Compliant stops push, as they do on the residual.
         if let Some(stops) = &self.stops {
             stops.press(q, v, system.outside());
@@ -463,9 +455,9 @@ impl ImplicitProblem for Motion {
             Tangent::None => false,
             Tangent::Sweep(solver) => {
                 let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
-                system.factorize_tangent(solver, q, v, a, &with)?
+                system.at(time, q, v).factorize_tangent(solver, a, &with)?
             }
-            Tangent::Dense(factors) => system.factorize_dense(factors, q, v, a, [c1, c2], shift)?,
+            Tangent::Dense(factors) => system.at(time, q, v).factorize_dense(factors, a, [c1, c2], shift)?,
             Tangent::Bordered(factors) => {
                 let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
                 factors.factorize(system, at, [c1, c2], shift, weak)?

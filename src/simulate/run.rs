@@ -112,13 +112,13 @@ pub(super) fn run_with(
     let mut motion = Motion::new(model);
     let mut state = start.clone();
     motion
-        .at(0.0)
-        .settle(&mut state.position, &mut state.velocity)
+        .system
+        .settle(0.0, &mut state.position, &mut state.velocity)
         .map_err(|fault| RunError::Sample { time: 0.0, fault })?;
     check_limits(model, &state)?;
     finite::check_start(model, &state, settings.tolerance)?;
     if model.has_boundaries() {
-        motion.at(0.0).keep_laws(&state.position, &state.velocity);
+        motion.at(0.0, &state.position, &state.velocity).keep_laws();
     }
     let outcome = instant::resolve(&mut motion, 0.0, &mut state, settings.absolute_tolerance, None)?;
     let mut before = motion.energies(0.0, &state.position, &state.velocity);
@@ -135,7 +135,7 @@ pub(super) fn run_with(
     }
     let mut run = Run {
         model,
-        gap: motion.at(0.0).gap(&state.position),
+        gap: motion.at(0.0, &state.position, &state.velocity).gap(),
         ledger,
         sampler: Sampler::new(model, rate, settings.duration),
         state,
@@ -178,7 +178,7 @@ impl<'m> Run<'m> {
         let now = motion.energies(end_time, &self.state.position, &self.state.velocity);
         let account = self.ledger.energy(&now);
         let mut poses = Vec::new();
-        motion.at(end_time).poses(&mut poses);
+        motion.at(end_time, &self.state.position, &self.state.velocity).poses(&mut poses);
         Summary {
             end_time,
             interrupted: end_time < settings.duration && self.stopped_by.is_none(),
@@ -370,7 +370,7 @@ impl<'m> Run<'m> {
         until: f64,
     ) -> Result<(), RunError> {
         if self.model.is_constrained() {
-            self.gap = self.gap.max(motion.at(until).gap(&self.state.position));
+            self.gap = self.gap.max(motion.at(until, &self.state.position, &self.state.velocity).gap());
         }
         self.sampler.close(motion, &mut self.ledger, stepper, until)?;
         self.ledger.close(&motion.energies(until, &self.state.position, &self.state.velocity));

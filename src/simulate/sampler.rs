@@ -107,12 +107,11 @@ impl Sampler {
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
-        let system = motion.at(time);
-        system.share_multipliers(q, v).map_err(fault)?;
-        system.residual(q, v, &self.accelerations, &mut self.residual).map_err(fault)?;
-        couplings::fill(system, &self.accelerations, &mut self.couplings);
-        system.reactions(&mut self.reactions);
-        system.poses(&mut self.poses);
+        let mut at = motion.at(time, q, v);
+        at.share_multipliers().map_err(fault)?;
+        at.residual(&self.accelerations, &mut self.residual).map_err(fault)?.reactions(&mut self.reactions);
+        couplings::fill(&mut at, &self.accelerations, &mut self.couplings);
+        at.poses(&mut self.poses);
         let energy = ledger.close(&motion.energies(time, q, v));
         let sample = Sample {
             time,

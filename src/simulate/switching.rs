@@ -13,7 +13,7 @@ use crate::force::{Act, Switch};
 impl Motion {
     /// Where a law stands with respect to one of its boundaries.
     pub(super) fn switch(&mut self, time: f64, boundary: Boundary, state: &State) -> Switch {
-        self.at(time).switch(boundary, &state.position, &state.velocity)
+        self.at(time, &state.position, &state.velocity).switch(boundary)
     }
 
     /// A state on the other side of a boundary by less than this is on it: a position or speed is known to the tolerance.

@@ -109,7 +109,7 @@ impl Bordered {
         rows: Vec<Vec<f64>>,
     ) -> Result<(), crate::dynamics::Fault> {
         let with = Coefficients { shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        system.factorize_tangent(&mut self.solver, q, &self.rest, &self.rest, &with)?;
+        system.at(0.0, q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
         self.rows = Rows::new(rows);
         Ok(())
     }

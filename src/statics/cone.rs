@@ -84,6 +84,6 @@ fn columns(landscape: &mut Landscape<'_>, place: &Place, weak: &[Weak]) -> Resul
     let n = landscape.steady.len();
     let rest = landscape.steady.clone();
     let unit = Mat::from_fn(n, weak.len(), |i, j| f64::from(u8::from(weak[j].velocity == i)));
-    let product = landscape.system().stiffness_times(&place.q, &rest, &unit)?;
+    let product = landscape.system().at(0.0, &place.q, &rest).stiffness_times(&unit)?;
     Ok((0..weak.len()).map(|j| (0..n).map(|i| product[(i, j)]).collect()).collect())
 }

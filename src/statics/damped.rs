@@ -80,9 +80,9 @@ pub(super) fn within(
         let (mut velocity, mut there, rest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut back = there.clone();
         free.iter().zip(x).for_each(|(i, x)| velocity[*i] = *x);
-        let forth = system.residual(q, &velocity, &rest, &mut there);
+        let forth = system.at(0.0, q, &velocity).residual(&rest, &mut there).is_ok();
         velocity.iter_mut().for_each(|v| *v = -*v);
-        if forth.and_then(|()| system.residual(q, &velocity, &rest, &mut back)).is_err() {
+        if !forth || system.at(0.0, q, &velocity).residual(&rest, &mut back).is_err() {
             return Vec::new();
         }
         damped.push(free.iter().map(|i| 0.5 * (there[*i] - back[*i])).collect::<Vec<f64>>());

@@ -299,7 +299,7 @@ fn describe(landscape: &mut Landscape<'_>, place: &Place, worst: usize) -> Strin
     let (model, coordinate) = (&Arc::clone(landscape.model()), landscape.free[worst]);
     let size = number(place.force[worst]);
     let unit = if super::landscape::slides(model)[coordinate] { "N" } else { "N m" };
-    let direction = direction(landscape, coordinate);
+    let direction = direction(landscape, place, coordinate);
     let towards = direction.map_or(String::new(), |d| format!(" along [{:.3}, {:.3}, {:.3}]", d.x, d.y, d.z));
     format!("{size} {unit} in {}{towards} ({share} of the forces there)", model.label(coordinate))
 }
@@ -321,13 +321,15 @@ fn unresisted(landscape: &mut Landscape<'_>, place: &Place) -> Option<usize> {
 }
 
 /// The axis of a single coordinate in inertial axes; one of the link's axes for a ball.
-fn direction(landscape: &mut Landscape<'_>, coordinate: usize) -> Option<Vector3<f64>> {
+fn direction(landscape: &mut Landscape<'_>, place: &Place, coordinate: usize) -> Option<Vector3<f64>> {
     let model = &Arc::clone(landscape.model());
     let (index, link) = model.links.iter().enumerate().skip(1).find(|(_, link)| {
         let (_, count) = link.joint.counts();
         (link.velocity..link.velocity + count).contains(&coordinate)
     })?;
-    let motion = &landscape.system().motion().links[index];
+    let steady = landscape.steady.clone();
+    let at = landscape.system().at(0.0, &place.q, &steady);
+    let motion = &at.motion().links[index];
     let (_, count) = link.joint.counts();
     Some(if count == 1 { motion.axis } else { motion.turn.column(coordinate - link.velocity).into_owned() })
 }
@@ -380,13 +382,12 @@ pub(super) fn certify(
     let rows = system.constraints();
     let (carried, redundant) = rows.map_or((Vec::new(), Vec::new()), |rows| (rows.by_element(), rows.redundant()));
     let multipliers = system.constraints().map_or(Vec::new(), |rows| rows.independent_multipliers());
-    system.share_multipliers(&place.q, &steady)?;
-    let loops = system.loop_reactions();
-    let mut residual = rest.clone();
-    system.residual(&place.q, &steady, &rest, &mut residual)?;
-    let (mut poses, mut reactions) = (Vec::new(), Vec::new());
-    system.poses(&mut poses);
-    system.reactions(&mut reactions);
+    let mut at = system.at(0.0, &place.q, &steady);
+    at.share_multipliers()?;
+    let loops = at.loop_reactions();
+    let (mut residual, mut poses, mut reactions) = (rest.clone(), Vec::new(), Vec::new());
+    at.residual(&rest, &mut residual)?.reactions(&mut reactions);
+    at.poses(&mut poses);
     let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(model, &rest).collect());
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
@@ -447,11 +448,11 @@ fn by_body(model: &Model, reactions: &[Wrench]) -> Vec<Wrench> {
 fn held_acceleration(system: &mut System, place: &Place, free: &[usize]) -> Result<f64, Fault> {
     let rest = vec![0.0; system.model().velocity_count()];
     let mut a = rest.clone();
-    system.accelerations(&place.q, &rest, &mut a)?;
+    system.at(0.0, &place.q, &rest).accelerations(&mut a)?;
     if free.len() == rest.len() {
         return Ok(a.iter().fold(0.0, |m, a| m.max(a.abs())));
     }
-    let mass = system.linearize(&place.q, &rest, &rest)?.mass;
+    let mass = system.at(0.0, &place.q, &rest).linearize(&rest)?.mass;
     let held = faer::Mat::from_fn(free.len(), free.len(), |i, j| mass[(free[i], free[j])]);
     let a = super::linear::General::of(&held, &[]).solve(&place.force);
     Ok(a.iter().fold(0.0, |m, a| m.max(a.abs())))

@@ -77,8 +77,9 @@ impl<'s> Landscape<'s> {
         let n = model.velocity_count();
         let rest = vec![0.0; n];
         let mut full = vec![0.0; n];
-        system.accelerations(q, &rest, &mut full)?;
-        system.articulated_inertia(&mut full);
+        let mut inertia = rest.clone();
+        system.at(0.0, q, &rest).accelerations(&mut full)?.articulated_inertia(&mut inertia);
+        full.copy_from_slice(&inertia);
         let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
         even_out_balls(model, &mut full);
         let metric = free.iter().map(|i| full[*i]).collect();
@@ -154,7 +155,7 @@ impl<'s> Landscape<'s> {
 
     /// The residual of all coordinates of a tree in `full`, compliant stops included.
     fn take_residual(&mut self, q: &[f64]) -> Result<(), Fault> {
-        self.system.residual(q, &self.rest, &self.rest, &mut self.full)?;
+        self.system.at(0.0, q, &self.rest).residual(&self.rest, &mut self.full)?;
         if let Some(limits) = &self.limits {
             limits.add_residual(q, &mut self.full);
         }
@@ -291,7 +292,7 @@ impl<'s> Landscape<'s> {
         if self.ties.is_some() {
             self.take_view(q)?;
         }
-        let full = self.system.steady_stiffness(q, &self.steady)?;
+        let full = self.system.at(0.0, q, &self.steady).stiffness()?;
         let (free, n) = (&self.free, self.free.len());
         Ok(if self.conservative {
             // Off equilibrium the coordinates of a ball have a connection term: the Hessian is the symmetric part.
@@ -303,7 +304,7 @@ impl<'s> Landscape<'s> {
 
     /// Potential energy, less the kinetic energy of a steady motion (J).
     pub fn potential(&mut self, q: &[f64]) -> f64 {
-        let energies = self.system.energies_at_rest(q, &self.steady);
+        let energies = self.system.at(0.0, q, &self.steady).energies_at_rest();
         let stops = self.limits.as_ref().map_or(0.0, |limits| limits.potential(q));
         energies.potential - energies.kinetic + stops
     }
@@ -360,12 +361,12 @@ impl<'s> Landscape<'s> {
 
     /// The same in these velocity coordinates of a tree.
     fn forces_of(&mut self, which: &[usize], q: &[f64]) -> Result<(Vec<f64>, Scales), Fault> {
-        self.take_residual(q)?;
-        let force = which.iter().map(|i| -self.full[*i]).collect();
-        let mut magnitudes = self.system.balance_magnitudes(q);
+        let mut magnitudes = self.system.at(0.0, q, &self.rest).residual(&self.rest, &mut self.full)?.magnitudes();
         if let Some(limits) = &self.limits {
+            limits.add_residual(q, &mut self.full);
             limits.add_magnitudes(q, &mut magnitudes);
         }
+        let force = which.iter().map(|i| -self.full[*i]).collect();
         let length = self.length;
         let pick = |of: &dyn Fn(usize) -> f64| which.iter().map(|i| of(*i)).collect::<Vec<f64>>();
         let stiffness = |i: usize| {

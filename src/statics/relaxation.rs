@@ -20,9 +20,8 @@
 
 use super::landscape::Landscape;
 use super::search::{Iteration, Place};
-use crate::dynamics::{Fault, System};
-use crate::model::prescribed::Prescribed;
-use crate::model::{Drive, Model, Scalar};
+use crate::dynamics::{Fault, Mode, System};
+use crate::model::Model;
 use std::sync::Arc;
 
 /// Part of the stability limit that a step takes.
@@ -62,50 +61,31 @@ pub(super) fn run(
     most_steps: usize,
     history: &mut Vec<Iteration>,
 ) -> Result<Outcome, Fault> {
-    let model = held(landscape, &place.q)?;
-    let mut motion = Motion::new(landscape, &model, place)?;
+    let system = held(landscape, &place.q)?;
+    let mut motion = Motion::new(landscape, system, place)?;
     motion.most_steps = most_steps;
     let note = motion.relax(history)?;
     let Motion { place, steps, accelerations, .. } = motion;
     Ok(Outcome { place, steps, accelerations, note })
 }
 
-/// The model with locked coordinates too heavy to move. Masses do not change where the forces balance.
-fn held(landscape: &mut Landscape<'_>, q: &[f64]) -> Result<Arc<Model>, Fault> {
-    let mut model = Model::clone(landscape.model());
+/// The system with locked coordinates held: in a tree they are too heavy to move, as masses do not change where the forces
+/// balance; beside loops, drives and gears they have rows, and drives stand or go on at their steady rate.
+fn held(landscape: &mut Landscape<'_>, q: &[f64]) -> Result<System, Fault> {
+    let model = landscape.model();
     if model.is_constrained() {
-        hold_by_rows(&mut model, q, &landscape.steady);
-        return Ok(Arc::new(model));
+        return Ok(System::in_mode(model, &Mode::standing(model, q, &landscape.steady), 0.0, q));
     }
+    let mut model = Model::clone(model);
     let mut inertia = vec![0.0; model.velocity_count()];
-    let rest = inertia.clone();
-    landscape.system().accelerations(q, &rest, &mut inertia)?;
-    landscape.system().articulated_inertia(&mut inertia);
+    let (rest, mut accelerations) = (inertia.clone(), inertia.clone());
+    landscape.system().at(0.0, q, &rest).accelerations(&mut accelerations)?.articulated_inertia(&mut inertia);
     for (coordinate, inertia) in model.coordinates.iter_mut().zip(&inertia) {
         if coordinate.lock {
             coordinate.armature += HELD * inertia;
         }
     }
-    Ok(Arc::new(model))
-}
-
-/// Locks become drives that hold, and so do drives that cannot be kept moving.
-fn hold_by_rows(model: &mut Model, q: &[f64], steady: &[f64]) {
-    for drive in &mut model.drives {
-        let (start, rate) = (q[drive.coordinate.position], steady[drive.coordinate.velocity]);
-        drive.motion = Prescribed::Line { start, rate };
-    }
-    for (index, link) in model.links.iter().enumerate().filter(|(_, link)| link.joint.counts() == (1, 1)) {
-        if model.coordinates[link.velocity].lock {
-            let slides = link.joint.is_slide();
-            let coordinate = Scalar { link: index, position: link.position, velocity: link.velocity, slides };
-            let motion = Prescribed::Line { start: q[link.position], rate: 0.0 };
-            model.drives.push(Drive { name: String::new(), coordinate, motion, armature: 0.0 });
-        }
-    }
-    model.start_position.copy_from_slice(q);
-    // Which rows are independent beside the locks is decided anew.
-    model.independent_rows = None;
+    Ok(System::new(&Arc::new(model)))
 }
 
 struct Motion<'l, 's> {
@@ -139,18 +119,17 @@ enum End {
 }
 
 impl<'l, 's> Motion<'l, 's> {
-    fn new(landscape: &'l mut Landscape<'s>, held: &Arc<Model>, place: Place) -> Result<Self, Fault> {
-        let slides = super::landscape::slides(held);
-        let length = held.length_scale();
+    fn new(landscape: &'l mut Landscape<'s>, system: System, place: Place) -> Result<Self, Fault> {
+        let slides = super::landscape::slides(system.model());
+        let length = system.model().length_scale();
         let turns: Vec<bool> = landscape.free.iter().map(|i| !slides[*i]).collect();
         let unit: Vec<f64> = turns.iter().map(|turn| if *turn { 1.0 } else { length }).collect();
         // Neighbours in opposite directions, no two alike: nearly every mode takes part, the fastest ones most.
         let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
         let fastest = unit.iter().enumerate().map(|(i, unit)| sign(i) * unit / (1.0 + 0.1 * (i % 7) as f64)).collect();
-        let rest = vec![0.0; held.velocity_count()];
+        let rest = vec![0.0; system.model().velocity_count()];
         let (full, steady) = (rest.clone(), landscape.steady.clone());
         let (step, steps, most_steps, accelerations) = (f64::INFINITY, 0, MOST_STEPS, 0);
-        let system = System::new(held);
         let known = place.is_balanced();
         let mut motion = Self {
             landscape,
@@ -254,7 +233,7 @@ impl<'l, 's> Motion<'l, 's> {
             return self.landscape.force(q);
         }
         self.acceleration(q)?;
-        self.system.residual(q, &self.steady, &self.rest, &mut self.full)?;
+        self.system.at(0.0, q, &self.steady).residual(&self.rest, &mut self.full)?;
         Ok(self.landscape.free.iter().map(|i| -self.full[*i]).collect())
     }
 
@@ -268,7 +247,7 @@ impl<'l, 's> Motion<'l, 's> {
             self.full[*i] += v;
         }
         let mut q = q.to_vec();
-        if self.system.settle(&mut q, &mut self.full).is_ok() {
+        if self.system.settle(0.0, &mut q, &mut self.full).is_ok() {
             let moving = self.landscape.free.iter().map(|i| self.full[*i] - self.steady[*i]);
             velocity.iter_mut().zip(moving).for_each(|(v, moving)| *v = moving);
         }
@@ -277,8 +256,10 @@ impl<'l, 's> Motion<'l, 's> {
     /// Accelerations of the free coordinates at rest.
     fn acceleration(&mut self, q: &[f64]) -> Result<Vec<f64>, Fault> {
         self.accelerations += 1;
-        self.system.accelerations(q, &self.steady, &mut self.full)?;
-        if self.system.model().is_constrained() {
+        let tied = self.system.model().is_constrained();
+        let mut at = self.system.at(0.0, q, &self.steady);
+        let mut mass = at.accelerations(&mut self.full)?;
+        if tied {
             return Ok(self.landscape.free.iter().map(|i| self.full[*i]).collect());
         }
         if self.landscape.free.len() < self.rest.len() {
@@ -287,7 +268,7 @@ impl<'l, 's> Motion<'l, 's> {
             for (i, value) in self.landscape.free.clone().into_iter().zip(self.landscape.force(q)?) {
                 force[i] = value;
             }
-            self.system.solve_mass(&force, &mut self.full);
+            mass.solve_mass(&force, &mut self.full);
         }
         Ok(self.landscape.free.iter().map(|i| self.full[*i]).collect())
     }
@@ -337,7 +318,7 @@ mod tests {
         let mut system = System::new(&model);
         let mut landscape = Landscape::new(&mut system, &model.start_position).expect("a landscape");
         let place = Place::at(&mut landscape, model.start_position.clone()).expect("a place");
-        let mut motion = Motion::new(&mut landscape, &model, place).expect("a motion");
+        let mut motion = Motion::new(&mut landscape, System::new(&model), place).expect("a motion");
         let mut potential = motion.landscape.potential(&motion.place.q);
         let (first, mut periods) = (potential, 0);
         while !motion.place.is_balanced() {

@@ -93,7 +93,7 @@ pub fn classify(
         return classify_by_sweeps(system, q, free, magnitude, Vec::new());
     }
     let rest = vec![0.0; model.velocity_count()];
-    let full = system.linearize(q, &rest, &rest)?;
+    let full = system.at(0.0, q, &rest).linearize(&rest)?;
     let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
     let linear =
         Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
@@ -286,12 +286,13 @@ fn sharpen(modes: &mut [Mode], system: &mut System, q: &[f64], stiffness: &Mat<f
     let n = stiffness.nrows();
     let Ok(factor) = stiffness.llt(Side::Lower) else { return Ok(()) };
     let lower = factor.L();
-    let (mut column, mut unit) = (vec![0.0; n], vec![0.0; n]);
-    system.accelerations(q, &unit.clone(), &mut column)?;
+    let (mut column, mut unit, rest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut at = system.at(0.0, q, &rest);
+    let mut mass = at.accelerations(&mut column)?;
     let mut inverse = Mat::zeros(n, n);
     for j in 0..n {
         unit[j] = 1.0;
-        system.solve_mass(&unit, &mut column);
+        mass.solve_mass(&unit, &mut column);
         unit[j] = 0.0;
         (0..n).for_each(|i| inverse[(i, j)] = column[i]);
     }

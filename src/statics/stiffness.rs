@@ -87,7 +87,7 @@ impl Stiffness {
             Self::Closed { .. } | Self::Dense { .. } => return Ok(()),
         };
         let with = Coefficients { shift, symmetric, ..Coefficients::default() };
-        system.factorize_tangent(solver, q, rest, rest, &with)?;
+        system.at(0.0, q, rest).factorize_tangent(solver, rest, &with)?;
         Ok(())
     }
 

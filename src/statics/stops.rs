@@ -278,8 +278,8 @@ fn held(bearing: &Arc<Model>, found: &Equilibrium) -> Result<(Vec<f64>, Vec<f64>
     if bearing.is_constrained() {
         system.set_multipliers(&found.multipliers);
     }
-    system.residual(&found.position, &found.velocity, &rest, &mut residual)?;
-    let sizes = system.balance_magnitudes(&found.position).force;
+    let mut at = system.at(0.0, &found.position, &found.velocity);
+    let sizes = at.residual(&rest, &mut residual)?.magnitudes().force;
     Ok((residual, sizes))
 }
 
@@ -348,7 +348,7 @@ fn first_in_the_way(model: &Arc<Model>, set: &Set, bearing: &Arc<Model>, guess: 
 fn in_the_way(model: &Arc<Model>, set: &Set, start: &[f64]) -> Result<Option<Set>, Fault> {
     let rest = vec![0.0; model.velocity_count()];
     let mut residual = rest.clone();
-    System::new(model).residual(start, &rest, &rest, &mut residual)?;
+    System::new(model).at(0.0, start, &rest).residual(&rest, &mut residual)?;
     let mut next = set.clone();
     for (stop, side) in model.stops.iter().zip(next.iter_mut()).filter(|(_, side)| **side == 0) {
         let towards: i8 = if residual[stop.velocity] > 0.0 { -1 } else { 1 };

@@ -113,7 +113,7 @@ impl Sweeps<'_> {
     /// Negative directions of `K + c₂ M + diag(shift)`.
     fn negatives_with(&mut self, c2: f64) -> Result<usize, Fault> {
         let with = Coefficients { c2, shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
+        self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
         self.border();
         Ok(self.solver.negatives().saturating_sub(self.rows.negatives()))
     }
@@ -129,7 +129,7 @@ impl Sweeps<'_> {
         // Beside rows and forces that reach far the sweep alone need not be definite.
         let definite = self.rows.is_empty() && TangentSolver::further_sides(self.system.model()) == 0;
         let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
-        let regular = self.system.factorize_tangent(&mut self.solver, self.q, &self.rest, &self.rest, &with)?;
+        let regular = self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
         Ok(regular && (definite || (self.border() && self.solver.negatives() == self.rows.negatives())))
     }
 
@@ -145,7 +145,7 @@ impl Sweeps<'_> {
         for (i, value) in self.free.iter().zip(x) {
             self.full[*i] = *value;
         }
-        self.system.mass_times(&mut self.mass, &self.full, &mut self.product);
+        self.system.at(0.0, self.q, &self.rest).mass_times(&mut self.mass, &self.full, &mut self.product);
         self.free.iter().map(|i| self.product[*i]).collect()
     }
 

@@ -24,7 +24,7 @@ pub(super) fn examine(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f
     let z = landscape.tangent(&place.q)?;
     let shares = landscape.share_prestress(&place.q, &z)?;
     let rest = vec![0.0; steady.len()];
-    let full = landscape.system().linearize(&place.q, &steady, &rest)?;
+    let full = landscape.system().at(0.0, &place.q, &steady).linearize(&rest)?;
     let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
     let mass = pick(&full.mass);
     let reduced = |m: &Mat<f64>| z.transpose() * m * &z;
@@ -104,10 +104,11 @@ fn examine_by_sweeps(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f6
     let (rest, mut force, mut acceleration) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     free.iter().zip(&place.force).for_each(|(i, f)| force[*i] = *f);
     let system = landscape.system();
-    system.accelerations(&place.q, &rest, &mut acceleration)?;
+    let mut at = system.at(0.0, &place.q, &rest);
+    let mut mass = at.accelerations(&mut acceleration)?;
     let mut solve = |rhs: &[f64]| {
         let mut x = vec![0.0; n];
-        system.solve_mass(rhs, &mut x);
+        mass.solve_mass(rhs, &mut x);
         x
     };
     let mut across = Rows::new(spread);

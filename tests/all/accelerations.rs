@@ -22,10 +22,10 @@ pub(crate) fn compare(description: &Description) -> Comparison {
     let mut system = System::new(&model);
     let (q, v) = (&model.start_position, &model.start_velocity);
     let (mut a, mut residual) = (v.clone(), v.clone());
-    system.accelerations(q, v, &mut a).unwrap();
-    system.residual(q, v, &a, &mut residual).unwrap();
     let mut reactions = Vec::new();
-    system.reactions(&mut reactions);
+    let mut at = system.at(0.0, q, v);
+    at.accelerations(&mut a).unwrap();
+    at.residual(&a, &mut residual).unwrap().reactions(&mut reactions);
     let answer = oracle::solve(description);
     let of_body = |index: usize| &a[model.bodies[index].hinge.velocity..];
     let per_hinge = answer.hinges.iter().enumerate();
@@ -142,9 +142,9 @@ fn accelerations_of_long_spherical_chains_leave_nothing_in_inverse_dynamics() {
         let mut system = System::new(&model);
         let (q, v) = (&model.start_position, &model.start_velocity);
         let (mut a, mut residual, mut reactions) = (v.clone(), v.clone(), Vec::new());
-        system.accelerations(q, v, &mut a).unwrap();
-        system.residual(q, v, &a, &mut residual).unwrap();
-        system.reactions(&mut reactions);
+        let mut at = system.at(0.0, q, v);
+        at.accelerations(&mut a).unwrap();
+        at.residual(&a, &mut residual).unwrap().reactions(&mut reactions);
         let largest = |list: &[f64]| list.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let scale = reactions.iter().map(|wrench| wrench.force.norm().max(wrench.moment.norm())).fold(0.0, f64::max);
         assert!(largest(&residual) < 1e-8 * scale, "{bodies}: {:.1e} of {scale:.1e}", largest(&residual));
@@ -203,7 +203,7 @@ fn motions_that_hardly_anything_resists_keep_their_digits() {
         let (description, exact) = neck(angle);
         let model = build(&description);
         let mut a = [0.0; 2];
-        System::new(&model).accelerations(&model.start_position, &[0.0; 2], &mut a).unwrap();
+        System::new(&model).at(0.0, &model.start_position, &[0.0; 2]).accelerations(&mut a).unwrap();
         let error = relative_difference(&a, &exact);
         assert!(error < 2e-15 + 1e-15 / angle, "{angle}: {error:.1e}");
     }

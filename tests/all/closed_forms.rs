@@ -41,9 +41,9 @@ fn start(description: &Description) -> (Vec<f64>, Vec<Wrench>) {
     let mut system = System::new(&model);
     let (q, v) = (&model.start_position, &model.start_velocity);
     let (mut a, mut residual, mut reactions) = (v.clone(), v.clone(), Vec::new());
-    system.accelerations(q, v, &mut a).unwrap();
-    system.residual(q, v, &a, &mut residual).unwrap();
-    system.reactions(&mut reactions);
+    let mut at = system.at(0.0, q, v);
+    at.accelerations(&mut a).unwrap();
+    at.residual(&a, &mut residual).unwrap().reactions(&mut reactions);
     (a, reactions)
 }
 

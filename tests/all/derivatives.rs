@@ -23,11 +23,11 @@ fn accelerations_balance_the_forces() {
         let (q, v) = (&model.start_position, &model.start_velocity);
         let (mut a, mut residual) = (v.clone(), v.clone());
         let mut system = System::new(&model);
-        system.accelerations(q, v, &mut a).unwrap();
+        system.at(0.0, q, v).accelerations(&mut a).unwrap();
         let zero = vec![0.0; a.len()];
         let mut loads = zero.clone();
-        system.residual(q, v, &zero, &mut loads).unwrap();
-        system.residual(q, v, &a, &mut residual).unwrap();
+        system.at(0.0, q, v).residual(&zero, &mut loads).unwrap();
+        system.at(0.0, q, v).residual(&a, &mut residual).unwrap();
         // Round-off of two sweeps over at most thirteen bodies, conditioned like their mass matrix.
         let scale = loads.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
         let worst = residual.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -70,13 +70,13 @@ fn linearization_matches_central_differences() {
         let mut random = Random::new(seed + 1000);
         let a = random.list(n, -3.0, 3.0);
         let mut system = System::new(&model);
-        let found = system.linearize(&model.start_position, &model.start_velocity, &a).unwrap();
+        let found = system.at(0.0, &model.start_position, &model.start_velocity).linearize(&a).unwrap();
         let scale = found.stiffness.norm_max().max(found.damping.norm_max());
         for j in 0..n {
             for (of_position, matrix) in [(true, &found.stiffness), (false, &found.damping)] {
                 let expected = difference(&model, of_position, j, |q, v| {
                     let mut residual = vec![0.0; n];
-                    system.residual(q, v, &a, &mut residual).unwrap();
+                    system.at(0.0, q, v).residual(&a, &mut residual).unwrap();
                     residual
                 });
                 for i in 0..n {
@@ -96,14 +96,14 @@ fn acceleration_jacobians_match_central_differences() {
         let n = model.velocity_count();
         let mut system = System::new(&model);
         let (by_position, by_velocity) =
-            system.acceleration_jacobians(&model.start_position, &model.start_velocity).unwrap();
+            system.at(0.0, &model.start_position, &model.start_velocity).acceleration_jacobians().unwrap();
         for (of_position, matrix) in [(true, by_position), (false, by_velocity)] {
             let (mut found, mut expected) = (Vec::new(), Vec::new());
             for j in 0..n {
                 found.extend((0..n).map(|i| matrix[(i, j)]));
                 expected.extend(difference(&model, of_position, j, |q, v| {
                     let mut a = vec![0.0; n];
-                    system.accelerations(q, v, &mut a).unwrap();
+                    system.at(0.0, q, v).accelerations(&mut a).unwrap();
                     a
                 }));
             }
@@ -118,12 +118,14 @@ fn jacobians_by_columns(model: &Arc<Model>, q: &[f64], v: &[f64]) -> [Vec<f64>; 
     let n = model.velocity_count();
     let mut system = System::new(model);
     let mut a = vec![0.0; n];
-    system.accelerations(q, v, &mut a).unwrap();
-    let dense = system.linearize(q, v, &a).unwrap();
+    let mut at = system.at(0.0, q, v);
+    at.accelerations(&mut a).unwrap();
+    let dense = at.linearize(&a).unwrap();
+    let mut mass = at.accelerations(&mut a).unwrap();
     [dense.stiffness, dense.damping].map(|matrix| {
         let column = |j: usize| {
             let (rhs, mut x) = ((0..n).map(|i| -matrix[(i, j)]).collect::<Vec<_>>(), vec![0.0; n]);
-            system.solve_mass(&rhs, &mut x);
+            mass.solve_mass(&rhs, &mut x);
             x
         };
         (0..n).flat_map(column).collect()
@@ -147,7 +149,7 @@ fn jacobians_by_sweeps_are_those_by_columns() {
         let mut jacobians = AccelerationJacobians::new(&model);
         for v in [&model.start_velocity, &rest] {
             let expected = jacobians_by_columns(&model, q, v);
-            System::new(&model).acceleration_jacobians_into(q, v, &mut jacobians).unwrap();
+            System::new(&model).at(0.0, q, v).acceleration_jacobians_into(&mut jacobians).unwrap();
             for (found, expected) in [&jacobians.by_position, &jacobians.by_velocity].into_iter().zip(expected) {
                 let error = relative_difference(&flat(found), &expected);
                 // Round-off of both ways, conditioned like the mass matrices of up to some sixty coordinates.
@@ -238,7 +240,8 @@ fn jacobians_do_not_depend_on_a_common_velocity() {
     }
     let fast = build(&description);
     let jacobians = |model: &Arc<Model>| {
-        let found = System::new(model).acceleration_jacobians(&model.start_position, &model.start_velocity).unwrap();
+        let found =
+            System::new(model).at(0.0, &model.start_position, &model.start_velocity).acceleration_jacobians().unwrap();
         [flat(&found.0), flat(&found.1)]
     };
     for (slow, fast) in jacobians(&slow).iter().zip(&jacobians(&fast)) {
@@ -273,7 +276,7 @@ fn tangent_sweep_solves_the_dense_tangent() {
         let (q, v) = (&model.start_position, &model.start_velocity);
         let cases = [(&zero, &zero, 0.0, 0.0, 5.0), (&zero, &zero, 0.0, 7.0, 0.0), (v, &a, 20.0, 400.0, 0.0)];
         for (v, a, c1, c2, shift) in cases {
-            let dense = system.linearize(q, v, a).unwrap();
+            let dense = system.at(0.0, q, v).linearize(a).unwrap();
             let mut matrix = &dense.stiffness + &dense.damping * c1 + &dense.mass * c2;
             (0..n).for_each(|i| matrix[(i, i)] += shift);
             let b = faer::Mat::from_fn(n, 1, |i, _| rhs[i]);
@@ -283,7 +286,7 @@ fn tangent_sweep_solves_the_dense_tangent() {
             };
             let shift = vec![shift; n];
             let with = Coefficients { c1, c2, shift: &shift, ..Coefficients::default() };
-            assert!(system.factorize_tangent(&mut solver, q, v, a, &with).unwrap(), "seed {seed}");
+            assert!(system.at(0.0, q, v).factorize_tangent(&mut solver, a, &with).unwrap(), "seed {seed}");
             let mut x = rhs.clone();
             solver.solve(&mut x);
             let error = relative_difference(&x, &expected);
@@ -329,7 +332,7 @@ fn symmetric_tangent_counts_negative_eigenvalues() {
         let mut system = System::new(&model);
         let mut solver = TangentSolver::new(&model);
         let q = &model.start_position;
-        let full = system.static_stiffness(q).unwrap();
+        let full = system.at(0.0, q, &zero).stiffness().unwrap();
         // A shift of random signs in place of free motions that cost nothing.
         let mut random = Random::new(seed + 3000);
         let shift = random.list(n, -10.0, 10.0);
@@ -338,7 +341,7 @@ fn symmetric_tangent_counts_negative_eigenvalues() {
         let values = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
         let negative = values.iter().filter(|x| **x < 0.0).count();
         let with = Coefficients { shift: &shift, symmetric: true, ..Coefficients::default() };
-        assert!(system.factorize_tangent(&mut solver, q, &zero, &zero, &with).unwrap());
+        assert!(system.at(0.0, q, &zero).factorize_tangent(&mut solver, &zero, &with).unwrap());
         assert_eq!(solver.negatives(), negative, "seed {seed}");
         // And where it is not definite, the direction that says so is one of negative curvature.
         let with = Coefficients { definite: true, ..with };
@@ -362,10 +365,11 @@ fn mass_action_is_that_of_the_dense_matrix() {
         let n = model.velocity_count();
         let (x, rest) = (Random::new(seed + 4000).list(n, -1.0, 1.0), vec![0.0; n]);
         let mut system = System::new(&model);
-        let mass = system.linearize(&model.start_position, &rest, &rest).unwrap().mass;
+        let mut at = system.at(0.0, &model.start_position, &rest);
+        let mass = at.linearize(&rest).unwrap().mass;
         let expected: Vec<f64> = (0..n).map(|i| (0..n).map(|j| mass[(i, j)] * x[j]).sum()).collect();
-        let mut product = rest;
-        system.mass_times(&mut MassAction::new(&model), &x, &mut product);
+        let mut product = rest.clone();
+        at.mass_times(&mut MassAction::new(&model), &x, &mut product);
         // Round-off of sums over thirteen bodies.
         assert!(relative_difference(&product, &expected) < 1e-13, "seed {seed}");
     }

@@ -29,8 +29,8 @@ fn faults(length: f64, q: [f64; 2], v: [f64; 2]) -> [Fault; 2] {
     let model = build(&scene(length));
     let mut system = System::new(&model);
     let mut out = [0.0; 2];
-    let accelerations = system.accelerations(&q, &v, &mut out).unwrap_err();
-    [accelerations, system.residual(&q, &v, &[0.0; 2], &mut out).unwrap_err()]
+    let accelerations = system.at(0.0, &q, &v).accelerations(&mut out).unwrap_err();
+    [accelerations, system.at(0.0, &q, &v).residual(&[0.0; 2], &mut out).unwrap_err()]
 }
 
 /// Not the hand's, which merely goes with it, nor the spring's.
@@ -64,6 +64,6 @@ fn a_hinge_that_nothing_resists_is_named() {
     description.bodies[1].hinge.kind = HingeKind::Revolute { axis: Vector3::x() };
     let mut model = build(&description);
     take_inertia(&mut model, "hand");
-    let fault = System::new(&model).accelerations(&[0.3, 0.2], &[0.0; 2], &mut [0.0; 2]).unwrap_err();
+    let fault = System::new(&model).at(0.0, &[0.3, 0.2], &[0.0; 2]).accelerations(&mut [0.0; 2]).unwrap_err();
     assert!(matches!(&fault, Fault::Singular { body, .. } if body == "hand"), "{fault}");
 }

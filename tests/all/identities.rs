@@ -35,9 +35,9 @@ impl Start {
         let mut system = System::new(&model);
         let (q, v) = (&model.start_position, &model.start_velocity);
         let (mut a, mut residual, mut reactions) = (v.clone(), v.clone(), Vec::new());
-        system.accelerations(q, v, &mut a).unwrap();
-        system.residual(q, v, &a, &mut residual).unwrap();
-        system.reactions(&mut reactions);
+        let mut at = system.at(0.0, q, v);
+        at.accelerations(&mut a).unwrap();
+        at.residual(&a, &mut residual).unwrap().reactions(&mut reactions);
         Self { model, a, reactions }
     }
 

@@ -8,6 +8,7 @@ mod identities;
 mod linkages;
 mod locks;
 mod massless;
+mod modes;
 mod motors;
 mod order;
 mod prestress;

@@ -96,7 +96,7 @@ fn a_named_number_that_is_found_holds_the_pose() {
         let model = Model::build(&read(&text, &set).description).expect("a model");
         let rest = vec![0.0; model.velocity_count()];
         let mut left = rest.clone();
-        System::new(&model).residual(&pose, &rest, &rest, &mut left).expect("finite");
+        System::new(&model).at(0.0, &pose, &rest).residual(&rest, &mut left).expect("finite");
         let largest = left.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // Forces are of the order of 10 to 1000 N.
         assert!(largest < 1e-9, "{name}: {largest} left with {set:?}\n{text}");
@@ -124,7 +124,7 @@ fn a_path_over_a_named_number_is_one_of_files() {
             let model = Model::build(&read(&text, &set).description).expect("a model");
             let rest = vec![0.0; model.velocity_count()];
             let mut left = rest.clone();
-            System::new(&model).residual(&point.position, &rest, &rest, &mut left).expect("finite");
+            System::new(&model).at(0.0, &point.position, &rest).residual(&rest, &mut left).expect("finite");
             // As precise as the path says of itself: forces of some 100 N.
             assert!(left.iter().all(|f| f.abs() < 1e-6), "{name} = {}: {left:?}", point.parameter);
         }

@@ -29,25 +29,28 @@ fn evaluating_a_system_allocates_nothing() {
     let mut system = System::new(&model);
     for kept in [false, true] {
         if kept {
-            system.keep_laws(q, v);
+            system.at(0.0, q, v).keep_laws();
         }
         let mut count = |name: &str, call: &mut dyn FnMut(&mut System)| {
             let counted = allocation_counter::measure(|| call(&mut system));
             assert_eq!(counted.count_total, 0, "{name}, kept {kept}: {counted:?}");
         };
-        count("accelerations", &mut |system| system.accelerations(q, v, &mut a).unwrap());
-        count("solve_mass", &mut |system| system.solve_mass(v, &mut x));
-        count("articulated_inertia", &mut |system| system.articulated_inertia(&mut inertia));
-        count("residual", &mut |system| system.residual(q, v, v, &mut residual).unwrap());
-        count("energies", &mut |system| assert!(system.energies(q, v).kinetic > 0.0));
-        count("powers", &mut |system| assert!(system.powers(q, v).dissipated > 0.0));
+        count("accelerations", &mut |system| {
+            let mut at = system.at(0.0, q, v);
+            let mut mass = at.accelerations(&mut a).unwrap();
+            mass.solve_mass(v, &mut x);
+            mass.articulated_inertia(&mut inertia);
+        });
+        count("residual", &mut |system| {
+            system.at(0.0, q, v).residual(v, &mut residual).unwrap();
+        });
+        count("energies", &mut |system| assert!(system.at(0.0, q, v).energies().kinetic > 0.0));
+        count("powers", &mut |system| assert!(system.at(0.0, q, v).powers().dissipated > 0.0));
         count("switch", &mut |system| {
             assert!(
-                model
-                    .forces
-                    .iter()
-                    .enumerate()
-                    .all(|(element, _)| { system.switch(Boundary { element, index: 0 }, q, v).value.is_finite() })
+                model.forces.iter().enumerate().all(|(element, _)| {
+                    system.at(0.0, q, v).switch(Boundary { element, index: 0 }).value.is_finite()
+                })
             );
         });
     }
@@ -77,7 +80,7 @@ fn refining_allocates_nothing() {
     let model = build(&description);
     let (mut system, mut a) = (System::new(&model), [0.0; 2]);
     let counted = allocation_counter::measure(|| {
-        system.accelerations(&model.start_position, &model.start_velocity, &mut a).unwrap();
+        system.at(0.0, &model.start_position, &model.start_velocity).accelerations(&mut a).unwrap();
     });
     assert_eq!(counted.count_total, 0, "{counted:?}");
     assert!(relative_difference(&a, &exact) < 1e-11, "refined");
@@ -91,7 +94,10 @@ fn jacobians_allocate_nothing() {
     let model = build(&description);
     let (mut system, mut jacobians) = (System::new(&model), AccelerationJacobians::new(&model));
     let counted = allocation_counter::measure(|| {
-        system.acceleration_jacobians_into(&model.start_position, &model.start_velocity, &mut jacobians).unwrap();
+        system
+            .at(0.0, &model.start_position, &model.start_velocity)
+            .acceleration_jacobians_into(&mut jacobians)
+            .unwrap();
     });
     assert_eq!(counted.count_total, 0, "{counted:?}");
     assert!(jacobians.by_position.norm_max() > 0.0);

@@ -7,6 +7,7 @@ use faer::linalg::solvers::Solve;
 use stillpoint::dynamics::{Coefficients, Fault, System, TangentSolver};
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
+use stillpoint::motion::Motion;
 use stillpoint::record::{Memory, Opening};
 use stillpoint::simulate::events::Kind;
 use stillpoint::simulate::{State, Summary, run};
@@ -83,9 +84,9 @@ fn without_hinge_curves(mut description: Description) -> Description {
     description
 }
 
-fn slack(model: &Model, system: &System) -> usize {
+fn slack(model: &Model, motion: &Motion) -> usize {
     use stillpoint::force::Act;
-    let slack = |index: &usize| model.forces[*index].law.switch(0, &system.motion().links).value <= 0.0;
+    let slack = |index: &usize| model.forces[*index].law.switch(0, &motion.links).value <= 0.0;
     model.switching().filter(slack).count()
 }
 
@@ -120,11 +121,13 @@ fn potentials_are_integrals_of_the_forces() {
         let (q, rest) = (&model.start_position, vec![0.0; n]);
         let mut system = System::new(&model);
         let mut residual = rest.clone();
-        system.residual(q, &rest, &rest, &mut residual).unwrap();
+        let mut at = system.at(0.0, q, &rest);
+        at.residual(&rest, &mut residual).unwrap();
         ropes += model.switching().count();
-        loose += slack(&model, &system);
-        let slopes: Vec<f64> =
-            (0..n).map(|j| difference(&model, true, j, |q, _| vec![system.energies(q, &rest).potential])[0]).collect();
+        loose += slack(&model, at.motion());
+        let slopes: Vec<f64> = (0..n)
+            .map(|j| difference(&model, true, j, |q, _| vec![system.at(0.0, q, &rest).energies().potential])[0])
+            .collect();
         let error = relative_difference(&residual, &slopes);
         assert!(error < 1e-6, "seed {seed}: {error:e}");
     }
@@ -140,13 +143,13 @@ fn derivatives_match_central_differences() {
         let a = Random::new(seed + 1000).list(n, -3.0, 3.0);
         let mut system = System::new(&model);
         let (q, v) = (&model.start_position, &model.start_velocity);
-        let found = system.linearize(q, v, &a).unwrap();
+        let found = system.at(0.0, q, v).linearize(&a).unwrap();
         let scale = found.stiffness.norm_max().max(found.damping.norm_max());
         for j in 0..n {
             for (of_position, matrix) in [(true, &found.stiffness), (false, &found.damping)] {
                 let expected = difference(&model, of_position, j, |q, v| {
                     let mut residual = vec![0.0; n];
-                    system.residual(q, v, &a, &mut residual).unwrap();
+                    system.at(0.0, q, v).residual(&a, &mut residual).unwrap();
                     residual
                 });
                 for i in 0..n {
@@ -174,7 +177,7 @@ fn tangent_sweep_couples_all_points_of_a_rope() {
         let (q, v) = (&model.start_position, &model.start_velocity);
         for (v, a, c1, c2, shift) in [(&zero, &zero, 0.0, 7.0, 0.0), (v, &a, 20.0, 400.0, 0.0), (v, &a, 0.0, 0.0, 9.0)]
         {
-            let dense = system.linearize(q, v, a).unwrap();
+            let dense = system.at(0.0, q, v).linearize(a).unwrap();
             let mut matrix = &dense.stiffness + &dense.damping * c1 + &dense.mass * c2;
             (0..n).for_each(|i| matrix[(i, i)] += shift);
             let b = faer::Mat::from_fn(n, 1, |i, _| rhs[i]);
@@ -182,7 +185,7 @@ fn tangent_sweep_couples_all_points_of_a_rope() {
             let expected: Vec<f64> = (0..n).map(|i| solution[(i, 0)]).collect();
             let shift = vec![shift; n];
             let with = Coefficients { c1, c2, shift: &shift, ..Coefficients::default() };
-            assert!(system.factorize_tangent(&mut solver, q, v, a, &with).unwrap(), "seed {seed}");
+            assert!(system.at(0.0, q, v).factorize_tangent(&mut solver, a, &with).unwrap(), "seed {seed}");
             let mut x = rhs.clone();
             solver.solve(&mut x);
             let error = relative_difference(&x, &expected);
@@ -201,14 +204,14 @@ fn negative_eigenvalues_are_counted_with_ropes() {
         let n = model.velocity_count();
         let (q, zero) = (&model.start_position, vec![0.0; n]);
         let (mut system, mut solver) = (System::new(&model), TangentSolver::new(&model));
-        let full = system.static_stiffness(q).unwrap();
+        let full = system.at(0.0, q, &zero).stiffness().unwrap();
         let shift = Random::new(seed + 3000).list(n, -10.0, 10.0);
         let symmetric =
             faer::Mat::from_fn(n, n, |i, j| 0.5 * (full[(i, j)] + full[(j, i)]) + if i == j { shift[i] } else { 0.0 });
         let values = symmetric.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
         let negative = values.iter().filter(|x| **x < 0.0).count();
         let with = Coefficients { shift: &shift, symmetric: true, ..Coefficients::default() };
-        assert!(system.factorize_tangent(&mut solver, q, &zero, &zero, &with).unwrap());
+        assert!(system.at(0.0, q, &zero).factorize_tangent(&mut solver, &zero, &with).unwrap());
         assert_eq!(solver.negatives(), negative, "seed {seed}");
     }
 }
@@ -223,7 +226,7 @@ fn a_segment_without_length_is_named() {
             vec![(GROUND, [1.0, 0.0, 0.0]).into(), (GROUND, [0.0; 3]).into(), ("bead", [0.0; 3]).into()];
         let scene = Description::new("").body(bead).force(ForceDescription::rope("line", through, 10.0, length, 0.0));
         let model = build(&scene);
-        let fault = System::new(&model).accelerations(&[0.0], &[0.0], &mut [0.0]).unwrap_err();
+        let fault = System::new(&model).at(0.0, &[0.0], &[0.0]).accelerations(&mut [0.0]).unwrap_err();
         let Fault::NotFinite { what, element } = fault else { panic!("{fault:?}") };
         assert_eq!(element, "line");
         assert!(what.contains("same place"), "{what}");

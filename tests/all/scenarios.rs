@@ -668,7 +668,7 @@ fn the_excavator_stays_and_its_cylinders_push_what_they_must() {
     let along = (moment - side * lever(&across)) / lever(&line);
     let mut system = stillpoint::dynamics::System::new(&model);
     let mut a = vec![0.0; model.velocity_count()];
-    system.accelerations(&found.position, &found.velocity, &mut a).expect("accelerations");
+    system.at(0.0, &found.position, &found.velocity).accelerations(&mut a).expect("accelerations");
     let rows = system.constraints().expect("rows");
     let (_, force) = rows.drive_forces(&model, &a).find(|(name, _)| name == "boom valve").expect("the drive");
     // The drive also carries the piston's weight along the line.
@@ -682,10 +682,8 @@ fn the_excavator_stays_and_its_cylinders_push_what_they_must() {
 /// Torque of the weights that hang on a hinge about its axis, from the poses that statics found.
 fn weight_about(model: &Arc<Model>, found: &Equilibrium, hinge: &str) -> f64 {
     let mut system = stillpoint::dynamics::System::new(model);
-    let mut out = vec![0.0; model.velocity_count()];
-    system.accelerations(&found.position, &vec![0.0; model.velocity_count()], &mut out).expect("accelerations");
     let mut poses = Vec::new();
-    system.poses(&mut poses);
+    system.at(0.0, &found.position, &vec![0.0; model.velocity_count()]).poses(&mut poses);
     let carrier = model.body(hinge).expect("a body");
     let stillpoint::model::description::HingeKind::Revolute { axis } = model.bodies[carrier].hinge.kind else {
         panic!("`{hinge}` turns")

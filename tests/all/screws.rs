@@ -69,7 +69,7 @@ fn a_nut_falls_as_its_inertia_and_pitch_say() {
         let nut = Nut::random(seed);
         let model = build(&nut.description(nut.screw()));
         let mut a = [0.0];
-        System::new(&model).accelerations(&[0.4], &[rate], &mut a).expect("accelerations");
+        System::new(&model).at(0.0, &[0.4], &[rate]).accelerations(&mut a).expect("accelerations");
         let resisting = nut.inertia + nut.mass * nut.pitch * nut.pitch;
         let weight = nut.mass * nut.gravity.norm() * (nut.pitch.abs() + CENTER);
         let sizes = (weight + nut.inertia * rate * rate) / resisting;

@@ -50,7 +50,7 @@ fn find(model: &Arc<Model>, want: Want, start: &[f64]) -> Equilibrium {
 }
 
 fn potential(model: &Arc<Model>, q: &[f64]) -> f64 {
-    System::new(model).energies(q, &vec![0.0; model.velocity_count()]).potential
+    System::new(model).at(0.0, q, &vec![0.0; model.velocity_count()]).energies().potential
 }
 
 /// Every link straight below the last: `−m g L Σ (i + ½)`.

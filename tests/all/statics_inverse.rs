@@ -29,7 +29,7 @@ fn motors_in_all_hinges_hold_every_pose() {
         let model = build(&description);
         let rest = vec![0.0; model.velocity_count()];
         let mut needed = rest.clone();
-        System::new(&model).residual(&pose, &rest, &rest, &mut needed).expect("finite numbers");
+        System::new(&model).at(0.0, &pose, &rest).residual(&rest, &mut needed).expect("finite numbers");
         let largest = needed.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         // In the order of the addresses, body by body.
         let order = model.bodies.iter().flat_map(|body| {

@@ -50,11 +50,12 @@ fn by_matrices(model: &Arc<Model>, found: &Equilibrium) -> (usize, Vec<f64>, f64
     let mut system = System::new(model);
     system.set_multipliers(&found.multipliers);
     let rest = vec![0.0; n];
-    let linear = system.linearize(&found.position, &rest, &rest).expect("finite");
+    let mut at = system.at(0.0, &found.position, &rest);
+    let linear = at.linearize(&rest).expect("finite");
     let mut left = rest.clone();
-    system.residual(&found.position, &rest, &rest, &mut left).expect("finite");
+    at.residual(&rest, &mut left).expect("finite");
     let free: Vec<usize> = (0..n).filter(|i| !model.coordinates[*i].lock).collect();
-    let rows = system.constraint_matrix(&found.position);
+    let rows = at.constraint_matrix();
     let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
     let svd = Mat::from_fn(rows.nrows(), free.len(), |i, j| rows[(i, free[j])]);
     let svd = svd.svd().expect("singular values");

@@ -64,7 +64,7 @@ fn assert_all_agree(name: &str, model: &Arc<Model>) {
     assert!(cascade.converged, "{name}: {:?}", cascade.notes);
     let mut system = stillpoint::dynamics::System::new(model);
     let (mut q, mut v) = (cascade.position.clone(), cascade.velocity.clone());
-    let settled = system.settle(&mut q, &mut v).expect("a closed position");
+    let settled = system.settle(0.0, &mut q, &mut v).expect("a closed position");
     assert!(settled.gap < 1e-12, "{name}: a gap of {:e}", settled.gap);
     for method in [Method::Newton, Method::Relaxation, Method::Lagrange] {
         let found = by(method, model);

@@ -43,7 +43,7 @@ fn apart(a: &Equilibrium, b: &Equilibrium) -> f64 {
 fn unbalanced(model: &Arc<Model>, q: &[f64]) -> f64 {
     let rest = vec![0.0; model.velocity_count()];
     let mut residual = rest.clone();
-    System::new(model).residual(q, &rest, &rest, &mut residual).expect("a residual");
+    System::new(model).at(0.0, q, &rest).residual(&rest, &mut residual).expect("a residual");
     let free = residual.iter().zip(&model.coordinates).filter(|(_, coordinate)| !coordinate.lock);
     free.map(|(r, _)| r.abs()).fold(0.0, f64::max)
 }

@@ -60,7 +60,7 @@ fn damped_modes_solve_their_equation() {
         let n = model.velocity_count();
         assert!(stability.damped.len() >= n && stability.damped.len() <= 2 * n, "one or two for every coordinate");
         let zero = vec![0.0; n];
-        let linear = System::new(&model).linearize(&found.position, &zero, &zero).expect("numbers");
+        let linear = System::new(&model).at(0.0, &found.position, &zero).linearize(&zero).expect("numbers");
         let size = |m: &Mat<f64>| m.norm_max();
         for mode in &stability.damped {
             let (re, im) = (-mode.decay_rate, mode.frequency_hz * std::f64::consts::TAU);
@@ -215,7 +215,7 @@ fn large_random_trees_swing_as_matrices_say() {
         let n = model.velocity_count();
         assert!(n > 100 && stability.modes.len() < n, "{seed}: by sweeps");
         let zero = vec![0.0; n];
-        let linear = System::new(&model).linearize(&found.position, &zero, &zero).expect("numbers");
+        let linear = System::new(&model).at(0.0, &found.position, &zero).linearize(&zero).expect("numbers");
         let root = linear.mass.llt(faer::Side::Lower).expect("inertia");
         let mut inverse = Mat::<f64>::identity(n, n);
         faer::linalg::triangular_solve::solve_lower_triangular_in_place(root.L(), inverse.as_mut(), faer::Par::Seq);

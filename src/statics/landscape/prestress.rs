@@ -13,7 +13,7 @@
 //!
 //! (3) is the sufficient condition of second order where multipliers are not unique. The frequencies of such motions are
 //! those of elastic rows in the limit of large stiffness, and depend on how the rows share the load: `λ` is the share of equally
-//! stiff ones (the least sum of squares, see [`crate::dynamics::System::share_multipliers`]).
+//! stiff ones (the least sum of squares, see [`crate::dynamics::Evaluated::share_multipliers`]).
 
 use super::Landscape;
 use crate::dynamics::Fault;
@@ -46,7 +46,7 @@ impl Landscape<'_> {
             return Ok(false);
         }
         let steady = self.steady.clone();
-        self.system.share_multipliers(q, &steady)?;
+        self.system.at(0.0, q, &steady).share_multipliers()?;
         let stiffens = match known {
             Some(known) => known,
             None => self.has_stiffness(q, z)?,
@@ -102,7 +102,7 @@ impl Landscape<'_> {
         for (row, i) in self.free.iter().enumerate() {
             (0..z.ncols()).for_each(|j| all[(*i, j)] = z[(row, j)]);
         }
-        let pushed = self.system.stiffness_times(q, &steady, &all)?;
+        let pushed = self.system.at(0.0, q, &steady).stiffness_times(&all)?;
         Ok(z.transpose() * Mat::from_fn(z.nrows(), z.ncols(), |row, j| pushed[(self.free[row], j)]))
     }
 

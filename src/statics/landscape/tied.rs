@@ -26,7 +26,7 @@ use super::prestress::Prestress;
 use super::split::{Given, Motions, NEARLY, Split, split};
 use super::{Landscape, Scales};
 use crate::constraint::{Closer, Constraints};
-use crate::dynamics::{Fault, System, TangentSolver};
+use crate::dynamics::{Fault, Magnitudes, System, TangentSolver};
 use crate::model::Model;
 use crate::statics::bordered::Bordered;
 use crate::statics::stability::MOST_MODES;
@@ -178,7 +178,7 @@ impl Landscape<'_> {
                 for (row, i) in self.free.iter().enumerate() {
                     (0..count).for_each(|j| all[(*i, j)] = z[(row, j)]);
                 }
-                let pushed = self.system.stiffness_times(q, &self.steady, &all)?;
+                let pushed = self.system.at(0.0, q, &self.steady).stiffness_times(&all)?;
                 Mat::from_fn(n, count, |row, j| pushed[(self.free[row], j)])
             }
             false => self.dense_stiffness(q)? * &z,
@@ -212,9 +212,10 @@ impl Landscape<'_> {
         let n = free.len();
         let rows = self.system.constraints().map_or(0, |rows| rows.rank());
         self.system.set_multipliers(&vec![0.0; rows]);
-        self.system.residual(q, &self.steady, &self.rest, &mut self.full)?;
+        let mut at = self.system.at(0.0, q, &self.steady);
+        let magnitudes = at.residual(&self.rest, &mut self.full)?.magnitudes();
+        let of_rows = at.constraint_matrix();
         let force: Vec<f64> = free.iter().map(|i| self.full[*i]).collect();
-        let of_rows = self.system.constraint_matrix(q);
         let all = Mat::from_fn(rows, n, |i, j| of_rows[(i, free[j])]);
         let root: Vec<f64> = self.metric.iter().map(|b| b.sqrt()).collect();
         let (of_row, of_velocity) = self.system.row_units();
@@ -235,19 +236,24 @@ impl Landscape<'_> {
         let Split { motions, multipliers, singular, regular } = split(&given, branch, sweeps);
         let multipliers: Vec<f64> = multipliers.iter().zip(&sizes).map(|(x, size)| x / size).collect();
         let left = motions.felt(&force, &self.metric);
-        let scales = self.scales(&all, &multipliers, &motions, q);
+        let scales = self.scales(&all, &multipliers, &motions, (q, magnitudes));
         let force = left.iter().map(|r| -r).collect();
         Ok(View { q: q.to_vec(), motions, multipliers, singular, force, scales, regular })
     }
 
     /// Sizes of what cancels in the forces that are left to the motions, with `rows` over the free coordinates, and its
     /// round-off. Each motion feels the terms of all coordinates that work on it, and their errors.
-    fn scales(&mut self, rows: &Mat<f64>, multipliers: &[f64], motions: &Motions, q: &[f64]) -> Scales {
+    fn scales(
+        &mut self,
+        rows: &Mat<f64>,
+        multipliers: &[f64],
+        motions: &Motions,
+        (q, magnitudes): (&[f64], Magnitudes),
+    ) -> Scales {
         let (free, n) = (&self.free, self.free.len());
         self.system.set_multipliers(multipliers);
-        let magnitudes = self.system.balance_magnitudes(q);
         let mut squares = magnitudes.squares;
-        self.system.add_multiplier_squares(&mut squares);
+        self.system.at(0.0, q, &self.steady).add_multiplier_squares(&mut squares);
         let errors: Vec<f64> = free.iter().map(|i| squares[*i]).collect();
         let push = |row: usize, i: usize| rows[(row, i)] * multipliers[row];
         let held = |i: usize| self.system.constraints().map_or(0.0, |of| of.sum_of_elements(|row| push(row, i)));
@@ -309,7 +315,7 @@ pub(super) fn steady(system: &mut System, start: &[f64]) -> (Vec<f64>, Vec<Strin
     }
     let mut settled = (start.to_vec(), velocity.clone());
     let size = velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let kept = system.settle(&mut settled.0, &mut settled.1).is_ok()
+    let kept = system.settle(0.0, &mut settled.0, &mut settled.1).is_ok()
         && settled.1.iter().zip(&velocity).all(|(a, b)| (a - b).abs() <= 1e-9 * size)
         && model.drives.iter().all(|drive| drive.motion.is_steady());
     if kept { (velocity, Vec::new()) } else { (vec![0.0; model.velocity_count()], moving) }

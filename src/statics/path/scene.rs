@@ -114,8 +114,8 @@ impl<'a> Moving<'a> {
             let rest = vec![0.0; steady.len()];
             let mut residual = rest.clone();
             let system = landscape.system();
-            system.residual(&q, &steady, &rest, &mut residual)?;
-            Ok([residual[velocity], system.balance_magnitudes(&q).force[velocity]])
+            let magnitudes = system.at(0.0, &q, &steady).residual(&rest, &mut residual)?.magnitudes();
+            Ok([residual[velocity], magnitudes.force[velocity]])
         })
     }
 
@@ -261,10 +261,14 @@ impl<'a> Moving<'a> {
     pub(super) fn record(&mut self, q: &[f64], parameter: f64) -> Result<Record, String> {
         self.with(q, parameter, |landscape, q| {
             let potential = landscape.potential(&q);
+            // With loops: the multipliers there.
             landscape.force(&q)?;
+            let steady = landscape.steady.clone();
+            let rest = vec![0.0; steady.len()];
             let (mut poses, mut reactions) = (Vec::new(), Vec::new());
-            landscape.system().poses(&mut poses);
-            landscape.system().reactions(&mut reactions);
+            let mut at = landscape.system().at(0.0, &q, &steady);
+            at.residual(&rest, &mut rest.clone())?.reactions(&mut reactions);
+            at.poses(&mut poses);
             Ok(Record { poses, reactions, potential })
         })
     }
@@ -330,7 +334,7 @@ fn build(description: &mut Description, parameters: &[Parameter], value: f64) ->
 fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Result<(Linearization, Vec<f64>), Fault> {
     let (free, steady) = (landscape.free.clone(), landscape.steady.clone());
     let z = if landscape.ties.is_some() { Some(landscape.tangent(q)?) } else { None };
-    let full = landscape.system().linearize(q, &steady, &vec![0.0; steady.len()])?;
+    let full = landscape.system().at(0.0, q, &steady).linearize(&vec![0.0; steady.len()])?;
     let pick = |m: &Mat<f64>| {
         let part = Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
         z.as_ref().map_or_else(|| part.clone(), |z| z.transpose() * &part * z)

@@ -13,11 +13,11 @@ fn energy_changes_by_what_loads_and_motors_put_in_and_dampers_take_out() {
     for (seed, description) in scenes() {
         let start = Start::of(&description);
         let rates = start.rate(|system, q, v| {
-            let energies = system.energies(q, v);
+            let energies = system.at(0.0, q, v).energies();
             vec![energies.kinetic, energies.potential]
         });
         let mut system = System::new(&start.model);
-        let powers = system.powers(&start.model.start_position, &start.model.start_velocity);
+        let powers = system.at(0.0, &start.model.start_position, &start.model.start_velocity).powers();
         assert!(powers.dissipated > 0.0, "seed {seed}");
         let error = (rates[0] + rates[1] - powers.input + powers.dissipated).abs();
         let scale = rates[0].abs() + rates[1].abs() + powers.input.abs() + powers.dissipated;
@@ -29,7 +29,7 @@ fn energy_changes_by_what_loads_and_motors_put_in_and_dampers_take_out() {
 fn kinetic_energy_grows_by_the_power_of_every_single_force() {
     for (seed, description) in scenes() {
         let start = Start::of(&description);
-        let rate = start.rate(|system, q, v| vec![system.energies(q, v).kinetic])[0];
+        let rate = start.rate(|system, q, v| vec![system.at(0.0, q, v).energies().kinetic])[0];
         let powers = every_power(&description);
         let error = (rate - powers.iter().sum::<f64>()).abs();
         let scale: f64 = powers.iter().map(|power| power.abs()).sum();
@@ -62,17 +62,18 @@ fn mass_matrix_is_symmetric_carries_the_kinetic_energy_and_is_inverted_by_the_re
         let start = Start::of(&description);
         let (q, v, n) = (&start.model.start_position, &start.model.start_velocity, start.model.velocity_count());
         let mut system = System::new(&start.model);
-        let mass = system.linearize(q, v, &start.a).unwrap().mass;
+        let mass = system.at(0.0, q, v).linearize(&start.a).unwrap().mass;
         let size = mass.norm_max();
         assert!((&mass - mass.transpose()).norm_max() < 1e-13 * size, "seed {seed}");
         let sum: f64 = (0..n).map(|i| (0..n).map(|j| 0.5 * v[i] * mass[(i, j)] * v[j]).sum::<f64>()).sum();
-        let kinetic = system.energies(q, v).kinetic;
+        let kinetic = system.at(0.0, q, v).energies().kinetic;
         assert!((sum - kinetic).abs() < 1e-12 * kinetic, "seed {seed}: {sum} {kinetic}");
         let mut a = vec![0.0; n];
-        system.accelerations(q, v, &mut a).unwrap();
+        let mut at = system.at(0.0, q, v);
+        let mut reduction = at.accelerations(&mut a).unwrap();
         for j in 0..n {
             let column: Vec<f64> = (0..n).map(|i| mass[(i, j)]).collect();
-            system.solve_mass(&column, &mut a);
+            reduction.solve_mass(&column, &mut a);
             a[j] -= 1.0;
             let worst = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             assert!(worst < 1e-12, "seed {seed} column {j}: {worst:e}");

@@ -25,17 +25,17 @@ fn numbers(wrench: &Wrench) -> Vec<f64> {
 
 /// Momentum and angular momentum about the origin of every named body, welded ones too.
 fn momenta(system: &mut System, q: &[f64], v: &[f64]) -> Vec<Wrench> {
-    system.energies(q, v);
+    let at = system.at(0.0, q, v);
     let mut poses = Vec::new();
-    system.poses(&mut poses);
+    at.poses(&mut poses);
     let of_body = |(body, pose): (&stillpoint::model::Body, &stillpoint::spatial::Pose)| {
-        let link = &system.motion().links[body.link];
+        let link = &at.motion().links[body.link];
         let center = pose.translation.vector + pose.rotation * body.mass.center;
         let velocity = link.velocity + link.angular_velocity.cross(&(center - link.position));
         let own = pose.rotation.inverse() * link.angular_velocity;
         about_origin(body.mass.mass * velocity, pose.rotation * (body.mass.inertia * own), &center)
     };
-    system.model().bodies.iter().zip(&poses).map(of_body).collect()
+    at.system().model().bodies.iter().zip(&poses).map(of_body).collect()
 }
 
 fn placed(description: &Description) -> Vec<Placed> {
@@ -118,15 +118,15 @@ fn springs_and_bushings_pull_both_ends_alike() {
         description.forces.retain(|force| !matches!(force.kind, ForceKind::Load(_)));
         let start = Start::of(&description);
         let mut system = System::new(&start.model);
-        system.energies(&start.model.start_position, &start.model.start_velocity);
+        let at = system.at(0.0, &start.model.start_position, &start.model.start_velocity);
         let placed = placed(&description);
         for (index, force) in start.model.forces.iter().enumerate() {
             let mut alone = Model::clone(&start.model);
             alone.forces = [force.clone()].into();
             let mut wrenches = vec![Wrench::ZERO; alone.links.len()];
-            applied::apply(&applied::Laws::new(&alone), system.motion(), &mut wrenches);
+            applied::apply(&applied::Laws::new(&alone), at.motion(), &mut wrenches);
             let mut sum = Wrench::ZERO;
-            for (wrench, link) in wrenches.iter().zip(&system.motion().links) {
+            for (wrench, link) in wrenches.iter().zip(&at.motion().links) {
                 sum += about_origin(wrench.force, wrench.moment, &link.position);
             }
             let alone = Description { forces: vec![description.forces[index].clone()], ..description.clone() };

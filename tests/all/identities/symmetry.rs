@@ -13,9 +13,8 @@ const TOLERANCE: f64 = 1e-13;
 
 fn poses(start: &Start) -> Vec<Pose> {
     let mut system = System::new(&start.model);
-    system.energies(&start.model.start_position, &start.model.start_velocity);
     let mut poses = Vec::new();
-    system.poses(&mut poses);
+    system.at(0.0, &start.model.start_position, &start.model.start_velocity).poses(&mut poses);
     poses
 }
 

@@ -16,7 +16,10 @@ fn model(text: &str, options: &Options) -> Arc<Model> {
 
 fn accelerations(model: &Arc<Model>, velocity: &[f64]) -> Vec<f64> {
     let mut accelerations = velocity.to_vec();
-    System::new(model).accelerations(&model.start_position, velocity, &mut accelerations).expect("accelerations");
+    System::new(model)
+        .at(0.0, &model.start_position, velocity)
+        .accelerations(&mut accelerations)
+        .expect("accelerations");
     accelerations
 }
 

@@ -22,7 +22,8 @@ fn model(text: &str, options: &Options, changes: &[&str]) -> Arc<Model> {
 fn accelerations(model: &Arc<Model>) -> Vec<f64> {
     let mut accelerations = model.start_velocity.clone();
     System::new(model)
-        .accelerations(&model.start_position, &model.start_velocity, &mut accelerations)
+        .at(0.0, &model.start_position, &model.start_velocity)
+        .accelerations(&mut accelerations)
         .expect("accelerations");
     accelerations
 }
@@ -209,10 +210,8 @@ fn a_tilted_plane_leaves_the_link_where_its_joint_says() {
         assert_eq!(imported.joints, [("slide".to_owned(), "slide".to_owned())], "the plane carries the joint's name");
         let model = model(&text, &Options::default(), &[]);
         let mut system = System::new(&model);
-        let mut out = vec![0.0; 3];
-        system.accelerations(&model.start_position, &model.start_velocity, &mut out).expect("accelerations");
         let mut poses = Vec::new();
-        system.poses(&mut poses);
+        system.at(0.0, &model.start_position, &model.start_velocity).poses(&mut poses);
         let pose = poses[model.body("sledge").expect("the link")];
         let turn = UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3);
         assert!((pose.translation.vector - Vector3::new(1.0, 2.0, 3.0)).norm() < 1e-14);

@@ -130,7 +130,7 @@ fn energy_swings(scene: &str, method: Method, step: f64, steps: u32) -> [f64; 4]
     let model = model(scene);
     let mut motion = Motion::new(&model);
     let energy = |motion: &mut Motion, q: &[f64], v: &[f64]| {
-        let energies = motion.at(0.0).energies(q, v);
+        let energies = motion.at(0.0, q, v).energies();
         energies.kinetic + energies.potential
     };
     let start = start(&model, step * f64::from(steps));

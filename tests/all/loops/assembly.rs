@@ -26,8 +26,7 @@ fn a_straight_guess_bends_until_its_tip_is_in_place() {
         let (_, model) = read(&straight(links, span));
         let mut system = System::new(&model);
         let mut poses = Vec::new();
-        system.energies(&model.start_position, &vec![0.0; links]);
-        system.poses(&mut poses);
+        system.at(0.0, &model.start_position, &vec![0.0; links]).poses(&mut poses);
         let last = poses[model.body(&format!("link[{}]", links - 1)).expect("the last link")];
         let tip = last * Point3::new(1.0 / links as f64, 0.0, 0.0);
         let gap = (tip - Point3::new(span, 0.0, 0.0)).norm();

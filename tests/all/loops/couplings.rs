@@ -35,9 +35,10 @@ fn column(scene: &Scene, owner: &str, name: &str) -> usize {
 /// What loops pass in a state, shared.
 fn loops(model: &Arc<Model>, q: &[f64], v: &[f64]) -> Vec<LoopReaction> {
     let mut system = System::new(model);
-    system.accelerations(q, v, &mut vec![0.0; v.len()]).expect("accelerations");
-    system.share_multipliers(q, v).expect("shares");
-    system.loop_reactions()
+    let mut at = system.at(0.0, q, v);
+    at.accelerations(&mut vec![0.0; v.len()]).expect("accelerations");
+    at.share_multipliers().expect("shares");
+    at.loop_reactions()
 }
 
 const ARM: &str = r#"
@@ -70,9 +71,11 @@ fn a_drive_pushes_what_inverse_dynamics_asks() {
     let mut system = System::new(&free);
     let mut largest = 0.0_f64;
     for sample in &samples {
-        system.set_time(sample.time);
         let mut asked = vec![0.0; 2];
-        system.residual(&sample.positions, &sample.velocities, &sample.accelerations, &mut asked).expect("a balance");
+        system
+            .at(sample.time, &sample.positions, &sample.velocities)
+            .residual(&sample.accelerations, &mut asked)
+            .expect("a balance");
         largest = largest.max(asked[0].abs());
         // Round-off of torques of some 50 N m; nothing is asked of the free elbow.
         assert!((sample.couplings[drive] - asked[0]).abs() < 1e-11, "{} {asked:?}", sample.couplings[drive]);

@@ -21,8 +21,7 @@ fn settings(duration: f64) -> Settings {
 fn pose(model: &Arc<Model>, position: &[f64], body: &str) -> Isometry3<f64> {
     let mut system = System::new(model);
     let mut poses = Vec::new();
-    system.energies(position, &vec![0.0; model.velocity_count()]);
-    system.poses(&mut poses);
+    system.at(0.0, position, &vec![0.0; model.velocity_count()]).poses(&mut poses);
     poses[model.body(body).expect("a body")]
 }
 
@@ -139,8 +138,7 @@ fn drives_report_their_force_and_their_work() {
     for time in [0.0, 0.7_f64, 2.0] {
         let q = [0.4 + 0.5 * time * time + 0.1 * (3.0 * time).sin()];
         let v = [time + 0.3 * (3.0 * time).cos()];
-        system.set_time(time);
-        system.accelerations(&q, &v, &mut a).expect("accelerations");
+        system.at(time, &q, &v).accelerations(&mut a).expect("accelerations");
         let expected = 1.0 - 0.9 * (3.0 * time).sin();
         let rows = system.constraints().expect("rows");
         let (name, force) = rows.drive_forces(&model, &a).next().expect("a drive");
@@ -161,12 +159,12 @@ fn rows_are_solved_without_allocating() {
     let (mut q, mut v, mut a) = (model.start_position.clone(), model.start_velocity.clone(), vec![0.0; 3]);
     let mut system = System::new(&model);
     let counted = allocation_counter::measure(|| {
-        system.accelerations(&q.clone(), &v, &mut a).expect("accelerations");
+        system.at(0.0, &q.clone(), &v).accelerations(&mut a).expect("accelerations");
     });
     assert_eq!(counted.count_total, 1, "the clone of the caller only: {counted:?}");
     q[0] += 1e-6;
     let counted = allocation_counter::measure(|| {
-        assert!(system.settle(&mut q, &mut v).expect("a state").moved);
+        assert!(system.settle(0.0, &mut q, &mut v).expect("a state").moved);
     });
     assert_eq!(counted.count_total, 0, "{counted:?}");
     let (_, free) = read(FOUR_BAR.split("[[loop]]").next().expect("the bodies"));
@@ -181,10 +179,10 @@ fn jacobians_know_loops() {
     let (_, model) = read(&format!("{FOUR_BAR}{spring}"));
     let (q, v) = (&model.start_position, &model.start_velocity);
     let mut system = System::new(&model);
-    let (by_position, by_velocity) = system.acceleration_jacobians(q, v).expect("Jacobians");
+    let (by_position, by_velocity) = system.at(0.0, q, v).acceleration_jacobians().expect("Jacobians");
     let mut at = |q: &[f64], v: &[f64]| {
         let mut a = vec![0.0; 3];
-        system.accelerations(q, v, &mut a).expect("accelerations");
+        system.at(0.0, q, v).accelerations(&mut a).expect("accelerations");
         a
     };
     let h = 1e-6;

@@ -57,12 +57,12 @@ fn answers(text: &str) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (q, v) = (&model.start_position, &model.start_velocity);
     let mut system = System::new(&model);
     let mut a = vec![0.0; q.len()];
-    system.accelerations(q, v, &mut a).expect("accelerations");
+    system.at(0.0, q, v).accelerations(&mut a).expect("accelerations");
     let forces = system.constraints().expect("rows").drive_forces(&model, &a).map(|(_, force)| force).collect();
     let mut residual = a.clone();
-    system.residual(q, v, &a, &mut residual).expect("a balance");
+    system.at(0.0, q, v).residual(&a, &mut residual).expect("a balance");
     assert!(residual.iter().all(|r| r.abs() < 1e-9), "{residual:?}");
-    let energies = system.energies(q, v);
+    let energies = system.at(0.0, q, v).energies();
     (a, forces, vec![energies.kinetic, energies.potential])
 }
 

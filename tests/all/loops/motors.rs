@@ -55,12 +55,11 @@ fn motors_are_in_the_tangent() {
     let n = v.len();
     let (c1, c2, h) = (20.0, 400.0, 1e-6);
     let mut system = System::new(&model);
-    system.set_time(0.3);
     let mut a = vec![0.0; n];
-    system.accelerations(q, v, &mut a).expect("accelerations");
+    system.at(0.3, q, v).accelerations(&mut a).expect("accelerations");
     let mut solver = TangentSolver::new(&model);
     let with = Coefficients { c1, c2, ..Coefficients::default() };
-    assert!(system.factorize_tangent(&mut solver, q, v, &a, &with).expect("a tangent"));
+    assert!(system.at(0.3, q, v).factorize_tangent(&mut solver, &a, &with).expect("a tangent"));
     for j in 0..n {
         let mut residual = |sign: f64| {
             let moved = |list: &[f64], by: f64| {
@@ -69,7 +68,7 @@ fn motors_are_in_the_tangent() {
                 list
             };
             let mut r = vec![0.0; n];
-            system.residual(&moved(q, h), &moved(v, c1 * h), &moved(&a, c2 * h), &mut r).expect("a residual");
+            system.at(0.3, &moved(q, h), &moved(v, c1 * h)).residual(&moved(&a, c2 * h), &mut r).expect("a residual");
             r
         };
         let (ahead, behind) = (residual(1.0), residual(-1.0));

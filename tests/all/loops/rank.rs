@@ -53,10 +53,8 @@ fn linkage(random: &mut Random, size: f64, weight: f64) -> Linkage {
     let scene = scenario::parse("scene.toml", &bodies, &[]).unwrap_or_else(|p| panic!("{}", p.render(false)));
     let model = Model::build(&scene.description).expect("a chain");
     let mut system = System::new(&model);
-    let mut a = vec![0.0; model.velocity_count()];
-    system.accelerations(&model.start_position, &model.start_velocity, &mut a).expect("accelerations");
     let mut poses: Vec<Pose> = Vec::new();
-    system.poses(&mut poses);
+    system.at(0.0, &model.start_position, &model.start_velocity).poses(&mut poses);
     let point = random.vector(0.3 * size);
     let at = poses[count - 1].transform_point(&point.into()).coords;
     let last = format!("bar{}", count - 1);
@@ -111,7 +109,7 @@ fn solved(text: &str, count: usize) -> (Vec<bool>, Vec<f64>) {
     let independent = model.independent_rows.as_ref().expect("decided")[first..first + rows(own)].to_vec();
     let mut system = System::new(&model);
     let mut a = vec![0.0; model.velocity_count()];
-    system.accelerations(&model.start_position, &model.start_velocity, &mut a).expect("accelerations");
+    system.at(0.0, &model.start_position, &model.start_velocity).accelerations(&mut a).expect("accelerations");
     let bars = (0..count).flat_map(|i| {
         let hinge = &model.bodies[model.body(&format!("bar{i}")).expect("a bar")].hinge;
         hinge.velocity..hinge.velocity + hinge.kind.counts().1
@@ -170,7 +168,7 @@ fn a_weld_holds_a_body_of_any_inertia() {
         assert_eq!(model.independent_rows.as_ref().expect("decided")[..6], [true; 6], "seed {seed}");
         let mut system = System::new(&model);
         let mut a = vec![0.0; model.velocity_count()];
-        system.accelerations(&model.start_position, &model.start_velocity, &mut a).expect("accelerations");
+        system.at(0.0, &model.start_position, &model.start_velocity).accelerations(&mut a).expect("accelerations");
         assert!(a[..6].iter().all(|a| a.abs() < 1e-13), "seed {seed}: {a:?}");
     }
 }

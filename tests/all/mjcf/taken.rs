@@ -108,7 +108,10 @@ fn the_gripper_rests_where_its_servo_its_spring_and_its_weight_balance() {
     assert!((at("left_jaw") + low).abs() < 1e-9, "the jaws keep their direction");
     let mut system = System::new(&model);
     let mut accelerations = vec![0.0; model.start_velocity.len()];
-    system.accelerations(&found.position, &vec![0.0; accelerations.len()], &mut accelerations).expect("accelerations");
+    system
+        .at(0.0, &found.position, &vec![0.0; accelerations.len()])
+        .accelerations(&mut accelerations)
+        .expect("accelerations");
     assert!(accelerations.iter().all(|a| a.abs() < 1e-6), "{accelerations:?}");
 }
 
@@ -150,8 +153,9 @@ fn massless_joints_are_welded_if_asked_for() {
     let mut system = stillpoint::dynamics::System::new(&model);
     let mut a = vec![0.0; 1];
     let q = [0.0];
-    system.accelerations(&q, &[0.0], &mut a).expect("finite");
-    system.poses(&mut poses);
+    let mut at = system.at(0.0, &q, &[0.0]);
+    at.accelerations(&mut a).expect("finite");
+    at.poses(&mut poses);
     let f = model.body("f").expect("a body");
     let (sine, cosine) = 0.5_f64.sin_cos();
     let expected = [1.1 + 0.35 * cosine, 0.35 * sine];

@@ -85,8 +85,8 @@ fn c04_chain_initial_accelerations() {
 fn support_force(scene: &Scene, a: &[f64]) -> f64 {
     let (mut system, model) = (System::new(&scene.model), &scene.model);
     let (mut residual, mut reactions) = (vec![0.0; a.len()], Vec::new());
-    system.residual(&model.start_position, &model.start_velocity, a, &mut residual).expect("finite numbers");
-    system.reactions(&mut reactions);
+    let mut at = system.at(0.0, &model.start_position, &model.start_velocity);
+    at.residual(a, &mut residual).expect("finite numbers").reactions(&mut reactions);
     reactions[model.body("link[0]").expect("the first link")].force.y
 }
 

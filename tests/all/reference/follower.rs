@@ -31,7 +31,7 @@ fn ziegler(case: &Node, load: f64, damping: f64) -> Scene {
 /// Eigenvalues of `M ẍ + C ẋ + K x = 0` about the straight position: real and imaginary part.
 fn eigenvalues(scene: &Scene) -> Vec<[f64; 2]> {
     let rest = vec![0.0; scene.model.velocity_count()];
-    let linear = System::new(&scene.model).linearize(&rest, &rest, &rest).expect("finite numbers");
+    let linear = System::new(&scene.model).at(0.0, &rest, &rest).linearize(&rest).expect("finite numbers");
     let n = rest.len();
     let lu = linear.mass.partial_piv_lu();
     let (k, c) = (lu.solve(&linear.stiffness), lu.solve(&linear.damping));

@@ -57,7 +57,8 @@ impl Scene {
     pub(super) fn accelerations(&self) -> Vec<f64> {
         let mut a = vec![0.0; self.model.velocity_count()];
         System::new(&self.model)
-            .accelerations(&self.model.start_position, &self.model.start_velocity, &mut a)
+            .at(0.0, &self.model.start_position, &self.model.start_velocity)
+            .accelerations(&mut a)
             .unwrap_or_else(|fault| panic!("{fault}"));
         a
     }

@@ -29,7 +29,7 @@ impl Pendulum {
 
 /// The stiffness of a scene with one coordinate.
 fn stiffness(scene: &Scene, position: &[f64]) -> f64 {
-    System::new(&scene.model).static_stiffness(position).expect("finite numbers")[(0, 0)]
+    System::new(&scene.model).at(0.0, position, &vec![0.0; position.len()]).stiffness().expect("finite numbers")[(0, 0)]
 }
 
 fn verdict(found: &Equilibrium) -> Verdict {
@@ -185,7 +185,7 @@ fn b13_gravity_balanced_arm() {
         assert_eq!((found.position[0], verdict(&found)), (angle, Verdict::Neutral));
         reference.at("residual").check(found.residual_force, residual);
         reference.at("tangent_stiffness").check(stiffness(&scene, &found.position), residual);
-        let potential = System::new(&scene.model).energies(&found.position, &[0.0]).potential;
+        let potential = System::new(&scene.model).at(0.0, &found.position, &[0.0]).energies().potential;
         let expected = reference.at("potential_a");
         // Sixteen digits of 20 J.
         expected.check(potential, 1e-13);

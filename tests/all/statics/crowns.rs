@@ -76,7 +76,7 @@ fn ends_stable(found: &Equilibrium) -> bool {
 
 fn potential(model: &Arc<Model>, q: &[f64]) -> f64 {
     let still = vec![0.0; model.velocity_count()];
-    System::new(model).energies_at_rest(q, &still).potential
+    System::new(model).at(0.0, q, &still).energies_at_rest().potential
 }
 
 /// From the symmetric guess, and from the symmetric equilibrium nearest to it when that is unstable: no force there has a part

@@ -223,7 +223,7 @@ fn find(model: &Arc<Model>) -> Equilibrium {
 /// The program's potential of the weights.
 fn weights(model: &Arc<Model>, q: &[f64]) -> f64 {
     let still = vec![0.0; model.velocity_count()];
-    System::new(model).energies_at_rest(q, &still).potential
+    System::new(model).at(0.0, q, &still).energies_at_rest().potential
 }
 
 /// First and second order, all of it by the independent potential.
