@@ -53,15 +53,17 @@ pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
         Ok(factorized) => factorized.articulated_inertia(&mut inertia),
         Err(_) => return Vec::new(),
     }
+    let gravity = model.gravity.norm().max(1.0);
+    let per_length = gravity / model.length_scale();
     let mut action = MassAction::new(model);
     let mut found = Vec::new();
     for body in &model.bodies {
         for (index, (_, unit)) in body.hinge.kind.velocities().iter().enumerate() {
             let at = body.hinge.velocity + index;
             let slides = *unit == "m/s";
-            let gravity = model.gravity.norm().max(1.0);
-            let usual = if slides { gravity } else { gravity / model.length_scale() };
-            if !(accelerations[at].abs() > EXTREME * usual) {
+            let usual = if slides { gravity } else { per_length };
+            // Each that is looked at costs a sweep.
+            if !(accelerations[at].abs() > EXTREME * usual) || found.len() == MOST_LISTED {
                 continue;
             }
             let (mut one, mut column) = (vec![0.0; v.len()], vec![0.0; v.len()]);
@@ -77,6 +79,8 @@ pub(super) fn ill_conditioned(model: &Arc<Model>) -> Vec<Light> {
     found
 }
 
+/// Coordinates that are looked for; more say nothing new.
+const MOST_LISTED: usize = 100;
 /// Hinges that are named one by one.
 const MOST_NAMED: usize = 5;
 

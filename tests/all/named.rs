@@ -157,7 +157,7 @@ fn start_files_and_messages_know_named_numbers() {
         let error = scenario::parse("s.toml", &format!("statics.{place}\n{text}"), &[]).map(|_| ()).expect_err(place);
         assert!(error.to_string().contains("did you mean `parameters.angle`?"), "{error}");
     }
-    let moved = text.replacen("position = ", "position = \"{angle}\" # ", 1).replacen("angle = \"", "angle = \"1", 1);
+    let moved = text.replacen("position = ", "position = \"{angle}\" # ", 1);
     let moved = moved.replace(", position = \"{angle}\" # ", ", position = \"{angle}\" }\n#");
     let error = scenario::parse("s.toml", &format!("statics.unknown = [\"parameters.angle\"]\n{moved}"), &[]);
     assert!(error.map(|_| ()).expect_err("the pose").to_string().contains("moves the pose"), "{moved}");

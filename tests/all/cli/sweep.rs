@@ -126,7 +126,7 @@ fn ranges_may_stand_in_quotes() {
 fn nothing_is_varied_in_vain() {
     let bench = Bench::new();
     bench.write("scale.toml", SCALE);
-    bench.write("path.toml", &format!("statics.path = {{ parameter = \"pan.mass\", to = 2 }}\n{SCALE}"));
+    bench.write("path.toml", format!("statics.path = {{ parameter = \"pan.mass\", to = 2 }}\n{SCALE}"));
     let refused = |arguments: &[&str], word: &str| {
         let error = bench.call(&[&["sweep"], arguments].concat()).code(2).err;
         assert!(error.contains(word), "{arguments:?}: {error}");
