@@ -12,7 +12,7 @@
 use super::copositive;
 use super::landscape::{Landscape, Weak};
 use super::search::Place;
-use super::stability::NEUTRAL;
+use super::stability::{NEUTRAL, comparable};
 use crate::dynamics::Fault;
 use faer::Mat;
 
@@ -46,17 +46,7 @@ pub(super) fn weakest(landscape: &mut Landscape<'_>, place: &Place) -> Result<Op
         return Ok(None);
     }
     let columns = columns(landscape, place, &weak)?;
-    landscape.look(&place.q)?;
-    let mut responses = Vec::with_capacity(weak.len());
-    for column in &columns {
-        let rhs: Vec<f64> = landscape.free.iter().map(|i| -column[*i]).collect();
-        let response = match rhs.is_empty() {
-            true => Some(Vec::new()),
-            false => landscape.solved_nearby(&place.q, &rhs)?,
-        };
-        let Some(response) = response else { return Ok(None) };
-        responses.push(response);
-    }
+    let Some(responses) = responses(landscape, place, &weak, &columns)? else { return Ok(None) };
     // Eq. (2), each row of the size of its own stiffness.
     let size = |k: usize| if weak[k].stiffness > 0.0 { weak[k].stiffness.sqrt() } else { 1.0 };
     let entry = |a: usize, b: usize| {
@@ -86,4 +76,26 @@ fn columns(landscape: &mut Landscape<'_>, place: &Place, weak: &[Weak]) -> Resul
     let unit = Mat::from_fn(n, weak.len(), |i, j| f64::from(u8::from(weak[j].velocity == i)));
     let product = landscape.system().stiffness_times(&place.q, &rest, &unit)?;
     Ok((0..weak.len()).map(|j| (0..n).map(|i| product[(i, j)]).collect()).collect())
+}
+
+/// `−K_II⁻¹ K_IW`, one list over the free coordinates for each stop. Motions without stiffness make `K_II` singular: what counts
+/// as none is added to it.
+fn responses(
+    landscape: &mut Landscape<'_, '_>,
+    place: &Place,
+    weak: &[Weak],
+    columns: &[Vec<f64>],
+) -> Result<Option<Vec<Vec<f64>>>, Fault> {
+    let free = landscape.free.clone();
+    if free.is_empty() {
+        return Ok(Some(vec![Vec::new(); weak.len()]));
+    }
+    landscape.look(&place.q)?;
+    let sizes: Vec<f64> = place.scales.stiffness.iter().copied().chain(weak.iter().map(|one| one.stiffness)).collect();
+    let slack: Vec<f64> = comparable(&sizes)[..free.len()].iter().map(|size| NEUTRAL * size).collect();
+    if landscape.newton_shifted(&vec![0.0; free.len()], &slack).is_none() {
+        return Ok(None);
+    }
+    let rhs = |column: &Vec<f64>| free.iter().map(|i| -column[*i]).collect::<Vec<f64>>();
+    Ok(Some(columns.iter().map(|column| landscape.solve(&rhs(column))).collect()))
 }

@@ -10,7 +10,7 @@
 
 use super::landscape::Landscape;
 use super::search::Place;
-use super::stability::NEUTRAL;
+use super::stability::{NEUTRAL, comparable};
 
 /// Trials for a shift that is large enough, each sixteen times the one before.
 const MOST_TRIALS: usize = 20;
@@ -35,7 +35,7 @@ pub(super) struct WayOut {
 /// The way out of a balanced `place`, no longer than `radius`; none where no motion runs away, or none gets lower.
 pub(super) fn way_out(landscape: &mut Landscape<'_>, place: &Place, potential: f64, radius: f64) -> Option<WayOut> {
     // What is within round-off of zero stiffness is neutral: it leads nowhere.
-    let slack: Vec<f64> = place.scales.stiffness.iter().map(|k| NEUTRAL * k).collect();
+    let slack: Vec<f64> = comparable(&place.scales.stiffness).iter().map(|k| NEUTRAL * k).collect();
     let first = landscape.negative_direction(&slack)?;
     let direction = fastest(landscape, place, &first).unwrap_or(first);
     downhill(landscape, place, &direction, potential, radius)
@@ -52,7 +52,7 @@ pub(super) fn downhill(
     let size = landscape.size(direction);
     // No further than loops close again.
     let whole: Vec<f64> = direction.iter().map(|d| radius / size * d).collect();
-    let whole_part = 1.0 / landscape.stretch(&whole).max(1.0);
+    let whole_part = 1.0 / landscape.stretch(&place.q, &whole).max(1.0);
     let round_off = ROUND_OFF * (potential.abs() + landscape.stirred(place));
     let mut lowest = WayOut { step: Vec::new(), potential };
     let mut part = SHORT;

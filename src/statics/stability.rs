@@ -177,11 +177,23 @@ pub(super) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
 }
 
+/// Sizes of stiffness terms with which coordinates are compared: one without any stiffness, as of a body that floats, is neutral
+/// beside the largest of the others.
+pub(super) fn comparable(magnitude: &[f64]) -> Vec<f64> {
+    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
+    magnitude.iter().map(|x| if *x > 0.0 { *x } else { largest }).collect()
+}
+
+/// `N^(-1/2) K N^(-1/2)` with the sizes `N` of the stiffness terms.
+pub(super) fn relative(stiffness: &Mat<f64>, magnitude: &[f64]) -> Mat<f64> {
+    // Of each by itself: the product of two sizes may be beyond all numbers.
+    let root: Vec<f64> = comparable(magnitude).iter().map(|size| size.sqrt()).collect();
+    Mat::from_fn(root.len(), root.len(), |i, j| stiffness[(i, j)] / root[i] / root[j])
+}
+
 pub(super) fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
-    let largest = magnitude.iter().fold(0.0_f64, |m, x| m.max(*x));
-    let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest.max(f64::MIN_POSITIVE) };
     let n = magnitude.len();
-    let scaled = Mat::from_fn(n, n, |i, j| stiffness[(i, j)] / (size(i) * size(j)).sqrt());
+    let scaled = relative(stiffness, magnitude);
     let values = scaled.self_adjoint_eigenvalues(Side::Lower).unwrap_or_else(|_| vec![f64::NAN; n]);
     let unstable = values.iter().filter(|x| **x < -NEUTRAL).count();
     let neutral = values.iter().filter(|x| x.abs() <= NEUTRAL || x.is_nan()).count();

@@ -13,7 +13,7 @@
 //! motions that they leave.
 
 use super::bordered::{Rows, solved};
-use super::stability::NEUTRAL;
+use super::stability::{NEUTRAL, comparable};
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
 use faer::{Mat, Side};
 use std::sync::Arc;
@@ -87,9 +87,7 @@ pub(super) fn lowest(
     let (zero, mass) = (vec![0.0; n], MassAction::new(model));
     let (rest, full, rows) = (zero.clone(), zero.clone(), Rows::new(rows));
     let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows };
-    // A coordinate without any stiffness, as of a body that floats, is neutral beside the stiffness of the others.
-    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
-    let magnitude: &Vec<f64> = &magnitude.iter().map(|x| if *x > 0.0 { *x } else { largest }).collect();
+    let magnitude = &comparable(magnitude);
     let unstable = sweeps.negative(magnitude, NEUTRAL)?;
     let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
     let found = sweeps.iterate(magnitude, neutral)?.unwrap_or_default();
