@@ -33,6 +33,9 @@ use std::sync::Arc;
 /// Singular values below this part of the largest one are round-off: the balance knows its forces to some 1e-16 of
 /// what cancels in it, and the columns are differences of two of them.
 const RANK: f64 = 1e-11;
+/// A value below this part of the one that it began from may be round-off of it: (1) is solved to some units in the last place of
+/// its terms, times what the singular values differ by.
+const VANISHES: f64 = 1e-12;
 /// Solutions that are refined from the balance of the scene they give.
 const MOST_ROUNDS: usize = 4;
 
@@ -131,6 +134,7 @@ impl Search<'_> {
         // What only a stop feels is no mistake.
         let mut notes = if set.iter().any(|side| *side != 0) { Vec::new() } else { problem.useless() };
         let influential = notes.is_empty();
+        let sizes = first.scales.force.clone();
         let (mut best, mut model, mut place_now) = (description.clone(), given, first);
         let mut rank = 0;
         for _ in 0..MOST_ROUNDS {
@@ -143,12 +147,17 @@ impl Search<'_> {
             for (one, change) in unknown.iter().zip(&change) {
                 one.set(&mut next, one.value(&best) + change);
             }
+            if let Some((zero, built, placed)) = vanishing(description, &next, unknown, &build, &place)? {
+                (best, model, place_now) = (zero, built, placed);
+                break;
+            }
             let Some(built) = build(&next) else {
                 notes.push(refused(&next, unknown));
                 break;
             };
             let placed = place(&built)?;
-            if placed.residual().0 >= place_now.residual().0 {
+            // By what cancels in (1): next to an answer of zero the forces of the answer are round-off themselves.
+            if placed.residual_beside(&sizes) >= place_now.residual_beside(&sizes) {
                 break;
             }
             (best, model, place_now) = (next, built, placed);
@@ -169,6 +178,29 @@ impl Search<'_> {
         found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&best))).collect();
         Ok((best, model, found))
     }
+}
+
+/// A scene, its model and its balance.
+type Balanced = (Description, Model, Place);
+
+/// Answers of zero: the difference of two values leaves their round-off, beside which nothing can be balanced. The scene in which
+/// all unknowns vanish that are round-off of what they were, if it is balanced to the last digits.
+fn vanishing(
+    before: &Description,
+    found: &Description,
+    unknown: &[Parameter],
+    build: &dyn Fn(&Description) -> Option<Model>,
+    place: &dyn Fn(&Model) -> Result<Place, Fault>,
+) -> Result<Option<Balanced>, Fault> {
+    let is_round_off = |one: &&Parameter| one.value(found).abs() <= VANISHES * one.value(before).abs();
+    let mut zero = found.clone();
+    unknown.iter().filter(is_round_off).for_each(|one| one.set(&mut zero, 0.0));
+    if !unknown.iter().any(|one| is_round_off(&one)) {
+        return Ok(None);
+    }
+    let Some(model) = build(&zero) else { return Ok(None) };
+    let placed = place(&model)?;
+    Ok(placed.is_exact().then_some((zero, model, placed)))
 }
 
 /// A pose that cannot be taken: it stands beyond rigid stops.

@@ -43,10 +43,16 @@ impl Place {
 
     /// Largest unbalanced force relative to what cancels there, and where.
     pub(super) fn residual(&self) -> (f64, Option<usize>) {
-        self.worst(|i| {
-            let size = self.scales.force[i];
-            if size > 0.0 { self.force[i].abs() / size } else { f64::from(u8::from(self.force[i] != 0.0)) }
-        })
+        self.worst(|i| self.share(i, self.scales.force[i]))
+    }
+
+    /// Largest unbalanced force relative to what cancels there or to `sizes`, whichever is larger.
+    pub(super) fn residual_beside(&self, sizes: &[f64]) -> f64 {
+        self.worst(|i| self.share(i, self.scales.force[i].max(sizes[i]))).0
+    }
+
+    fn share(&self, i: usize, size: f64) -> f64 {
+        if size > 0.0 { self.force[i].abs() / size } else { f64::from(u8::from(self.force[i] != 0.0)) }
     }
 
     /// What round-off may leave, relative to what cancels.
@@ -58,7 +64,10 @@ impl Place {
     fn excess(&self) -> f64 {
         self.worst(|i| {
             let above = self.force[i].abs() - self.scales.noise[i];
-            if above > 0.0 { above / self.scales.force[i].max(f64::MIN_POSITIVE) } else { 0.0 }
+            match above > 0.0 || !self.scales.noise[i].is_finite() {
+                true => above.abs() / self.scales.force[i].max(f64::MIN_POSITIVE),
+                false => 0.0,
+            }
         })
         .0
     }
