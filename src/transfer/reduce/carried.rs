@@ -1,5 +1,6 @@
 //! What a link passes on to its parent, in registers.
 
+use super::part::Lost;
 use super::{LOST, One, SINGULAR};
 use crate::model::Link;
 use crate::motion::LinkMotion;
@@ -88,10 +89,12 @@ impl Carried {
     /// The same for one below which bodies may resist hardly anything: notes where digits are lost. The elimination
     /// multiplies what is known of the rest by the square of `|S H|/D`.
     #[inline(always)]
-    pub(super) fn delicate(&self, axis: &Vector3<f64>, armature: f64, tau: f64, lost: &mut bool) -> Result<Left, f64> {
+    pub(super) fn delicate(&self, axis: &Vector3<f64>, armature: f64, tau: f64, lost: &mut Lost) -> Result<Left, f64> {
         let left = self.turn(axis, armature, tau)?;
         let D = 1.0 / left.inverse;
-        *lost |= D < LOST * self.mm.trace() && D * D < LOST * left.moment.dot(left.moment);
+        if D < LOST * self.mm.trace() && D * D < LOST * left.moment.dot(left.moment) {
+            *lost = Lost::Perhaps.max(*lost);
+        }
         Ok(left)
     }
 
