@@ -92,6 +92,7 @@ fn descend(
         Some(place) => place,
         None => Place::at(&mut landscape, q)?,
     };
+    landscape.begin(&guess);
     let found = cascade::within_limits(&mut landscape, guess.clone(), &mut history)?;
     if let (Some(trail), Some(way)) = (trail, landscape.trail.take()) {
         trail.extend(way);

@@ -81,7 +81,7 @@ fn columns(landscape: &mut Landscape<'_>, place: &Place, weak: &[Weak]) -> Resul
 /// `−K_II⁻¹ K_IW`, one list over the free coordinates for each stop. Motions without stiffness make `K_II` singular: what counts
 /// as none is added to it.
 fn responses(
-    landscape: &mut Landscape<'_, '_>,
+    landscape: &mut Landscape<'_>,
     place: &Place,
     weak: &[Weak],
     columns: &[Vec<f64>],

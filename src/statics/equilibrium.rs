@@ -208,12 +208,18 @@ pub(super) fn search_free(
     landscape.watch = Some(watch);
     let mut history = Vec::new();
     let first = Place::at(&mut landscape, start.to_vec())?;
+    landscape.begin(&first);
     let guess = first.clone();
     let Found { mut place, mut notes, effort } = cascade::search(&mut landscape, settings, first, &mut history)?;
     searched();
     if !place.is_balanced() {
         // Where the search ran away, what is missing shows best where it started.
-        if effort.fell {
+        if landscape.is_far(&place.q) && !effort.fell {
+            notes.push(
+                "the search ran away, beyond all lengths of the scene: balance there would be round-off".to_owned(),
+            );
+        }
+        if effort.fell || landscape.is_far(&place.q) {
             place = guess;
         }
         let ended = watch.note(effort.stage, place.residual().0);

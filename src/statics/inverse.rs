@@ -181,7 +181,7 @@ impl Search<'_> {
 }
 
 /// A scene, its model and its balance.
-type Balanced = (Description, Model, Place);
+type Balanced = (Description, Arc<Model>, Place);
 
 /// Answers of zero: the difference of two values leaves their round-off, beside which nothing can be balanced. The scene in which
 /// all unknowns vanish that are round-off of what they were, if it is balanced to the last digits.
@@ -189,8 +189,8 @@ fn vanishing(
     before: &Description,
     found: &Description,
     unknown: &[Parameter],
-    build: &dyn Fn(&Description) -> Option<Model>,
-    place: &dyn Fn(&Model) -> Result<Place, Fault>,
+    build: &dyn Fn(&Description) -> Option<Arc<Model>>,
+    place: &dyn Fn(&Arc<Model>) -> Result<Place, Fault>,
 ) -> Result<Option<Balanced>, Fault> {
     let is_round_off = |one: &&Parameter| one.value(found).abs() <= VANISHES * one.value(before).abs();
     let mut zero = found.clone();

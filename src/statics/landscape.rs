@@ -24,6 +24,17 @@ const ROUND: f64 = 0.1;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
+/// A scene that has moved by this many of its own lengths (radians of all its hinges) has left every scale of its own.
+pub(super) const FAR: f64 = 1e6;
+
+/// Where a search begins.
+#[derive(Debug, Clone)]
+struct Origin {
+    q: Vec<f64>,
+    /// The largest of the forces that cancel there, over a radian or a length of the scene (J).
+    work: f64,
+}
+
 /// The static problem of a model with its locked hinges held; of one with loops, drives or gears on its closed positions.
 pub struct Landscape<'s> {
     system: &'s mut System,
@@ -52,6 +63,8 @@ pub struct Landscape<'s> {
     pub(super) ties: Option<Box<Ties>>,
     /// Of a tree whose limits are heeded.
     limits: Option<Box<Limits>>,
+    /// Where the search began; `None` where nothing is searched for.
+    origin: Option<Origin>,
     /// Says whether the search may go on.
     pub(super) watch: Option<&'s Watch<'s>>,
 }
@@ -111,6 +124,7 @@ impl<'s> Landscape<'s> {
             full,
             ties,
             limits: None,
+            origin: None,
             watch: None,
         })
     }
@@ -118,6 +132,36 @@ impl<'s> Landscape<'s> {
     /// The model.
     pub fn model(&self) -> &Arc<Model> {
         self.system.model()
+    }
+
+    /// Says that a search begins at `place`: distances and forces far away are measured by those there.
+    pub(super) fn begin(&mut self, place: &Place) {
+        let work = (0..place.force.len()).map(|row| place.scales.force[row] * self.lever(row)).fold(0.0, f64::max);
+        self.origin = Some(Origin { q: place.q.clone(), work });
+    }
+
+    /// Whether a position is [`FAR`] from where the search began.
+    pub(super) fn is_far(&self, q: &[f64]) -> bool {
+        let Some(origin) = &self.origin else { return false };
+        let all = apart(self.model(), &origin.q, q);
+        let away: Vec<f64> = self.free.iter().map(|i| all[*i]).collect();
+        self.size(&away) > FAR * self.reach()
+    }
+
+    /// Far away springs hold forces beside which everything is round-off: what is unbalanced there is judged by the forces that
+    /// act where the search began.
+    fn judge_by_origin(&self, q: &[f64], scales: &mut Scales) {
+        let Some(origin) = self.origin.as_ref().filter(|origin| origin.work > 0.0 && self.is_far(q)) else { return };
+        for row in 0..scales.force.len() {
+            let most = origin.work / self.lever(row);
+            scales.force[row] = scales.force[row].min(most);
+            scales.noise[row] = scales.noise[row].min(super::search::BALANCED * most);
+        }
+    }
+
+    /// What makes work of the force in a free coordinate: the scene's length for a distance, 1 for an angle.
+    fn lever(&self, row: usize) -> f64 {
+        if self.slides[self.free[row]] { self.length } else { 1.0 }
     }
 
     /// What one factorization works: links of a sweep, entries of a matrix.
@@ -170,8 +214,10 @@ impl<'s> Landscape<'s> {
         if let Some(limits) = &mut self.limits {
             limits.look(q, &self.free);
         }
-        if let Some(ties) = &self.ties {
-            return if ties.sweeps { self.look_along(q) } else { self.look_densely(q) };
+        if self.ties.is_some() {
+            self.heed_prestress(q)?;
+            let sweeps = self.ties.as_ref().is_some_and(|ties| ties.sweeps);
+            return if sweeps { self.look_along(q) } else { self.look_densely(q) };
         }
         if self.stiffness.is_dense() {
             let matrix = self.dense_stiffness(q)?;
@@ -331,9 +377,7 @@ impl<'s> Landscape<'s> {
         if self.ties.is_none() {
             return 0.0;
         }
-        let work =
-            |(row, i): (usize, &usize)| place.scales.force[row] * if self.slides[*i] { self.length } else { 1.0 };
-        self.free.iter().enumerate().map(work).fold(0.0, f64::max)
+        (0..self.free.len()).map(|row| place.scales.force[row] * self.lever(row)).fold(0.0, f64::max)
     }
 
     /// `√(xᵀ B x)`.
@@ -347,15 +391,18 @@ impl<'s> Landscape<'s> {
     /// # Errors
     /// The element whose numbers are not finite.
     pub fn forces_and_scales(&mut self, q: &[f64]) -> Result<(Vec<f64>, Scales), Fault> {
-        if self.ties.is_some() {
-            self.residuals += 1;
-            return self.tied_forces(q);
-        }
         self.residuals += 1;
-        let free = std::mem::take(&mut self.free);
-        let result = self.forces_of(&free, q);
-        self.free = free;
-        result
+        let (force, mut scales) = match self.ties.is_some() {
+            true => self.tied_forces(q)?,
+            false => {
+                let free = std::mem::take(&mut self.free);
+                let result = self.forces_of(&free, q);
+                self.free = free;
+                result?
+            }
+        };
+        self.judge_by_origin(q, &mut scales);
+        Ok((force, scales))
     }
 
     /// The same in these velocity coordinates of a tree.
@@ -390,6 +437,16 @@ pub(super) fn slides(model: &Model) -> Vec<bool> {
         }
     }
     slides
+}
+
+/// How two positions differ, in velocity coordinates.
+pub(super) fn apart(model: &Model, from: &[f64], to: &[f64]) -> Vec<f64> {
+    let mut all = vec![0.0; model.velocity_count()];
+    for link in &model.links {
+        let (first, count) = (link.velocity, link.joint.counts().1);
+        all[first..first + count].copy_from_slice(&crate::motion::relative(link, from, to).as_slice()[..count]);
+    }
+    all
 }
 
 /// Away from balance a ball's three turns are coupled by the moment that is left there: one about an axis of next to no

@@ -28,7 +28,7 @@ pub(super) fn run(
 }
 
 fn merit(landscape: &Landscape<'_>, force: &[f64]) -> f64 {
-    force.iter().zip(&landscape.metric).map(|(f, b)| 0.5 * f * f / b).sum()
+    force.iter().zip(&landscape.metric).map(|(f, b)| 0.5 * f * (f / b)).sum()
 }
 
 /// One step with backtracking: the Newton direction, and where that is no descent the direction of Levenberg and
@@ -60,7 +60,7 @@ fn along(
     before: f64,
     history: &mut Vec<Iteration>,
 ) -> Result<Option<Place>, Fault> {
-    let mut scale = 1.0 / landscape.stretch(direction).max(1.0);
+    let mut scale = 1.0 / landscape.stretch(&place.q, direction).max(1.0);
     for _ in 0..12 {
         let x: Vec<f64> = direction.iter().map(|x| scale * x).collect();
         let q = landscape.moved(&place.q, &x);

@@ -18,7 +18,7 @@
 //! With loops, drives and gears the accelerations are those that their rows allow, velocities are kept in agreement with
 //! the rows, and positions are closed after every step. Locks are held by rows too.
 
-use super::landscape::Landscape;
+use super::landscape::{FAR, Landscape};
 use super::search::{Iteration, Place};
 use crate::dynamics::{Fault, System};
 use crate::model::prescribed::Prescribed;
@@ -36,8 +36,6 @@ const FIRST_POWERS: usize = 10;
 const POWERS: usize = 2;
 /// Angle (or part of the scene's length) over which accelerations are differenced.
 const DIFFERENCE: f64 = 1e-6;
-/// A scene that has moved this many of its own lengths has no equilibrium.
-const FAR: f64 = 1e6;
 /// Inertia added to a locked coordinate, in units of what it sees: it stays where it is.
 const HELD: f64 = 1e7;
 /// Rounding of the potential, relative to the largest one so far.

@@ -17,6 +17,7 @@ use std::sync::Arc;
 /// kind of equilibrium it is.
 pub(super) fn examine(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
     let count = landscape.free.len();
+    landscape.heed_prestress(&place.q)?;
     if landscape.ties.as_ref().is_some_and(|ties| ties.sweeps) && !by_matrices(landscape.model(), count) {
         return examine_by_sweeps(landscape, place);
     }

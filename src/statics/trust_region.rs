@@ -17,7 +17,7 @@
 //! enough it goes along the projected gradient, so that the potential falls.
 
 use super::cone;
-use super::landscape::Landscape;
+use super::landscape::{FAR, Landscape};
 use super::saddle::{WayOut, downhill, way_out};
 use super::search::{Iteration, Place};
 use crate::dynamics::Fault;
@@ -46,9 +46,6 @@ const WORTH: f64 = 0.1;
 /// does not count: stiff springs that they relax hold more than all that is left to gain in the valley after it.
 const WINDOW: usize = 500;
 const PROGRESS: f64 = 1e-6;
-/// A scene that has moved downhill by this many of its own lengths, or of the guess's distance from where its springs
-/// are relaxed, has no equilibrium.
-const FAR: f64 = 1e6;
 
 /// How the search ended.
 #[derive(Debug, Clone)]
@@ -81,6 +78,8 @@ pub(super) fn run(landscape: &mut Landscape<'_>, place: Place, history: &mut Vec
     let potential = landscape.potential(&place.q);
     // One radian, or one length of the scene, of every coordinate at once.
     let radius = landscape.reach();
+    // A scene that has moved so many of its lengths downhill, or of the guess's distance from where its springs are relaxed, has
+    // no equilibrium.
     let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
     let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
     let mut search = Search { landscape, radius, first_radius: radius, potential, shift: 0.0, bent: false, outcome };
@@ -171,7 +170,7 @@ impl Search<'_, '_> {
                 self.radius *= 0.25;
                 continue;
             };
-            let stretch = self.landscape.stretch(&trial.x);
+            let stretch = self.landscape.stretch(&self.outcome.place.q, &trial.x);
             if stretch > 1.0 {
                 self.radius = trial.size.min(self.radius) * (0.9 / stretch).max(0.1);
                 continue;
@@ -324,7 +323,7 @@ impl Search<'_, '_> {
 
     /// A place and its potential; none from where loops might close otherwise.
     fn lower(&mut self, q: &[f64], step: &[f64]) -> Option<Lower> {
-        if !(self.landscape.stretch(step) <= 1.0) {
+        if !(self.landscape.stretch(q, step) <= 1.0) {
             return None;
         }
         let q = self.landscape.moved(q, step);
@@ -335,7 +334,7 @@ impl Search<'_, '_> {
     /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
     fn within_radius(&mut self) -> Option<Trial> {
         let (metric, force, radius) = (self.landscape.metric.clone(), &self.outcome.place.force, self.radius);
-        let typical = force.iter().zip(&metric).map(|(f, b)| f * f / b).sum::<f64>().sqrt() / radius;
+        let typical = force.iter().zip(&metric).map(|(f, b)| f * (f / b)).sum::<f64>().sqrt() / radius;
         let (mut low, mut high, mut shift) = (0.0_f64, f64::INFINITY, self.shift);
         let mut least = f64::INFINITY;
         let between = |low: f64, high: f64| match high.is_finite() {

@@ -37,7 +37,33 @@ pub(in super::super) enum Prestress {
     Certified,
 }
 
+/// Motions that are looked at where a basis of them is too large to be made.
+const SAMPLES: usize = 3;
+
 impl Landscape<'_> {
+    /// Where sweeps are the way: looks once whether self-stresses have a stiffness along some motions without a pattern. If so
+    /// the verdict depends on `α` of (1), and matrices take the place of sweeps.
+    pub(in super::super) fn heed_prestress(&mut self, q: &[f64]) -> Result<(), Fault> {
+        let is_open = self.ties.as_ref().is_some_and(|ties| ties.sweeps && ties.stiffens.is_none());
+        if !is_open || self.system.left_out_rows() == 0 {
+            return Ok(());
+        }
+        let mut samples = Mat::zeros(self.free.len(), SAMPLES);
+        for k in 0..SAMPLES {
+            let some = |i: usize| (1.0 + (i * (k + 1)) as f64 * 1.618_033_988_75).sin() / self.unit(i);
+            let momentum: Vec<f64> = (0..self.free.len()).map(|i| self.metric[i] * some(i)).collect();
+            // `Z Zᵀ B x`
+            let along = self.along_rows(q, &momentum)?;
+            along.iter().enumerate().for_each(|(i, f)| samples[(i, k)] = f / self.metric[i]);
+        }
+        if self.share_prestress(q, &samples)?
+            && let Some(ties) = &mut self.ties
+        {
+            (ties.sweeps, ties.view, ties.branch) = (false, None, None);
+        }
+        Ok(())
+    }
+
     /// Takes the multipliers of equally stiff rows if self-stresses have a stiffness along the motions `z` at a closed position
     /// whose multipliers are in the system; says whether they do.
     pub(in super::super) fn share_prestress(&mut self, q: &[f64], z: &Mat<f64>) -> Result<bool, Fault> {
@@ -68,7 +94,12 @@ impl Landscape<'_> {
         let mix: Vec<f64> = (0..count).map(|j| (1.0 + 1.7 * (j as f64 + 1.0) * (j as f64 + 2.3)).sin()).collect();
         let stiffness = self.stress_stiffness(q, z, &mix)?;
         let size = mix.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let moves = |k: usize| (0..z.nrows()).map(|i| (z[(i, k)] * self.unit(i)).powi(2)).sum::<f64>();
+        let square = |i: usize, k: usize| (z[(i, k)] * self.unit(i)).powi(2);
+        // A sample moves all of a large scene at once, and a self-stress stiffens some part of it.
+        let moves = |k: usize| match self.ties.as_ref().is_some_and(|ties| ties.sweeps) {
+            true => (0..z.nrows()).map(|i| square(i, k)).fold(0.0, f64::max),
+            false => (0..z.nrows()).map(|i| square(i, k)).sum::<f64>(),
+        };
         let moved: Vec<f64> = (0..z.ncols()).map(moves).collect();
         let limit = NO_STIFFNESS * size / self.length;
         let above = |i: usize, j: usize| stiffness[(i, j)].abs() > limit * (moved[i] * moved[j]).sqrt();

@@ -54,7 +54,7 @@ pub(in super::super) struct Ties {
     pub(in super::super) frozen: Vec<String>,
     /// The problem at the last position.
     pub(in super::super) view: Option<View>,
-    branch: Option<Branch>,
+    pub(super) branch: Option<Branch>,
     /// Whether prestress of dependent rows stiffens motions; `None` before it has been looked at.
     pub(super) stiffens: Option<bool>,
     /// What it did where the search ended.
@@ -265,15 +265,18 @@ impl Landscape<'_> {
         }
     }
 
-    /// How many times further than [`LONGEST_STEP`] a step changes a coordinate: from further away the loops might close in
-    /// another assembly. Zero without loops.
-    pub(in super::super) fn stretch(&self, step: &[f64]) -> f64 {
+    /// How many times further than [`LONGEST_STEP`] a step from `q` changes a coordinate: from further away the loops might
+    /// close in another assembly. A body that has gone many lengths of the scene may go as far again. Zero without loops.
+    pub(in super::super) fn stretch(&self, q: &[f64], step: &[f64]) -> f64 {
         if self.ties.is_none() {
             return 0.0;
         }
-        let of =
-            |(x, i): (&f64, &usize)| x.abs() / if self.slides[*i] { LONGEST_STEP * self.length } else { LONGEST_STEP };
-        step.iter().zip(&self.free).map(of).fold(0.0, f64::max)
+        let gone = self.origin.as_ref().map(|origin| super::apart(self.model(), &origin.q, q));
+        let longest = |i: usize| match self.slides[i] {
+            true => LONGEST_STEP * gone.as_ref().map_or(0.0, |gone| gone[i].abs()).max(self.length),
+            false => LONGEST_STEP,
+        };
+        step.iter().zip(&self.free).map(|(x, i)| x.abs() / longest(*i)).fold(0.0, f64::max)
     }
 }
 

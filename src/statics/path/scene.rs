@@ -1,9 +1,9 @@
 //! A scene as a family: one of its numbers moves.
 
 use super::super::assembled::Assembled;
-use super::super::landscape::{Branch, Landscape};
+use super::super::landscape::{Branch, Landscape, apart};
 use super::super::search::{Place, SHIFT};
-use super::super::stability::{NEUTRAL, count_by_motion, count_by_stiffness};
+use super::super::stability::{NEUTRAL, comparable, count_by_motion, count_by_stiffness, relative};
 use super::super::stops::{self, Set};
 use super::super::tied;
 use super::curve::{Family, Look, Metric};
@@ -210,7 +210,7 @@ impl<'a> Moving<'a> {
                 return Ok(Count { unstable, neutral, negative: negative_real(&linear.stiffness, &magnitude) });
             }
             landscape.look(&q)?;
-            let shifted = |part: f64| magnitude.iter().map(|k| part * k).collect::<Vec<f64>>();
+            let shifted = |part: f64| comparable(magnitude).iter().map(|k| part * k).collect::<Vec<f64>>();
             let by_pivots = landscape
                 .negatives(&shifted(NEUTRAL))
                 .and_then(|unstable| Some((unstable, landscape.negatives(&shifted(-NEUTRAL))?)));
@@ -271,14 +271,8 @@ impl<'a> Moving<'a> {
 
     /// How two positions differ, in free velocity coordinates.
     pub(super) fn apart(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        let model = &self.model;
-        let mut all = vec![0.0; model.velocity_count()];
-        for link in &model.links {
-            let (first, count) = (link.velocity, link.joint.counts().1);
-            let step = crate::motion::relative(link, from, to);
-            all[first..first + count].copy_from_slice(&step.as_slice()[..count]);
-        }
-        (0..all.len()).filter(|i| !model.coordinates[*i].lock).map(|i| all[i]).collect()
+        let all = apart(&self.model, from, to);
+        all.into_iter().zip(&self.model.coordinates).filter(|(_, at)| !at.lock).map(|(x, _)| x).collect()
     }
 }
 
@@ -330,6 +324,9 @@ fn build(description: &mut Description, parameters: &[Parameter], value: f64) ->
 fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Result<(Linearization, Vec<f64>), Fault> {
     let (free, steady) = (landscape.free.clone(), landscape.steady.clone());
     let z = if landscape.ties.is_some() { Some(landscape.tangent(q)?) } else { None };
+    if let Some(z) = &z {
+        landscape.share_prestress(q, z)?;
+    }
     let full = landscape.system().linearize(q, &steady, &vec![0.0; steady.len()])?;
     let pick = |m: &Mat<f64>| {
         let part = Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
@@ -343,10 +340,6 @@ fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Res
 /// Real eigenvalues of a stiffness without a potential that are negative: one changes its sign where the balance turns
 /// singular.
 fn negative_real(stiffness: &Mat<f64>, magnitude: &[f64]) -> usize {
-    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
-    let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest };
-    let n = magnitude.len();
-    let scaled = Mat::from_fn(n, n, |i, j| stiffness[(i, j)] / (size(i) * size(j)).sqrt());
-    let values: Vec<faer::c64> = scaled.eigenvalues().unwrap_or_default();
+    let values: Vec<faer::c64> = relative(stiffness, magnitude).eigenvalues().unwrap_or_default();
     values.iter().filter(|x| x.re < -NEUTRAL && x.im.abs() <= NEUTRAL * x.re.abs()).count()
 }
