@@ -1,16 +1,17 @@
 //! A scene as a family: one of its numbers moves.
 
-use super::super::assembled::Assembled;
-use super::super::landscape::{Branch, Landscape, apart};
-use super::super::search::{Place, SHIFT};
-use super::super::stability::{NEUTRAL, comparable, count_by_motion, count_by_stiffness, relative};
-use super::super::stops::{self, Set};
-use super::super::tied;
-use super::curve::{Family, Look, Metric};
 use crate::dynamics::{Fault, Linearization, System};
 use crate::model::description::Description;
 use crate::model::{Model, Parameter, Stop};
 use crate::spatial::{Pose, Wrench};
+use crate::statics::certify::bearing::{self, Set};
+use crate::statics::certify::closed;
+use crate::statics::certify::stability::{count_by_motion, count_by_stiffness};
+use crate::statics::problem::assembled::Assembled;
+use crate::statics::problem::place::{Place, SHIFT};
+use crate::statics::problem::sizes::{NEUTRAL, comparable, relative, sizes};
+use crate::statics::problem::{Branch, Landscape, apart, slides};
+use crate::statics::search::curve::{Family, Look, Metric};
 use faer::Mat;
 use std::sync::Arc;
 
@@ -98,7 +99,7 @@ impl<'a> Moving<'a> {
 
     /// Whether a velocity coordinate is a distance.
     pub(super) fn slides(&self, velocity: usize) -> bool {
-        super::super::landscape::slides(&self.model)[velocity]
+        slides(&self.model)[velocity]
     }
 
     pub(super) fn length(&self) -> f64 {
@@ -218,7 +219,7 @@ impl<'a> Moving<'a> {
                 Some((unstable, with_neutral)) => (unstable, with_neutral.saturating_sub(unstable)),
                 None if landscape.ties.is_some() => {
                     let (z, h) = landscape.stiffness_along(&q)?;
-                    tied::count(&z, &h, magnitude)
+                    closed::count(&z, &h, magnitude)
                 }
                 None => count_by_stiffness(&landscape.dense_stiffness(&q)?, magnitude),
             };
@@ -311,7 +312,7 @@ fn resting(model: Arc<Model>, set: &Set, q: &[f64]) -> Result<(Arc<Model>, Vec<f
     if set.iter().all(|side| *side == 0) {
         return Ok((model, q.to_vec()));
     }
-    stops::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())
+    bearing::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())
 }
 
 fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Arc<Model>, String> {
@@ -334,7 +335,7 @@ fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Res
     };
     let linear =
         Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
-    Ok((linear, tied::sizes(z.as_ref(), magnitude)))
+    Ok((linear, sizes(z.as_ref(), magnitude)))
 }
 
 /// Real eigenvalues of a stiffness without a potential that are negative: one changes its sign where the balance turns
