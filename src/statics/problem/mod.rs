@@ -31,7 +31,7 @@ const ROUND: f64 = 0.1;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
-/// A scene that has moved by this many of its own lengths (radians of all its hinges) has left every scale of its own.
+/// A scene that has moved by this many of its own lengths has left every scale of its own.
 pub(in crate::statics) const FAR: f64 = 1e6;
 
 /// Where a search begins.
@@ -151,8 +151,8 @@ impl<'s> Landscape<'s> {
     pub(in crate::statics) fn is_far(&self, q: &[f64]) -> bool {
         let Some(origin) = &self.origin else { return false };
         let all = apart(self.model(), &origin.q, q);
-        let away: Vec<f64> = self.free.iter().map(|i| all[*i]).collect();
-        self.size(&away) > FAR * self.reach()
+        // Full turns lead nowhere.
+        all.iter().zip(&self.slides).any(|(x, slides)| *slides && !(x.abs() <= FAR * self.length))
     }
 
     /// Far away springs hold forces beside which everything is round-off: what is unbalanced there is judged by the forces that
