@@ -7,7 +7,7 @@ use stillpoint::model::Model;
 use stillpoint::scenario;
 use stillpoint::statics::equilibrium;
 
-/// An arm with a slide along it, and a body that a loop clasps to what slides; around it mechanisms that can rest.
+/// An arm with a slide along it, and a body that a loop clasps to what slides.
 fn scene(random: &mut Random) -> String {
     let (slide, lift) = (["[1, 0, 0]", "[1, 0.2, 0]", "[1, 0, 0.1]"][random.below(3)], random.between(-0.3, 0.3));
     let mass = 10_f64.powf(random.between(-2.0, 2.0));
@@ -23,26 +23,12 @@ fn scene(random: &mut Random) -> String {
          hinge = {{ type = \"free\", position = [0.6, 0, 1.1, 1, 0, 0, 0] }}\n\
          [[loop]]\ntype = \"fixed\"\nbetween = [{{ body = \"sleeve\", at = [0.3, 0, 0] }}, {{ body = \"parcel\", at = [0.05, 0, 0] }}]\n"
     );
-    for index in 0..random.below(4) {
-        let x = 3.0 + index as f64;
-        let _ = write!(
-            text,
-            "[[body]]\nname = \"left{index}\"\nmass = 1\ncenter = [0.1, 0, 0]\n\
-             hinge = {{ type = \"revolute\", at = [{x}, 0, 0], axis = [0, 1, 0], position = {:?} }}\n\
-             [[body]]\nname = \"right{index}\"\nmass = 1\ncenter = [0.1, 0, 0]\n\
-             hinge = {{ type = \"revolute\", at = [{:?}, 0, 0], axis = [0, 1, 0] }}\n\
-             [[loop]]\ntype = \"rod\"\nlength = 0.5\nbetween = [{{ body = \"left{index}\", at = [0.3, 0, 0] }}, \
-             {{ body = \"right{index}\", at = [0.2, 0, 0] }}]\n",
-            random.between(0.0, 1.0),
-            x + 0.6
-        );
-    }
     text
 }
 
 #[test]
 fn what_falls_along_a_slide_with_loops_on_it_is_told() {
-    for seed in 0..30 {
+    for seed in 0..15 {
         let text = scene(&mut Random::new(seed));
         let scenario =
             scenario::parse("falling.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
