@@ -4,10 +4,10 @@
 //! more than the place of a borrow that proves that it has been computed: [`Factorized`] of the mass matrix, [`Balanced`] of the
 //! force balance. None of them outlives the place, so that nothing can be read of another one.
 
+use super::applied;
 use super::{Energies, Fault, Powers, System};
 use crate::constraint::Rate;
 use crate::force::Act;
-use super::applied;
 use crate::motion::Motion;
 use crate::spatial::Pose;
 use crate::transfer::mass::MassAction;

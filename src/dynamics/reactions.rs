@@ -1,7 +1,7 @@
 //! What hinges pass on.
 
-use super::evaluated::Balanced;
 use super::applied;
+use super::evaluated::Balanced;
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
 

@@ -1,7 +1,8 @@
 //! What every command asks of a scene: its equilibrium, or the inputs that hold its pose.
 
-use super::equilibrium::{Equilibrium, equilibrium_while};
+use super::certify::equilibrium::Equilibrium;
 use super::inverse::{Held, hold};
+use super::search::equilibrium_while;
 use super::settings::Settings;
 use crate::dynamics::Fault;
 use crate::model::description::Description;

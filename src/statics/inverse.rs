@@ -17,12 +17,12 @@
 //! **Stops** that the pose touches bear what is left in their hinges, which costs nothing, like multipliers; one that would
 //! have to pull is let go, and its hinge has to be balanced too. A pose beyond a rigid stop is refused.
 
-use super::assembled::Assembled;
-use super::equilibrium::{self, Equilibrium};
-use super::landscape::Landscape;
-use super::search::Place;
+use super::certify::bearing::{self, Set};
+use super::certify::equilibrium::{self, Equilibrium};
+use super::problem::Landscape;
+use super::problem::assembled::Assembled;
+use super::problem::place::Place;
 use super::settings::Settings;
-use super::stops::{self, Set};
 use crate::dynamics::{Fault, System};
 use crate::model::description::Description;
 use crate::model::parameter::{Field, Quantity};
@@ -34,6 +34,9 @@ use std::sync::Arc;
 /// Singular values below this part of the largest one are round-off: the balance knows its forces to some 1e-16 of
 /// what cancels in it, and the columns are differences of two of them.
 const RANK: f64 = 1e-11;
+/// A value below this part of those in the scenario, in units `S`, may be round-off of them: (1) is solved to some units in the last
+/// place of its terms, times what the singular values differ by.
+const VANISHES: f64 = 1e-12;
 /// Solutions that are refined from the balance of the scene they give.
 const MOST_ROUNDS: usize = 4;
 /// Newton steps where `f` is not affine, which converge by [`BENT`] each: none needs more that comes to an end.
@@ -77,22 +80,22 @@ pub fn hold(
     let built = Model::build(description).expect("a description that was built before");
     let (given, assembled) = Assembled::of(built).expect("loops that were closed before");
     let given = given.starting_at(pose);
-    let beyond = stops::passed(&given, pose);
+    let beyond = bearing::passed(&given, pose);
     if !beyond.is_empty() {
         return refused_by_stops(description, unknown, pose, given, &beyond, settings);
     }
     let mut search = Search { description, unknown, pose, settings, assembled: &assembled, let_go: Vec::new() };
-    let mut set = stops::touching(&given, pose);
+    let mut set = bearing::touching(&given, pose);
     loop {
         let (best, bearing, found) = search.balance(&given, &set)?;
         let model = search.built(&best).unwrap_or_else(|| given.clone());
-        match stops::pulling(&model, &set, &bearing, &found)?.filter(|_| found.balanced) {
+        match bearing::pulling(&model, &set, &bearing, &found)?.filter(|_| found.balanced) {
             Some(index) => {
                 search.let_go.push(model.label(model.stops[index].velocity));
                 set[index] = 0;
             }
             None => {
-                let found = stops::finish(&model, &set, &bearing, found)?;
+                let found = bearing::finish(&model, &set, &bearing, found)?;
                 return Ok(Held { description: best, model, found });
             }
         }
@@ -119,14 +122,14 @@ impl Search<'_> {
     /// The same while these stops bear: what they bear is free, as what holds a lock.
     fn bearing(&self, description: &Description, set: &Set) -> Option<Arc<Model>> {
         let built = self.built(description)?;
-        let (model, _) = stops::with(&built, set, self.pose)?;
+        let (model, _) = bearing::with(&built, set, self.pose)?;
         Some(model.starting_at(self.pose))
     }
 
     /// The scene whose inputs hold the pose while these stops bear, its model with them, and its certificate.
     fn balance(&self, given: &Arc<Model>, set: &Set) -> Result<(Description, Arc<Model>, Equilibrium), Fault> {
         let Self { description, unknown, pose, settings, .. } = *self;
-        let given = stops::with(given, set, pose).map_or_else(|| given.clone(), |(model, _)| model);
+        let given = bearing::with(given, set, pose).map_or_else(|| given.clone(), |(model, _)| model);
         let build = |description: &Description| self.bearing(description, set);
         // One metric for all: what loops leave of a force is measured in it.
         let metric = metric(&given, pose)?;
@@ -137,6 +140,7 @@ impl Search<'_> {
         // What only a stop feels is no mistake.
         let mut notes = if set.iter().any(|side| *side != 0) { Vec::new() } else { problem.useless() };
         let influential = notes.is_empty();
+        let sizes = first.scales.force.clone();
         let (mut best, mut model, mut place_now) = (description.clone(), given, first);
         let mut rank = 0;
         for _ in 0..if bent { MOST_STEPS } else { MOST_ROUNDS } {
@@ -148,12 +152,17 @@ impl Search<'_> {
             let mut next = best.clone();
             let set = |(one, change): (&Parameter, &f64)| one.set(&mut next, one.value(&best) + change);
             let allowed = unknown.iter().zip(&change).try_for_each(set);
+            if let Some((zero, built, placed)) = problem.vanishing([description, &next], &build, &place)? {
+                (best, model, place_now) = (zero, built, placed);
+                break;
+            }
             let Some(built) = allowed.ok().and_then(|()| build(&next)) else {
                 notes.push(refused(&next, unknown));
                 break;
             };
             let placed = place(&built)?;
-            if placed.residual().0 >= place_now.residual().0 {
+            // By what cancels in (1): next to an answer of zero the forces of the answer are round-off themselves.
+            if placed.residual_beside(&sizes) >= place_now.residual_beside(&sizes) {
                 break;
             }
             (best, model, place_now) = (next, built, placed);
@@ -178,6 +187,9 @@ impl Search<'_> {
         Ok((best, model, found))
     }
 }
+
+/// A scene, its model and its balance.
+type Balanced = (Description, Arc<Model>, Place);
 
 /// A pose that cannot be taken: it stands beyond rigid stops.
 fn refused_by_stops(
@@ -256,6 +268,26 @@ impl<'a> Problem<'a> {
             1 => vec![format!("the unknown {} cannot influence the pose: no free hinge feels it", names[0])],
             _ => vec![format!("the unknowns {} cannot influence the pose: no free hinge feels them", names.join(", "))],
         }
+    }
+
+    /// Answers of zero: the difference of two values leaves their round-off, beside which nothing can be balanced. The scene in
+    /// which all unknowns vanish that are round-off beside the values of the scenario, if it is balanced to the last digits.
+    fn vanishing(
+        &self,
+        [before, found]: [&Description; 2],
+        build: &dyn Fn(&Description) -> Option<Arc<Model>>,
+        place: &dyn Fn(&Arc<Model>) -> Result<Place, Fault>,
+    ) -> Result<Option<Balanced>, Fault> {
+        let scaled = |(one, unit): (&Parameter, &f64), of: &Description| one.value(of).abs() / unit;
+        let largest = self.unknown.iter().zip(&self.units).map(|one| scaled(one, before)).fold(0.0, f64::max);
+        let all = self.unknown.iter().zip(&self.units);
+        let vanish: Vec<&Parameter> =
+            all.filter(|one| scaled(*one, found) <= VANISHES * largest).map(|(one, _)| one).collect();
+        let mut zero = found.clone();
+        let allowed = vanish.iter().try_for_each(|one| one.set(&mut zero, 0.0)).is_ok();
+        let Some(model) = build(&zero).filter(|_| allowed && !vanish.is_empty()) else { return Ok(None) };
+        let placed = place(&model)?;
+        Ok(placed.is_exact().then_some((zero, model, placed)))
     }
 
     /// The change of least norm that solves (1) best, and the rank.

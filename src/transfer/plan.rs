@@ -38,6 +38,9 @@ pub(super) struct Place {
     pub kind: Kind,
     pub armature: f64,
     pub mass: f64,
+    /// A pivot below this lost digits in the difference of much larger numbers: what it carries is so much heavier than its own
+    /// body (kg or kg m²); 0 elsewhere.
+    pub least: f64,
 }
 
 /// What a hinge leaves free.
@@ -61,6 +64,35 @@ pub(super) enum To {
     Join(u32),
 }
 
+/// A pivot below this part of what the heaviest body outboard would resist at the end of the link lost five digits or more.
+const LIGHT: f64 = 1e-5;
+
+/// [`Place::least`] of all links. What their hinges leave of a chain is no heavier than its heaviest body: bodies are compared one
+/// by one, and not with all that hangs on them.
+fn least_pivots(model: &Model) -> Vec<f64> {
+    let count = model.links.len();
+    // Of all bodies outboard the largest mass and moment of inertia about a root marker, of the children the largest distance.
+    let (mut mass, mut moment, mut arm) = (vec![0.0_f64; count], vec![0.0_f64; count], vec![0.0_f64; count]);
+    let mut least = vec![0.0; count];
+    for index in (1..count).rev() {
+        let link = &model.links[index];
+        // Of a hinge of several links the body is the last one's.
+        let own = model.links[index..].iter().take_while(|other| other.body == link.body).last().unwrap_or(link);
+        let (resists, carried) = match link.joint.is_slide() {
+            true => (own.mass, mass[index]),
+            false => (own.inertia.trace(), moment[index] + mass[index] * arm[index] * arm[index]),
+        };
+        if resists < LIGHT * carried {
+            least[index] = LIGHT * carried;
+        }
+        let parent = link.parent;
+        mass[parent] = mass[parent].max(mass[index]).max(link.mass);
+        moment[parent] = moment[parent].max(moment[index]).max(link.inertia.trace());
+        arm[parent] = arm[parent].max(link.offset.norm());
+    }
+    least
+}
+
 /// Of a hinge of several links it is the last one's body.
 fn is_delicate(model: &Model, index: usize) -> bool {
     let of_hinge = model.links[index..].iter().take_while(|link| link.body == model.links[index].body);
@@ -74,6 +106,7 @@ fn is_delicate(model: &Model, index: usize) -> bool {
 pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
     let (mut joins, mut balls) = (0, 0);
     let mut plan: Vec<Place> = Vec::with_capacity(model.links.len());
+    let least = least_pivots(model);
     for (index, link) in model.links.iter().enumerate() {
         let is_leaf = link.subtree_end == index + 1;
         // In depth-first order the first child comes right after its parent.
@@ -112,6 +145,7 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             kind,
             armature: model.coordinates.get(link.velocity).map_or(0.0, |coordinate| coordinate.armature),
             mass: link.mass,
+            least: least[index],
         });
         balls += u32::from(kind == Kind::Ball);
     }

@@ -15,7 +15,7 @@ use crate::spatial::Wrench;
 use ball::Ball;
 use carried::Carried;
 use nalgebra::Vector3;
-use part::{First, Outward, Part, Scene};
+use part::{First, Lost, Outward, Part, Scene};
 use refine::Refinement;
 use std::ops::Range;
 
@@ -59,6 +59,14 @@ struct One {
     u: f64,
 }
 
+impl One {
+    /// Whether a pivot below `least` has lost many digits.
+    #[inline(always)]
+    fn lost(&self, least: f64) -> Lost {
+        if self.inverse * least > 1.0 { Lost::Many } else { Lost::None }
+    }
+}
+
 /// A hinge whose acceleration is not determined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Singular {
@@ -91,7 +99,7 @@ impl Reduction {
             Some(Halves { links: [one, other], .. }) => [one.start, other.start, other.end].map(first),
             None => [First::default(); 3],
         };
-        let may_lose = |place: &Place| place.is_delicate && !place.is_slender;
+        let may_lose = |place: &Place| place.is_delicate && !place.is_slender || place.least > 0.0;
         let refinement = match balls > 0 || plan.iter().any(may_lose) {
             true => Refinement::new(model),
             false => Refinement::default(),
@@ -122,8 +130,8 @@ impl Reduction {
     ) -> Result<(), Singular> {
         let lost = self.factorize(model, motion, load)?;
         self.outward::<true>(model, motion, hinge);
-        if lost {
-            self.refine(model, motion, load, hinge);
+        if lost != Lost::None {
+            self.refine(model, motion, load, hinge, lost);
         }
         Ok(())
     }
@@ -134,9 +142,9 @@ impl Reduction {
         self.outward::<false>(model, motion, hinge);
     }
 
-    /// Tips → root: eqs. (5) to (7). Says whether digits were lost.
+    /// Tips → root: eqs. (5) to (7). Says what happened to digits.
     #[inline(always)]
-    fn factorize(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<bool, Singular> {
+    fn factorize(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<Lost, Singular> {
         let lost = self.eliminate(model, motion, load);
         if lost.is_err() {
             self.joins.fill(Carried::default());
@@ -145,7 +153,7 @@ impl Reduction {
     }
 
     #[inline(always)]
-    fn eliminate(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<bool, Singular> {
+    fn eliminate(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<Lost, Singular> {
         let Self { plan, hinges, balls, joins, firsts, .. } = self;
         let scene = Scene { model, motion, plan };
         let mut all = Part { first: First::default(), hinges, balls, joins };
@@ -165,8 +173,8 @@ impl Reduction {
             low.joins[join as usize].add(&second.others);
             low.joins[join as usize].add(&first.others);
         }
-        let lost = after.lost | first.lost | second.lost;
-        low.inward(&scene, load, 1..hub + 1, first.first).map(|passed| passed.lost | lost)
+        let lost = after.lost.max(first.lost).max(second.lost);
+        low.inward(&scene, load, 1..hub + 1, first.first).map(|passed| passed.lost.max(lost))
     }
 
     /// Tips → root: `e` and `u` alone.

@@ -1,9 +1,23 @@
 //! Statics that can be trusted: it finds the equilibrium, proves it, says what it is, or says why there is none.
 
+mod cascade;
 mod crowns;
+mod falling;
+mod far;
+mod inverse;
 mod limits;
+mod long_loops;
+mod loops;
+mod methods;
+mod modes;
+mod path;
+mod poles;
+mod ratios;
+mod start;
+mod stops;
 mod time;
 mod unheld;
+mod zero;
 
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Vector3};

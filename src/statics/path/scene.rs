@@ -1,16 +1,17 @@
 //! A scene as a family: one of its numbers moves.
 
-use super::super::assembled::Assembled;
-use super::super::landscape::{Branch, Landscape};
-use super::super::search::{Place, SHIFT};
-use super::super::stability::{NEUTRAL, count_by_motion, count_by_stiffness};
-use super::super::stops::{self, Set};
-use super::super::tied;
-use super::curve::{Family, Look, Metric};
 use crate::dynamics::{Fault, Linearization, System};
 use crate::model::description::Description;
 use crate::model::{Model, Parameter, Stop};
 use crate::spatial::{Pose, Wrench};
+use crate::statics::certify::bearing::{self, Set};
+use crate::statics::certify::closed;
+use crate::statics::certify::stability::{count_by_motion, count_by_stiffness};
+use crate::statics::problem::assembled::Assembled;
+use crate::statics::problem::place::{Place, SHIFT};
+use crate::statics::problem::sizes::{NEUTRAL, comparable, relative, sizes};
+use crate::statics::problem::{Branch, Landscape, apart, slides};
+use crate::statics::search::curve::{Family, Look, Metric};
 use faer::Mat;
 use std::sync::Arc;
 
@@ -98,7 +99,7 @@ impl<'a> Moving<'a> {
 
     /// Whether a velocity coordinate is a distance.
     pub(super) fn slides(&self, velocity: usize) -> bool {
-        super::super::landscape::slides(&self.model)[velocity]
+        slides(&self.model)[velocity]
     }
 
     pub(super) fn length(&self) -> f64 {
@@ -210,7 +211,7 @@ impl<'a> Moving<'a> {
                 return Ok(Count { unstable, neutral, negative: negative_real(&linear.stiffness, &magnitude) });
             }
             landscape.look(&q)?;
-            let shifted = |part: f64| magnitude.iter().map(|k| part * k).collect::<Vec<f64>>();
+            let shifted = |part: f64| comparable(magnitude).iter().map(|k| part * k).collect::<Vec<f64>>();
             let by_pivots = landscape
                 .negatives(&shifted(NEUTRAL))
                 .and_then(|unstable| Some((unstable, landscape.negatives(&shifted(-NEUTRAL))?)));
@@ -218,7 +219,7 @@ impl<'a> Moving<'a> {
                 Some((unstable, with_neutral)) => (unstable, with_neutral.saturating_sub(unstable)),
                 None if landscape.ties.is_some() => {
                     let (z, h) = landscape.stiffness_along(&q)?;
-                    tied::count(&z, &h, magnitude)
+                    closed::count(&z, &h, magnitude)
                 }
                 None => count_by_stiffness(&landscape.dense_stiffness(&q)?, magnitude),
             };
@@ -275,14 +276,8 @@ impl<'a> Moving<'a> {
 
     /// How two positions differ, in free velocity coordinates.
     pub(super) fn apart(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        let model = &self.model;
-        let mut all = vec![0.0; model.velocity_count()];
-        for link in &model.links {
-            let (first, count) = (link.velocity, link.joint.counts().1);
-            let step = crate::motion::relative(link, from, to);
-            all[first..first + count].copy_from_slice(&step.as_slice()[..count]);
-        }
-        (0..all.len()).filter(|i| !model.coordinates[*i].lock).map(|i| all[i]).collect()
+        let all = apart(&self.model, from, to);
+        all.into_iter().zip(&self.model.coordinates).filter(|(_, at)| !at.lock).map(|(x, _)| x).collect()
     }
 }
 
@@ -321,7 +316,7 @@ fn resting(model: Arc<Model>, set: &Set, q: &[f64]) -> Result<(Arc<Model>, Vec<f
     if set.iter().all(|side| *side == 0) {
         return Ok((model, q.to_vec()));
     }
-    stops::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())
+    bearing::with(&model, set, q).ok_or_else(|| "the loops have no position on the stops that bear".to_owned())
 }
 
 fn build(description: &mut Description, parameters: &[Parameter], value: f64) -> Result<Arc<Model>, String> {
@@ -334,6 +329,9 @@ fn build(description: &mut Description, parameters: &[Parameter], value: f64) ->
 fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Result<(Linearization, Vec<f64>), Fault> {
     let (free, steady) = (landscape.free.clone(), landscape.steady.clone());
     let z = if landscape.ties.is_some() { Some(landscape.tangent(q)?) } else { None };
+    if let Some(z) = &z {
+        landscape.share_prestress(q, z)?;
+    }
     let full = landscape.system().at(0.0, q, &steady).linearize(&vec![0.0; steady.len()])?;
     let pick = |m: &Mat<f64>| {
         let part = Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
@@ -341,16 +339,12 @@ fn free_part(landscape: &mut Landscape<'_>, q: &[f64], magnitude: &[f64]) -> Res
     };
     let linear =
         Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
-    Ok((linear, tied::sizes(z.as_ref(), magnitude)))
+    Ok((linear, sizes(z.as_ref(), magnitude)))
 }
 
 /// Real eigenvalues of a stiffness without a potential that are negative: one changes its sign where the balance turns
 /// singular.
 fn negative_real(stiffness: &Mat<f64>, magnitude: &[f64]) -> usize {
-    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
-    let size = |i: usize| if magnitude[i] > 0.0 { magnitude[i] } else { largest };
-    let n = magnitude.len();
-    let scaled = Mat::from_fn(n, n, |i, j| stiffness[(i, j)] / (size(i) * size(j)).sqrt());
-    let values: Vec<faer::c64> = scaled.eigenvalues().unwrap_or_default();
+    let values: Vec<faer::c64> = relative(stiffness, magnitude).eigenvalues().unwrap_or_default();
     values.iter().filter(|x| x.re < -NEUTRAL && x.im.abs() <= NEUTRAL * x.re.abs()).count()
 }

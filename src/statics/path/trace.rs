@@ -1,10 +1,10 @@
 //! One branch, point by point.
 
-use super::curve::{Curve, Direction, Family, Point};
 use super::scene::{Count, Moving};
 use super::stops::Turn;
 use super::{Branch, End, Event, EventKind, PathPoint, Settings};
-use crate::statics::stability::Verdict;
+use crate::statics::certify::stability::Verdict;
+use crate::statics::search::curve::{Curve, Direction, Family, Point};
 
 /// A step is given up below this part of the largest one.
 const SMALLEST: f64 = 1e-6;
@@ -53,11 +53,11 @@ impl<'a> Tracer<'a> {
 
     /// The equilibrium at `from`, on its way to `to`.
     pub(super) fn first(&mut self, q: &[f64]) -> Result<Seed, String> {
-        let (from, to) = (self.settings.from, self.settings.to);
+        let (from, to, step) = (self.settings.from, self.settings.to, self.settings.step);
         let still = vec![0.0; self.moving.metric().inertia.len()];
         let towards = Direction { x: still, parameter: to - from };
         let mut curve = self.curve();
-        let point = curve.correct(q.to_vec(), from, &towards, f64::INFINITY).ok_or(curve.reason)?;
+        let point = curve.correct(q.to_vec(), from, &towards, step).ok_or(curve.reason)?;
         Ok(Seed { point, parent: None, beside: 0.0 })
     }
 

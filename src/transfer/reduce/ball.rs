@@ -1,5 +1,6 @@
 //! A ball, eliminated.
 
+use super::part::Lost;
 use super::{LOST_BY_BALL, LinkAcceleration, SINGULAR};
 use crate::model::{Link, Model};
 use crate::motion::LinkMotion;
@@ -29,16 +30,15 @@ pub(super) enum Pivot {
     OfBody,
 }
 
-/// Eq. (5) for a ball: what is left of it and `S'`, and whether digits were lost; on failure the pivot that is not positive.
+/// Eq. (5) for a ball: what is left of it and `S'`, and what happened to digits (a pivot below `doubtful` has lost many); on failure the pivot that is not positive.
 /// Without armature `S' H = 0` holds identically, so those blocks are set, not computed.
 #[inline]
 pub(super) fn eliminate(
     model: &Model,
-    link: &Link,
-    at: &LinkMotion,
+    (link, at): (&Link, &LinkMotion),
     S: &Reduced,
-    pivot: Pivot,
-    lost: &mut bool,
+    (pivot, doubtful): (Pivot, f64),
+    lost: &mut Lost,
 ) -> Result<(Ball, Reduced), f64> {
     let armature = [0, 1, 2].map(|i| model.coordinates[link.velocity + i].armature);
     let rotor = match armature {
@@ -55,7 +55,12 @@ pub(super) fn eliminate(
         if !(least > SINGULAR * D.trace()) {
             return Err(least);
         }
-        *lost |= pivot == Pivot::OfTree;
+        if pivot == Pivot::OfTree {
+            *lost = Lost::Perhaps.max(*lost);
+        }
+    }
+    if least < doubtful {
+        *lost = Lost::Many;
     }
     let inverse = match pivot {
         Pivot::OfTree => in_its_axes,

@@ -1,5 +1,6 @@
 //! What a link passes on to its parent, in registers.
 
+use super::part::Lost;
 use super::{LOST, One, SINGULAR};
 use crate::model::Link;
 use crate::motion::LinkMotion;
@@ -105,11 +106,13 @@ impl Carried {
         pitch: f64,
         armature: f64,
         tau: f64,
-        lost: &mut bool,
+        lost: &mut Lost,
     ) -> Result<Left, f64> {
         let left = if pitch == 0.0 { self.turn(axis, armature, tau)? } else { self.screw(axis, pitch, armature, tau)? };
         let D = 1.0 / left.inverse;
-        *lost |= D < LOST * self.mm.trace() && D * D < LOST * left.moment.dot(left.moment);
+        if D < LOST * self.mm.trace() && D * D < LOST * left.moment.dot(left.moment) {
+            *lost = Lost::Perhaps.max(*lost);
+        }
         Ok(left)
     }
 

@@ -43,8 +43,20 @@ pub(super) struct Part<'a> {
 pub(super) struct Passed {
     pub(super) first: Carried,
     pub(super) others: Carried,
-    /// Whether digits were lost in it.
-    pub(super) lost: bool,
+    /// What happened to digits in it.
+    pub(super) lost: Lost,
+}
+
+/// What happened to digits in an elimination.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Lost {
+    /// Nothing.
+    #[default]
+    None,
+    /// Some may be lost: the accelerations tell.
+    Perhaps,
+    /// A pivot has lost five or more.
+    Many,
 }
 
 impl<'a> Part<'a> {
@@ -70,7 +82,7 @@ impl<'a> Part<'a> {
         let Scene { model, motion, plan } = *scene;
         let (first, joins, balls) = (self.first, &mut *self.joins, &mut *self.balls);
         let hinges = &mut self.hinges[range.start - first.link..range.end - first.link];
-        let (mut others, mut lost) = (Carried::default(), false);
+        let (mut others, mut lost) = (Carried::default(), Lost::None);
         let mut meet = |to: To, joins: &mut [Carried], carried: &Carried| {
             if let To::Join(join) = to {
                 match joins.get_mut((join as usize).wrapping_sub(first.join)) {
@@ -90,6 +102,7 @@ impl<'a> Part<'a> {
             if place.translates {
                 carried = translate(model, (link, at), place.is_massless, applied, &carried, load.tau, left)
                     .map_err(|pivot| Singular { link: index, pivot })?;
+                lost = lost.max(left.lost(place.least));
                 meet(place.to, joins, &carried);
                 continue;
             }
@@ -121,6 +134,7 @@ impl<'a> Part<'a> {
                     };
                     let one = one.map_err(failed)?;
                     *left = one.one();
+                    lost = lost.max(left.lost(place.least));
                     if to_ground {
                         continue;
                     }
@@ -130,7 +144,8 @@ impl<'a> Part<'a> {
                     let ball = &mut balls[place.ball as usize - first.ball];
                     let pivot = if place.is_leaf { Pivot::OfBody } else { Pivot::OfTree };
                     let (eliminated, across) =
-                        ball::eliminate(model, link, at, &here.matrix(), pivot, &mut lost).map_err(failed)?;
+                        ball::eliminate(model, (link, at), &here.matrix(), (pivot, place.least), &mut lost)
+                            .map_err(failed)?;
                     *ball = eliminated;
                     let tau = three(load.tau, velocity);
                     let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);

@@ -7,11 +7,13 @@
 //!
 //! No pivot need be tiny for that: four of a hundredth of what they are the difference of, one after the other, make 10⁻⁸.
 //! So such pivots only ask for a look at what has come out: motions that hardly anything resists are the ones that the
-//! lost digits are in.
+//! lost digits are in. The pivot of a light link that carries a body 10⁵ times heavier, in a position in which that body does not
+//! resist the link's motion, is the difference of inertias of the heavy one: its digits are lost whatever moves.
 //!
 //! Without it: forces at the centres of mass, where a fast turn about a line through a mass cancels before it is multiplied,
 //! and moments in the axes in which bodies are given, where it meets the small moment of inertia alone.
 
+use super::part::Lost;
 use super::{Load, Reduction};
 use crate::model::{Body, Joint, Model};
 use crate::motion::{LinkMotion, Motion};
@@ -87,8 +89,8 @@ impl Reduction {
     /// Corrects the accelerations of the last factorization by what they leave unbalanced.
     #[cold]
     #[inline(never)]
-    pub(super) fn refine(&mut self, model: &Model, motion: &Motion, load: &Load<'_>, hinge: &mut [f64]) {
-        if !self.is_soft(model) {
+    pub(super) fn refine(&mut self, model: &Model, motion: &Motion, load: &Load<'_>, hinge: &mut [f64], lost: Lost) {
+        if lost == Lost::Perhaps && !self.is_soft(model) {
             return;
         }
         let mut refinement = std::mem::take(&mut self.refinement);

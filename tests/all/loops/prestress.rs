@@ -117,3 +117,51 @@ fn parallel_bars_of_one_length_swing() {
     assert!(modes.len() == 1 && (modes[0].frequency_hz - expected).abs() < 1e-9, "{modes:?} {expected}");
     assert!(!found.notes.iter().any(|note| note.contains("of first order")), "{:?}", found.notes);
 }
+
+/// Beside a long chain the rows border a sweep. What dependent rows do is the same.
+#[test]
+fn bars_beside_a_long_chain_are_as_stiff_as_alone() {
+    let chain: String = (0..70)
+        .map(|link| {
+            let on = if link == 0 {
+                "at = [5, 0, 5]".to_owned()
+            } else {
+                format!("parent = \"c{}\", at = [0, 0, -0.1]", link - 1)
+            };
+            format!(
+                "[[body]]\nname = \"c{link}\"\nmass = 1.0\ncenter = [0, 0, -0.05]\ninertia = [0.001, 0.001, 0.001]\n\
+                 hinge = {{ type = \"revolute\", {on}, axis = [0, 1, 0], position = 0.01 }}\n"
+            )
+        })
+        .collect();
+    let mut compared = 0;
+    for seed in 0..30 {
+        let (_, alone) = read(&scene(seed, None));
+        let alone = statics(&alone);
+        let mut text = scene(seed, None);
+        text.insert_str(text.find("[[loop]]").expect("bars"), &chain);
+        let (_, model) = read(&text);
+        let beside = statics(&model);
+        let of = |found: &Equilibrium| {
+            let stability = found.stability.as_ref().expect("an equilibrium");
+            let own = stability.modes.iter().find(|mode| mode.shares.first().is_some_and(|(body, _)| body == "p"));
+            (stability.verdict, own.map(|mode| mode.frequency_hz))
+        };
+        assert!(beside.converged, "seed {seed}: {:?}", beside.notes);
+        assert!(beside.notes.iter().any(|note| note.contains("of first order and none of second")), "seed {seed}");
+        let ((verdict, own), (expected, frequency)) = (of(&beside), of(&alone));
+        assert_eq!(verdict, expected, "seed {seed}: {:?}", beside.notes);
+        if let (Some(own), Some(frequency)) = (own, frequency) {
+            assert!((own / frequency - 1.0).abs() < 1e-6, "seed {seed}: {own} Hz instead of {frequency}");
+            compared += 1;
+        }
+        let follow =
+            format!("[statics]\npath = {{ parameter = \"p.mass\", from = 1.0, to = 1.5, step = 0.5 }}\n{text}");
+        let (scenario, _) = read(&follow);
+        let path = scenario.path.expect("a path");
+        let path = stillpoint::statics::path::follow(&scenario.description, &scenario.statics, &path, &mut |_| true);
+        let path = path.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        assert!(path.branches[0].points.iter().all(|point| point.verdict == expected), "seed {seed}");
+    }
+    assert!(compared > 5, "{compared}");
+}

@@ -4,8 +4,9 @@ use crate::common::{Random, build};
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;
 use stillpoint::dynamics::System;
-use stillpoint::model::Model;
 use stillpoint::model::description::*;
+use stillpoint::model::{Model, Parameter};
+use stillpoint::statics::path::EventKind;
 use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
 
 /// A point that may go anywhere, by three slides.
@@ -110,4 +111,46 @@ fn symmetric_crowns_end_stable() {
     }
     assert!(failed.is_empty(), "{} of {cases}:\n{}", failed.len(), failed.join("\n"));
     assert!(left >= cases / 4, "{left} of {cases} have a saddle: the scenes ask for nothing");
+}
+
+/// Crowns that are pressed and pulled at the top have bifurcations close to each other, single and double. Every branch begins
+/// within a step of the point that it leaves from, and within the range of the parameter.
+#[test]
+fn branches_begin_beside_their_bifurcations() {
+    use stillpoint::statics::path::{Settings as Way, follow};
+    let mut random = Random::new(11);
+    let (mut branches, mut notes) = (0, 0);
+    for case in 0..4 {
+        let n = 3 + case % 4;
+        let stiffness = [0, 1, 2].map(|_| 10_f64.powf(random.between(2.0, 3.0)));
+        let height = random.between(0.05, 0.2);
+        let mut description = crown(n, stiffness, height, 1e-3, 0.0);
+        let on = Attachment { body: "top2".to_owned(), point: Point::At(Vector3::zeros()) };
+        description.forces.push(ForceDescription::load("push", on, Vector3::zeros()));
+        let numbers = Parameter::find(&description, "push.force[2]").expect("a load");
+        let (parameter, at, coordinate) = ("push.force[2]".to_owned(), Vec::new(), None);
+        let most = 0.5 * stiffness[0] * height;
+        let (from, to, step) = (most, -most, 0.05);
+        let way = Way { parameter, numbers, from, to, at, step, points: 60, branches: true, coordinate };
+        let path = follow(&description, &Settings::default(), &way, &mut |_| true)
+            .unwrap_or_else(|why| panic!("{case}: {why}"));
+        for (index, branch) in path.branches.iter().enumerate() {
+            let Some((parent, point)) = branch.parent else { continue };
+            let (first, left) = (&branch.points[0], &path.branches[parent].points[point]);
+            assert!(first.parameter.abs() <= most, "{case}: branch {index} begins at {} N", first.parameter);
+            // Arclength: a step is that part of the scene's length, a metre at most, in all of 3 (n + 1) slides at once.
+            let square: f64 = first.position.iter().zip(&left.position).map(|(a, b)| (a - b).powi(2)).sum();
+            let most_away = 2.0 * step * (3.0 * (n as f64 + 1.0)).sqrt();
+            assert!(square.sqrt() < most_away, "{case}: branch {index} begins {} m away", square.sqrt());
+            branches += 1;
+        }
+        // What is not followed is named: how many directions, and where.
+        let multiple = path.events().filter(|(_, point)| {
+            point.event.as_ref().is_some_and(|event| event.kind == EventKind::Bifurcation && event.directions > 1)
+        });
+        let named = path.notes.iter().filter(|note| note.contains("its branches are not followed")).count();
+        assert_eq!(multiple.count(), named, "{case}: {:?}", path.notes);
+        notes += named;
+    }
+    assert!(branches + notes > 0, "{branches} branches, {notes} notes: the scenes ask for nothing");
 }

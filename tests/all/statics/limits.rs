@@ -2,6 +2,7 @@
 
 use crate::common::{Random, build};
 use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
+use std::ops::Range;
 use std::sync::Arc;
 use stillpoint::dynamics::System;
 use stillpoint::model::Model;
@@ -117,10 +118,10 @@ impl Tree {
     }
 }
 
-/// A limp tree of 2 to 30 links with limits of all kinds, from a random pose that may stand at its limits or beyond.
-fn scene(seed: u64) -> (Tree, Arc<Model>) {
+/// A limp tree of so many links with limits of all kinds, from a random pose that may stand at its limits or beyond.
+fn scene(seed: u64, links: Range<usize>) -> (Tree, Arc<Model>) {
     let mut random = Random::new(seed);
-    let (count, chain) = (2 + random.below(29), random.below(2) == 0);
+    let (count, chain) = (links.start + random.below(links.len()), random.below(2) == 0);
     let mut tree = Tree { links: Vec::new(), limits: Vec::new() };
     let (mut bodies, mut limits) = (Vec::new(), Vec::new());
     for index in 0..count {
@@ -255,9 +256,18 @@ fn is_a_minimum(tree: &Tree, q: &[f64], random: &mut Random) -> Result<(), Strin
 
 #[test]
 fn limp_trees_settle_among_their_limits() {
-    let (mut failed, mut resting) = (Vec::new(), 0);
-    for seed in 0..SCENES {
-        let (tree, model) = scene(seed);
+    settle(0..SCENES, 2..31);
+}
+
+#[test]
+fn limp_robots_of_up_to_sixty_links_settle_among_their_limits() {
+    settle(SCENES..SCENES + 40, 20..61);
+}
+
+fn settle(seeds: Range<u64>, links: Range<usize>) {
+    let (mut failed, mut resting, count) = (Vec::new(), 0, seeds.end - seeds.start);
+    for seed in seeds {
+        let (tree, model) = scene(seed, links.clone());
         let found = find(&model);
         let stands = found.stability.as_ref().is_some_and(|s| s.verdict != Verdict::Unstable);
         if !(found.converged && stands) {
@@ -281,8 +291,8 @@ fn limp_trees_settle_among_their_limits() {
         }
         resting += found.stops.len();
     }
-    assert!(failed.is_empty(), "{} of {SCENES}:\n{}", failed.len(), failed.join("\n"));
-    assert!(resting > SCENES as usize, "{resting} stops bear: the scenes ask for nothing");
+    assert!(failed.is_empty(), "{} of {count}:\n{}", failed.len(), failed.join("\n"));
+    assert!(resting > count as usize, "{resting} stops bear: the scenes ask for nothing");
 }
 
 /// A rod on a hinge whose stop keeps it from one side of the vertical.

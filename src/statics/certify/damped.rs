@@ -1,0 +1,165 @@
+//! Damped modes: how the linearized motion dies away.
+//!
+//! `M ẍ + C ẋ + K x = 0` with `x = X e^(st)` is written in first order, lengths of time in units of `1/ω`:
+//!
+//! ```text
+//!      [  0        ω 1 ]
+//! s =  [               ],   y = (ω x, ẋ),   ω² = |M⁻¹ K|                                      (1)
+//!      [ −M⁻¹K/ω  −M⁻¹C ]
+//! ```
+//!
+//! A pair of complex roots is one mode that swings, a real root one that creeps.
+
+use super::modes::{Mode, momentum, scaled, shares};
+use crate::dynamics::{Linearization, System};
+use crate::model::Model;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, c64};
+use std::sync::Arc;
+
+/// Imaginary parts below this part of the root are round-off, and roots below this part of the largest: a double root
+/// splits by the square root of the machine precision.
+const REAL: f64 = 1e-7;
+
+/// A damped mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DampedMode {
+    /// Amplitudes fall as `e^(−rate t)` (1/s); negative where they grow.
+    pub decay_rate: f64,
+    /// Frequency of the swing (Hz); 0 for one that creeps.
+    pub frequency_hz: f64,
+    /// Decay rate over `|s|`: 0 undamped, 1 for what creeps, negative where it grows.
+    pub damping_ratio: f64,
+    /// Bodies whose hinges carry it and their share of its kinetic energy, largest first.
+    pub shares: Vec<(String, f64)>,
+    /// Shape, one number per free coordinate, largest 1; its parts a quarter period apart.
+    pub shape: [Vec<f64>; 2],
+}
+
+/// All damped modes: by frequency, then by decay.
+pub(in crate::statics) fn modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<DampedMode> {
+    of_motions(model, free, linear, &linear.mass, &|part| part)
+}
+
+/// The same of motions `y` that are `of(y)` in free coordinates, whose mass matrix is `mass`.
+pub(in crate::statics) fn of_motions(
+    model: &Model,
+    free: &[usize],
+    linear: &Linearization,
+    mass: &Mat<f64>,
+    of: &dyn Fn(Vec<f64>) -> Vec<f64>,
+) -> Vec<DampedMode> {
+    let n = linear.mass.nrows();
+    let lu = linear.mass.partial_piv_lu();
+    let (k, c) = (lu.solve(&linear.stiffness), lu.solve(&linear.damping));
+    let of_pair = |root: c64, parts: [Vec<f64>; 2]| {
+        let shapes = parts.map(of);
+        let momenta = shapes.each_ref().map(|part| momentum(mass, part));
+        named(model, free, root, shapes, &momenta)
+    };
+    let mut found: Vec<DampedMode> = roots(&k, &c, n).into_iter().map(|(root, parts)| of_pair(root, parts)).collect();
+    sort(&mut found);
+    found
+}
+
+/// The damped motion of a large system within the space of its lowest undamped modes. `momenta` are `M x` of each.
+pub(in crate::statics) fn within(
+    system: &mut System,
+    q: &[f64],
+    free: &[usize],
+    modes: &[(f64, Vec<f64>)],
+    momenta: &[Vec<f64>],
+) -> Vec<DampedMode> {
+    let (model, count) = (&Arc::clone(system.model()), modes.len());
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let size: Vec<f64> = modes.iter().zip(momenta).map(|((_, x), p)| dot(x, p).sqrt()).collect();
+    // `C x`, from balances with velocities `x` and `−x`: what is quadratic in them cancels.
+    let n = model.velocity_count();
+    let mut damped = Vec::new();
+    for (_, x) in modes {
+        let (mut velocity, mut there, rest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let mut back = there.clone();
+        free.iter().zip(x).for_each(|(i, x)| velocity[*i] = *x);
+        let forth = system.at(0.0, q, &velocity).residual(&rest, &mut there).is_ok();
+        velocity.iter_mut().for_each(|v| *v = -*v);
+        if !forth || system.at(0.0, q, &velocity).residual(&rest, &mut back).is_err() {
+            return Vec::new();
+        }
+        damped.push(free.iter().map(|i| 0.5 * (there[*i] - back[*i])).collect::<Vec<f64>>());
+    }
+    let k = Mat::from_fn(count, count, |i, j| if i == j { modes[i].0 } else { 0.0 });
+    let c = Mat::from_fn(count, count, |i, j| dot(&modes[i].1, &damped[j]) / (size[i] * size[j]));
+    let combined = |parts: &[f64], of: &dyn Fn(usize) -> Vec<f64>| {
+        let mut sum = vec![0.0; free.len()];
+        for (j, part) in parts.iter().enumerate() {
+            sum.iter_mut().zip(of(j)).for_each(|(sum, x)| *sum += part / size[j] * x);
+        }
+        sum
+    };
+    let mut found: Vec<DampedMode> = roots(&k, &c, count)
+        .into_iter()
+        .map(|(root, parts)| {
+            let shapes = parts.each_ref().map(|part| combined(part, &|j| modes[j].1.clone()));
+            let momenta = parts.each_ref().map(|part| combined(part, &|j| momenta[j].clone()));
+            named(model, free, root, shapes, &momenta)
+        })
+        .collect();
+    sort(&mut found);
+    found
+}
+
+/// Roots of (1), one of each pair, with the real and the imaginary part of `x`.
+fn roots(k: &Mat<f64>, c: &Mat<f64>, n: usize) -> Vec<(c64, [Vec<f64>; 2])> {
+    let largest = (0..n).map(|i| (0..n).map(|j| k[(i, j)].abs()).sum::<f64>()).fold(0.0, f64::max);
+    let unit = if largest > 0.0 { largest.sqrt() } else { 1.0 };
+    let first_order = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, true) => 0.0,
+        (true, false) => unit * f64::from(u8::from(i + n == j)),
+        (false, true) => -k[(i - n, j)] / unit,
+        (false, false) => -c[(i - n, j - n)],
+    });
+    let Ok(eigen) = first_order.eigen() else { return Vec::new() };
+    (0..2 * n)
+        .filter_map(|i| {
+            let root = eigen.S()[i];
+            let size = root.re.hypot(root.im);
+            let root = if size > REAL * unit { root } else { c64::new(0.0, 0.0) };
+            let swings = root.im.abs() > REAL * size;
+            (!swings || root.im > 0.0).then(|| {
+                let root = if swings { root } else { c64::new(root.re, 0.0) };
+                let part = |of: fn(&c64) -> f64| (0..n).map(|row| of(&eigen.U()[(row, i)])).collect::<Vec<f64>>();
+                (root, [part(|x| x.re), part(|x| x.im)])
+            })
+        })
+        .collect()
+}
+
+fn named(model: &Model, free: &[usize], root: c64, shape: [Vec<f64>; 2], momenta: &[Vec<f64>; 2]) -> DampedMode {
+    let size = root.re.hypot(root.im);
+    // Both parts as one list: the energy of a period is the sum of theirs.
+    let both = shape.concat();
+    let twice: Vec<usize> = free.iter().chain(free).copied().collect();
+    let all = shares(model, &twice, &momenta.concat(), &both);
+    let largest = scaled(&both);
+    let (real, imaginary) = largest.split_at(free.len());
+    DampedMode {
+        decay_rate: -root.re,
+        frequency_hz: root.im / std::f64::consts::TAU,
+        damping_ratio: if size > 0.0 { -root.re / size } else { 0.0 },
+        shares: all,
+        shape: [real.to_vec(), imaginary.to_vec()],
+    }
+}
+
+fn sort(modes: &mut [DampedMode]) {
+    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz).then(a.decay_rate.total_cmp(&b.decay_rate)));
+}
+
+/// Growth rates of the damped motion for the modes that run away.
+pub(in crate::statics) fn grow(modes: &mut [Mode], damped: &[DampedMode], unstable: usize) {
+    let mut rates: Vec<f64> = damped.iter().map(|mode| -mode.decay_rate).collect();
+    rates.sort_by(|a, b| b.total_cmp(a));
+    for (mode, rate) in modes.iter_mut().take(unstable).zip(rates) {
+        mode.growth_rate = rate;
+    }
+}

@@ -1,0 +1,247 @@
+//! The equilibrium with its certificate.
+
+use super::closed;
+use super::stability::{Stability, Verdict, classify};
+use super::unbalanced::describe;
+use crate::constraint::LoopReaction;
+use crate::dynamics::{Fault, System};
+use crate::model::Model;
+use crate::spatial::{Pose, Wrench};
+use crate::statics::effort::{Effort, Iteration, Stage};
+use crate::statics::problem::Landscape;
+use crate::statics::problem::linear::General;
+use crate::statics::problem::place::{BALANCED, Place};
+use crate::statics::settings::{Method, Settings, Want};
+use std::sync::Arc;
+
+/// What the search found, with the evidence.
+#[derive(Debug, Clone)]
+pub struct Equilibrium {
+    /// Whether the residual proves an equilibrium of the kind that was wanted.
+    pub converged: bool,
+    /// Whether the residual proves an equilibrium of any kind.
+    pub balanced: bool,
+    /// `newton` (the method of the differentiated transfer equations), `relaxation` or `lagrange`; `inverse` where the
+    /// pose was given.
+    pub method: &'static str,
+    /// The stage that won: `start` (nothing to do, or nothing that would help), `newton`, `trust region`, `release` or
+    /// `relaxation`; of `lagrange` `newton` or `pseudo-transient`.
+    pub stage: &'static str,
+    /// What each stage of the cascade worked, in their order; empty for the baselines.
+    pub stages: Vec<Stage>,
+    /// Steps of all stages; time steps of a relaxation.
+    pub iterations: usize,
+    /// Static balances: sweeps, and for `lagrange` also evaluations in maximal coordinates.
+    pub force_evaluations: usize,
+    /// Accelerations computed by a relaxation.
+    pub acceleration_evaluations: usize,
+    /// Stiffness matrices assembled.
+    pub stiffness_evaluations: usize,
+    /// Matrices, or tangents by sweeps, factorized.
+    pub factorizations: usize,
+    /// Largest hinge acceleration at rest (m/s², rad/s²), locked hinges held.
+    pub residual_acceleration: f64,
+    /// Largest unbalanced hinge force (N, N m), locked hinges left out.
+    pub residual_force: f64,
+    /// The same relative to the forces that cancel there.
+    pub relative_residual: f64,
+    /// What rounding alone may leave of the forces there, relative to them: nobody can ask for less.
+    pub round_off: f64,
+    /// Hinge coordinates.
+    pub position: Vec<f64>,
+    /// What every drive pushes, by its name (N or N m).
+    pub drive_forces: Vec<(String, f64)>,
+    /// Hinge velocities: zero, but for drives that keep theirs.
+    pub velocity: Vec<f64>,
+    /// Root markers of the named bodies: `world_from_body`.
+    pub poses: Vec<Pose>,
+    /// What the hinge passes to each named body at its root marker, inertial axes.
+    pub reactions: Vec<Wrench>,
+    /// Verdict and modes; `None` where there is no equilibrium.
+    pub stability: Option<Stability>,
+    /// What locked hinges have to hold: coordinate name and force (N, N m).
+    pub holding: Vec<(String, f64)>,
+    /// Stops of hinges that it rests on.
+    pub stops: Vec<Bearing>,
+    /// Multipliers of the independent rows of loops, drives and gears (N or N m).
+    pub multipliers: Vec<f64>,
+    /// The same by loop, drive and gear, all of its rows: zero for those that others stand for.
+    pub carried: Vec<(String, Vec<f64>)>,
+    /// Loops and gears with such rows, how many, of how many: reactions in and around them are not unique.
+    pub redundant: Vec<(String, usize, usize)>,
+    /// What the loops pass; of reactions that are not unique, here and in [`Equilibrium::reactions`], the smallest.
+    pub loops: Vec<LoopReaction>,
+    /// Of inverse statics: address and value of every unknown.
+    pub unknowns: Vec<(String, f64)>,
+    /// What a person should know: saddles that were left, what is unbalanced.
+    pub notes: Vec<String>,
+    /// For `lagrange`: what its multipliers say of [`Equilibrium::reactions`]; empty for the others.
+    pub multiplier_reactions: Vec<Wrench>,
+    /// Every step; of a relaxation every new start from rest.
+    pub history: Vec<Iteration>,
+}
+
+/// A stop that an equilibrium rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bearing {
+    /// The body whose hinge it is, as in [`Model::label`].
+    pub hinge: String,
+    /// Whether it is the low limit.
+    pub low: bool,
+    /// The limit (m or rad).
+    pub limit: f64,
+    /// What it bears (N or N m), ≥ 0.
+    pub load: f64,
+    /// How far it gives way (m or rad); 0 for a rigid one.
+    pub depth: f64,
+}
+
+/// The certificate of a pose as it stands: nothing is searched for. `by` is its method and stage.
+pub(in crate::statics) fn examine(
+    model: &Arc<Model>,
+    settings: &Settings,
+    pose: &[f64],
+    by: &'static str,
+    mut notes: Vec<String>,
+) -> Result<Equilibrium, Fault> {
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, pose)?;
+    let place = Place::at(&mut landscape, pose.to_vec())?;
+    if !place.is_balanced()
+        && let (_, Some(worst)) = place.residual()
+    {
+        let others =
+            (0..place.force.len()).filter(|i| *i != worst && place.force[*i].abs() > BALANCED * place.scales.force[*i]);
+        let names: Vec<String> = others.map(|i| model.label(landscape.free[i])).collect();
+        let nor = if names.is_empty() { String::new() } else { format!(", nor the forces in {}", names.join(", ")) };
+        notes.push(format!("no unknown balances {}{nor}", describe(&mut landscape, &place, worst)));
+    }
+    // Whatever it is, it is the one that was given.
+    let settings = Settings { want: Want::Any, ..*settings };
+    let found = certify(landscape, &settings, place, Effort { stage: by, ..Effort::default() }, Vec::new(), notes)?;
+    Ok(Equilibrium { method: by, ..found })
+}
+
+/// What is said of a balance that is one only up to round-off.
+fn round_off_note(place: &Place) -> Option<String> {
+    let (relative, known) = (place.residual().0, place.round_off());
+    let what = match known < 1.0 {
+        true => format!(
+            "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: large \
+             lengths, or loops that are nearly taut, do not let them be known better than to {known:.1e} here"
+        ),
+        false => {
+            "nothing carries a load here that would be above round-off: what is left of the forces is round-off too"
+                .to_owned()
+        }
+    };
+    (relative > BALANCED).then_some(what)
+}
+
+pub(in crate::statics) fn certify(
+    mut landscape: Landscape<'_>,
+    settings: &Settings,
+    place: Place,
+    effort: Effort,
+    history: Vec<Iteration>,
+    mut notes: Vec<String>,
+) -> Result<Equilibrium, Fault> {
+    let model = &Arc::clone(landscape.model());
+    let (free, conservative) = (landscape.free.clone(), landscape.conservative);
+    let (force_evaluations, stiffness_evaluations) = (landscape.residuals + effort.forces, landscape.stiffnesses);
+    let factorizations = landscape.factorizations + effort.factorizations;
+    let (steady, rest) = (landscape.steady.clone(), vec![0.0; model.velocity_count()]);
+    notes.extend(closed::notes(&landscape));
+    let balanced = place.is_balanced();
+    let (residual_acceleration, stability) = match landscape.ties.is_some() {
+        true => {
+            let examined = closed::examine(&mut landscape, &place)?;
+            notes.extend(closed::prestress_note(&landscape));
+            examined
+        }
+        false => {
+            let system = landscape.system();
+            let acceleration = held_acceleration(system, &place, &free)?;
+            let classify = || classify(system, &place.q, &free, &place.scales.stiffness, conservative);
+            (acceleration, balanced.then(classify).transpose()?)
+        }
+    };
+    let system = landscape.system();
+    let rows = system.constraints();
+    let (carried, redundant) = rows.map_or((Vec::new(), Vec::new()), |rows| (rows.by_element(), rows.redundant()));
+    let multipliers = system.constraints().map_or(Vec::new(), |rows| rows.independent_multipliers());
+    let mut at = system.at(0.0, &place.q, &steady);
+    at.share_multipliers()?;
+    let loops = at.loop_reactions();
+    let (mut residual, mut poses, mut reactions) = (rest.clone(), Vec::new(), Vec::new());
+    at.residual(&rest, &mut residual)?.reactions(&mut reactions);
+    at.poses(&mut poses);
+    let drive_forces = system.constraints().map_or(Vec::new(), |rows| rows.drive_forces(model, &rest).collect());
+    let holding: Vec<(String, f64)> =
+        (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
+    notes.extend(balanced.then(|| round_off_note(&place)).flatten());
+    let verdict = stability.as_ref().map(|s| s.verdict);
+    if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
+        notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
+    }
+    let kind = settings.want == Want::Any || verdict != Some(Verdict::Unstable);
+    Ok(Equilibrium {
+        converged: balanced && kind,
+        balanced,
+        method: if settings.method == Method::Auto { "newton" } else { settings.method.name() },
+        stage: effort.stage,
+        iterations: effort.steps.unwrap_or(history.len()),
+        stages: effort.stages,
+        force_evaluations,
+        acceleration_evaluations: effort.accelerations,
+        factorizations,
+        stiffness_evaluations,
+        residual_acceleration,
+        residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
+        relative_residual: place.residual().0,
+        round_off: place.round_off(),
+        drive_forces,
+        velocity: steady,
+        position: place.q,
+        poses,
+        reactions,
+        stability,
+        holding,
+        stops: Vec::new(),
+        multipliers,
+        carried,
+        redundant,
+        loops,
+        unknowns: Vec::new(),
+        notes,
+        multiplier_reactions: by_body(model, &effort.reactions),
+        history,
+    })
+}
+
+/// Reactions of the links that carry a named hinge, by body; welded bodies have none.
+fn by_body(model: &Model, reactions: &[Wrench]) -> Vec<Wrench> {
+    if reactions.is_empty() {
+        return Vec::new();
+    }
+    let own = |(index, body): (usize, &crate::model::Body)| match body.link != 0 && model.links[body.link].body == index
+    {
+        true => reactions[body.link],
+        false => Wrench::ZERO,
+    };
+    model.bodies.iter().enumerate().map(own).collect()
+}
+
+/// Largest hinge acceleration at rest with locked hinges held.
+fn held_acceleration(system: &mut System, place: &Place, free: &[usize]) -> Result<f64, Fault> {
+    let rest = vec![0.0; system.model().velocity_count()];
+    let mut a = rest.clone();
+    system.at(0.0, &place.q, &rest).accelerations(&mut a)?;
+    if free.len() == rest.len() {
+        return Ok(a.iter().fold(0.0, |m, a| m.max(a.abs())));
+    }
+    let mass = system.at(0.0, &place.q, &rest).linearize(&rest)?.mass;
+    let held = faer::Mat::from_fn(free.len(), free.len(), |i, j| mass[(free[i], free[j])]);
+    let a = General::of(&held, &[]).solve(&place.force);
+    Ok(a.iter().fold(0.0, |m, a| m.max(a.abs())))
+}

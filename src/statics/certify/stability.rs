@@ -1,0 +1,285 @@
+//! What kind of equilibrium it is: how many directions leave it, how many cost nothing, and how fast it swings.
+//!
+//! At an equilibrium with a potential the stiffness matrix `K` is its Hessian. Directions are counted on
+//! `N^(-1/2) K N^(-1/2)`, `N` being the magnitude of the terms that make up `K`: an eigenvalue within [`NEUTRAL`] of
+//! zero is round-off, not stiffness. Without a potential the eigenvalues of the linearized motion decide.
+
+use super::damped::{self, DampedMode};
+use super::modes::{Mode, momentum, rates_of, scaled, shares};
+use crate::dynamics::{Fault, Linearization, System, TangentSolver};
+use crate::model::Model;
+use crate::statics::problem::sizes::{NEUTRAL, relative, symmetric};
+use crate::statics::problem::{MOST_MODES, by_sweeps};
+use faer::{Mat, Side};
+use std::sync::Arc;
+
+/// The same where something damps: damped modes are exact in the space of all others.
+pub(in crate::statics) const MOST_DENSE: usize = 200;
+
+/// Whether all modes of a scene are computed, by matrices.
+pub(in crate::statics) fn by_matrices(model: &Model, free: usize) -> bool {
+    free <= if model.has_damping() { MOST_DENSE } else { MOST_MODES }
+}
+
+/// The verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every small push comes back.
+    Stable,
+    /// Some push runs away.
+    Unstable,
+    /// None runs away, and some motion costs nothing.
+    Neutral,
+}
+
+impl Verdict {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Unstable => "unstable",
+            Self::Neutral => "neutral",
+        }
+    }
+}
+
+/// Verdict and modes.
+#[derive(Debug, Clone)]
+pub struct Stability {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Number of directions that run away.
+    pub unstable_directions: usize,
+    /// Number of directions that cost nothing.
+    pub neutral_directions: usize,
+    /// All modes, of a large system the lowest ([`MOST_MODES`]): running away first, then neutral, then by frequency.
+    pub modes: Vec<Mode>,
+    /// Modes of the damped motion, where something damps; of a large system those within the space of its lowest
+    /// undamped ones.
+    pub damped: Vec<DampedMode>,
+}
+
+/// Classifies the equilibrium `q`. `free` are the coordinates that may move, `magnitude` the sizes of the stiffness
+/// terms there.
+///
+/// # Errors
+/// The element whose numbers are not finite.
+pub(in crate::statics) fn classify(
+    system: &mut System,
+    q: &[f64],
+    free: &[usize],
+    magnitude: &[f64],
+    conservative: bool,
+) -> Result<Stability, Fault> {
+    let model = &Arc::clone(system.model());
+    let sweeps = || TangentSolver::covers(model) || (!model.is_constrained() && by_sweeps(model, free, &[]));
+    if !by_matrices(model, free.len()) && conservative && sweeps() {
+        return classify_by_sweeps(system, q, free, magnitude, Vec::new());
+    }
+    let rest = vec![0.0; model.velocity_count()];
+    let full = system.at(0.0, q, &rest).linearize(&rest)?;
+    let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);
+    let linear =
+        Linearization { stiffness: pick(&full.stiffness), damping: pick(&full.damping), mass: pick(&full.mass) };
+    if free.is_empty() {
+        let (unstable_directions, neutral_directions) = (0, 0);
+        let (modes, damped) = (Vec::new(), Vec::new());
+        return Ok(Stability { verdict: Verdict::Stable, unstable_directions, neutral_directions, modes, damped });
+    }
+    let (unstable, neutral) = match conservative {
+        true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
+        false => count_by_motion(&linear),
+    };
+    let mut modes = match conservative {
+        true => undamped_modes(model, free, &linear, unstable, neutral),
+        false => unsymmetric_modes(model, free, &linear),
+    };
+    if conservative && unstable + neutral == 0 && free.len() == rest.len() {
+        sharpen(&mut modes, system, q, &symmetric(&linear.stiffness))?;
+    }
+    let damped = if model.has_damping() { damped::modes(model, free, &linear) } else { Vec::new() };
+    if conservative && !damped.is_empty() {
+        damped::grow(&mut modes, &damped, unstable);
+    }
+    let verdict = verdict(unstable, neutral);
+    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
+}
+
+/// A large system: counts and lowest modes by sweeps, across `rows` that are held.
+pub(in crate::statics) fn classify_by_sweeps(
+    system: &mut System,
+    q: &[f64],
+    free: &[usize],
+    magnitude: &[f64],
+    rows: Vec<Vec<f64>>,
+) -> Result<Stability, Fault> {
+    let model = &Arc::clone(system.model());
+    let found = super::subspace::lowest(system, q, free, magnitude, rows)?;
+    let (unstable, neutral) = (found.unstable, found.neutral);
+    let damped = match model.has_damping() {
+        true => damped::within(system, q, free, &found.modes, &found.momenta),
+        false => Vec::new(),
+    };
+    let modes = found.modes.into_iter().zip(&found.momenta).enumerate();
+    let modes = modes.map(|(i, ((value, shape), momentum))| {
+        let (frequency_hz, growth_rate) = rates_of(value, i, unstable, found.neutral_modes);
+        let shares = shares(model, free, momentum, &shape);
+        Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
+    });
+    let mut modes: Vec<Mode> = modes.collect();
+    if !damped.is_empty() {
+        damped::grow(&mut modes, &damped, unstable);
+    }
+    let verdict = verdict(unstable, neutral);
+    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
+}
+
+pub(in crate::statics) fn verdict(unstable: usize, neutral: usize) -> Verdict {
+    match (unstable, neutral) {
+        (0, 0) => Verdict::Stable,
+        (0, _) => Verdict::Neutral,
+        _ => Verdict::Unstable,
+    }
+}
+
+pub(in crate::statics) fn count_by_stiffness(stiffness: &Mat<f64>, magnitude: &[f64]) -> (usize, usize) {
+    let n = magnitude.len();
+    let scaled = relative(stiffness, magnitude);
+    let values = scaled.self_adjoint_eigenvalues(Side::Lower).unwrap_or_else(|_| vec![f64::NAN; n]);
+    let unstable = values.iter().filter(|x| **x < -NEUTRAL).count();
+    let neutral = values.iter().filter(|x| x.abs() <= NEUTRAL || x.is_nan()).count();
+    (unstable, neutral)
+}
+
+/// Growth rates of the linearized motion `M ẍ + C ẋ + K x = 0`, largest first.
+fn rates(linear: &Linearization) -> Vec<faer::c64> {
+    let n = linear.mass.nrows();
+    let lu = linear.mass.partial_piv_lu();
+    use faer::linalg::solvers::Solve;
+    let (k, c) = (lu.solve(&linear.stiffness), lu.solve(&linear.damping));
+    let first_order = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, true) => 0.0,
+        (true, false) => f64::from(u8::from(i + n == j)),
+        (false, true) => -k[(i - n, j)],
+        (false, false) => -c[(i - n, j - n)],
+    });
+    let mut values = first_order.eigenvalues().unwrap_or_default();
+    values.sort_by(|a, b| b.re.total_cmp(&a.re));
+    values
+}
+
+/// A real part within this part of the largest rate is round-off: eigenvalues of a defective pair split by the square
+/// root of the machine precision.
+const RATE_NOISE: f64 = 1e-7;
+
+pub(in crate::statics) fn count_by_motion(linear: &Linearization) -> (usize, usize) {
+    let values = rates(linear);
+    let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.re.hypot(x.im)));
+    let limit = RATE_NOISE * largest;
+    let unstable = values.iter().filter(|x| x.re > limit).count();
+    let neutral = values.iter().filter(|x| x.re.hypot(x.im) <= limit).count();
+    (unstable, neutral.div_ceil(2))
+}
+
+/// Undamped modes `K x = λ M x`. Small eigenvalues are taken from the inverse problem where that is more accurate:
+/// relative errors are `ε λ_max/λ` one way and `ε λ/λ_min` the other.
+fn undamped_modes(model: &Model, free: &[usize], linear: &Linearization, unstable: usize, neutral: usize) -> Vec<Mode> {
+    let Some((mut values, vectors)) = generalized(&symmetric(&linear.stiffness), &symmetric(&linear.mass)) else {
+        return Vec::new();
+    };
+    let n = values.len();
+    if unstable + neutral == 0
+        && let Some((inverse, _)) = generalized(&symmetric(&linear.mass), &symmetric(&linear.stiffness))
+    {
+        let (low, high) = (1.0 / inverse[n - 1], values[n - 1]);
+        for (i, value) in values.iter_mut().enumerate() {
+            let other = 1.0 / inverse[n - 1 - i];
+            if other < (low * high).sqrt() {
+                *value = other;
+            }
+        }
+    }
+    (0..n)
+        .map(|i| {
+            let shape: Vec<f64> = (0..n).map(|row| vectors[(row, i)]).collect();
+            let momentum = momentum(&linear.mass, &shape);
+            let shares = shares(model, free, &momentum, &shape);
+            let (frequency_hz, growth_rate) = rates_of(values[i], i, unstable, neutral);
+            Mode { frequency_hz, growth_rate, shape: scaled(&shape), shares }
+        })
+        .collect()
+}
+
+/// Undamped modes where loads have no potential: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`. A complex pair is flutter:
+/// it swings and grows.
+fn unsymmetric_modes(model: &Model, free: &[usize], linear: &Linearization) -> Vec<Mode> {
+    use faer::linalg::solvers::Solve;
+    let n = linear.mass.nrows();
+    let Ok(eigen) = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigen() else { return Vec::new() };
+    let value = |i: usize| eigen.S()[i];
+    let largest = (0..n).map(|i| value(i).re.hypot(value(i).im)).fold(0.0, f64::max);
+    let noise = RATE_NOISE * largest.sqrt();
+    let mut modes: Vec<Mode> = (0..n)
+        .map(|i| {
+            // s = √(−λ) with the real part that is not negative.
+            let size = value(i).re.hypot(value(i).im);
+            let growth = (0.5 * (size - value(i).re)).max(0.0).sqrt();
+            let rate = (0.5 * (size + value(i).re)).max(0.0).sqrt();
+            let shape: Vec<f64> = (0..n).map(|row| eigen.U()[(row, i)].re).collect();
+            Mode {
+                frequency_hz: if rate > noise { rate / std::f64::consts::TAU } else { 0.0 },
+                growth_rate: if growth > noise { growth } else { 0.0 },
+                shares: shares(model, free, &momentum(&linear.mass, &shape), &shape),
+                shape: scaled(&shape),
+            }
+        })
+        .collect();
+    modes.sort_by(|a, b| b.growth_rate.total_cmp(&a.growth_rate).then(a.frequency_hz.total_cmp(&b.frequency_hz)));
+    modes
+}
+
+/// High frequencies from the reduction, which keeps light bodies beside heavy ones that a mass matrix in hinge
+/// coordinates loses: the eigenvalues of `Lᵀ M⁻¹ L` with `K = L Lᵀ`, whose errors are `ε λ_max`.
+fn sharpen(modes: &mut [Mode], system: &mut System, q: &[f64], stiffness: &Mat<f64>) -> Result<(), Fault> {
+    let n = stiffness.nrows();
+    let Ok(factor) = stiffness.llt(Side::Lower) else { return Ok(()) };
+    let lower = factor.L();
+    let (mut column, mut unit, rest) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut at = system.at(0.0, q, &rest);
+    let mut mass = at.accelerations(&mut column)?;
+    let mut inverse = Mat::zeros(n, n);
+    for j in 0..n {
+        unit[j] = 1.0;
+        mass.solve_mass(&unit, &mut column);
+        unit[j] = 0.0;
+        (0..n).for_each(|i| inverse[(i, j)] = column[i]);
+    }
+    let product = symmetric(&(lower.transpose() * inverse * lower));
+    let Ok(values) = product.self_adjoint_eigenvalues(Side::Lower) else { return Ok(()) };
+    let lowest = modes.first().map_or(0.0, |mode| std::f64::consts::TAU * mode.frequency_hz);
+    let middle = lowest * values[n - 1].max(0.0).sqrt();
+    for (mode, value) in modes.iter_mut().zip(values).filter(|(_, value)| *value > middle) {
+        mode.frequency_hz = value.sqrt() / std::f64::consts::TAU;
+    }
+    Ok(())
+}
+
+/// Eigenvalues, ascending, and vectors of `A x = λ B x` with `B` positive definite.
+pub(in crate::statics) fn generalized(a: &Mat<f64>, b: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>)> {
+    let n = a.nrows();
+    let factor = b.llt(Side::Lower).ok()?;
+    let lower = factor.L().to_owned();
+    let mut left = a.to_owned();
+    faer::linalg::triangular_solve::solve_lower_triangular_in_place(lower.as_ref(), left.as_mut(), faer::Par::Seq);
+    let mut both = left.transpose().to_owned();
+    faer::linalg::triangular_solve::solve_lower_triangular_in_place(lower.as_ref(), both.as_mut(), faer::Par::Seq);
+    let eigen = symmetric(&both).self_adjoint_eigen(Side::Lower).ok()?;
+    let values: Vec<f64> = (0..n).map(|i| eigen.S()[i]).collect();
+    let mut vectors = eigen.U().to_owned();
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(
+        lower.transpose(),
+        vectors.as_mut(),
+        faer::Par::Seq,
+    );
+    values.iter().all(|x| x.is_finite()).then_some((values, vectors))
+}

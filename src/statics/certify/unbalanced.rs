@@ -1,0 +1,59 @@
+//! What is not balanced, named: hinge, body, force and direction.
+
+use crate::model::problem::number;
+use crate::statics::problem::place::Place;
+use crate::statics::problem::{Landscape, slides};
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// Names what is not balanced: hinge, body, force and direction.
+pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Place) -> String {
+    let (_, largest) = place.residual();
+    let Some(worst) = unresisted(landscape, place).or(largest) else { return "no residual".to_owned() };
+    format!(
+        "nothing balances {}: a spring, a load or a lock is missing, or the guess is too far away",
+        describe(landscape, place, worst)
+    )
+}
+
+/// An unbalanced force with its hinge, direction and size.
+pub(in crate::statics) fn describe(landscape: &mut Landscape<'_>, place: &Place, worst: usize) -> String {
+    let relative = place.force[worst].abs() / place.scales.force[worst];
+    let share = if relative >= 0.01 { format!("{:.0} %", 100.0 * relative) } else { format!("{relative:.1e}") };
+    let (model, coordinate) = (&Arc::clone(landscape.model()), landscape.free[worst]);
+    let size = number(place.force[worst]);
+    let unit = if slides(model)[coordinate] { "N" } else { "N m" };
+    let direction = direction(landscape, place, coordinate);
+    let towards = direction.map_or(String::new(), |d| format!(" along [{:.3}, {:.3}, {:.3}]", d.x, d.y, d.z));
+    format!("{size} {unit} in {}{towards} ({share} of the forces there)", model.label(coordinate))
+}
+
+/// The coordinate whose force nothing resists: a shifted solve leaves it to the shift, `σ B x` with `(K + σB) x = f`,
+/// while it hands every other force to the stiffness. `None` where the stiffness resists them all.
+fn unresisted(landscape: &mut Landscape<'_>, place: &Place) -> Option<usize> {
+    landscape.look(&place.q).ok()?;
+    let curvatures = place.scales.stiffness.iter().zip(&landscape.metric).map(|(k, b)| k / b);
+    let sigma = 1e-8 * curvatures.fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let shift: Vec<f64> = landscape.metric.iter().map(|b| sigma * b).collect();
+    let x = landscape.newton_shifted(&place.force, &shift)?;
+    let left = |i: usize| (shift[i] * x[i]).abs() / place.scales.force[i].max(f64::MIN_POSITIVE);
+    let largest = (0..x.len()).map(left).fold(0.0, f64::max);
+    // Of several that nothing resists a force says more than its moment.
+    let slides = slides(landscape.model());
+    let equals = (0..x.len()).filter(|i| left(*i) >= 0.99 * largest);
+    (largest > 1e-3).then(|| equals.min_by_key(|i| !slides[landscape.free[*i]]))?
+}
+
+/// The axis of a single coordinate in inertial axes; one of the link's axes for a ball.
+fn direction(landscape: &mut Landscape<'_>, place: &Place, coordinate: usize) -> Option<Vector3<f64>> {
+    let model = &Arc::clone(landscape.model());
+    let (index, link) = model.links.iter().enumerate().skip(1).find(|(_, link)| {
+        let (_, count) = link.joint.counts();
+        (link.velocity..link.velocity + count).contains(&coordinate)
+    })?;
+    let steady = landscape.steady.clone();
+    let at = landscape.system().at(0.0, &place.q, &steady);
+    let motion = &at.motion().links[index];
+    let (_, count) = link.joint.counts();
+    Some(if count == 1 { motion.axis } else { motion.turn.column(coordinate - link.velocity).into_owned() })
+}

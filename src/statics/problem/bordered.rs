@@ -1,0 +1,163 @@
+//! Rows beside a sweep: `K + D` on the motions that rows `C` leave, without a matrix of the size of the scene.
+//!
+//! ```text
+//! [ K + D   C ] [ x ]   [ f ]       (K + D) x₀ = f,   (K + D) Y = C,   S = Cᵀ Y                          (1)
+//! [ Cᵀ      0 ] [ ν ] = [ 0 ]       x = x₀ − Y S⁻¹ Cᵀ x₀
+//!
+//! n₋(Zᵀ (K + D) Z) = n₋(K + D) − n₋(S)       Z: a basis of the motions, Cᵀ Z = 0                         (2)
+//! ```
+//!
+//! (2) counts the negative directions of the bordered matrix twice: by the elimination of `x` (Haynsworth), and by that of
+//! the rows, each of which makes one positive and one negative.
+
+use crate::dynamics::{Coefficients, System, TangentSolver};
+use crate::model::Model;
+use faer::{Mat, Side};
+
+/// The rows, and what (1) needs of one factorization.
+#[derive(Debug, Clone)]
+pub(in crate::statics) struct Rows {
+    /// `C`, one list over the coordinates per row.
+    rows: Vec<Vec<f64>>,
+    /// `Y`.
+    responses: Vec<Vec<f64>>,
+    /// `S = V diag(w) Vᵀ`.
+    values: Vec<f64>,
+    vectors: Mat<f64>,
+}
+
+impl Rows {
+    /// `rows` are of comparable size and independent; none at all are allowed.
+    pub(in crate::statics) fn new(rows: Vec<Vec<f64>>) -> Self {
+        Self { rows, responses: Vec::new(), values: Vec::new(), vectors: Mat::new() }
+    }
+
+    pub(in crate::statics) fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// After a factorization of `K + D`; false where the motions make it singular.
+    pub(in crate::statics) fn factorize(&mut self, solve: &mut dyn FnMut(&[f64]) -> Vec<f64>) -> bool {
+        if self.rows.is_empty() {
+            return true;
+        }
+        self.responses = self.rows.iter().map(|row| solve(row)).collect();
+        let m = self.rows.len();
+        let entry = |i: usize, j: usize| dot(&self.rows[i], &self.responses[j]);
+        let whole = Mat::from_fn(m, m, entry);
+        let small = Mat::from_fn(m, m, |i, j| 0.5 * (whole[(i, j)] + whole[(j, i)]));
+        let Ok(eigen) = small.self_adjoint_eigen(Side::Lower) else { return false };
+        self.values = (0..m).map(|k| eigen.S()[k]).collect();
+        self.vectors = eigen.U().to_owned();
+        self.values.iter().all(|w| w.is_finite() && *w != 0.0)
+    }
+
+    /// `n₋(S)`.
+    pub(in crate::statics) fn negatives(&self) -> usize {
+        self.values.iter().filter(|w| **w < 0.0).count()
+    }
+
+    /// From a solution of `K + D` to that of (1). Twice: what is left across the rows goes away however large `Y` is.
+    pub(in crate::statics) fn correct(&self, x: &mut [f64]) {
+        for _ in 0..2 {
+            let along: Vec<f64> = self.rows.iter().map(|row| dot(row, x)).collect();
+            for (k, value) in self.values.iter().enumerate() {
+                let part: f64 = along.iter().enumerate().map(|(i, a)| self.vectors[(i, k)] * a).sum::<f64>() / value;
+                for (i, response) in self.responses.iter().enumerate() {
+                    let by = part * self.vectors[(i, k)];
+                    x.iter_mut().zip(response).for_each(|(x, y)| *x -= by * y);
+                }
+            }
+        }
+    }
+}
+
+/// The stiffness along closed positions, by sweeps.
+pub(in crate::statics) struct Bordered {
+    solver: Box<TangentSolver>,
+    free: Vec<usize>,
+    /// Infinite for locked coordinates.
+    shift: Vec<f64>,
+    rest: Vec<f64>,
+    full: Vec<f64>,
+    rows: Rows,
+}
+
+impl Bordered {
+    /// Room for a model whose `free` coordinates may move.
+    pub(in crate::statics) fn new(model: &Model, free: &[usize]) -> Self {
+        let n = model.velocity_count();
+        let mut shift = vec![f64::INFINITY; n];
+        free.iter().for_each(|i| shift[*i] = 0.0);
+        let solver = Box::new(TangentSolver::new(model));
+        let (free, rest, full) = (free.to_vec(), vec![0.0; n], vec![0.0; n]);
+        Self { solver, free, shift, rest, full, rows: Rows::new(Vec::new()) }
+    }
+
+    /// Lets only these coordinates move.
+    pub(in crate::statics) fn hold_all_but(&mut self, moving: &[usize]) {
+        self.shift.fill(f64::INFINITY);
+        moving.iter().for_each(|i| self.shift[*i] = 0.0);
+        self.free = moving.to_vec();
+    }
+
+    /// Gathers what the sweep needs at `q`; the multipliers are in the system.
+    pub(in crate::statics) fn look(
+        &mut self,
+        system: &mut System,
+        q: &[f64],
+        rows: Vec<Vec<f64>>,
+    ) -> Result<(), crate::dynamics::Fault> {
+        let with = Coefficients { shift: &self.shift, symmetric: true, ..Coefficients::default() };
+        system.at(0.0, q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
+        self.rows = Rows::new(rows);
+        Ok(())
+    }
+
+    /// `K + diag(by)`: its negative directions along the rows, or `None` where it is singular.
+    pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64]) -> Option<usize> {
+        for (i, by) in self.free.iter().zip(by) {
+            self.shift[*i] = *by;
+        }
+        let with = Coefficients { shift: &self.shift, ..Coefficients::default() };
+        let factorized = system.factorize_shifted(&mut self.solver, &self.rest, &with);
+        self.free.iter().for_each(|i| self.shift[*i] = 0.0);
+        factorized.ok()?;
+        let Self { solver, free, full, rows, .. } = self;
+        rows.factorize(&mut |rhs| solved(solver, free, full, rhs)).then_some(())?;
+        Some(self.solver.negatives().saturating_sub(self.rows.negatives()))
+    }
+
+    /// (1) with the last factorization.
+    pub(in crate::statics) fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
+        let Self { solver, free, full, rows, .. } = self;
+        let mut x = solved(solver, free, full, rhs);
+        rows.correct(&mut x);
+        x
+    }
+
+    /// Where `K + diag(by)` is negative along the rows, a direction with a bit of everything to look for that from; else none.
+    pub(in crate::statics) fn negative_direction(&mut self, system: &System, by: &[f64]) -> Option<Vec<f64>> {
+        let some = self.factorize(system, by)? > 0;
+        some.then(|| (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect())
+    }
+}
+
+/// `rhs` in free coordinates through the sweep.
+pub(in crate::statics) fn solved(
+    solver: &mut TangentSolver,
+    free: &[usize],
+    full: &mut [f64],
+    rhs: &[f64],
+) -> Vec<f64> {
+    full.fill(0.0);
+    for (i, value) in free.iter().zip(rhs) {
+        full[*i] = *value;
+    }
+    solver.solve(full);
+    free.iter().map(|i| full[*i]).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

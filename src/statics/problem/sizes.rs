@@ -1,0 +1,31 @@
+//! Sizes of the terms that a stiffness is the sum of: beside them it counts, or is round-off.
+
+use faer::Mat;
+
+/// A stiffness below this part of the terms it is the sum of counts as zero.
+pub(in crate::statics) const NEUTRAL: f64 = 1e-9;
+
+pub(in crate::statics) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| 0.5 * (m[(i, j)] + m[(j, i)]))
+}
+
+/// Sizes of stiffness terms with which coordinates are compared: one without any stiffness, as of a body that floats, is neutral
+/// beside the largest of the others.
+pub(in crate::statics) fn comparable(magnitude: &[f64]) -> Vec<f64> {
+    let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
+    magnitude.iter().map(|x| if *x > 0.0 { *x } else { largest }).collect()
+}
+
+/// `N^(-1/2) K N^(-1/2)` with the sizes `N` of the stiffness terms.
+pub(in crate::statics) fn relative(stiffness: &Mat<f64>, magnitude: &[f64]) -> Mat<f64> {
+    // Of each by itself: the product of two sizes may be beyond all numbers.
+    let root: Vec<f64> = comparable(magnitude).iter().map(|size| size.sqrt()).collect();
+    Mat::from_fn(root.len(), root.len(), |i, j| stiffness[(i, j)] / root[i] / root[j])
+}
+
+/// Sizes of the stiffness terms along the columns of `z`, where there is one.
+pub(in crate::statics) fn sizes(z: Option<&Mat<f64>>, magnitude: &[f64]) -> Vec<f64> {
+    let Some(z) = z else { return magnitude.to_vec() };
+    let size = |j: usize| (0..z.nrows()).map(|i| z[(i, j)].powi(2) * magnitude[i]).sum::<f64>();
+    (0..z.ncols()).map(size).collect()
+}

@@ -1,0 +1,318 @@
+//! Closed positions: the landscape of a scene with loops, drives and gears.
+//!
+//! ```text
+//! r(q): the residual at rest,   G: gradients of the rows,   B: the inertia each coordinate sees
+//! (1)  G B^(−1/2) = U S Vᵀ,   Z = B^(−1/2) V₂: the motions that keep every row (V₂ spans the null space)
+//! (2)  λ = U S⁻¹ V₁ᵀ B^(−1/2) r: what the rows have to hold;   f = −B Z Zᵀ r: what they cannot      (see `split`)
+//! (3)  H = Zᵀ (∂(r − Gᵀλ)/∂q) Z: the stiffness along the closed positions, their curvature in it
+//! ```
+//!
+//! Searches see the coordinates of the tree, forces `f` that make no rows work, and steps `Z y` after which the rows are
+//! closed again: to them it is a landscape like any other.
+//!
+//! **Where few rows reach across a large scene** (`by_sweeps`) neither `Z` nor `H` is made: what the rows hold, `C = B^(1/2) U'`,
+//! borders the tangent of the tree, whose sweep is the solver (see `bordered`). Elsewhere matrices are dense: with few
+//! motions left `H` takes a sweep for each of them; the factorization of `G` is cubic in the number of rows, that of `H`
+//! in the number of motions.
+//!
+//! **Drives** stay where they are at t = 0, and where the rest can be at rest beside a driven motion (a governor that
+//! spins), they keep their velocity: the kinetic energy then counts as a potential of the opposite sign.
+//! **Locks** take their coordinates out of all of this.
+//! **Singular positions**: where rows are linearly dependent that are independent elsewhere, the motions that only exist
+//! there do not count: the branch that the search came along is kept. Dependent rows whose prestress stiffens motions push
+//! with the rest (see `prestress`).
+
+use super::bordered::Bordered;
+use super::prestress::Prestress;
+use super::split::{Branch, Given, Motions, NEARLY, Split, split};
+use super::stiffness::Stiffness;
+use super::{Landscape, Scales};
+use crate::constraint::{Closer, Constraints};
+use crate::dynamics::{Fault, Magnitudes, System, TangentSolver};
+use crate::model::Model;
+use faer::Mat;
+use std::sync::Arc;
+
+/// Largest turn (rad), and part of the scene's length, of one step.
+const LONGEST_STEP: f64 = 0.6;
+
+/// What is left of forces at an equilibrium is at most so many times the error that is expected of their sum: of scissors of
+/// 3 to 40 stages it was 1.0.
+const ERRORS: f64 = 4.0;
+
+/// Up to so many free coordinates all modes are computed, by matrices; above only the lowest, by sweeps.
+pub(in crate::statics) const MOST_MODES: usize = 64;
+
+/// Sweeps are the faster way in scenes of more than [`MOST_MODES`] free coordinates, where a factorization needs no more
+/// right sides than this part of them.
+const FEW: usize = 4;
+
+/// The rows of a model, and where its search stands on the closed positions.
+pub(in crate::statics) struct Ties {
+    closer: Closer,
+    /// Whether rows border a sweep; else matrices are dense.
+    pub(in crate::statics) sweeps: bool,
+    /// Drives whose velocity cannot be kept.
+    pub(in crate::statics) frozen: Vec<String>,
+    /// The problem at the last position.
+    pub(in crate::statics) view: Option<View>,
+    pub(in crate::statics) branch: Option<Branch>,
+    /// Whether prestress of dependent rows stiffens motions; `None` before it has been looked at.
+    pub(in crate::statics) stiffens: Option<bool>,
+    /// What it did where the search ended.
+    pub(in crate::statics) prestress: Prestress,
+}
+
+/// The rows at one position. Lists are over free coordinates.
+#[derive(Debug, Clone)]
+pub(in crate::statics) struct View {
+    q: Vec<f64>,
+    motions: Motions,
+    /// `λ`, one per independent row.
+    pub(in crate::statics) multipliers: Vec<f64>,
+    /// Rows are linearly dependent here that are not elsewhere.
+    pub(in crate::statics) singular: bool,
+    force: Vec<f64>,
+    scales: Scales,
+    regular: f64,
+}
+
+impl Ties {
+    pub(in crate::statics) fn new(model: &Model, frozen: Vec<String>, sweeps: bool) -> Self {
+        let (view, branch, stiffens, prestress) = (None, None, None, Prestress::None);
+        Self { closer: Closer::new(model), sweeps, frozen, view, branch, stiffens, prestress }
+    }
+}
+
+impl Landscape<'_> {
+    /// Brings a position onto the rows; false where that cannot be done.
+    pub(in crate::statics) fn close(&mut self, q: &mut [f64]) -> bool {
+        let model = self.system.model();
+        self.ties.as_mut().is_none_or(|ties| ties.closer.close(model, q))
+    }
+
+    /// What the search remembers of where it came from.
+    pub(in crate::statics) fn branch(&self) -> Option<Branch> {
+        self.ties.as_ref().and_then(|ties| ties.branch.clone())
+    }
+
+    pub(in crate::statics) fn set_branch(&mut self, branch: Option<Branch>) {
+        if let Some(ties) = &mut self.ties {
+            ties.branch = branch;
+        }
+    }
+
+    /// Forces and sizes at a closed position.
+    pub(in crate::statics) fn tied_forces(&mut self, q: &[f64]) -> Result<(Vec<f64>, Scales), Fault> {
+        self.take_view(q)?;
+        let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
+        Ok(view.map_or((Vec::new(), Scales::default()), |view| (view.force.clone(), view.scales.clone())))
+    }
+
+    /// The problem at `q`, and its multipliers in the system.
+    pub(in crate::statics) fn take_view(&mut self, q: &[f64]) -> Result<(), Fault> {
+        let known = self.ties.as_ref().and_then(|ties| ties.view.as_ref()).is_some_and(|view| view.q == q);
+        if !known {
+            let view = self.view(q)?;
+            if let Some(ties) = &mut self.ties {
+                ties.view = Some(view);
+            }
+        }
+        if let Some(view) = self.ties.as_ref().and_then(|ties| ties.view.as_ref()) {
+            self.system.set_multipliers(&view.multipliers);
+        }
+        Ok(())
+    }
+
+    /// `Z` at a closed position, and its multipliers in the system.
+    pub(in crate::statics) fn tangent(&mut self, q: &[f64]) -> Result<Mat<f64>, Fault> {
+        self.take_view(q)?;
+        let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
+        Ok(view.map_or_else(Mat::new, |view| view.motions.basis(&self.metric)))
+    }
+
+    /// What is left of a force when the rows have taken their part, `B Z Zᵀ f`; without rows all of it.
+    pub(in crate::statics) fn along_rows(&mut self, q: &[f64], force: &[f64]) -> Result<Vec<f64>, Fault> {
+        if self.ties.is_none() {
+            return Ok(force.to_vec());
+        }
+        self.take_view(q)?;
+        let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
+        Ok(view.map_or_else(Vec::new, |view| view.motions.felt(force, &self.metric)))
+    }
+
+    /// The rows that hold what is not a motion at a closed position, where sweeps are the way; and its multipliers in the
+    /// system.
+    pub(in crate::statics) fn rows_across(&mut self, q: &[f64]) -> Result<Vec<Vec<f64>>, Fault> {
+        self.take_view(q)?;
+        let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
+        Ok(view.map_or_else(Vec::new, |view| view.motions.rows()))
+    }
+
+    /// Takes the stiffness along the closed positions for solutions by sweeps.
+    pub(in crate::statics) fn look_along(&mut self, q: &[f64]) -> Result<(), Fault> {
+        let rows = self.rows_across(q)?;
+        self.step_from_view();
+        if !matches!(self.stiffness, Stiffness::Bordered(_)) {
+            self.stiffness = Stiffness::Bordered(Bordered::new(self.model(), &self.free));
+        }
+        let Stiffness::Bordered(bordered) = &mut self.stiffness else { return Ok(()) };
+        bordered.look(self.system, q, rows)
+    }
+
+    /// `Z` and `H` at a closed position.
+    pub(in crate::statics) fn stiffness_along(&mut self, q: &[f64]) -> Result<(Mat<f64>, Mat<f64>), Fault> {
+        let z = self.tangent(q)?;
+        let shares = self.share_prestress(q, &z)?;
+        let (n, count) = (z.nrows(), z.ncols());
+        let along = match 2 * count < n || shares {
+            // A sweep for each motion.
+            true => {
+                let mut all = Mat::zeros(self.steady.len(), count);
+                for (row, i) in self.free.iter().enumerate() {
+                    (0..count).for_each(|j| all[(*i, j)] = z[(row, j)]);
+                }
+                let pushed = self.system.at(0.0, q, &self.steady).stiffness_times(&all)?;
+                Mat::from_fn(n, count, |row, j| pushed[(self.free[row], j)])
+            }
+            false => self.dense_stiffness(q)? * &z,
+        };
+        let h = z.transpose() * along;
+        let h = match self.conservative {
+            true => Mat::from_fn(count, count, |i, j| 0.5 * (h[(i, j)] + h[(j, i)])),
+            false => h,
+        };
+        if shares && self.conservative {
+            // No step leads along what only first order allows.
+            let magnitude = self.ties.as_ref().and_then(|ties| ties.view.as_ref()).map(|view| &view.scales.stiffness);
+            let sizes = magnitude.map_or(vec![1.0; count], |magnitude| super::sizes::sizes(Some(&z), magnitude));
+            let held = self.certified(q, &z, &h, &sizes)?;
+            return Ok((z, held.unwrap_or(h)));
+        }
+        Ok((z, h))
+    }
+
+    /// Takes the last view as the place where steps begin.
+    pub(in crate::statics) fn step_from_view(&mut self) {
+        let Some(ties) = &mut self.ties else { return };
+        if let Some(view) = &ties.view {
+            ties.branch = Some(Branch { motions: view.motions.clone(), regular: view.regular });
+        }
+    }
+
+    fn view(&mut self, q: &[f64]) -> Result<View, Fault> {
+        let free = self.free.clone();
+        let n = free.len();
+        let rows = self.system.constraints().map_or(0, |rows| rows.rank());
+        self.system.set_multipliers(&vec![0.0; rows]);
+        let mut at = self.system.at(0.0, q, &self.steady);
+        let magnitudes = at.residual(&self.rest, &mut self.full)?.magnitudes();
+        let of_rows = at.constraint_matrix();
+        let force: Vec<f64> = free.iter().map(|i| self.full[*i]).collect();
+        let all = Mat::from_fn(rows, n, |i, j| of_rows[(i, free[j])]);
+        let root: Vec<f64> = self.metric.iter().map(|b| b.sqrt()).collect();
+        let (of_row, of_velocity) = self.system.row_units();
+        let per: Vec<f64> =
+            free.iter().map(|i| 1.0 / if of_velocity[*i] > 0.0 { of_velocity[*i] } else { 1.0 }).collect();
+        let geometric = Mat::from_fn(rows, n, |i, j| all[(i, j)] / of_row[i]);
+        let sizes = row_sizes(&all, &root);
+        let plain: Vec<f64> = row_sizes(&geometric, &per).iter().zip(&of_row).map(|(size, unit)| size * unit).collect();
+        let given = Given {
+            rows: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (root[j] * sizes[i])),
+            plain: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (per[j] * plain[i])),
+            forces: force.iter().zip(&root).map(|(f, root)| f / root).collect(),
+            sizes: plain.iter().zip(&sizes).map(|(plain, size)| plain / size).collect(),
+            root,
+        };
+        let branch = self.ties.as_ref().and_then(|ties| ties.branch.as_ref());
+        let sweeps = self.ties.as_ref().is_some_and(|ties| ties.sweeps);
+        let Split { motions, multipliers, singular, regular } = split(&given, branch, sweeps);
+        let multipliers: Vec<f64> = multipliers.iter().zip(&sizes).map(|(x, size)| x / size).collect();
+        let left = motions.felt(&force, &self.metric);
+        let scales = self.scales(&all, &multipliers, &motions, (q, magnitudes));
+        let force = left.iter().map(|r| -r).collect();
+        Ok(View { q: q.to_vec(), motions, multipliers, singular, force, scales, regular })
+    }
+
+    /// Sizes of what cancels in the forces that are left to the motions, with `rows` over the free coordinates, and its
+    /// round-off. Each motion feels the terms of all coordinates that work on it, and their errors.
+    fn scales(
+        &mut self,
+        rows: &Mat<f64>,
+        multipliers: &[f64],
+        motions: &Motions,
+        (q, magnitudes): (&[f64], Magnitudes),
+    ) -> Scales {
+        let (free, n) = (&self.free, self.free.len());
+        self.system.set_multipliers(multipliers);
+        let mut squares = magnitudes.squares;
+        self.system.at(0.0, q, &self.steady).add_multiplier_squares(&mut squares);
+        let errors: Vec<f64> = free.iter().map(|i| squares[*i]).collect();
+        let push = |row: usize, i: usize| rows[(row, i)] * multipliers[row];
+        let held = |i: usize| self.system.constraints().map_or(0.0, |of| of.sum_of_elements(|row| push(row, i)));
+        let sizes: Vec<f64> = (0..n).map(|i| (magnitudes.force[free[i]] + held(i)).powi(2)).collect();
+        let stiffness = |i: usize| {
+            let per_move = if self.slides[free[i]] { self.length } else { 1.0 };
+            let pushes = (0..multipliers.len()).map(|row| push(row, i).abs()).sum::<f64>();
+            (magnitudes.force[free[i]] + pushes) / per_move + magnitudes.stiffness[free[i]]
+        };
+        let noise = motions.felt_size(&errors, &self.metric);
+        Scales {
+            force: motions.felt_size(&sizes, &self.metric),
+            noise: noise.iter().map(|error| ERRORS * f64::EPSILON * error).collect(),
+            stiffness: (0..n).map(stiffness).collect(),
+        }
+    }
+
+    /// How many times further than [`LONGEST_STEP`] a step from `q` changes a coordinate: from further away the loops might
+    /// close in another assembly. Bodies that have gone many lengths of the scene may go as far again. Zero without loops.
+    pub(in crate::statics) fn stretch(&self, q: &[f64], step: &[f64]) -> f64 {
+        if self.ties.is_none() {
+            return 0.0;
+        }
+        let gone = self.origin.as_ref().map_or(Vec::new(), |origin| super::apart(self.model(), &origin.q, q));
+        let distances = gone.iter().zip(&self.slides).filter(|(_, slides)| **slides);
+        let farthest = distances.fold(self.length, |most, (gone, _)| most.max(gone.abs()));
+        let of =
+            |(x, i): (&f64, &usize)| x.abs() / if self.slides[*i] { LONGEST_STEP * farthest } else { LONGEST_STEP };
+        step.iter().zip(&self.free).map(of).fold(0.0, f64::max)
+    }
+}
+
+/// What makes rows over coordinates in these units of one size (a turn's beside a slide's); nearly nothing stays that.
+fn row_sizes(rows: &Mat<f64>, units: &[f64]) -> Vec<f64> {
+    let size = |i: usize| units.iter().enumerate().map(|(j, unit)| (rows[(i, j)] / unit).powi(2)).sum::<f64>().sqrt();
+    let sizes: Vec<f64> = (0..rows.nrows()).map(|i| size(i).max(f64::MIN_POSITIVE)).collect();
+    let largest = sizes.iter().fold(0.0_f64, |m, s| m.max(*s));
+    sizes.into_iter().map(|size| if size > NEARLY * largest { size } else { largest }).collect()
+}
+
+/// Whether the rows of a scene and its forces that reach far border the sweep of its tree: few of them across a large
+/// scene that is at rest.
+pub(in crate::statics) fn by_sweeps(model: &Model, free: &[usize], steady: &[f64]) -> bool {
+    let sides = || TangentSolver::further_sides(model) + Constraints::new(model).map_or(0, |rows| rows.rank());
+    free.len() > MOST_MODES && steady.iter().all(|v| *v == 0.0) && FEW * sides() <= free.len()
+}
+
+/// Velocities of the drives where they leave the rest at rest, and the drives that cannot be kept moving.
+pub(in crate::statics) fn steady(system: &mut System, start: &[f64]) -> (Vec<f64>, Vec<String>) {
+    let model = &Arc::clone(system.model());
+    let mut velocity = vec![0.0; model.velocity_count()];
+    let mut moving = Vec::new();
+    for drive in &model.drives {
+        let now = drive.motion.at(0.0);
+        if now.velocity != 0.0 {
+            velocity[drive.coordinate.velocity] = now.velocity;
+            moving.push(format!("`{}`", drive.name));
+        }
+    }
+    if moving.is_empty() {
+        return (velocity, Vec::new());
+    }
+    let mut settled = (start.to_vec(), velocity.clone());
+    let size = velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let kept = system.settle(0.0, &mut settled.0, &mut settled.1).is_ok()
+        && settled.1.iter().zip(&velocity).all(|(a, b)| (a - b).abs() <= 1e-9 * size)
+        && model.drives.iter().all(|drive| drive.motion.is_steady());
+    if kept { (velocity, Vec::new()) } else { (vec![0.0; model.velocity_count()], moving) }
+}

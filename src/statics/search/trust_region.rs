@@ -1,0 +1,475 @@
+//! Newton within a trust region: goes down the potential, so it ends at a stable equilibrium or says why not.
+//!
+//! ```text
+//! step      (K + σB) x = f,   |x|_B ≤ Δ,   σ ≥ 0,   K + σB positive definite          (Moré & Sorensen 1983)
+//! σ from Newton on the secular equation |x(σ)|_B = Δ:
+//!           σ ← σ + (|x|/Δ − 1) |x|² / (xᵀ B y),   (K + σB) y = B x
+//! ```
+//!
+//! Where `|x(σ)|_B < Δ` for every σ that makes `K + σB` definite (the hard case) the lowest mode makes up the rest.
+//! `B` is the inertia that each hinge sees, so radians and metres compare. With σ = 0 the step is Newton's. At a point
+//! without force where K has negative directions (a saddle, a dead centre) the search leaves along
+//! one of them.
+//!
+//! **Rigid limits** bound the coordinates of a tree. The active set is chosen at every place (see
+//! [`crate::statics::problem`]), the step is that of the free coordinates, a coordinate at its limit that the step would push
+//! beyond is held for it, and every other one ends at its limits. A step that is cut there is measured by `½ fᵀ x`: short
+//! enough it goes along the projected gradient, so that the potential falls.
+
+use super::saddle::{WayOut, downhill, way_out};
+use crate::dynamics::Fault;
+use crate::statics::certify::cone;
+use crate::statics::effort::Iteration;
+use crate::statics::problem::place::{BALANCED, Place};
+use crate::statics::problem::{FAR, Landscape};
+
+/// Steps, and sweeps over one link (or entries of a matrix, where there is one): what fails says so in seconds, a large scene
+/// in some tens of them. Beside springs of 10⁹ N/m, or bodies a million times heavier than others, twenty thousand steps may
+/// be the way along a valley.
+const MOST_ITERATIONS: usize = 40_000;
+const MOST_WORK: usize = 16_000_000;
+/// Even so, as many as this, and sweeps.
+const LEAST_ITERATIONS: [usize; 2] = [400, 4000];
+const LEAST_SWEEPS: usize = 4_000_000;
+/// A search of more steps goes along a valley that bends.
+const BENT: usize = 40;
+/// Inverse iterations for the lowest mode in the hard case, at a shift within a thousandth of its curvature.
+const LOWEST: usize = 4;
+/// Part of a step over which its bend is differenced.
+const PART: f64 = 1e-2;
+/// Trials for one step's shift.
+const MOST_SHIFTS: usize = 40;
+/// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
+/// next to nothing a long chain crumples, and takes four times as long to unfold.
+const WORTH: f64 = 0.1;
+/// A search that in so many steps neither falls by this part of all that it has fallen since the first so many of them nor halves
+/// its least residual makes no progress: forty thousand such steps would gain less than a ten-thousandth. What the first ones gain
+/// does not count: stiff springs that they relax hold more than all that is left to gain in the valley after it.
+const WINDOW: usize = 500;
+const PROGRESS: f64 = 1e-6;
+
+/// How the search ended.
+#[derive(Debug, Clone)]
+pub(in crate::statics) struct Outcome {
+    pub place: Place,
+    /// Saddles that were left, each with the velocity coordinates that carried the way out.
+    pub left: Vec<Vec<usize>>,
+    /// Whether the potential fell without end.
+    pub fell: bool,
+    /// Whether a step needed a shift: else the whole search was Newton's.
+    pub shifted: bool,
+}
+
+struct Search<'l, 's> {
+    landscape: &'l mut Landscape<'s>,
+    /// Δ (m √kg).
+    radius: f64,
+    /// Where Δ begins, and begins again after a saddle.
+    first_radius: f64,
+    potential: f64,
+    /// The shift of the last step: where the search for the next one starts.
+    shift: f64,
+    /// Whether the way down bends: then steps are corrected.
+    bent: bool,
+    outcome: Outcome,
+}
+
+/// Runs from `place`. Needs loads with a potential.
+pub(in crate::statics) fn run(
+    landscape: &mut Landscape<'_>,
+    place: Place,
+    history: &mut Vec<Iteration>,
+) -> Result<Outcome, Fault> {
+    let potential = landscape.potential(&place.q);
+    // One radian, or one length of the scene, of every coordinate at once.
+    let radius = landscape.reach();
+    // A scene that has moved so many of its lengths downhill, or of the guess's distance from where its springs are relaxed, has
+    // no equilibrium.
+    let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
+    let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
+    let mut search = Search { landscape, radius, first_radius: radius, potential, shift: 0.0, bent: false, outcome };
+    let mut travelled = 0.0;
+    let mut progress = Progress { first: None, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
+    let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
+    let least = (LEAST_SWEEPS / links).clamp(LEAST_ITERATIONS[0], LEAST_ITERATIONS[1]);
+    let most = (MOST_WORK / work).clamp(least, MOST_ITERATIONS);
+    for iteration in 0..most {
+        if !search.landscape.goes_on() {
+            break;
+        }
+        if let Some(place) = search.landscape.choose_active(&search.outcome.place.q)? {
+            search.outcome.place = place;
+        }
+        search.bent = iteration >= BENT;
+        if search.outcome.place.is_balanced() {
+            if !(search.leave_saddle(history)? || search.leave_stops(history)?) {
+                break;
+            }
+            continue;
+        }
+        let Some(step) = search.step(history)? else { break };
+        travelled += step;
+        progress.least = progress.least.min(search.outcome.place.residual().0);
+        if iteration % WINDOW == WINDOW - 1 && !progress.goes_on(search.potential) {
+            break;
+        }
+        if travelled > far {
+            search.outcome.fell = true;
+            break;
+        }
+    }
+    Ok(search.outcome)
+}
+
+/// What the steps have gained since it was last asked.
+struct Progress {
+    /// The potential when it was first asked.
+    first: Option<f64>,
+    last: f64,
+    /// The least residual when it was last asked, and now.
+    residual: f64,
+    least: f64,
+}
+
+impl Progress {
+    fn goes_on(&mut self, potential: f64) -> bool {
+        let first = *self.first.get_or_insert(potential);
+        let fell = self.last - potential > PROGRESS * (first - potential);
+        let halved = self.least < 0.5 * self.residual;
+        (self.last, self.residual) = (potential, self.least);
+        fell || halved
+    }
+}
+
+/// How far turns and slides are from where their springs are relaxed (m √kg).
+fn distance_from_rest(landscape: &Landscape<'_>, q: &[f64]) -> f64 {
+    let model = landscape.model();
+    let mut away = vec![0.0; model.velocity_count()];
+    for link in model.links.iter().filter(|link| link.joint.counts() == (1, 1)) {
+        away[link.velocity] = q[link.position] - model.coordinates[link.velocity].rest;
+    }
+    let away: Vec<f64> = landscape.free.iter().map(|i| away[*i]).collect();
+    landscape.size(&away)
+}
+
+/// A trial step and what the quadratic model says of it.
+struct Trial {
+    x: Vec<f64>,
+    size: f64,
+    shift: f64,
+}
+
+/// Where a corrected step ends.
+struct Lower {
+    q: Vec<f64>,
+    potential: f64,
+}
+
+impl Search<'_, '_> {
+    /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
+    fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
+        self.landscape.look(&self.outcome.place.q)?;
+        let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
+        while self.radius > smallest {
+            let Some(trial) = self.within_radius() else {
+                self.radius *= 0.25;
+                continue;
+            };
+            let stretch = self.landscape.stretch(&self.outcome.place.q, &trial.x);
+            if stretch > 1.0 {
+                self.radius = trial.size.min(self.radius) * (0.9 / stretch).max(0.1);
+                continue;
+            }
+            if self.hold_blocked(&trial.x)? {
+                continue;
+            }
+            if let Some(size) = self.try_step(&trial, history)? {
+                return Ok(Some(size));
+            }
+            // The trial moved the system: back to where the step starts.
+            self.landscape.look(&self.outcome.place.q)?;
+        }
+        Ok(None)
+    }
+
+    /// Holds the coordinates at their limits that a step would push beyond, unless they carry all that is unbalanced.
+    fn hold_blocked(&mut self, x: &[f64]) -> Result<bool, Fault> {
+        let place = &self.outcome.place;
+        let blocked = self.landscape.blocked(&place.q, x);
+        let free = &self.landscape.free;
+        let others = |row: &usize| !blocked.contains(&free[*row]);
+        let unbalanced =
+            |row: usize| place.force[row].abs() > place.scales.noise[row] + BALANCED * place.scales.force[row];
+        if blocked.is_empty() || !(0..free.len()).filter(others).any(unbalanced) {
+            return Ok(false);
+        }
+        self.landscape.hold(&blocked);
+        self.outcome.place = Place::at(self.landscape, self.outcome.place.q.clone())?;
+        self.landscape.look(&self.outcome.place.q)?;
+        Ok(true)
+    }
+
+    /// What a step is expected to gain, `½ (xᵀ f + σ |x|²)` since `xᵀ K x = xᵀ f − σ |x|²`; of one that limits cut `½ xᵀ f`.
+    fn predicted(&self, trial: &Trial, linear: f64, is_cut: bool) -> f64 {
+        if is_cut { 0.5 * linear } else { 0.5 * (linear + trial.shift * trial.size * trial.size) }
+    }
+
+    /// Takes the step if the potential falls as the model says, and sets the next radius.
+    fn try_step(&mut self, trial: &Trial, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
+        let place = &self.outcome.place;
+        let cut = self.landscape.cut(&place.q, &trial.x);
+        let x = cut.as_ref().unwrap_or(&trial.x);
+        let linear: f64 = place.force.iter().zip(x).map(|(f, x)| f * x).sum();
+        let predicted = self.predicted(trial, linear, cut.is_some());
+        if cut.is_some() && !(predicted > 0.0) {
+            self.radius = 0.3 * trial.size.min(self.radius);
+            return Ok(None);
+        }
+        let mut q = self.landscape.moved(&place.q, x);
+        let mut potential = self.landscape.potential(&q);
+        // Below the round-off of the potential, and along motions that cost nothing, the forces can tell.
+        let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
+        let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
+        let mut ratio = match tiny {
+            true => self.worth_by_forces(x, linear, &q)? / predicted,
+            false => (self.potential - potential) / predicted,
+        };
+        if self.bent
+            && !tiny
+            && !(ratio > 0.75)
+            && let Some(lower) = self.corrected(trial, &q, 0.75 * predicted)?
+        {
+            let better = (self.potential - lower.potential) / predicted;
+            if better > WORTH && !(better <= ratio) {
+                (ratio, q, potential) = (better, lower.q, lower.potential);
+            }
+        }
+        if !(ratio >= 0.25) {
+            self.radius = 0.3 * trial.size.min(self.radius);
+        } else if ratio > 0.75 && trial.shift > 0.0 {
+            self.radius *= 2.5;
+        }
+        if !(ratio > WORTH) {
+            return Ok(None);
+        }
+        let next = match Place::at(self.landscape, q) {
+            Ok(next) => next,
+            // A position that cannot be evaluated is outside the region.
+            Err(_) => return Ok(None),
+        };
+        self.outcome.shifted |= trial.shift > 0.0;
+        self.outcome.place = next;
+        self.potential = potential;
+        let residual = self.outcome.place.residual().0;
+        history.push(Iteration { stage: "trust region", residual, step: trial.size, shift: trial.shift });
+        Ok(Some(trial.size))
+    }
+
+    /// How far the potential falls along a step, from the forces at both ends: where it is so little that the potential's
+    /// own round-off hides it.
+    fn worth_by_forces(&mut self, x: &[f64], linear: f64, q: &[f64]) -> Result<f64, Fault> {
+        let Ok(force) = self.landscape.force(q) else { return Ok(f64::NAN) };
+        let there: f64 = force.iter().zip(x).map(|(f, x)| f * x).sum();
+        Ok(0.5 * (linear + there))
+    }
+
+    /// Where a valley bends (a stiff spring beside soft ones, a heavy body among light ones) the step leaves its floor: back
+    /// to it from the end of the step, from the end of the parabola of the floor, or that end itself, whichever is lowest.
+    fn corrected(&mut self, trial: &Trial, q: &[f64], enough: f64) -> Result<Option<Lower>, Fault> {
+        let back = self.back(trial, &trial.x, q);
+        if back.as_ref().is_some_and(|back| self.potential - back.potential > enough) {
+            return Ok(back);
+        }
+        let Some((x, bent)) = self.along_parabola(trial)? else { return Ok(back) };
+        let again = self.back(trial, &x, &bent.q);
+        let all = [back, Some(bent), again].into_iter().flatten();
+        Ok(all.min_by(|a, b| a.potential.total_cmp(&b.potential)))
+    }
+
+    /// One step back, `(K + σB) y = f − σ B x`, with the stiffness at the end of `x`. In the metric it may be longer than the
+    /// step itself: a heavy body moves back by little. Far from the floor stiff springs have another force, and with it another,
+    /// often a negative, stiffness of the soft directions: then there is none.
+    fn back(&mut self, trial: &Trial, x: &[f64], q: &[f64]) -> Option<Lower> {
+        let force = self.landscape.force(q).ok()?;
+        self.landscape.look(q).ok()?;
+        if !self.landscape.factorize(trial.shift) {
+            return None;
+        }
+        let held = |(i, f): (usize, &f64)| f - trial.shift * self.landscape.metric[i] * x[i];
+        let rhs: Vec<f64> = force.iter().enumerate().map(held).collect();
+        let y = self.landscape.solve(&rhs);
+        self.lower(q, &y)
+    }
+
+    /// The step along the parabola of the floor, from what the forces do around the place where it begins:
+    ///
+    /// ```text
+    /// f(q ⊞ s x) = f₀ − s K x + s² f₂ + …,      (K + σB) y = f₂:      q ⊞ (x + y)
+    /// ```
+    fn along_parabola(&mut self, trial: &Trial) -> Result<Option<(Vec<f64>, Lower)>, Fault> {
+        let from = self.outcome.place.q.clone();
+        self.landscape.look(&from)?;
+        if !self.landscape.factorize(trial.shift) {
+            return Ok(None);
+        }
+        let mut bend: Vec<f64> = self.outcome.place.force.iter().map(|f| -2.0 * f).collect();
+        for part in [PART, -PART] {
+            let x: Vec<f64> = trial.x.iter().map(|x| part * x).collect();
+            let q = self.landscape.moved(&from, &x);
+            let Ok(force) = self.landscape.force(&q) else { return Ok(None) };
+            bend.iter_mut().zip(&force).for_each(|(bend, f)| *bend += f);
+        }
+        bend.iter_mut().for_each(|bend| *bend /= 2.0 * PART * PART);
+        let y = self.landscape.solve(&bend);
+        let x: Vec<f64> = trial.x.iter().zip(&y).map(|(x, y)| x + y).collect();
+        Ok(self.lower(&from, &x).map(|end| (x, end)))
+    }
+
+    /// A place and its potential; none from where loops might close otherwise.
+    fn lower(&mut self, q: &[f64], step: &[f64]) -> Option<Lower> {
+        if !(self.landscape.stretch(q, step) <= 1.0) {
+            return None;
+        }
+        let q = self.landscape.moved(q, step);
+        let potential = self.landscape.potential(&q);
+        potential.is_finite().then_some(Lower { q, potential })
+    }
+
+    /// The step of the trust region: `σ` bracketed and found by Newton on the secular equation.
+    fn within_radius(&mut self) -> Option<Trial> {
+        let (metric, force, radius) = (self.landscape.metric.clone(), &self.outcome.place.force, self.radius);
+        let typical = force.iter().zip(&metric).map(|(f, b)| f * (f / b)).sum::<f64>().sqrt() / radius;
+        let (mut low, mut high, mut shift) = (0.0_f64, f64::INFINITY, self.shift);
+        let mut least = f64::INFINITY;
+        let between = |low: f64, high: f64| match high.is_finite() {
+            true => (low.max(1e-6 * high) * high).sqrt(),
+            false => (4.0 * low).max(1e-3 * typical),
+        };
+        let mut best = None;
+        for _ in 0..MOST_SHIFTS {
+            least = least.min(shift);
+            if !self.landscape.factorize(shift) {
+                low = low.max(shift);
+                shift = between(low, high);
+                continue;
+            }
+            let x = self.landscape.solve(force);
+            let size = self.landscape.size(&x);
+            if !size.is_finite() {
+                low = low.max(shift);
+                shift = between(low, high);
+                continue;
+            }
+            let narrow = high.is_finite() && high - low < 1e-3 * high;
+            let done = size <= 1.1 * radius && (shift == 0.0 || size >= 0.75 * radius || narrow);
+            let weighted: Vec<f64> = x.iter().zip(&metric).map(|(x, b)| b * x).collect();
+            if size <= 1.1 * radius {
+                best = Some(Trial { x, size, shift });
+            }
+            if done {
+                break;
+            }
+            if size < radius {
+                high = high.min(shift);
+            } else {
+                low = low.max(shift);
+            }
+            let y = self.landscape.solve(&weighted);
+            let slope: f64 = weighted.iter().zip(&y).map(|(w, y)| w * y).sum();
+            let new = shift + (size / radius - 1.0) * size * size / slope;
+            shift = match low < new && new < high {
+                true => new,
+                // The region may hold the whole Newton step.
+                false if new <= 0.0 && least > 0.0 => 0.0,
+                false => between(low, high),
+            };
+        }
+        self.shift = best.as_ref().map_or(self.shift, |trial: &Trial| trial.shift);
+        best.map(|trial| if trial.shift > 0.0 && trial.size < 0.75 * radius { self.with_lowest(trial) } else { trial })
+    }
+
+    /// The hard case of Moré and Sorensen: forces without a part along the lowest mode `z`, as in a symmetric pose, leave
+    /// `x(σ)` within the region for every `σ > −λ₁`. The step is then `x + τ z` of size Δ; as `(K + σB) z ≈ 0`, it gains what
+    /// [`Search::predicted`] says with that size.
+    fn with_lowest(&mut self, trial: Trial) -> Trial {
+        if !self.landscape.factorize(trial.shift) {
+            return trial;
+        }
+        let metric = self.landscape.metric.clone();
+        let mut z: Vec<f64> =
+            metric.iter().enumerate().map(|(i, b)| (0.5 + (i as f64 * 1.618_033_988_75).fract()) / b.sqrt()).collect();
+        let mut size = self.landscape.size(&z);
+        for _ in 0..LOWEST {
+            let weighted: Vec<f64> = z.iter().zip(&metric).map(|(z, b)| b * z / size).collect();
+            z = self.landscape.solve(&weighted);
+            size = self.landscape.size(&z);
+        }
+        // λ₁ = 1/|(K + σB)⁻¹ B z| − σ.
+        let is_lowest = size.is_finite() && size * trial.shift > 1.0;
+        if !is_lowest {
+            return trial;
+        }
+        z.iter_mut().for_each(|z| *z /= size);
+        let along: f64 = trial.x.iter().zip(&z).zip(&metric).map(|((x, z), b)| b * x * z).sum();
+        let rest = self.radius * self.radius - trial.size * trial.size;
+        let sign = if along < 0.0 { -1.0 } else { 1.0 };
+        let part = -along + sign * (along * along + rest).max(0.0).sqrt();
+        let x: Vec<f64> = trial.x.iter().zip(&z).map(|(x, z)| x + part * z).collect();
+        let size = self.landscape.size(&x);
+        Trial { x, size, shift: trial.shift }
+    }
+
+    /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls. How short
+    /// the last steps into the saddle were says nothing about the way out of it.
+    fn leave_saddle(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
+        if self.landscape.free.is_empty() {
+            return Ok(false);
+        }
+        self.radius = self.radius.max(self.first_radius);
+        let place = &self.outcome.place;
+        self.landscape.look(&place.q)?;
+        match way_out(self.landscape, place, self.potential, self.radius) {
+            Some(way) => self.leave(way, history).map(|()| true),
+            None => Ok(false),
+        }
+    }
+
+    /// At a balanced place on stops that bear nothing: whether the potential falls off them.
+    fn leave_stops(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
+        let Some(descent) = cone::descent(self.landscape, &self.outcome.place)? else { return Ok(false) };
+        self.landscape.let_go(&descent.leaving);
+        let direction: Vec<f64> = self.landscape.free.iter().map(|i| descent.direction[*i]).collect();
+        let place = Place::at(self.landscape, self.outcome.place.q.clone())?;
+        self.landscape.look(&place.q)?;
+        match downhill(self.landscape, &place, &direction, self.potential, self.radius) {
+            Some(way) => self.leave(way, history).map(|()| true),
+            None => {
+                if let Some(place) = self.landscape.choose_active(&place.q)? {
+                    self.outcome.place = place;
+                }
+                Ok(false)
+            }
+        }
+    }
+
+    fn leave(&mut self, way: WayOut, history: &mut Vec<Iteration>) -> Result<(), Fault> {
+        let WayOut { step: x, potential } = way;
+        let step = self.landscape.size(&x);
+        let q = self.landscape.moved(&self.outcome.place.q, &x);
+        self.outcome.place = Place::at(self.landscape, q)?;
+        self.potential = potential;
+        self.outcome.shifted = true;
+        let carried = carriers(&x, &self.landscape.metric);
+        self.outcome.left.push(carried.into_iter().map(|row| self.landscape.free[row]).collect());
+        let residual = self.outcome.place.residual().0;
+        history.push(Iteration { stage: "leave saddle", residual, step, shift: 0.0 });
+        Ok(())
+    }
+}
+
+/// The coordinates that carry a direction: those with at least a tenth of the largest part.
+fn carriers(x: &[f64], metric: &[f64]) -> Vec<usize> {
+    let part: Vec<f64> = x.iter().zip(metric).map(|(x, b)| b * x * x).collect();
+    let largest = part.iter().fold(0.0_f64, |m, p| m.max(*p));
+    (0..x.len()).filter(|i| part[*i] >= 0.1 * largest).collect()
+}

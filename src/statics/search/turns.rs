@@ -1,0 +1,201 @@
+//! Which stops bear, by turns: for scenes whose coordinates are tied together, or whose loads have no potential.
+//!
+//! A coordinate beyond its limit gets its stop, a stop that would have to pull is taken away, and the search starts from the
+//! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. Where a
+//! search ends in no balance, stops in the way of the forces left there are tried. (In a tree whose loads have a potential the
+//! set that bears is the active set of a minimum within the limits, see [`super::bounded`].)
+//!
+//! **Beside loops, drives and gears** coordinates depend on each other, and two stops can seldom bear at once: of those
+//! that are passed only the first on the way from the guess is added, the loops are brought onto it from there in short
+//! steps, and where they cannot be, it takes the place of the others.
+
+use super::bounded;
+use super::free::search_free;
+use crate::dynamics::{Fault, System};
+use crate::model::{Model, StopLaw};
+use crate::statics::certify::bearing::{PASSED, PULLS, Set, finish, held, limit, load, touching, unit, with};
+use crate::statics::certify::equilibrium::Equilibrium;
+use crate::statics::problem::Landscape;
+use crate::statics::settings::{Settings, Want};
+use crate::statics::watch::Watch;
+use std::collections::HashSet;
+use std::sync::Arc;
+
+/// The equilibrium with the stops heeded; poses of the search go to `trail`.
+pub(in crate::statics) fn search(
+    model: &Arc<Model>,
+    settings: &Settings,
+    start: &[f64],
+    watch: &Watch<'_>,
+    searched: &mut dyn FnMut(),
+    mut trail: Option<&mut Vec<Vec<f64>>>,
+) -> Result<Equilibrium, Fault> {
+    let (descends, stable) = (bounded::is_for(model, settings), settings.want == Want::Stable);
+    if descends
+        && stable
+        && let Some(found) = bounded::search(model, settings, start, watch, searched, trail.as_deref_mut())?
+    {
+        return Ok(found);
+    }
+    let found = by_turns(model, settings, start, watch, searched, trail.as_deref_mut())?;
+    // The nearest equilibrium was wanted; downhill there is one, wherever it is.
+    if descends
+        && !(stable || found.balanced)
+        && let Some(found) = bounded::search(model, settings, start, watch, searched, trail)?
+    {
+        return Ok(found);
+    }
+    Ok(found)
+}
+
+fn by_turns(
+    model: &Arc<Model>,
+    settings: &Settings,
+    start: &[f64],
+    watch: &Watch<'_>,
+    searched: &mut dyn FnMut(),
+    mut trail: Option<&mut Vec<Vec<f64>>>,
+) -> Result<Equilibrium, Fault> {
+    let mut set = touching(model, start);
+    let mut seen = HashSet::new();
+    let mut added = None;
+    let (mut stages, mut steps, mut evaluations) = (Vec::new(), 0, 0);
+    loop {
+        seen.insert(set.clone());
+        let Some((bearing, guess)) = with(model, &set, start) else {
+            // The loops have no position on all of them: the others make way for the one that came last.
+            let last = |(index, side): (usize, &i8)| if Some(index) == added { *side } else { 0 };
+            let alone: Set = set.iter().enumerate().map(last).collect();
+            set = if seen.contains(&alone) { vec![0; set.len()] } else { alone };
+            if seen.contains(&set) {
+                return nowhere(model, settings, start, watch, searched);
+            }
+            continue;
+        };
+        let (mut found, way) =
+            search_free(&bearing, settings, &guess, watch, searched, trail.is_some().then(Vec::new))?;
+        if let Some(trail) = &mut trail {
+            trail.extend(way);
+        }
+        stages.append(&mut found.stages);
+        steps += found.iterations;
+        evaluations += found.force_evaluations;
+        let next = match found.balanced {
+            true => revised(model, &set, &bearing, &found, start)?,
+            false if model.is_constrained() => first_in_the_way(model, &set, &bearing, &guess)?,
+            false => in_the_way(model, &set, start)?,
+        };
+        let again = next.filter(|next| !seen.contains(next) && watch.goes_on());
+        if found.balanced && again.is_none() && revised(model, &set, &bearing, &found, start)?.is_some() {
+            let ended = watch.note(found.stage, found.relative_residual);
+            give_up(&mut found, ended);
+        }
+        let Some(next) = again else {
+            (found.stages, found.iterations, found.force_evaluations) = (stages, steps, evaluations);
+            return finish(model, &set, &bearing, found);
+        };
+        added = (0..set.len()).find(|index| set[*index] == 0 && next[*index] != 0);
+        set = next;
+    }
+}
+
+fn give_up(found: &mut Equilibrium, ended: Option<String>) {
+    found.converged = false;
+    found.balanced = false;
+    found.stability = None;
+    let none = || "no set of stops bears this scene: each that was tried lets go or is passed".to_owned();
+    found.notes.push(ended.unwrap_or_else(none));
+}
+
+/// Where the loops have no position on the stops that were tried: what is found without any, as no equilibrium.
+fn nowhere(
+    model: &Model,
+    settings: &Settings,
+    start: &[f64],
+    watch: &Watch<'_>,
+    searched: &mut dyn FnMut(),
+) -> Result<Equilibrium, Fault> {
+    let mut free = Model::clone(model);
+    free.stops.clear();
+    let free = Arc::new(free);
+    let (mut found, _) = search_free(&free, settings, start, watch, searched, None)?;
+    let ended = watch.note(found.stage, found.relative_residual);
+    give_up(&mut found, ended);
+    Ok(found)
+}
+
+/// The set after a balance: stops that are passed added, those that pull taken away. `None` where nothing changes.
+fn revised(
+    model: &Arc<Model>,
+    set: &Set,
+    bearing: &Arc<Model>,
+    found: &Equilibrium,
+    start: &[f64],
+) -> Result<Option<Set>, Fault> {
+    let (held, sizes) = held(bearing, found)?;
+    let mut next = set.clone();
+    let mut passed: Vec<(f64, usize, i8)> = Vec::new();
+    for (index, side) in next.iter_mut().enumerate() {
+        let stop = &model.stops[index];
+        let value = found.position[stop.position];
+        let slack = PASSED * unit(model, stop.velocity).max(value.abs());
+        if *side != 0 {
+            let pulls = match stop.law {
+                StopLaw::Rigid { .. } => {
+                    load(model, index, *side, &found.position, &held) < -PULLS * sizes[stop.velocity]
+                }
+                StopLaw::Compliant { .. } => f64::from(*side) * (value - limit(model, index, *side)) < -slack,
+            };
+            if pulls {
+                *side = 0;
+            }
+        } else if value < stop.range[0] - slack || value > stop.range[1] + slack {
+            let towards: i8 = if value < stop.range[0] { -1 } else { 1 };
+            let from = start[stop.position];
+            passed.push(((limit(model, index, towards) - from) / (value - from), index, towards));
+        }
+    }
+    passed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // Coordinates of loops follow each other: the first stop on the way may keep the others from being passed.
+    let count = if model.is_constrained() { 1 } else { passed.len() };
+    passed.iter().take(count).for_each(|(_, index, towards)| next[*index] = *towards);
+    Ok((next != *set).then_some(next))
+}
+
+/// Of the stops towards which the forces at the guess drive loops, gears and drives, the one that is reached first, added.
+/// `None` where there is no other.
+fn first_in_the_way(model: &Arc<Model>, set: &Set, bearing: &Arc<Model>, guess: &[f64]) -> Result<Option<Set>, Fault> {
+    let mut system = System::new(bearing);
+    let mut landscape = Landscape::new(&mut system, guess)?;
+    let force = landscape.force(guess)?;
+    let mut first: Option<(f64, usize, i8)> = None;
+    for (index, stop) in model.stops.iter().enumerate().filter(|(index, _)| set[*index] == 0) {
+        let Some(row) = landscape.free.iter().position(|i| *i == stop.velocity) else { continue };
+        let speed = force[row] / landscape.metric[row];
+        let towards: i8 = if speed < 0.0 { -1 } else { 1 };
+        let time = (limit(model, index, towards) - guess[stop.position]) / speed;
+        if time.is_finite() && first.is_none_or(|first| time < first.0) {
+            first = Some((time, index, towards));
+        }
+    }
+    Ok(first.map(|(_, index, towards)| {
+        let mut next = set.clone();
+        next[index] = towards;
+        next
+    }))
+}
+
+/// The stops towards which the forces at the guess push, added. `None` where there is no other.
+fn in_the_way(model: &Arc<Model>, set: &Set, start: &[f64]) -> Result<Option<Set>, Fault> {
+    let rest = vec![0.0; model.velocity_count()];
+    let mut residual = rest.clone();
+    System::new(model).at(0.0, start, &rest).residual(&rest, &mut residual)?;
+    let mut next = set.clone();
+    for (stop, side) in model.stops.iter().zip(next.iter_mut()).filter(|(_, side)| **side == 0) {
+        let towards: i8 = if residual[stop.velocity] > 0.0 { -1 } else { 1 };
+        if stop.range[usize::from(towards > 0)].is_finite() && residual[stop.velocity] != 0.0 {
+            *side = towards;
+        }
+    }
+    Ok((next != *set).then_some(next))
+}
