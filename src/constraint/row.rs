@@ -223,7 +223,7 @@ impl<'a> Ends<'a> {
 pub(super) fn place_motion(parts: &[(Scalar, f64); 2], q: &[f64], now: &Instant) -> Placed {
     let [first, second] = parts.map(|(scalar, factor)| factor * q[scalar.position]);
     let (gap, terms) = (first + second - now.position, first.abs() + second.abs() + now.position.abs());
-    let gap = if gap.abs() <= f64::EPSILON * terms { 0.0 } else { gap };
+    let gap = if gap.is_finite() && gap.abs() <= f64::EPSILON * terms { 0.0 } else { gap };
     Placed { gap, drift: -now.velocity, bias: -now.acceleration, ..Placed::default() }
 }
 
