@@ -1,0 +1,466 @@
+//! The programs of the module's header, in forces divided by the size of the loads, and what is recomputed from their
+//! answers.
+
+use super::solver::{Answer, Program};
+use super::{Certificate, Cone, Limit, Standing, Supports, Undecided, Verdict, norm};
+
+/// `−τ*` is not looked for beyond this many times the loads.
+const AMPLE: f64 = 100.0;
+/// Loads that are this near to a limit, in parts of themselves, are at the limit: what interior points resolve on
+/// degenerate programs (a harmonic stack at its largest overhang comes out within 3e-9).
+const AT_THE_LIMIT: f64 = 1e-8;
+/// A balance that misses more than this part of the loads is none.
+const BALANCED: f64 = 1e-9;
+/// Forces of (W), at most 1, above this are a squeeze.
+const SQUEEZE: f64 = 1e-6;
+/// A load factor beyond this many times the loads has no end.
+const ENDLESS: f64 = 1e9;
+
+/// Supports and loads in parts of the loads' size.
+struct Scaled<'a> {
+    supports: &'a Supports,
+    columns: Vec<Vec<(usize, f64)>>,
+    cones: Vec<Cone>,
+    load: Vec<f64>,
+    size: f64,
+}
+
+/// The unknown beside the forces.
+enum Extra<'a> {
+    None,
+    /// τ of (P).
+    Growth,
+    /// α of (L), with w₁ in parts of the loads' size; towards larger (1) or smaller (−1) values.
+    Along(&'a [f64], f64),
+}
+
+impl<'a> Scaled<'a> {
+    fn new(supports: &'a Supports, load: &[f64], friction: f64) -> Self {
+        let size = Some(supports.size(load)).filter(|size| *size > 0.0).unwrap_or(1.0);
+        let (mut columns, mut cones) = (Vec::new(), Vec::new());
+        for (i, cone) in supports.cones.iter().enumerate() {
+            let lever = supports.levers[i];
+            let scale = |(row, entry): &(usize, f64)| (*row, entry * lever / supports.units[*row]);
+            columns.extend(supports.range(i).map(|c| supports.columns[c].iter().map(scale).collect::<Vec<_>>()));
+            cones.push(match cone.scaled(friction) {
+                Cone::Ball { bound, size: count } => Cone::Ball { bound: bound / (size * lever), size: count },
+                other => other,
+            });
+        }
+        let load = load.iter().zip(&supports.units).map(|(load, unit)| load / (unit * size)).collect();
+        Self { supports, columns, cones, load, size }
+    }
+
+    /// Rows of all cones after the balance, with the unknown behind the forces.
+    fn program(&self, extra: &Extra<'_>) -> Program {
+        let rows = self.load.len();
+        let mut columns = self.columns.clone();
+        let mut right: Vec<f64> = self.load.iter().map(|load| -load).collect();
+        let mut cones = Vec::new();
+        let mut unknown = Vec::new();
+        for (i, cone) in self.cones.iter().enumerate() {
+            let Some(shape) = cone.rows() else { continue };
+            let (at, f) = (right.len(), self.supports.range(i));
+            // Slacks right − A x are in the cone: A has the negative of what has to be there.
+            match *cone {
+                Cone::Free => {}
+                Cone::Ray => {
+                    columns[f.start].push((at, -1.0));
+                    right.push(0.0);
+                }
+                Cone::Coulomb { friction } => {
+                    columns[f.start].push((at, -friction));
+                    columns[f.start + 1].push((at + 1, -1.0));
+                    columns[f.start + 2].push((at + 2, -1.0));
+                    right.extend([0.0; 3]);
+                }
+                Cone::Ball { bound, size } => {
+                    (0..size).for_each(|k| columns[f.start + k].push((at + 1 + k, -1.0)));
+                    right.push(bound);
+                    right.extend(std::iter::repeat_n(0.0, size));
+                }
+            }
+            unknown.push((at, -1.0));
+            cones.push(shape);
+        }
+        let mut linear = vec![0.0; columns.len()];
+        match extra {
+            Extra::None => {}
+            Extra::Growth => {
+                // τ ≥ −AMPLE
+                unknown.push((right.len(), -1.0));
+                right.push(AMPLE);
+                cones.push((false, 1));
+                columns.push(unknown);
+                linear.push(1.0);
+            }
+            Extra::Along(direction, sense) => {
+                let mut column: Vec<(usize, f64)> =
+                    direction.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
+                column.push((right.len(), *sense));
+                right.push(ENDLESS);
+                cones.push((false, 1));
+                columns.push(column);
+                linear.push(-sense);
+            }
+        }
+        Program { quadratic: vec![0.0; columns.len()], linear, columns, right, equations: rows, cones }
+    }
+
+    /// What the balance lacks with these forces.
+    fn rest(&self, forces: &[f64]) -> Vec<f64> {
+        let mut rest = self.load.clone();
+        for (column, f) in self.columns.iter().zip(forces) {
+            column.iter().for_each(|(row, entry)| rest[*row] += entry * f);
+        }
+        rest
+    }
+
+    fn rates(&self, motion: &[f64]) -> Vec<f64> {
+        self.columns.iter().map(|column| column.iter().map(|(row, entry)| entry * motion[*row]).sum()).collect()
+    }
+
+    /// Least change of forces that takes away what their balance lacks: conjugate gradients on the normal equations
+    /// (Björck, "Numerical methods for least squares problems", 1996, 7.4: CGLS).
+    fn polish(&self, forces: &mut [f64]) {
+        let mut rest: Vec<f64> = self.rest(forces).iter().map(|rest| -rest).collect();
+        let mut gradient = self.rates(&rest);
+        let mut direction = gradient.clone();
+        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
+        let mut steep = square(&gradient);
+        for _ in 0..2 * self.load.len() {
+            let mut along = vec![0.0; self.load.len()];
+            for (column, d) in self.columns.iter().zip(&direction) {
+                column.iter().for_each(|(row, entry)| along[*row] += entry * d);
+            }
+            let curve = square(&along);
+            if curve == 0.0 || square(&rest) < 1e-32 * self.load.len() as f64 {
+                break;
+            }
+            let step = steep / curve;
+            forces.iter_mut().zip(&direction).for_each(|(f, d)| *f += step * d);
+            rest.iter_mut().zip(&along).for_each(|(rest, along)| *rest -= step * along);
+            gradient = self.rates(&rest);
+            let next = square(&gradient);
+            direction.iter_mut().zip(&gradient).for_each(|(d, g)| *d = g + next / steep * *d);
+            steep = next;
+        }
+    }
+
+    /// The largest distance outside of a cone.
+    fn outside(&self, forces: &[f64]) -> f64 {
+        let each = self.cones.iter().enumerate().map(|(i, cone)| cone.outside(&forces[self.supports.range(i)]));
+        each.fold(-AMPLE, f64::max)
+    }
+
+    fn unbalanced(&self, forces: &[f64]) -> f64 {
+        self.rest(forces).iter().fold(0.0, |most, rest| f64::max(most, rest.abs()))
+    }
+
+    /// (D) for a motion: a lower bound of `τ*`, less what its rates lie outside of the dual cones times the forces.
+    fn bound(&self, motion: &[f64], forces: &[f64]) -> f64 {
+        let rates = self.rates(motion);
+        let (mut work, mut growth, mut wrong) = (dot(motion, &self.load), 0.0, 0.0);
+        for (i, cone) in self.cones.iter().enumerate() {
+            let range = self.supports.range(i);
+            let (u, f) = (&rates[range.clone()], &forces[range]);
+            let off = match cone {
+                Cone::Free => u[0].abs(),
+                Cone::Ray => {
+                    growth += u[0].max(0.0);
+                    (-u[0]).max(0.0)
+                }
+                Cone::Coulomb { friction } => {
+                    growth += (u[0] / friction).max(0.0);
+                    (u[1].hypot(u[2]) - u[0] / friction).max(0.0)
+                }
+                Cone::Ball { bound, .. } => {
+                    growth += norm(u);
+                    work -= bound * norm(u);
+                    0.0
+                }
+            };
+            wrong += off * norm(f);
+        }
+        if growth > 0.0 { (work - wrong) / growth } else { f64::NEG_INFINITY }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+impl Supports {
+    /// Whether these supports hold a load `w` (velocity coordinates: N, N m), by (P), (W) and (U).
+    ///
+    /// # Errors
+    /// [`Undecided`] if the recomputed bounds do not decide it.
+    pub fn standing(&self, load: &[f64]) -> Result<Standing, Undecided> {
+        let scaled = Scaled::new(self, load, 1.0);
+        let grown = scaled.grow()?;
+        let stands = grown.upper <= AT_THE_LIMIT && grown.certificate.unbalanced <= BALANCED;
+        if !stands && !(grown.lower > 0.0) {
+            let Certificate { unbalanced, gap, .. } = grown.certificate;
+            return Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced, gap });
+        }
+        let wedged = stands && scaled.needs_squeeze()?;
+        let verdict = match (stands, wedged) {
+            (false, _) => Verdict::Falls,
+            (true, false) => Verdict::Stands,
+            (true, true) => Verdict::Wedged,
+        };
+        // At the limit itself there is nothing to choose among.
+        let forces = match stands && grown.upper < -AT_THE_LIMIT {
+            true => scaled.least().unwrap_or(grown.forces),
+            false => grown.forces,
+        };
+        Ok(Standing {
+            verdict,
+            slack: -grown.upper,
+            self_stresses: scaled.self_stresses(&forces),
+            forces: scaled.unscaled(&forces),
+            motion: scaled.rates_of_coordinates(&grown.motion),
+            certificate: grown.certificate,
+        })
+    }
+
+    /// The end of `w + α w₁`, `α` growing (`upwards`) or falling from 0, by (L).
+    ///
+    /// # Errors
+    /// [`Undecided`] if the answer misses the balance.
+    pub fn limit(&self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Limit, Undecided> {
+        let scaled = Scaled::new(self, load, 1.0);
+        // α counts in what makes w₁ as large as w.
+        let unit = scaled.size / Some(self.size(direction)).filter(|size| *size > 0.0).unwrap_or(1.0);
+        let along: Vec<f64> =
+            direction.iter().zip(&self.units).map(|(of, row)| of * unit / (row * scaled.size)).collect();
+        let answer = scaled.answer(&scaled.program(&Extra::Along(&along, if upwards { 1.0 } else { -1.0 })))?;
+        let alpha = answer.x[self.columns.len()];
+        if alpha.abs() > 1e-3 * ENDLESS {
+            return Ok(Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() });
+        }
+        let mut at = Scaled { load: scaled.load.clone(), columns: scaled.columns.clone(), cones: scaled.cones.clone(), ..scaled };
+        at.load.iter_mut().zip(&along).for_each(|(load, along)| *load += alpha * along);
+        let mut forces = answer.x[..self.columns.len()].to_vec();
+        at.polish(&mut forces);
+        let (unbalanced, outside) = (at.unbalanced(&forces), at.outside(&forces));
+        let most = 1.0 + alpha.abs();
+        if !(unbalanced <= BALANCED * most && outside <= AT_THE_LIMIT * most) {
+            return Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced, gap: outside });
+        }
+        let motion = at.rates_of_coordinates(&answer.multipliers[..self.rows]);
+        Ok(Limit { value: alpha * unit, motion })
+    }
+
+    /// The smallest part of all friction at which a load is held (M): 0 if none is needed; `None` if no friction, however
+    /// large, holds it, or if any does (wedged).
+    ///
+    /// # Errors
+    /// As [`Supports::standing`].
+    pub fn friction_margin(&self, load: &[f64]) -> Result<Option<f64>, Undecided> {
+        // Below this part friction is not what holds.
+        const NONE: f64 = 1e-9;
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut s = 1.0;
+        for _ in 0..100 {
+            let scaled = Scaled::new(self, load, s);
+            let grown = scaled.grow()?;
+            let tau = 0.5 * (grown.upper + grown.lower.max(-AMPLE));
+            if tau > 0.0 { low = s } else { high = s }
+            let slope = scaled.slope(&grown.motion, &grown.forces) / s;
+            let newton = s - tau / slope;
+            let next = match slope < 0.0 && newton > low && newton < high {
+                // A step to almost no friction is judged there, not from here.
+                true => newton.max(0.1 * s),
+                false if high.is_finite() => 0.5 * (low + high),
+                false => 4.0 * s,
+            };
+            if (next - s).abs() <= 1e-13 * s {
+                return Ok(Some(next));
+            }
+            if next > 1e6 {
+                return Ok(None);
+            }
+            if next < NONE {
+                return Ok(if self.held_by_squeeze(load)? { None } else { Some(0.0) });
+            }
+            s = next;
+        }
+        Ok(Some(s))
+    }
+
+    /// Whether only squeezed supports hold a load.
+    fn held_by_squeeze(&self, load: &[f64]) -> Result<bool, Undecided> {
+        Scaled::new(self, load, 1.0).needs_squeeze()
+    }
+
+    /// Of all forces that hold a load, the least sum of normal forces, halved (N): what has to squeeze a wedged scene.
+    ///
+    /// # Errors
+    /// As [`Supports::standing`].
+    pub fn least_squeeze(&self, load: &[f64]) -> Result<f64, Undecided> {
+        let scaled = Scaled::new(self, load, 1.0);
+        let mut program = scaled.program(&Extra::None);
+        for (i, cone) in self.cones.iter().enumerate() {
+            if matches!(cone, Cone::Coulomb { .. } | Cone::Ray) {
+                program.linear[self.starts[i]] = 1.0;
+            }
+        }
+        let answer = scaled.answer(&program)?;
+        let mut forces = answer.x;
+        scaled.polish(&mut forces);
+        let sum: f64 = program.linear.iter().zip(&forces).map(|(counts, f)| counts * f).sum();
+        Ok(0.5 * sum * scaled.size)
+    }
+}
+
+/// The answer to (P), scaled.
+struct Grown {
+    forces: Vec<f64>,
+    motion: Vec<f64>,
+    upper: f64,
+    lower: f64,
+    certificate: Certificate,
+}
+
+impl Scaled<'_> {
+    fn answer(&self, program: &Program) -> Result<Answer, Undecided> {
+        program.solve().ok_or(Undecided::Inexact {
+            rows: self.load.len(),
+            supports: self.cones.len(),
+            unbalanced: f64::NAN,
+            gap: f64::NAN,
+        })
+    }
+
+    fn grow(&self) -> Result<Grown, Undecided> {
+        let answer = self.answer(&self.program(&Extra::Growth))?;
+        let mut forces = answer.x[..self.columns.len()].to_vec();
+        let motion = answer.multipliers[..self.load.len()].to_vec();
+        self.polish(&mut forces);
+        let (upper, lower) = (self.outside(&forces), self.bound(&motion, &forces));
+        let gap = if upper <= -0.99 * AMPLE { 0.0 } else { upper - lower };
+        let certificate = Certificate { unbalanced: self.unbalanced(&forces), outside: upper.max(0.0), gap };
+        Ok(Grown { forces, motion, upper, lower, certificate })
+    }
+
+    /// dτ*/d ln s of friction times s: `−Σ z f_n μ` of contacts, `−Σ z b` of hinges, by Σ z = 1.
+    fn slope(&self, motion: &[f64], forces: &[f64]) -> f64 {
+        let rates = self.rates(motion);
+        let (mut sum, mut growth) = (0.0, 0.0);
+        for (i, cone) in self.cones.iter().enumerate() {
+            let range = self.supports.range(i);
+            let u = &rates[range.clone()];
+            match cone {
+                Cone::Free => {}
+                Cone::Ray => growth += u[0],
+                Cone::Coulomb { friction } => {
+                    growth += u[0] / friction;
+                    sum += u[0] * forces[range.start];
+                }
+                Cone::Ball { bound, .. } => {
+                    growth += norm(u);
+                    sum += norm(u) * bound;
+                }
+            }
+        }
+        -sum / growth
+    }
+
+    /// (U).
+    fn least(&self) -> Option<Vec<f64>> {
+        let mut program = self.program(&Extra::None);
+        program.quadratic.fill(1.0);
+        let mut forces = program.solve()?.x;
+        self.polish(&mut forces);
+        (self.unbalanced(&forces) <= BALANCED && self.outside(&forces) <= AT_THE_LIMIT).then_some(forces)
+    }
+
+    /// Whether friction that only a squeeze can load is what holds: (W), then (P) with that friction left out.
+    fn needs_squeeze(&self) -> Result<bool, Undecided> {
+        let squeezed = self.squeezed()?;
+        if squeezed.is_empty() {
+            return Ok(false);
+        }
+        // Tangential forces that push on nothing leave `f_n ≥ 0`.
+        let mut without = Scaled {
+            supports: self.supports,
+            columns: self.columns.clone(),
+            cones: self.cones.clone(),
+            load: self.load.clone(),
+            size: self.size,
+        };
+        for i in squeezed {
+            let first = self.supports.starts[i];
+            without.columns[first + 1].clear();
+            without.columns[first + 2].clear();
+        }
+        Ok(without.grow()?.lower > 0.0)
+    }
+
+    /// The contacts that forces inside all cones can press on each other: (W).
+    fn squeezed(&self) -> Result<Vec<usize>, Undecided> {
+        let normal = |i: &usize| matches!(self.cones[*i], Cone::Coulomb { .. });
+        let contacts: Vec<usize> = (0..self.cones.len()).filter(normal).collect();
+        if contacts.is_empty() {
+            return Ok(contacts);
+        }
+        let mut program = self.program(&Extra::None);
+        program.right[..self.load.len()].fill(0.0);
+        let mut at = self.load.len();
+        for cone in &self.cones {
+            if let Cone::Ball { .. } = cone {
+                program.right[at] = 0.0;
+            }
+            at += cone.rows().map_or(0, |(_, rows)| rows);
+        }
+        for i in &contacts {
+            let column = self.supports.starts[*i];
+            program.linear[column] = -1.0;
+            program.columns[column].push((program.right.len(), 1.0));
+            program.right.push(1.0);
+            program.cones.push((false, 1));
+        }
+        let answer = self.answer(&program)?;
+        Ok(contacts.into_iter().filter(|i| answer.x[self.supports.starts[*i]] > SQUEEZE).collect())
+    }
+
+    /// Forces of those that carry, less the rank of their columns.
+    fn self_stresses(&self, forces: &[f64]) -> usize {
+        let carries = |i: usize| match self.cones[i] {
+            Cone::Free => true,
+            Cone::Ray | Cone::Coulomb { .. } => forces[self.supports.starts[i]] > AT_THE_LIMIT,
+            // Friction of a hinge is bounded: no squeeze can load it.
+            Cone::Ball { .. } => false,
+        };
+        let kept: Vec<usize> =
+            (0..self.cones.len()).filter(|i| carries(*i)).flat_map(|i| self.supports.range(i)).collect();
+        let mut matrix = faer::Mat::<f64>::zeros(self.load.len(), kept.len());
+        for (k, column) in kept.iter().enumerate() {
+            self.columns[*column].iter().for_each(|(row, entry)| matrix[(*row, k)] += entry);
+        }
+        if kept.is_empty() || self.load.is_empty() {
+            return kept.len();
+        }
+        let qr = matrix.col_piv_qr();
+        let (r, most) = (qr.thin_R(), self.load.len().min(kept.len()));
+        let largest = r[(0, 0)].abs();
+        let rank = (0..most).take_while(|i| r[(*i, *i)].abs() > 1e-10 * largest).count();
+        kept.len() - rank
+    }
+
+    fn unscaled(&self, forces: &[f64]) -> Vec<f64> {
+        let mut out = forces.to_vec();
+        for i in 0..self.cones.len() {
+            out[self.supports.range(i)].iter_mut().for_each(|f| *f *= self.size * self.supports.levers[i]);
+        }
+        out
+    }
+
+    /// A motion of scaled coordinates in those of the scene, its largest rate 1 (by units).
+    fn rates_of_coordinates(&self, motion: &[f64]) -> Vec<f64> {
+        let most = motion.iter().fold(0.0, |most, rate| f64::max(most, rate.abs()));
+        let scale = if most > 0.0 { 1.0 / most } else { 0.0 };
+        motion.iter().zip(&self.supports.units).map(|(rate, unit)| rate * scale / unit).collect()
+    }
+}

@@ -1,0 +1,88 @@
+//! The one place that knows the conic solver. Nothing that it says of itself is believed: callers recompute.
+
+use super::Cone;
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
+
+/// `min ½ xᵀ diag(p) x + q·x` with `A x = right` in the first rows and `right − A x` in cones in the others.
+pub(super) struct Program {
+    pub(super) quadratic: Vec<f64>,
+    pub(super) linear: Vec<f64>,
+    /// Columns of `A`: (row, entry).
+    pub(super) columns: Vec<Vec<(usize, f64)>>,
+    pub(super) right: Vec<f64>,
+    /// Number of equations.
+    pub(super) equations: usize,
+    /// Cones of the other rows: `true` for a second-order cone, `false` for numbers ≥ 0.
+    pub(super) cones: Vec<(bool, usize)>,
+}
+
+/// Where it ended: `x`, and the multipliers of all rows.
+pub(super) struct Answer {
+    pub(super) x: Vec<f64>,
+    pub(super) multipliers: Vec<f64>,
+}
+
+/// Accuracy that is asked for: what is reached depends on how degenerate the program is, and is measured by callers.
+const ASKED: f64 = 1e-12;
+
+impl Program {
+    /// An interior point's answer; `None` if it is not finite or the program has no shape that the solver takes.
+    pub(super) fn solve(&self) -> Option<Answer> {
+        let n = self.linear.len();
+        let quadratic = diagonal(&self.quadratic);
+        let matrix = by_columns(&self.columns, self.right.len());
+        let mut cones = vec![SupportedConeT::ZeroConeT(self.equations)];
+        cones.extend(self.cones.iter().map(|(second_order, size)| match second_order {
+            true => SupportedConeT::SecondOrderConeT(*size),
+            false => SupportedConeT::NonnegativeConeT(*size),
+        }));
+        let settings = DefaultSettings {
+            verbose: false,
+            max_threads: 1,
+            tol_gap_abs: ASKED,
+            tol_gap_rel: ASKED,
+            tol_feas: ASKED,
+            ..DefaultSettings::default()
+        };
+        let mut solver = DefaultSolver::new(&quadratic, &self.linear, &matrix, &self.right, &cones, settings).ok()?;
+        solver.solve();
+        let (x, multipliers) = (solver.solution.x.clone(), solver.solution.z.clone());
+        let finite = x.len() == n && x.iter().chain(&multipliers).all(|number| number.is_finite());
+        finite.then_some(Answer { x, multipliers })
+    }
+}
+
+fn diagonal(entries: &[f64]) -> CscMatrix<f64> {
+    let columns: Vec<Vec<(usize, f64)>> = entries
+        .iter()
+        .enumerate()
+        .map(|(i, entry)| if *entry == 0.0 { Vec::new() } else { vec![(i, *entry)] })
+        .collect();
+    by_columns(&columns, entries.len())
+}
+
+/// Compressed columns; entries of a column in ascending rows.
+fn by_columns(columns: &[Vec<(usize, f64)>], rows: usize) -> CscMatrix<f64> {
+    let (mut starts, mut indices, mut entries) = (vec![0], Vec::new(), Vec::new());
+    for column in columns {
+        let mut column = column.clone();
+        column.sort_by_key(|(row, _)| *row);
+        indices.extend(column.iter().map(|(row, _)| *row));
+        entries.extend(column.iter().map(|(_, entry)| *entry));
+        starts.push(indices.len());
+    }
+    CscMatrix::new(rows, columns.len(), starts, indices, entries)
+}
+
+impl Cone {
+    /// Rows that it has in a program: how many, and whether they are a second-order cone.
+    pub(super) fn rows(&self) -> Option<(bool, usize)> {
+        match self {
+            Self::Free => None,
+            Self::Ray => Some((false, 1)),
+            Self::Coulomb { .. } => Some((true, 3)),
+            Self::Ball { size, .. } => Some((true, size + 1)),
+        }
+    }
+}
