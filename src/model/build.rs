@@ -4,7 +4,7 @@ use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check, couple, hinge_curve, motor, watch};
+use super::{Model, check, contact, couple, hinge_curve, motor, watch};
 use crate::force::{Describe, Report};
 use crate::suggest;
 use nalgebra::Vector3;
@@ -15,6 +15,7 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     couple::check(description, &mut problems);
     motor::check(description, &mut problems);
     problems.extend(watch::check(description));
+    problems.extend(contact::check(description));
     problems.extend(hinge_curve::check(description));
     let names = index_names(description, &mut problems);
     let parents = resolve_parents(description, &names, &mut problems);

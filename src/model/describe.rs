@@ -54,6 +54,12 @@ impl Description {
         self
     }
 
+    /// Adds what may touch what.
+    pub fn contact(mut self, contact: ContactDescription) -> Self {
+        self.contacts.push(contact);
+        self
+    }
+
     /// Adds an event.
     pub fn event(mut self, event: EventDescription) -> Self {
         self.events.push(event);
@@ -191,6 +197,11 @@ impl HingeDescription {
     /// Sets the constant motor force per velocity (N or N m).
     pub fn force(self, force: impl Into<Vec<f64>>) -> Self {
         Self { force: force.into(), ..self }
+    }
+
+    /// Sets dry friction (N or N m), the same at rest and in motion, one number per velocity.
+    pub fn friction(self, friction: impl Into<Vec<f64>>) -> Self {
+        Self { friction: friction.into().into_iter().map(DryFriction::new).collect(), ..self }
     }
 
     /// Adds stops of one coordinate.

@@ -25,6 +25,7 @@
 //! assert_eq!((model.bodies.len(), model.degrees_of_freedom()), (2, 2));
 //! ```
 
+pub use super::contact::{ContactDescription, DryFriction};
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 pub use super::hinge_curve::{CurveOver, HingeCurveDescription};
 use super::motor::MotorDescription;
@@ -63,6 +64,8 @@ pub struct Description {
     pub events: Vec<EventDescription>,
     /// Numbers with names that all this follows from.
     pub named: NamedNumbers,
+    /// What may touch what; nothing else does.
+    pub contacts: Vec<ContactDescription>,
 }
 
 impl Default for Description {
@@ -79,6 +82,7 @@ impl Default for Description {
             motors: Vec::new(),
             events: Vec::new(),
             named: NamedNumbers::default(),
+            contacts: Vec::new(),
         }
     }
 }
@@ -92,7 +96,7 @@ pub struct BodyDescription {
     pub mass: MassProperties,
     /// Named points, body axes, from the root marker (m).
     pub markers: Vec<(String, Vector3<f64>)>,
-    /// For pictures only.
+    /// For pictures, and what touches other bodies.
     pub shapes: Vec<Shape>,
     /// The inboard hinge.
     pub hinge: HingeDescription,
@@ -137,6 +141,8 @@ pub struct HingeDescription {
     pub armature: Vec<f64>,
     /// Constant motor force per velocity (N or N m).
     pub force: Vec<f64>,
+    /// Dry friction per velocity; of a ball's three the first bounds the size of the torque.
+    pub friction: Vec<DryFriction>,
     /// Held during statics.
     pub lock: bool,
     /// Stops of its coordinates.
@@ -160,6 +166,7 @@ impl HingeDescription {
             rest: Vec::new(),
             armature: Vec::new(),
             force: Vec::new(),
+            friction: Vec::new(),
             lock: false,
             limits: Vec::new(),
             curves: Vec::new(),

@@ -8,6 +8,7 @@
 pub mod address;
 mod build;
 mod check;
+pub mod contact;
 mod couple;
 pub mod couplings;
 mod describe;
@@ -26,6 +27,7 @@ pub mod watch;
 
 pub use crate::force::{End, Force};
 pub use crate::hinge::Joint;
+pub use contact::{ContactRule, HingeFriction};
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use halves::Halves;
@@ -76,6 +78,10 @@ pub struct Model {
     pub independent_rows: Option<Vec<bool>>,
     /// Stops of hinge coordinates.
     pub stops: Vec<Stop>,
+    /// Hinges with dry friction.
+    pub hinge_friction: Vec<HingeFriction>,
+    /// What may touch what; nothing else does.
+    pub contacts: Vec<ContactRule>,
     /// What a run takes note of.
     pub events: Vec<Event>,
     /// Start or guess: hinge coordinates, `position_count` numbers.

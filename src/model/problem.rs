@@ -42,6 +42,8 @@ pub enum Element {
     Motor(usize),
     /// Index into `Description::events`.
     Event(usize),
+    /// Index into `Description::contacts`.
+    Contact(usize),
 }
 
 /// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.

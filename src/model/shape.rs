@@ -13,6 +13,8 @@ pub struct Shape {
     pub pose: Isometry3<f64>,
     /// Red, green, blue, opacity, 0…1.
     pub color: Option<[f64; 4]>,
+    /// Whether it touches the shapes of other bodies, if there is a contact between them.
+    pub collides: bool,
 }
 
 /// The solids.
@@ -36,6 +38,8 @@ pub enum Geometry {
         /// Of the cylindrical part (m).
         length: f64,
     },
+    /// All points behind a plane through the origin: its outward normal, of any length.
+    Plane(Vector3<f64>),
     /// A triangle mesh in a file.
     Mesh {
         /// File as found from the scenario's folder.
@@ -46,8 +50,8 @@ pub enum Geometry {
 }
 
 impl Shape {
-    /// Mass properties of the solid filled with `density` (kg/m³); `None` for a mesh: what it encloses
-    /// stands in its file ([`crate::mesh::Mesh::solid`]).
+    /// Mass properties of the solid filled with `density` (kg/m³); `None` for a plane, which
+    /// has none, and for a mesh: what it encloses stands in its file ([`crate::mesh::Mesh::solid`]).
     pub fn mass_properties(&self, density: f64) -> Option<MassProperties> {
         let (mass, principal) = match &self.geometry {
             Geometry::Box(edges) => {
@@ -72,7 +76,7 @@ impl Shape {
                     + ends * (83.0 / 320.0 * r * r + (0.5 * l + 0.375 * r).powi(2));
                 (middle + ends, Vector3::new(across, across, 0.5 * middle * r * r + 0.4 * ends * r * r))
             }
-            Geometry::Mesh { .. } => return None,
+            Geometry::Plane(_) | Geometry::Mesh { .. } => return None,
         };
         let turn = self.pose.rotation.to_rotation_matrix();
         Some(MassProperties {

@@ -5,7 +5,7 @@ use super::couple::couple;
 use super::description::{Description, MassProperties};
 use super::link::Link;
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, hinge_curve, watch};
+use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, hinge_curve, watch};
 use crate::force::{Carrier, Describe};
 use crate::hinge::Joint;
 use crate::hinge::joint::quaternion;
@@ -233,6 +233,7 @@ impl<'a> Tree<'a> {
         let forces = forces.collect();
         let bodies: Vec<Body> = self.bodies.iter().flatten().cloned().collect();
         let stops = watch::stops(self.description, &bodies);
+        let hinge_friction = contact::hinge_friction(self.description, &bodies);
         let events = watch::events(self.description, &bodies, end, watched);
         let mut model = Model {
             title: self.description.title.clone(),
@@ -245,6 +246,8 @@ impl<'a> Tree<'a> {
             curves: hinge_curve::compile(self.description, &bodies, &self.links),
             independent_rows: None,
             stops,
+            hinge_friction,
+            contacts: contact::rules(self.description),
             events,
             bodies,
             halves: Halves::of(&self.links),

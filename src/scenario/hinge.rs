@@ -3,7 +3,7 @@
 use super::findings::Finding;
 use super::reader::{Reader, number, numbers, rows};
 use crate::hinge::Keys;
-use crate::model::description::{GROUND, HingeDescription, HingeKind, LimitDescription, Point, StopLaw};
+use crate::model::description::{DryFriction, GROUND, HingeDescription, HingeKind, LimitDescription, Point, StopLaw};
 use nalgebra::Vector3;
 use toml::de::DeValue;
 
@@ -48,6 +48,9 @@ pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hi
                 None => {}
             }
         }
+    }
+    if let Some(kind) = kind {
+        description.friction = friction(&table, owner, kind);
     }
     description.limits = limits(&table, owner);
     description.curves = super::curve::in_hinge(&table, owner);
@@ -99,6 +102,24 @@ fn next(body: &Reader<'_>, hinge: &Reader<'_>, owner: &str, repeat: Option<usize
         body.findings.push(Finding::error(table.key_span("next"), message).help(help));
     }
     point(table, "next")
+}
+
+/// Dry friction per velocity: one value for all, or a list.
+fn friction(table: &Reader<'_>, owner: &str, kind: HingeKind) -> Vec<DryFriction> {
+    let Some(value) = table.value("friction") else { return Vec::new() };
+    let velocities = kind.counts().1;
+    let Some(items) = value.get_ref().as_array() else {
+        return super::contact::friction(table, value).map_or_else(Vec::new, |one| vec![one; velocities]);
+    };
+    if items.len() != velocities {
+        let name = kind.name();
+        let message = format!(
+            "hinge of body `{owner}`: `friction` of a {name} hinge is one value or a list of {velocities}; found a list of {}",
+            items.len()
+        );
+        table.findings.push_value(Finding::error(value.span(), message));
+    }
+    items.iter().filter_map(|item| super::contact::friction(table, item)).collect()
 }
 
 /// Stops: a pair, a pair per coordinate, one in full, or a list of those.

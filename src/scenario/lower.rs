@@ -1,6 +1,7 @@
 //! From a checked file to a description, and back from the description's elements to the file.
 
 use super::body::{Names, Template, template};
+use super::contact::contact;
 use super::couplings::{closed_loop, drive, gear};
 use super::event::event;
 use super::findings::{Finding, Findings};
@@ -64,6 +65,12 @@ pub(super) fn lower<'a>(
         if let Some(event) = event(table, index, &names) {
             description.events.push(event);
             spans.add_event(index);
+        }
+    }
+    for (index, table) in scenario.tables("contact").iter().enumerate() {
+        if let Some(contact) = contact(table, index) {
+            description.contacts.push(contact);
+            spans.contacts.push(index);
         }
     }
     (description, spans)

@@ -30,6 +30,7 @@ mod schema;
 
 mod body;
 mod check;
+mod contact;
 mod couplings;
 mod curve;
 mod event;

@@ -11,7 +11,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::DeValue;
 
-const SOLIDS: [&str; 5] = ["box", "sphere", "cylinder", "capsule", "mesh"];
+const SOLIDS: [&str; 6] = ["box", "sphere", "cylinder", "capsule", "plane", "mesh"];
 
 /// The solids of a body; mesh files are found from `folder`.
 pub(super) fn shapes(body: &Reader<'_>, owner: &str, folder: &Path) -> Vec<Shape> {
@@ -36,6 +36,7 @@ fn shape(table: &Reader<'_>, owner: &str, folder: &Path) -> Option<Shape> {
         geometry: geometry(table, solid, folder)?,
         pose: Isometry3::from_parts(Translation3::from(at), table.turn("rpy")),
         color: color(table, owner),
+        collides: table.flag("contact").unwrap_or(true),
     })
 }
 
@@ -43,6 +44,15 @@ fn geometry(table: &Reader<'_>, solid: &str, folder: &Path) -> Option<Geometry> 
     Some(match solid {
         "box" => Geometry::Box(table.vector("box")?),
         "sphere" => Geometry::Sphere(table.number("sphere")?),
+        "plane" => {
+            let normal: Vector3<f64> = table.vector("plane")?;
+            if !(normal.norm() > 0.0) {
+                let finding = Finding::error(table.span_of("plane"), "a plane whose normal is zero has no direction".to_owned());
+                table.findings.push_value(finding.help("for example `plane = [0.0, 0.0, 1.0]`"));
+                return None;
+            }
+            Geometry::Plane(normal)
+        }
         "mesh" => {
             let scale = table.number("scale").map(Vector3::repeat).or_else(|| table.vector("scale"));
             let file = folder.join(table.text("mesh")?);

@@ -18,6 +18,7 @@ pub(super) struct SpanTable<'a> {
     pub(super) drives: Vec<usize>,
     pub(super) gears: Vec<usize>,
     pub(super) motors: Vec<usize>,
+    pub(super) contacts: Vec<usize>,
     events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
@@ -34,8 +35,8 @@ impl<'a> SpanTable<'a> {
     pub(super) fn new(document: &'a DeTable<'a>) -> Self {
         let (bodies, forces) = (Vec::new(), Vec::new());
         let (loops, drives, gears) = (Vec::new(), Vec::new(), Vec::new());
-        let (motors, events) = (Vec::new(), Vec::new());
-        Self { document, bodies, forces, events, loops, drives, gears, motors, nameless: false }
+        let (motors, contacts, events) = (Vec::new(), Vec::new(), Vec::new());
+        Self { document, bodies, forces, events, loops, drives, gears, motors, contacts, nameless: false }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -70,6 +71,7 @@ impl<'a> SpanTable<'a> {
             Element::Drive(index) => ("drive", *self.drives.get(index)?),
             Element::Gear(index) => ("gear", *self.gears.get(index)?),
             Element::Motor(index) => ("motor", *self.motors.get(index)?),
+            Element::Contact(index) => ("contact", *self.contacts.get(index)?),
             Element::Event(event) => ("event", *self.events.get(event)?),
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)

@@ -6,8 +6,12 @@ use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
 use crate::model::{Body, End, Loop, Model};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
-use nalgebra::{Point3, UnitQuaternion};
+use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
+
+/// A plane is drawn this many times as large as the scene, and this part of it thick.
+const GROUND: f64 = 4.0;
+const THIN: f64 = 0.01;
 
 /// What a picture of this model needs to know.
 pub fn scene(model: &Arc<Model>) -> Scene {
@@ -28,7 +32,7 @@ pub fn scene(model: &Arc<Model>) -> Scene {
     let rods = model.loops.iter().filter_map(|closed| rod(model, closed));
     Scene {
         title: model.title.clone(),
-        bodies: model.bodies.iter().map(picture).collect(),
+        bodies: model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect(),
         lines: springs.chain(rods).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(HingeKind::positions),
@@ -39,7 +43,7 @@ pub fn scene(model: &Arc<Model>) -> Scene {
     }
 }
 
-fn picture(body: &Body) -> BodyPicture {
+fn picture(body: &Body, reach: f64) -> BodyPicture {
     let i = &body.mass.inertia;
     let turn = body.hinge.parent_from_hinge.rotation;
     BodyPicture {
@@ -49,27 +53,35 @@ fn picture(body: &Body) -> BodyPicture {
         center: body.mass.center.into(),
         inertia: [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23],
         markers: body.markers.iter().map(|(name, at)| (name.clone(), (*at).into())).collect(),
-        shapes: body.shapes.iter().map(shape).collect(),
+        shapes: body.shapes.iter().map(|one| shape(one, reach)).collect(),
         hinge: body.hinge.kind.name().to_owned(),
         hinge_axes: body.hinge.kind.axes().iter().map(|axis| (turn * axis.normalize()).into()).collect(),
         hinge_at: body.hinge.parent_from_hinge.translation.vector.into(),
     }
 }
 
-fn shape(shape: &Shape) -> ShapePicture {
+/// A plane is a slab of `reach` (m) whose upper face it is.
+fn shape(shape: &Shape, reach: f64) -> ShapePicture {
+    let mut pose = shape.pose;
+    if let Geometry::Plane(normal) = &shape.geometry {
+        let turn = UnitQuaternion::rotation_between(&Vector3::z(), normal)
+            .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+        pose *= turn * Translation3::new(0.0, 0.0, -0.5 * THIN * reach);
+    }
     let (kind, size, file) = match &shape.geometry {
         Geometry::Box(edges) => ("box", vec![edges.x, edges.y, edges.z], None),
         Geometry::Sphere(radius) => ("sphere", vec![*radius], None),
         Geometry::Cylinder { radius, length } => ("cylinder", vec![*radius, *length], None),
         Geometry::Capsule { radius, length } => ("capsule", vec![*radius, *length], None),
+        Geometry::Plane(_) => ("box", vec![reach, reach, THIN * reach], None),
         Geometry::Mesh { file, scale } => ("mesh", vec![scale.x, scale.y, scale.z], Some(file.display().to_string())),
     };
-    let turn = shape.pose.rotation;
+    let turn = pose.rotation;
     ShapePicture {
         kind: kind.to_owned(),
         size,
         file,
-        position: shape.pose.translation.vector.into(),
+        position: pose.translation.vector.into(),
         quaternion: [turn.w, turn.i, turn.j, turn.k],
         color: shape.color,
     }

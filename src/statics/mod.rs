@@ -22,6 +22,7 @@ pub mod path;
 mod problem;
 mod search;
 pub mod settings;
+pub mod standing;
 mod watch;
 
 pub use answer::answer;

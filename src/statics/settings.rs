@@ -1,5 +1,7 @@
 //! What a user asks of statics.
 
+use crate::model::Parameter;
+
 /// The `(statics)` table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -9,16 +11,30 @@ pub struct Settings {
     pub method: Method,
     /// How long the search may take (s, > 0; infinite for no limit). A search that it ends says what was found until then.
     pub time_limit: f64,
+    /// Contacts are closed to this part of the smaller shape, > 0.
+    pub gap: f64,
+}
+
+/// What may move while a pose with friction or contact stands.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Margin {
+    /// Numbers of the scene.
+    pub numbers: Vec<Parameter>,
+    /// Whether the scene is tilted.
+    pub tilt: bool,
 }
 
 impl Settings {
     /// The time limit of a scene that gives none (s).
     pub const TIME_LIMIT: f64 = 60.0;
+    /// The gap of a scene that gives none.
+    pub const GAP: f64 = 1e-6;
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { want: Want::default(), method: Method::default(), time_limit: Self::TIME_LIMIT }
+        let (want, method) = (Want::default(), Method::default());
+        Self { want, method, time_limit: Self::TIME_LIMIT, gap: Self::GAP }
     }
 }
 

@@ -289,6 +289,15 @@ impl Supports {
         Ok(Some(s))
     }
 
+    /// The motion along which supports give way first when all friction is scaled by `part`: `ν` of (D) there.
+    ///
+    /// # Errors
+    /// As [`Supports::standing`].
+    pub fn motion_at(&self, load: &[f64], part: f64) -> Result<Vec<f64>, Undecided> {
+        let scaled = Scaled::new(self, load, part);
+        Ok(scaled.rates_of_coordinates(&scaled.grow()?.motion))
+    }
+
     /// Whether only squeezed supports hold a load.
     fn held_by_squeeze(&self, load: &[f64]) -> Result<bool, Undecided> {
         Scaled::new(self, load, 1.0).needs_squeeze()

@@ -213,7 +213,7 @@ fn primitive(settled: &Settled<'_>, kind: &str, size: &[f64], shell: bool) -> Op
     let unit = if shell {
         surface(&geometry)
     } else {
-        Shape { geometry, pose: Isometry3::identity(), color: None }.mass_properties(1.0)?
+        Shape { geometry, pose: Isometry3::identity(), color: None, collides: true }.mass_properties(1.0)?
     };
     Some((solid, unit))
 }
@@ -271,7 +271,7 @@ fn surface(geometry: &Geometry) -> MassProperties {
             let [x, y, z] = [spread(0), spread(1), spread(2)];
             (faces.iter().sum(), Vector3::new(y + z, x + z, x + y))
         }
-        Geometry::Mesh { .. } => (0.0, Vector3::zeros()),
+        Geometry::Plane(_) | Geometry::Mesh { .. } => (0.0, Vector3::zeros()),
     };
     MassProperties { mass, center: Vector3::zeros(), inertia: Matrix3::from_diagonal(&moments) }
 }

@@ -92,11 +92,11 @@ pub const ATTACHMENT: Table = Table {
 /// A `shape`.
 pub const SHAPE: Table = Table {
     name: "shape",
-    doc: "A solid in body axes: exactly one of `box`, `sphere`, `cylinder`, `capsule` and `mesh`.",
+    doc: "A solid in body axes: exactly one of `box`, `sphere`, `cylinder`, `capsule`, `plane` and `mesh`.",
     types: &[],
     keys: &[
         Key::new("box", Kind::List(&POSITIVE, &[3]), "Edge lengths.").unit("m").example("[0.05, 0.05, 1.0]"),
-        Key::new("sphere", POSITIVE, "Radius.").unit("m").example("0.1"),
+        Key::new("sphere", NOT_NEGATIVE, "Radius; 0 is a point.").unit("m").example("0.1"),
         Key::new("cylinder", ROUNDED, "Radius and length, along its z.").unit("m").example("[0.05, 1.0]"),
         Key::new(
             "capsule",
@@ -105,6 +105,11 @@ pub const SHAPE: Table = Table {
         )
         .unit("m")
         .example("{ radius = 0.05, length = 1.0 }"),
+        Key::new("plane", VECTOR, "Outward normal of a plane through `at`: all that is behind it is solid.")
+            .example("[0.0, 0.0, 1.0]"),
+        Key::new("contact", Kind::Flag, "Whether it touches other bodies, if there is a `[[contact]]` between them.")
+            .default("true")
+            .example("false"),
         Key::new(
             "mesh",
             Kind::Text,

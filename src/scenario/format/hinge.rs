@@ -3,6 +3,7 @@
 use super::super::fields::{Key, Kind, Range, Table};
 use super::body::POINT;
 use super::force::{INTERPOLATIONS, POINTS};
+use super::contact::DRY;
 use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 use crate::hinge::{DECLARED, Which, count, names};
 
@@ -101,7 +102,15 @@ pub const HINGE: Table = Table {
         Key::new("damper", CURVES, "A damper by a table of points, beside `damping`; or a list of such.")
             .only(&MOVING)
             .example("{ curve = [[-1.0, -300.0], [0.0, 0.0], [1.0, 900.0]], interpolation = \"linear\" }"),
-        Key::new("friction", Kind::Refused("`friction` is reserved for a later version"), "Dry friction."),
+        Key::new(
+            "friction",
+            FRICTION,
+            "Dry friction; one value stands for every velocity, and bounds the size of the torque of a spherical hinge.",
+        )
+        .unit("N or N m")
+        .default("0.0")
+        .only(&MOVING)
+        .example("4.0"),
     ],
 };
 
@@ -133,6 +142,8 @@ const PER_COORDINATE: Kind =
 
 const PER_VELOCITY: Kind =
     Kind::Either(&[NOT_NEGATIVE, Kind::List(&NOT_NEGATIVE, &[]), Kind::List(&Kind::List(&NOT_NEGATIVE, &[]), &[])]);
+
+const FRICTION: Kind = Kind::Either(&[NOT_NEGATIVE, Kind::Table(&super::contact::FRICTION), Kind::List(&DRY, &[])]);
 
 const LIMITS: Kind = Kind::Either(&[
     Kind::List(&Kind::Number(Range::Any), &[2]),

@@ -1,6 +1,7 @@
 //! The scenario format, declared: every table, key, unit, range, default and sentence, said once.
 
 mod body;
+mod contact;
 mod couplings;
 mod event;
 mod force;
@@ -11,6 +12,7 @@ mod settings;
 mod start;
 
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
+pub use contact::{CONTACT, FRICTION};
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use event::EVENT;
 pub use force::{BUSHING_VALUES, CURVE_VALUES, FORCE};
@@ -64,6 +66,7 @@ pub const SCENARIO: Table = Table {
             "The bodies, in any order; without a `model` at least one.",
         ),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings, ropes, curves and loads."),
+        Key::new("contact", Kind::List(&Kind::Table(&CONTACT), &[]), "What cannot pass through what."),
         Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
         Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),

@@ -1,0 +1,145 @@
+//! The supports of a pose and what they have to bear: eq. (1) of the module.
+
+use super::closed::Scene;
+use crate::contact::support::{Cone, Supports};
+use crate::dynamics::{Fault, System};
+use crate::model::{Model, StopLaw};
+use crate::motion::{Motion, project};
+use crate::spatial::Wrench;
+use nalgebra::Vector3;
+
+/// A coordinate this near to a limit touches it: part of the scene's length, or rad.
+const TOUCHES: f64 = 1e-9;
+
+/// What a support is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Bears {
+    /// Index into the contacts of the scene.
+    Contact(usize),
+    /// Dry friction of a hinge, from this velocity coordinate on.
+    Friction { velocity: usize },
+    /// A rigid stop that is touched; the force on its coordinate is `sign` times what it bears.
+    Stop { velocity: usize, sign: f64 },
+    /// A loop, drive, gear or lock.
+    Other,
+}
+
+/// All supports of a pose and the load on them.
+pub(super) struct Bearers {
+    pub(super) supports: Supports,
+    /// What each support is.
+    pub(super) list: Vec<Bears>,
+    /// `f(q)` (N, N m).
+    pub(super) load: Vec<f64>,
+}
+
+impl Bearers {
+    pub(super) fn new(model: &Model, pose: &[f64], scene: &Scene) -> Result<Self, Fault> {
+        let length = model.length_scale();
+        let units: Vec<f64> = units(model);
+        let mut bearers =
+            Self { supports: Supports::new(units.clone()), list: Vec::new(), load: load(model, pose)? };
+        for (k, contact) in scene.contacts.iter().enumerate() {
+            let ends = contact.bodies.map(|body| model.bodies[body].link);
+            let column = |along: &Vector3<f64>| column(model, &scene.motion, ends, &contact.point, along);
+            let frame = contact.frame();
+            let friction = contact.friction.stick;
+            match friction > 0.0 {
+                true => bearers.add(Bears::Contact(k), Cone::Coulomb { friction }, 1.0, frame.iter().map(column).collect()),
+                false => bearers.add(Bears::Contact(k), Cone::Ray, 1.0, vec![column(&frame[0])]),
+            }
+        }
+        for friction in &model.hinge_friction {
+            let (velocity, count) = (friction.velocity, friction.count);
+            if model.coordinates[velocity].lock {
+                continue;
+            }
+            let cone = Cone::Ball { bound: friction.friction.stick, size: count };
+            let columns = (velocity..velocity + count).map(|i| vec![(i, 1.0)]).collect();
+            bearers.add(Bears::Friction { velocity }, cone, units[velocity], columns);
+        }
+        for stop in model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+            let (at, near) = (pose[stop.position], TOUCHES * if units[stop.velocity] == 1.0 { length } else { 1.0 });
+            for (limit, sign) in [(stop.range[0], 1.0), (stop.range[1], -1.0)] {
+                if (at - limit).abs() <= near {
+                    let velocity = stop.velocity;
+                    bearers.add(Bears::Stop { velocity, sign }, Cone::Ray, units[velocity], vec![vec![(velocity, sign)]]);
+                }
+            }
+        }
+        for (velocity, _) in model.coordinates.iter().enumerate().filter(|(_, coordinate)| coordinate.lock) {
+            bearers.add(Bears::Other, Cone::Free, units[velocity], vec![vec![(velocity, 1.0)]]);
+        }
+        for column in tied(model, pose)? {
+            bearers.add(Bears::Other, Cone::Free, 1.0, vec![column]);
+        }
+        Ok(bearers)
+    }
+
+    fn add(&mut self, bears: Bears, cone: Cone, lever: f64, columns: Vec<Vec<(usize, f64)>>) {
+        self.list.push(bears);
+        self.supports.add(cone, lever, columns);
+    }
+}
+
+/// 1 for slides, the scene's length for turns (m).
+fn units(model: &Model) -> Vec<f64> {
+    let mut units = vec![model.length_scale(); model.velocity_count()];
+    for link in model.links.iter().skip(1).filter(|link| link.joint.is_slide()) {
+        units[link.velocity] = 1.0;
+    }
+    units
+}
+
+/// What the balance of the coordinates lacks at rest (N, N m): gravity, springs, motors, loads.
+pub(super) fn load(model: &Model, pose: &[f64]) -> Result<Vec<f64>, Fault> {
+    let rest = vec![0.0; model.velocity_count()];
+    let (mut system, mut residual) = (System::new(model), rest.clone());
+    system.residual(pose, &rest, &rest, &mut residual)?;
+    for stop in &model.stops {
+        let StopLaw::Compliant { stiffness, .. } = stop.law else { continue };
+        let at = pose[stop.position];
+        residual[stop.velocity] += stiffness * ((at - stop.range[1]).max(0.0) - (stop.range[0] - at).max(0.0));
+    }
+    residual.iter_mut().for_each(|residual| *residual = -*residual);
+    Ok(residual)
+}
+
+/// The columns of loops, drives and gears.
+fn tied(model: &Model, pose: &[f64]) -> Result<Vec<Vec<(usize, f64)>>, Fault> {
+    if !model.is_constrained() {
+        return Ok(Vec::new());
+    }
+    let rest = vec![0.0; model.velocity_count()];
+    let (mut system, mut residual) = (System::new(model), rest.clone());
+    system.residual(pose, &rest, &rest, &mut residual)?;
+    let matrix = system.constraint_matrix(pose);
+    let row = |row: usize| (0..matrix.ncols()).map(|i| (i, matrix[(row, i)])).filter(|(_, entry)| *entry != 0.0).collect();
+    Ok((0..matrix.nrows()).map(row).collect())
+}
+
+/// How a unit force along a direction at a point, on the second link and against the first, pushes the coordinates.
+fn column(
+    model: &Model,
+    motion: &Motion,
+    ends: [usize; 2],
+    point: &Vector3<f64>,
+    along: &Vector3<f64>,
+) -> Vec<(usize, f64)> {
+    let mut column: Vec<(usize, f64)> = Vec::new();
+    for (end, sign) in ends.into_iter().zip([-1.0, 1.0]) {
+        let force = along * sign;
+        let mut at = end;
+        while at != 0 {
+            let (link, moving) = (&model.links[at], &motion.links[at]);
+            let wrench = Wrench { force, moment: (point - moving.position).cross(&force) };
+            project(link, moving, &wrench, |velocity, value| match column.iter_mut().find(|(i, _)| *i == velocity) {
+                Some((_, sum)) => *sum += value,
+                None => column.push((velocity, value)),
+            });
+            at = link.parent;
+        }
+    }
+    column.retain(|(_, value)| *value != 0.0);
+    column
+}
