@@ -115,7 +115,6 @@ pub mod budget;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod constraint;
-#[cfg(feature = "friction")]
 pub mod contact;
 pub mod dynamics;
 pub mod force;

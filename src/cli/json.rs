@@ -100,7 +100,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
     let frequencies: Vec<f64> = stability.map_or(Vec::new(), |s| {
         s.modes.iter().filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz).collect()
     });
-    json!({
+    let mut value = json!({
         "converged": found.converged,
         "balanced": found.balanced,
         "method": found.method,
@@ -135,7 +135,14 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "loop_reactions": loops(model, &found.loops),
         "notes": found.notes,
         "wall_seconds": wall_seconds,
-    })
+    });
+    if let Some(standing) = &found.standing {
+        value["standing"] = super::standing::json(model, standing);
+        if !standing.margins.inputs.is_empty() {
+            value["inputs"] = super::standing::inputs(standing);
+        }
+    }
+    value
 }
 
 fn bearing(stop: &crate::statics::Bearing) -> Value {

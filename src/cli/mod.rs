@@ -27,6 +27,7 @@ mod rest;
 mod run;
 mod samples;
 mod scene;
+mod standing;
 mod statics;
 mod stopwatch;
 mod sweep;

@@ -6,7 +6,7 @@ use super::sweep::grid::Axis;
 use super::{Common, Exit, baselines, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
-use crate::statics::{Equilibrium, Method, answer, equilibrium_watched};
+use crate::statics::{Equilibrium, Method, answer, equilibrium_watched, standing};
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -138,14 +138,15 @@ fn find_watched(
     let context = || format!("{}: statics cannot start", scenario.name);
     let interrupt = Interrupt::install()?;
     let go_on = || !interrupt.requested();
-    if let Some(trail) = trail.filter(|_| scenario.unknown.is_empty()) {
+    if let Some(trail) = trail.filter(|_| scenario.unknown.is_empty() && !standing::is_for(model)) {
         let found = equilibrium_watched(model, &scenario.statics, &model.start_position, &go_on);
         let (found, poses) = found.with_context(context)?;
         *trail = poses;
         return Ok((found, before.elapsed()));
     }
     let (description, unknown) = (scenario.description.clone(), &scenario.unknown);
-    let held = answer(description, model.clone(), unknown, &scenario.statics, &go_on).with_context(context)?;
+    let held = answer(description, model.clone(), unknown, &scenario.statics, &scenario.margin, &go_on)
+        .with_context(context)?;
     (scenario.description, *model) = (held.description, held.model);
     Ok((held.found, before.elapsed()))
 }

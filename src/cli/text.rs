@@ -95,12 +95,13 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
     let mut out = String::new();
     let verdict = match (&found.stability, found.balanced) {
         (Some(stability), true) => format!("{} equilibrium", stability.verdict.name()),
+        _ if found.stage == "given" => "the pose does not stand".to_owned(),
         _ => "no equilibrium found".to_owned(),
     };
     let stage = match found.stage {
         "start" if found.balanced => "the guess is one already".to_owned(),
         "start" => "no search".to_owned(),
-        "inverse" => "of the given pose".to_owned(),
+        "inverse" | "given" => "of the given pose".to_owned(),
         stage => format!("{}, {stage}", count(found.iterations, "step", "steps")),
     };
     let _ = writeln!(out, "{} ({stage}, {})", bold(&verdict), duration(wall));
@@ -111,6 +112,9 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         small(found.residual_force),
         small(found.residual_acceleration)
     );
+    if let Some(standing) = &found.standing {
+        out += &super::standing::text(model, standing);
+    }
     if let Some(stability) = &found.stability {
         modes(&mut out, stability);
         damped_modes(&mut out, stability);

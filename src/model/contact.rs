@@ -101,7 +101,8 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
             let message = format!("two contacts are called `{}`", contact.name);
             add("name", message, Some("names must be unique".to_owned()));
         }
-        if let Some((message, help)) = wrong(&contact.friction, &format!("the friction of contact `{}`", contact.name)) {
+        if let Some((message, help)) = wrong(&contact.friction, &format!("the friction of contact `{}`", contact.name))
+        {
             add("friction", message, Some(help));
         }
         for (side, pattern) in contact.between.iter().enumerate() {
@@ -178,9 +179,14 @@ mod tests {
 
     #[test]
     fn stars_stand_for_any_text() {
-        for (pattern, name) in
-            [("*", "floor"), ("crate[*]", "crate[12]"), ("a*c*", "abc"), ("floor", "floor"), ("*[1]", "x[1][1]"), ("", "")]
-        {
+        for (pattern, name) in [
+            ("*", "floor"),
+            ("crate[*]", "crate[12]"),
+            ("a*c*", "abc"),
+            ("floor", "floor"),
+            ("*[1]", "x[1][1]"),
+            ("", ""),
+        ] {
             assert!(fits(pattern, name), "{pattern} {name}");
         }
         for (pattern, name) in [("crate[*]", "crate"), ("floor", "floors"), ("*a", "ab"), ("a*a", "a"), ("", "x")] {

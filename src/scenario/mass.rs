@@ -157,7 +157,9 @@ mod tests {
         use nalgebra::Isometry3;
         let solid = |edges: Vector3<f64>, z: f64| {
             let pose = Isometry3::translation(0.3, 0.0, z);
-            Shape { geometry: Geometry::Box(edges), pose, color: None, collides: true }.mass_properties(700.0).expect("a box")
+            Shape { geometry: Geometry::Box(edges), pose, color: None, collides: true }
+                .mass_properties(700.0)
+                .expect("a box")
         };
         let whole = solid(Vector3::new(0.1, 0.2, 1.0), 0.5);
         let halves = combined(&[solid(Vector3::new(0.1, 0.2, 0.4), 0.2), solid(Vector3::new(0.1, 0.2, 0.6), 0.7)]);

@@ -101,6 +101,8 @@ pub struct Scenario {
     pub statics: statics::settings::Settings,
     /// Numbers that inverse statics finds; none where the pose is looked for.
     pub unknown: Vec<Parameter>,
+    /// What may move while a pose with friction or contact stands.
+    pub margin: statics::settings::Margin,
     /// The path that is followed, if one is asked for.
     pub path: Option<statics::path::Settings>,
     /// What is asked of the recording.
@@ -240,6 +242,7 @@ fn read(
 ) -> Scenario {
     let whole = Reader::new(document, 0..0, findings);
     let unknown = unknown::read(&whole, &description);
+    let margin = unknown::margin(&whole, &description);
     let path = path::read(&whole, &description, numbers);
     let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));
     settings::check_samples(&whole, &simulate, &record);
@@ -250,6 +253,7 @@ fn read(
         simulate,
         statics: settings::statics(&whole),
         unknown,
+        margin,
         path,
         record,
         models: models.iter().filter_map(|model| model.result.as_ref().ok().cloned()).collect(),

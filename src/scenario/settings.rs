@@ -35,6 +35,7 @@ pub(super) fn statics(scenario: &Reader<'_>) -> Statics {
     }
     let named = |method: &Method| Some(method.name()) == table.text("method");
     settings.method = Method::ALL.into_iter().find(named).unwrap_or(settings.method);
+    settings.gap = table.number("gap").unwrap_or(settings.gap);
     settings.time_limit = table.number("time_limit").unwrap_or(settings.time_limit);
     settings
 }

@@ -47,7 +47,8 @@ fn geometry(table: &Reader<'_>, solid: &str, folder: &Path) -> Option<Geometry> 
         "plane" => {
             let normal: Vector3<f64> = table.vector("plane")?;
             if !(normal.norm() > 0.0) {
-                let finding = Finding::error(table.span_of("plane"), "a plane whose normal is zero has no direction".to_owned());
+                let finding =
+                    Finding::error(table.span_of("plane"), "a plane whose normal is zero has no direction".to_owned());
                 table.findings.push_value(finding.help("for example `plane = [0.0, 0.0, 1.0]`"));
                 return None;
             }

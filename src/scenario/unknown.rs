@@ -1,10 +1,12 @@
-//! `statics.unknown`: addresses of the numbers that inverse statics finds.
+//! `statics.unknown` and `statics.margin`: addresses of the numbers that inverse statics finds, and of those that may move
+//! while a pose stands.
 
 use super::findings::Finding;
 use super::reader::Reader;
 use crate::model::description::BodyDescription;
 use crate::model::parameter::Field;
 use crate::model::{Description, Element, Parameter};
+use crate::statics::settings::Margin;
 
 /// The parameters that the list stands for, in its order.
 pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Parameter> {
@@ -54,4 +56,37 @@ fn moves_pose(one: &Parameter, description: &Description) -> bool {
         (it.loops.clone(), it.gears.clone(), it.drives.clone(), it.bodies.iter().map(of).collect::<Vec<_>>())
     };
     pose(&moved) != pose(description) || !description.loops.is_empty() && places(&moved) != places(description)
+}
+
+/// What may move while the pose stands.
+pub(super) fn margin(scenario: &Reader<'_>, description: &Description) -> Margin {
+    let mut margin = Margin::default();
+    let Some(table) = scenario.table("statics") else { return margin };
+    let Some(list) = table.value("margin").and_then(|value| value.get_ref().as_array()) else { return margin };
+    for item in list {
+        match item.get_ref().as_str() {
+            // It is always said.
+            None | Some("friction") => {}
+            Some("tilt") => margin.tilt = true,
+            Some(address) => match Parameter::find(description, address) {
+                Ok(found) if found.iter().any(|one| one.field == Field::Position) => {
+                    let message = format!("`{address}` is part of the pose, which is given");
+                    let help =
+                        "margins are of forces, loads, masses, lengths and stiffnesses, of `friction` and of `tilt`";
+                    table.findings.push_value(Finding::error(item.span(), message).help(help));
+                }
+                Ok(found) if found.iter().any(|one| one.field == Field::Named) => {
+                    let message =
+                        format!("`{address}`: loads need not be linear in a parameter, and a margin is of what is");
+                    let help = "give the address of a force, a load, a mass, a length or a stiffness";
+                    table.findings.push_value(Finding::error(item.span(), message).help(help));
+                }
+                Ok(found) => margin.numbers.extend(found),
+                Err(error) => {
+                    table.findings.push_value(Finding::error(item.span(), error.message).maybe_help(error.help));
+                }
+            },
+        }
+    }
+    margin
 }

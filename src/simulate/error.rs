@@ -11,6 +11,17 @@ pub enum RunError {
     /// The integrator cannot go on.
     #[error("{0}")]
     Step(String),
+    /// Contact or dry friction, which runs do not have yet.
+    #[error(
+        "runs do not have {what} yet, and leaving it out would be another scene: `statics` says whether it stands; for a run take \
+         {instead} out"
+    )]
+    Friction {
+        /// Contact, or the dry friction of a hinge.
+        what: String,
+        /// What to take out.
+        instead: &'static str,
+    },
     /// An explicit method on a scene that is far too stiff for it.
     #[error(
         "`{method}` is an explicit method and would need steps below {step:.1e} s: the hinge coordinate {hinge} moves at \

@@ -109,6 +109,7 @@ pub(super) fn run_with(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
     search: Search,
 ) -> Result<Summary, RunError> {
+    refuse_friction(model)?;
     let mut motion = Motion::new(model);
     let mut state = start.clone();
     motion
@@ -152,6 +153,20 @@ pub(super) fn run_with(
     run.sampler.sample(&mut motion, &mut run.ledger, 0.0, &run.state.clone(), recorder)?;
     let end_time = run.go(&mut motion, settings, recorder, go_on)?;
     Ok(run.summary(&mut motion, settings, end_time, before.kinetic + before.potential))
+}
+
+/// What would be left out in silence.
+fn refuse_friction(model: &Model) -> Result<(), RunError> {
+    if let Some(rule) = model.contacts.first() {
+        return Err(RunError::Friction { what: format!("contact (`{}`)", rule.name), instead: "`[[contact]]`" });
+    }
+    match model.hinge_friction.first() {
+        Some(friction) => {
+            let what = format!("the dry friction of the hinge of {}", model.label(friction.velocity));
+            Err(RunError::Friction { what, instead: "`friction`" })
+        }
+        None => Ok(()),
+    }
 }
 
 struct Run<'m> {

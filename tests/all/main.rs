@@ -42,5 +42,8 @@ mod scenario;
 mod scenarios;
 mod screws;
 mod statics;
+#[cfg(feature = "friction")]
+mod support;
+mod touch;
 mod units;
 mod verify;

@@ -49,7 +49,13 @@ pub(super) fn common(a: &[Point], b: &[Point], slack: f64) -> Vec<Point> {
     let (a, b) = if a.len() <= b.len() { (a, b) } else { (b, a) };
     let found = match (a.len(), b.len()) {
         (0, _) => Vec::new(),
-        (1, _) => if holds(b, a[0], slack) { a.to_vec() } else { Vec::new() },
+        (1, _) => {
+            if holds(b, a[0], slack) {
+                a.to_vec()
+            } else {
+                Vec::new()
+            }
+        }
         (2, 2) => segments([a[0], a[1]], [b[0], b[1]], slack),
         _ => clip(a, b, slack),
     };

@@ -82,8 +82,7 @@ impl Core {
         let at = |i: usize, up: usize| 2 * (i % SIDES) + up;
         let side = |i: usize| [[at(i, 0), at(i + 1, 0), at(i + 1, 1)], [at(i, 0), at(i + 1, 1), at(i, 1)]];
         let ends = |i: usize| [[at(0, 1), at(i, 1), at(i + 1, 1)], [at(0, 0), at(i + 1, 0), at(i, 0)]];
-        let triangles: Vec<[usize; 3]> =
-            (0..SIDES).flat_map(side).chain((1..SIDES - 1).flat_map(ends)).collect();
+        let triangles: Vec<[usize; 3]> = (0..SIDES).flat_map(side).chain((1..SIDES - 1).flat_map(ends)).collect();
         Self::mesh((0..2 * SIDES).map(corner).collect(), triangles).expect("a prism is convex")
     }
 

@@ -109,7 +109,11 @@ fn nearest(a: &Placed, b: &Placed) -> (Vector3<f64>, Vector3<f64>) {
         match core.vertices.len() {
             1 => vec![[at(0), at(0)]],
             2 => vec![[at(0), at(1)]],
-            _ => core.triangles.iter().flat_map(|[i, j, k]| [[at(*i), at(*j)], [at(*j), at(*k)], [at(*k), at(*i)]]).collect(),
+            _ => core
+                .triangles
+                .iter()
+                .flat_map(|[i, j, k]| [[at(*i), at(*j)], [at(*j), at(*k)], [at(*k), at(*i)]])
+                .collect(),
         }
     };
     for one in sides(a) {
@@ -174,7 +178,8 @@ fn region(normal: &Vector3<f64>, a: &Placed, b: &Placed, slack: f64) -> Option<T
     let mut points: Vec<_> = corners.iter().map(|corner| frame.point(corner, height)).collect();
     if points.is_empty() && gap < -slack {
         // They overlap so far that the features at this depth are not above each other: one point says where.
-        let middle = |corners: &[[f64; 2]]| [0, 1].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / corners.len() as f64);
+        let middle =
+            |corners: &[[f64; 2]]| [0, 1].map(|i| corners.iter().map(|c| c[i]).sum::<f64>() / corners.len() as f64);
         let (one, other) = (middle(&low), middle(&high));
         points.push(frame.point(&[0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])], height));
     }

@@ -152,6 +152,19 @@ impl Supports {
         start..start + self.cones[support].size()
     }
 
+    /// What a force has to be multiplied with to be compared with the balance of a velocity coordinate: see
+    /// [`Supports::new`].
+    pub fn unit(&self, row: usize) -> f64 {
+        self.units[row]
+    }
+
+    /// The columns of a support for forces and balances in newtons: (row, entry).
+    pub fn scaled_columns(&self, support: usize) -> impl Iterator<Item = Vec<(usize, f64)>> {
+        let lever = self.levers[support];
+        let scale = move |(row, entry): &(usize, f64)| (*row, entry * lever / self.units[*row]);
+        self.range(support).map(move |column| self.columns[column].iter().map(scale).collect())
+    }
+
     /// Gᵀν: the rates of all columns along a motion.
     pub fn rates(&self, motion: &[f64]) -> Vec<f64> {
         self.columns.iter().map(|column| column.iter().map(|(row, entry)| entry * motion[*row]).sum()).collect()
@@ -214,6 +227,9 @@ pub struct Limit {
 /// Why there is no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Undecided {
+    /// The build has no solver.
+    #[error("friction and contact at rest need the feature `friction`, which this build does not have")]
+    NoSolver,
     /// The solver has none that is good enough.
     #[error(
         "the conic program of {rows} balances and {supports} supports is not decided: forces miss the balance by {unbalanced:.1e} and the bounds are {gap:.1e} apart, in parts of the loads"

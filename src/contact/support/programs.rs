@@ -1,7 +1,7 @@
 //! The programs of the module's header, in forces divided by the size of the loads, and what is recomputed from their
 //! answers.
 
-use super::solver::{Answer, Program};
+use super::solver::{Answer, BUILT, Program};
 use super::{Certificate, Cone, Limit, Standing, Supports, Undecided, Verdict, norm};
 
 /// `−τ*` is not looked for beyond this many times the loads.
@@ -40,8 +40,7 @@ impl<'a> Scaled<'a> {
         let (mut columns, mut cones) = (Vec::new(), Vec::new());
         for (i, cone) in supports.cones.iter().enumerate() {
             let lever = supports.levers[i];
-            let scale = |(row, entry): &(usize, f64)| (*row, entry * lever / supports.units[*row]);
-            columns.extend(supports.range(i).map(|c| supports.columns[c].iter().map(scale).collect::<Vec<_>>()));
+            columns.extend(supports.scaled_columns(i));
             cones.push(match cone.scaled(friction) {
                 Cone::Ball { bound, size: count } => Cone::Ball { bound: bound / (size * lever), size: count },
                 other => other,
@@ -239,7 +238,12 @@ impl Supports {
         if alpha.abs() > 1e-3 * ENDLESS {
             return Ok(Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() });
         }
-        let mut at = Scaled { load: scaled.load.clone(), columns: scaled.columns.clone(), cones: scaled.cones.clone(), ..scaled };
+        let mut at = Scaled {
+            load: scaled.load.clone(),
+            columns: scaled.columns.clone(),
+            cones: scaled.cones.clone(),
+            ..scaled
+        };
         at.load.iter_mut().zip(&along).for_each(|(load, along)| *load += alpha * along);
         let mut forces = answer.x[..self.columns.len()].to_vec();
         at.polish(&mut forces);
@@ -266,7 +270,11 @@ impl Supports {
             let scaled = Scaled::new(self, load, s);
             let grown = scaled.grow()?;
             let tau = 0.5 * (grown.upper + grown.lower.max(-AMPLE));
-            if tau > 0.0 { low = s } else { high = s }
+            if tau > 0.0 {
+                low = s
+            } else {
+                high = s
+            }
             let slope = scaled.slope(&grown.motion, &grown.forces) / s;
             let newton = s - tau / slope;
             let next = match slope < 0.0 && newton > low && newton < high {
@@ -334,6 +342,9 @@ struct Grown {
 
 impl Scaled<'_> {
     fn answer(&self, program: &Program) -> Result<Answer, Undecided> {
+        if !BUILT {
+            return Err(Undecided::NoSolver);
+        }
         program.solve().ok_or(Undecided::Inexact {
             rows: self.load.len(),
             supports: self.cones.len(),

@@ -1,7 +1,9 @@
 //! The one place that knows the conic solver. Nothing that it says of itself is believed: callers recompute.
 
 use super::Cone;
+#[cfg(feature = "friction")]
 use clarabel::algebra::CscMatrix;
+#[cfg(feature = "friction")]
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 
 /// `min ½ xᵀ diag(p) x + q·x` with `A x = right` in the first rows and `right − A x` in cones in the others.
@@ -23,11 +25,22 @@ pub(super) struct Answer {
     pub(super) multipliers: Vec<f64>,
 }
 
+/// Whether this build has the solver.
+pub(super) const BUILT: bool = cfg!(feature = "friction");
+
 /// Accuracy that is asked for: what is reached depends on how degenerate the program is, and is measured by callers.
+#[cfg(feature = "friction")]
 const ASKED: f64 = 1e-12;
 
 impl Program {
+    /// Nothing in a build without the solver.
+    #[cfg(not(feature = "friction"))]
+    pub(super) fn solve(&self) -> Option<Answer> {
+        None
+    }
+
     /// An interior point's answer; `None` if it is not finite or the program has no shape that the solver takes.
+    #[cfg(feature = "friction")]
     pub(super) fn solve(&self) -> Option<Answer> {
         let n = self.linear.len();
         let quadratic = diagonal(&self.quadratic);
@@ -53,6 +66,7 @@ impl Program {
     }
 }
 
+#[cfg(feature = "friction")]
 fn diagonal(entries: &[f64]) -> CscMatrix<f64> {
     let columns: Vec<Vec<(usize, f64)>> = entries
         .iter()
@@ -63,6 +77,7 @@ fn diagonal(entries: &[f64]) -> CscMatrix<f64> {
 }
 
 /// Compressed columns; entries of a column in ascending rows.
+#[cfg(feature = "friction")]
 fn by_columns(columns: &[Vec<(usize, f64)>], rows: usize) -> CscMatrix<f64> {
     let (mut starts, mut indices, mut entries) = (vec![0], Vec::new(), Vec::new());
     for column in columns {

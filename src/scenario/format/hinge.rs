@@ -2,8 +2,8 @@
 
 use super::super::fields::{Key, Kind, Range, Table};
 use super::body::POINT;
-use super::force::{INTERPOLATIONS, POINTS};
 use super::contact::DRY;
+use super::force::{INTERPOLATIONS, POINTS};
 use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 use crate::hinge::{DECLARED, Which, count, names};
 

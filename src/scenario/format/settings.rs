@@ -78,6 +78,26 @@ pub const STATICS: Table = Table {
             "Inverse statics: the pose is given, and these numbers of the scene are found so that they hold it.",
         )
         .example("[\"upper.force\", \"strut.length\"]"),
+        Key::new(
+            "contact",
+            Kind::Choice(CONTACTS),
+            "What is asked of a scene with `[[contact]]`.",
+        )
+        .default("\"as-given\"")
+        .example("\"as-given\""),
+        Key::new(
+            "gap",
+            Kind::Number(Range::Between(1e-12, 1e-2)),
+            "Contacts whose gap is at most this part of the smaller of both shapes are closed; deeper overlap is an error.",
+        )
+        .default("1e-6")
+        .example("1e-4"),
+        Key::new(
+            "margin",
+            Kind::List(&Kind::Text, &[]),
+            "What may move while a pose with friction or contact stands: `friction`, `tilt`, or addresses of numbers.",
+        )
+        .example("[\"friction\", \"tilt\", \"push.force[0]\"]"),
         Key::new("path", Kind::Table(&PATH), "Follows the equilibrium while one number of the scene moves.")
             .example("{ parameter = \"tip.force[2]\", to = -20.0 }"),
     ],
@@ -123,6 +143,8 @@ const WANTS: &[(&str, &str)] = &[
     ("stable", "A stable one: a saddle is left, and said so."),
     ("any", "The nearest one, whatever it is, and what it is."),
 ];
+
+const CONTACTS: &[(&str, &str)] = &[("as-given", "Whether it stands as it is put.")];
 
 const METHODS: &[(&str, &str)] = &[
     ("auto", "The cascade."),

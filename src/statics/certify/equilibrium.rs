@@ -12,6 +12,7 @@ use crate::statics::problem::Landscape;
 use crate::statics::problem::linear::General;
 use crate::statics::problem::place::{BALANCED, Place};
 use crate::statics::settings::{Method, Settings, Want};
+use crate::statics::standing::Standing;
 use std::sync::Arc;
 
 /// What the search found, with the evidence.
@@ -63,6 +64,8 @@ pub struct Equilibrium {
     pub holding: Vec<(String, f64)>,
     /// Stops of hinges that it rests on.
     pub stops: Vec<Bearing>,
+    /// Whether the given pose stands; `None` for a scene without dry friction and contact.
+    pub standing: Option<Box<Standing>>,
     /// Multipliers of the independent rows of loops, drives and gears (N or N m).
     pub multipliers: Vec<f64>,
     /// The same by loop, drive and gear, all of its rows: zero for those that others stand for.
@@ -208,6 +211,7 @@ pub(in crate::statics) fn certify(
         stability,
         holding,
         stops: Vec::new(),
+        standing: None,
         multipliers,
         carried,
         redundant,

@@ -100,7 +100,8 @@ impl Scene {
         pieces.sort_by(|a, b| start(a).total_cmp(&start(b)));
         for (i, one) in pieces.iter().enumerate() {
             let end = one.middle.x + one.reach;
-            for other in pieces[i + 1..].iter().take_while(|other| start(other) <= end + gap * one.size.min(other.size)) {
+            for other in pieces[i + 1..].iter().take_while(|other| start(other) <= end + gap * one.size.min(other.size))
+            {
                 scene.meet(model, one, other, gap)?;
             }
         }
@@ -114,8 +115,7 @@ impl Scene {
         for (index, body) in model.bodies.iter().enumerate().filter(|(index, _)| involved[*index]) {
             let pose = self.motion.body_pose(body);
             for shape in body.shapes.iter().filter(|shape| shape.collides) {
-                let solid = solid(shape)
-                    .map_err(|why| Untouchable::Shape { body: body.name.clone(), why })?;
+                let solid = solid(shape).map_err(|why| Untouchable::Shape { body: body.name.clone(), why })?;
                 let world = pose * shape.pose;
                 let placed = solid.placed(&world);
                 let (middle, reach, size) = (world.translation.vector, solid.reach(), solid.size());
@@ -181,4 +181,3 @@ fn solid(shape: &Shape) -> Result<Solid, String> {
         Geometry::Mesh { .. } => return Err("meshes cannot yet: give it boxes, capsules or spheres".to_owned()),
     })
 }
-

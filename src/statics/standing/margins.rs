@@ -1,9 +1,11 @@
 //! How far a number of the scene may go, and how far it may be tilted, while the pose stands.
 
+use super::closed::Scene;
 use super::supports::{Bearers, load};
-use super::{Margin, Unanswered};
-use crate::model::{Description, Model, Parameter};
+use super::{Margin, Settings, Unanswered};
+use crate::model::{Description, Model, Parameter, Problem};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// A range of values within which a pose stands, and how it gives way at both ends.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +31,7 @@ pub struct Margins {
 
 pub(super) fn margins(
     description: &Description,
-    model: &Model,
+    model: &Arc<Model>,
     asked: &Margin,
     pose: &[f64],
     bearers: &Bearers,
@@ -72,14 +74,16 @@ fn direction(
     let value = parameter.value(description);
     let step = value.abs().max(1.0);
     let mut moved = description.clone();
-    parameter.set(&mut moved, value + step);
-    let Ok(model) = Model::build(&moved) else { return Ok(vec![0.0; bearers.load.len()]) };
+    let fixed = |why: String| Unanswered::Fixed { address: parameter.address.clone(), why };
+    parameter.set(&mut moved, value + step).map_err(fixed)?;
+    let problems = |problems: Vec<Problem>| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+    let model = Model::build(&moved).map_err(|found| fixed(problems(found)))?;
     let changed = load(&model, pose)?;
     Ok(changed.iter().zip(&bearers.load).map(|(changed, load)| (changed - load) / step).collect())
 }
 
 /// A horizontal load of `t` times the weight on everything, in the four directions of the inertial axes across gravity.
-fn tilt(model: &Model, pose: &[f64], bearers: &Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
+fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
     let size = model.gravity.norm();
     if !(size > 0.0) {
         return Ok(Vec::new());
@@ -89,14 +93,38 @@ fn tilt(model: &Model, pose: &[f64], bearers: &Bearers) -> Result<Vec<(String, f
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate().filter(|(axis, _)| *axis != down.iamax()) {
         let along = Vector3::ith(axis, 1.0);
         let across = (along - down * down.dot(&along)).normalize();
-        let mut tilted = model.clone();
+        let mut tilted = Model::clone(model);
         tilted.gravity += across * size;
-        let changed = load(&tilted, pose)?;
+        let changed = load(&Arc::new(tilted), pose)?;
         let direction: Vec<f64> = changed.iter().zip(&bearers.load).map(|(changed, load)| changed - load).collect();
         for (sign, upwards) in [("+", true), ("-", false)] {
             let limit = bearers.supports.limit(&bearers.load, &direction, upwards)?;
             found.push((format!("{sign}{name}"), limit.value.abs(), limit.motion));
         }
+    }
+    Ok(found)
+}
+
+/// The range of every unknown input, the others being free: they are supports that bear whatever they have to.
+pub(super) fn inputs(
+    description: &Description,
+    model: &Arc<Model>,
+    settings: &Settings,
+    pose: &[f64],
+    unknown: &[Parameter],
+) -> Result<Vec<Interval>, Unanswered> {
+    let scene = Scene::new(model, pose, settings.gap)?;
+    let plain = Bearers::new(model, pose, &scene)?;
+    let directions: Result<Vec<Vec<f64>>, Unanswered> =
+        unknown.iter().map(|one| direction(description, pose, &plain, one)).collect();
+    let directions = directions?;
+    let mut found = Vec::new();
+    for (k, parameter) in unknown.iter().enumerate() {
+        let mut bearers = Bearers::new(model, pose, &scene)?;
+        for (_, other) in directions.iter().enumerate().filter(|(other, _)| *other != k) {
+            bearers.free(other);
+        }
+        found.push(interval(description, pose, &bearers, parameter)?);
     }
     Ok(found)
 }

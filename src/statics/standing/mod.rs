@@ -11,9 +11,11 @@
 //! `f` is what the balance of the hinges lacks at rest. The size of the loads is that of the largest part of `f`, moments by
 //! the scene's length. What stands is the pose, bit for bit.
 
+mod certificate;
 mod closed;
 mod margins;
 mod mechanism;
+mod rolling;
 mod supports;
 
 pub use closed::{Contact, Untouchable};
@@ -21,12 +23,16 @@ pub use margins::{Interval, Margins};
 pub use mechanism::{Giving, Mechanism};
 
 use self::closed::Scene;
-use self::supports::{Bears, Bearers};
+use self::supports::{Bearers, Bears};
+use super::certify::equilibrium::Equilibrium;
+use super::certify::stability::Stability;
+use super::inverse::Held;
 use super::settings::{Margin, Settings};
 use crate::contact::support::{Certificate, Undecided, Verdict};
 use crate::dynamics::Fault;
-use crate::model::{Description, Model};
+use crate::model::{Description, Model, Parameter};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// What a contact bears.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,8 +82,10 @@ pub struct Standing {
     pub mechanism: Option<Mechanism>,
     /// How far the answer is from exact.
     pub certificate: Certificate,
-    /// Forces of all supports as generalized forces, for a certificate of the pose: hinge forces by velocity coordinate.
-    pub(super) hinge_forces: Vec<f64>,
+    /// What kind of rest it is along the motions that contacts leave free; `None` if it does not stand.
+    pub(super) stability: Option<Stability>,
+    /// What rigid stops that are touched push with: velocity coordinate and force (N or N m).
+    stop_forces: Vec<(usize, f64)>,
 }
 
 /// Why the question has no answer.
@@ -92,11 +100,45 @@ pub enum Unanswered {
     /// The conic program.
     #[error(transparent)]
     Undecided(#[from] Undecided),
+    /// A number whose margin is asked for and that cannot be another one.
+    #[error("the margin of `{address}`: {why}")]
+    Fixed {
+        /// Its address.
+        address: String,
+        /// Why not.
+        why: String,
+    },
+    /// Loops that cannot be closed in the pose.
+    #[error("{0}")]
+    Open(String),
 }
 
 /// Whether a scene has dry friction or contact.
 pub fn is_for(model: &Model) -> bool {
     !(model.hinge_friction.is_empty() && model.contacts.is_empty())
+}
+
+/// The equilibrium of a scene with dry friction or contact: the pose as given if it stands. A scene without contacts whose pose
+/// friction does not hold is searched as if it had none; with contacts the pose is the answer, as one that does not stand.
+///
+/// # Errors
+/// [`Unanswered`].
+pub(super) fn equilibrium(
+    description: &Description,
+    model: &Arc<Model>,
+    settings: &Settings,
+    asked: &Margin,
+    search: &dyn Fn() -> Result<Equilibrium, Fault>,
+) -> Result<Equilibrium, Unanswered> {
+    let pose = &model.start_position;
+    let given = standing(description, model, settings, asked, pose)?;
+    if given.verdict == Verdict::Stands || !model.contacts.is_empty() {
+        let found = certificate::certificate(description, model, settings, pose, &given)?;
+        return Ok(Equilibrium { standing: Some(Box::new(given)), ..found });
+    }
+    let mut found = search()?;
+    found.notes.push("dry friction does not hold the given pose: this is an equilibrium without it".to_owned());
+    Ok(Equilibrium { standing: Some(Box::new(given)), ..found })
 }
 
 /// Whether a pose stands, and the margins that are `asked` for. `description` is the scene's, for the numbers that they move.
@@ -105,7 +147,7 @@ pub fn is_for(model: &Model) -> bool {
 /// [`Unanswered`].
 pub fn standing(
     description: &Description,
-    model: &Model,
+    model: &Arc<Model>,
     settings: &Settings,
     asked: &Margin,
     pose: &[f64],
@@ -124,7 +166,7 @@ pub fn standing(
         _ => None,
     };
     let mechanism = motion.map(|motion| mechanism::mechanism(model, pose, &scene, &bearers, &motion));
-    let (mut contacts, mut friction, mut hinge_forces) = (Vec::new(), Vec::new(), vec![0.0; bearers.load.len()]);
+    let (mut contacts, mut friction, mut stop_forces) = (Vec::new(), Vec::new(), Vec::new());
     for (i, bears) in bearers.list.iter().enumerate() {
         let f = &found.forces[bearers.supports.range(i)];
         let share = bearers.supports.cones()[i].share(f).unwrap_or(0.0);
@@ -134,7 +176,6 @@ pub fn standing(
                 contacts.push(ContactForce { force: contact.force(f), contact, share });
             }
             Bears::Friction { velocity } => {
-                hinge_forces[*velocity..velocity + f.len()].copy_from_slice(f);
                 friction.push(FrictionForce {
                     hinge: model.label(*velocity),
                     velocity: *velocity,
@@ -142,11 +183,18 @@ pub fn standing(
                     share,
                 });
             }
-            Bears::Stop { velocity, sign } => hinge_forces[*velocity] += sign * f[0],
+            Bears::Stop { velocity, sign } => stop_forces.push((*velocity, sign * f[0])),
             Bears::Other => {}
         }
     }
+    let stability = match found.verdict {
+        Verdict::Stands if !scene.contacts.is_empty() => {
+            Some(rolling::stability(model, pose, settings.gap, &bearers, &found.forces)?)
+        }
+        _ => None,
+    };
     Ok(Standing {
+        stability,
         verdict: found.verdict,
         slack: found.slack,
         contacts,
@@ -157,6 +205,30 @@ pub fn standing(
         squeeze,
         mechanism,
         certificate: found.certificate,
-        hinge_forces,
+        stop_forces,
     })
+}
+
+/// The inputs that hold a pose without friction, and with it the range of each, the others being free.
+pub(super) fn inputs(
+    held: Held,
+    model: &Arc<Model>,
+    unknown: &[Parameter],
+    settings: &Settings,
+    asked: &Margin,
+) -> Result<Held, Unanswered> {
+    if !is_for(model) {
+        return Ok(held);
+    }
+    let pose = &model.start_position;
+    let mut given = standing(&held.description, &held.model, settings, asked, pose)?;
+    given.margins.inputs = margins::inputs(&held.description, &held.model, settings, pose, unknown)?;
+    let mut found = match given.verdict {
+        Verdict::Stands => certificate::certificate(&held.description, &held.model, settings, pose, &given)?,
+        _ => held.found.clone(),
+    };
+    found.unknowns.clone_from(&held.found.unknowns);
+    found.method = "inverse";
+    found.standing = Some(Box::new(given));
+    Ok(Held { found, ..held })
 }

@@ -7,6 +7,7 @@ use crate::model::{Model, StopLaw};
 use crate::motion::{Motion, project};
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// A coordinate this near to a limit touches it: part of the scene's length, or rad.
 const TOUCHES: f64 = 1e-9;
@@ -34,18 +35,19 @@ pub(super) struct Bearers {
 }
 
 impl Bearers {
-    pub(super) fn new(model: &Model, pose: &[f64], scene: &Scene) -> Result<Self, Fault> {
+    pub(super) fn new(model: &Arc<Model>, pose: &[f64], scene: &Scene) -> Result<Self, Fault> {
         let length = model.length_scale();
         let units: Vec<f64> = units(model);
-        let mut bearers =
-            Self { supports: Supports::new(units.clone()), list: Vec::new(), load: load(model, pose)? };
+        let mut bearers = Self { supports: Supports::new(units.clone()), list: Vec::new(), load: load(model, pose)? };
         for (k, contact) in scene.contacts.iter().enumerate() {
             let ends = contact.bodies.map(|body| model.bodies[body].link);
             let column = |along: &Vector3<f64>| column(model, &scene.motion, ends, &contact.point, along);
             let frame = contact.frame();
             let friction = contact.friction.stick;
             match friction > 0.0 {
-                true => bearers.add(Bears::Contact(k), Cone::Coulomb { friction }, 1.0, frame.iter().map(column).collect()),
+                true => {
+                    bearers.add(Bears::Contact(k), Cone::Coulomb { friction }, 1.0, frame.iter().map(column).collect())
+                }
                 false => bearers.add(Bears::Contact(k), Cone::Ray, 1.0, vec![column(&frame[0])]),
             }
         }
@@ -63,17 +65,28 @@ impl Bearers {
             for (limit, sign) in [(stop.range[0], 1.0), (stop.range[1], -1.0)] {
                 if (at - limit).abs() <= near {
                     let velocity = stop.velocity;
-                    bearers.add(Bears::Stop { velocity, sign }, Cone::Ray, units[velocity], vec![vec![(velocity, sign)]]);
+                    bearers.add(
+                        Bears::Stop { velocity, sign },
+                        Cone::Ray,
+                        units[velocity],
+                        vec![vec![(velocity, sign)]],
+                    );
                 }
             }
         }
         for (velocity, _) in model.coordinates.iter().enumerate().filter(|(_, coordinate)| coordinate.lock) {
             bearers.add(Bears::Other, Cone::Free, units[velocity], vec![vec![(velocity, 1.0)]]);
         }
-        for column in tied(model, pose)? {
+        for column in tied(model, pose) {
             bearers.add(Bears::Other, Cone::Free, 1.0, vec![column]);
         }
         Ok(bearers)
+    }
+
+    /// Adds a support that bears whatever it has to along a direction of the coordinates.
+    pub(super) fn free(&mut self, direction: &[f64]) {
+        let column = direction.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
+        self.add(Bears::Other, Cone::Free, 1.0, vec![column]);
     }
 
     fn add(&mut self, bears: Bears, cone: Cone, lever: f64, columns: Vec<Vec<(usize, f64)>>) {
@@ -92,10 +105,10 @@ fn units(model: &Model) -> Vec<f64> {
 }
 
 /// What the balance of the coordinates lacks at rest (N, N m): gravity, springs, motors, loads.
-pub(super) fn load(model: &Model, pose: &[f64]) -> Result<Vec<f64>, Fault> {
+pub(super) fn load(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
     let rest = vec![0.0; model.velocity_count()];
     let (mut system, mut residual) = (System::new(model), rest.clone());
-    system.residual(pose, &rest, &rest, &mut residual)?;
+    system.at(0.0, pose, &rest).residual(&rest, &mut residual)?;
     for stop in &model.stops {
         let StopLaw::Compliant { stiffness, .. } = stop.law else { continue };
         let at = pose[stop.position];
@@ -106,16 +119,15 @@ pub(super) fn load(model: &Model, pose: &[f64]) -> Result<Vec<f64>, Fault> {
 }
 
 /// The columns of loops, drives and gears.
-fn tied(model: &Model, pose: &[f64]) -> Result<Vec<Vec<(usize, f64)>>, Fault> {
+fn tied(model: &Arc<Model>, pose: &[f64]) -> Vec<Vec<(usize, f64)>> {
     if !model.is_constrained() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let rest = vec![0.0; model.velocity_count()];
-    let (mut system, mut residual) = (System::new(model), rest.clone());
-    system.residual(pose, &rest, &rest, &mut residual)?;
-    let matrix = system.constraint_matrix(pose);
-    let row = |row: usize| (0..matrix.ncols()).map(|i| (i, matrix[(row, i)])).filter(|(_, entry)| *entry != 0.0).collect();
-    Ok((0..matrix.nrows()).map(row).collect())
+    let matrix = System::new(model).at(0.0, pose, &rest).constraint_matrix();
+    let row =
+        |row: usize| (0..matrix.ncols()).map(|i| (i, matrix[(row, i)])).filter(|(_, entry)| *entry != 0.0).collect();
+    (0..matrix.nrows()).map(row).collect()
 }
 
 /// How a unit force along a direction at a point, on the second link and against the first, pushes the coordinates.

@@ -1,0 +1,187 @@
+//! Motions that contacts leave free without sliding: rolling and pivoting. Forces at rest do not say whether they come back.
+//!
+//! ```text
+//! (1)  J Z = 0                                          J: rows of all supports that bear without giving way
+//! (2)  r(q) = Z(q)ᵀ f(q),   r = 0 at rest,   Z(q): Z made tangent to the contacts of q
+//! (3)  K = −∂r/∂q Z,   M = Zᵀ M Z,   K x = ω² M x
+//! ```
+//!
+//! Rolling is not holonomic: `K` is not symmetric. A step along `Z` is a rolling motion to first order, and (2) is zero
+//! where it starts, so that a central difference of (2) is (3) to second order in the step.
+
+use super::Unanswered;
+use super::closed::Scene;
+use super::supports::{Bearers, Bears, load};
+use crate::contact::support::Cone;
+use crate::dynamics::System;
+use crate::model::Model;
+use crate::motion::displace;
+use crate::statics::certify::modes::Mode;
+use crate::statics::certify::stability::{Stability, Verdict};
+use crate::statics::problem::sizes::NEUTRAL;
+use crate::transfer::mass::MassAction;
+use faer::{Mat, Side};
+use std::sync::Arc;
+
+/// Step of the difference, in parts of the scene's length (rad): its square is the relative error of `K`.
+const STEP: f64 = 1e-4;
+/// An eigenvalue of `G Gᵀ` below this part of the largest is zero: `G` is known to its root.
+const ZERO: f64 = 1e-13;
+
+/// What kind of rest it is along the motions that nothing holds.
+pub(super) fn stability(
+    model: &Arc<Model>,
+    pose: &[f64],
+    gap: f64,
+    bearers: &Bearers,
+    forces: &[f64],
+) -> Result<Stability, Unanswered> {
+    let bears: Vec<usize> = (0..bearers.list.len()).filter(|i| holds(bearers, *i, forces)).collect();
+    let free = null_space(bearers, &bears);
+    let modes = match free.ncols() {
+        0 => Vec::new(),
+        _ => rolling(model, pose, gap, bearers, &free)?,
+    };
+    let unstable = modes.iter().filter(|mode| mode.growth_rate > 0.0).count();
+    let neutral = modes.iter().filter(|mode| mode.growth_rate == 0.0 && mode.frequency_hz == 0.0).count();
+    let verdict = match (unstable, neutral) {
+        (0, 0) => Verdict::Stable,
+        (0, _) => Verdict::Neutral,
+        _ => Verdict::Unstable,
+    };
+    Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped: Vec::new() })
+}
+
+/// Whether a support keeps its rows: it bears, inside its cone.
+fn holds(bearers: &Bearers, support: usize, forces: &[f64]) -> bool {
+    let f = &forces[bearers.supports.range(support)];
+    match bearers.supports.cones()[support] {
+        Cone::Free => true,
+        Cone::Ray => f[0] > 0.0,
+        cone @ Cone::Coulomb { .. } => f[0] > 0.0 && cone.share(f).is_some_and(|share| share < 1.0),
+        cone @ Cone::Ball { .. } => cone.share(f).is_some_and(|share| share < 1.0),
+    }
+}
+
+/// `Z` in coordinates divided by their units: an orthonormal basis of the motions that these supports leave.
+fn null_space(bearers: &Bearers, supports: &[usize]) -> Mat<f64> {
+    let n = bearers.load.len();
+    let gram = gram(bearers, supports);
+    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return Mat::zeros(n, 0) };
+    let values = eigen.S();
+    let largest = (0..n).map(|i| values[i]).fold(0.0, f64::max);
+    let zero: Vec<usize> = (0..n).filter(|i| values[*i] <= ZERO * largest).collect();
+    Mat::from_fn(n, zero.len(), |row, k| eigen.U()[(row, zero[k])])
+}
+
+/// `G Gᵀ` of the scaled columns.
+fn gram(bearers: &Bearers, supports: &[usize]) -> Mat<f64> {
+    let n = bearers.load.len();
+    let mut gram = Mat::zeros(n, n);
+    for support in supports {
+        for column in bearers.supports.scaled_columns(*support) {
+            for (i, a) in &column {
+                for (j, b) in &column {
+                    gram[(*i, *j)] += a * b;
+                }
+            }
+        }
+    }
+    gram
+}
+
+fn rolling(
+    model: &Arc<Model>,
+    pose: &[f64],
+    gap: f64,
+    bearers: &Bearers,
+    free: &Mat<f64>,
+) -> Result<Vec<Mode>, Unanswered> {
+    let (n, k) = (free.nrows(), free.ncols());
+    let length = model.length_scale();
+    let in_scene = |row: usize| bearers.supports.unit(row);
+    let mut stiffness = Mat::<f64>::zeros(k, k);
+    for j in 0..k {
+        for sign in [1.0, -1.0] {
+            let mut moved = pose.to_vec();
+            let step: Vec<f64> = (0..n).map(|row| sign * STEP * length * free[(row, j)] / in_scene(row)).collect();
+            displace(model, &mut moved, &step);
+            let scene = Scene::new(model, &moved, gap)?;
+            let there = Bearers::new(model, &moved, &scene)?;
+            let touching: Vec<usize> = (0..there.list.len()).filter(|i| keeps(&there, *i, bearers)).collect();
+            let tangent = null_space(&there, &touching);
+            let force: Vec<f64> = load(model, &moved)?.iter().enumerate().map(|(row, f)| f / in_scene(row)).collect();
+            // Z(q) = T Tᵀ Z for the orthonormal motions T of the contacts there.
+            let along: Vec<f64> =
+                (0..tangent.ncols()).map(|t| (0..n).map(|row| tangent[(row, t)] * force[row]).sum()).collect();
+            for i in 0..k {
+                let back: f64 = (0..tangent.ncols())
+                    .map(|t| along[t] * (0..n).map(|row| tangent[(row, t)] * free[(row, i)]).sum::<f64>())
+                    .sum();
+                stiffness[(i, j)] -= sign * back / (2.0 * STEP * length);
+            }
+        }
+    }
+    let mass = mass(model, pose, bearers, free)?;
+    Ok(modes(&stiffness, &mass, bearers, free, length))
+}
+
+/// Whether a support of a moved pose is one of those that bear: of the same two bodies, or the same hinge.
+fn keeps(there: &Bearers, support: usize, bearers: &Bearers) -> bool {
+    match there.list[support] {
+        Bears::Contact(_) => true,
+        other => bearers.list.contains(&other),
+    }
+}
+
+/// `Zᵀ M Z`.
+fn mass(model: &Arc<Model>, pose: &[f64], bearers: &Bearers, free: &Mat<f64>) -> Result<Mat<f64>, Unanswered> {
+    let (n, k) = (free.nrows(), free.ncols());
+    let mut system = System::new(model);
+    let rest = vec![0.0; n];
+    let at = system.at(0.0, pose, &rest);
+    let mut action = MassAction::new(model);
+    let motion = |j: usize| -> Vec<f64> { (0..n).map(|row| free[(row, j)] / bearers.supports.unit(row)).collect() };
+    let mut mass = Mat::zeros(k, k);
+    let mut product = vec![0.0; n];
+    for j in 0..k {
+        at.mass_times(&mut action, &motion(j), &mut product);
+        for i in 0..k {
+            mass[(i, j)] = motion(i).iter().zip(&product).map(|(z, p)| z * p).sum();
+        }
+    }
+    Ok(mass)
+}
+
+/// The roots of (3): running away first, then neutral, then by frequency.
+fn modes(stiffness: &Mat<f64>, mass: &Mat<f64>, bearers: &Bearers, free: &Mat<f64>, length: f64) -> Vec<Mode> {
+    let k = free.ncols();
+    let Ok(factor) = mass.llt(Side::Lower) else { return Vec::new() };
+    use faer::linalg::solvers::Solve;
+    let ratio = factor.solve(stiffness);
+    let Ok(eigen) = ratio.eigen() else { return Vec::new() };
+    // Loads over the scene's length are the stiffness that could be there.
+    let size = bearers.load.iter().fold(0.0_f64, |most, load| most.max(load.abs())) / length;
+    let lightest = (0..k).map(|i| mass[(i, i)]).fold(f64::INFINITY, f64::min);
+    let zero = 1e2 * NEUTRAL.max(STEP * STEP) * size / lightest;
+    let mut modes: Vec<Mode> = (0..k)
+        .map(|i| {
+            let value = eigen.S()[i];
+            let (square, flutter) = (value.re, value.im.abs());
+            // q̈ = −λ q: growth is the real part of √−λ.
+            let root = ((square.hypot(flutter) - square) / 2.0).max(0.0).sqrt();
+            let growth_rate = if square < -zero || flutter > zero { root } else { 0.0 };
+            let frequency_hz = if square > zero { square.sqrt() / std::f64::consts::TAU } else { 0.0 };
+            let shape = (0..free.nrows())
+                .map(|row| {
+                    (0..k).map(|j| eigen.U()[(j, i)].re * free[(row, j)]).sum::<f64>() / bearers.supports.unit(row)
+                })
+                .collect::<Vec<f64>>();
+            let largest = shape.iter().fold(f64::MIN_POSITIVE, |most, x| if x.abs() > most.abs() { *x } else { most });
+            Mode { frequency_hz, growth_rate, shape: shape.iter().map(|x| x / largest).collect(), shares: Vec::new() }
+        })
+        .collect();
+    let order = |mode: &Mode| (mode.growth_rate == 0.0, mode.frequency_hz);
+    modes.sort_by(|a, b| order(a).partial_cmp(&order(b)).unwrap_or(std::cmp::Ordering::Equal));
+    modes
+}
