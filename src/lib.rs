@@ -78,7 +78,8 @@
 //! | `view` | streaming to the Rerun viewer and `.rrd` files: [`record::view`]; needs `record` |
 //! | `cli` | the program: [`cli`]; needs `import` and `record` |
 //! | `parquet` | `export --parquet`; needs `cli` |
-//! | `count-allocations` | what `bench` says of the allocator; needs `cli`, and is not on by default |
+//! | `friction` | [`statics::standing`]: whether scenes with contact or dry friction stand |
+//! | `count-allocations` | what `bench` says of the allocator; needs `cli` |
 //!
 //! # Modules, in reading order
 //!
@@ -86,10 +87,12 @@
 //! |---|---|
 //! | [`spatial`] | mechanics of one rigid body: wrenches, symmetric tensors, rotation vectors |
 //! | [`model`] | what is simulated: a plain description, checked and compiled into a tree of links |
+//! | [`hinge`] | the kinds of hinge: coordinates, elementary joints, conditions that close a loop |
 //! | [`motion`] | where every link is and how fast it moves |
 //! | [`force`] | the kinds of force between points of bodies: springs, bushings, ropes, curves, loads |
 //! | [`transfer`] | the core: accelerations, reactions and tangents in O(n) |
 //! | [`constraint`] | closed loops, drives and gears: rows solved with the core's factorization |
+//! | [`contact`] | solids that touch, and whether supports within cones hold a load |
 //! | [`dynamics`] | `System`, a model with the forces [`applied`](dynamics::applied) to it: the one place where these meet `transfer` |
 //! | [`statics`] | the equilibrium and its certificate: residual, stability, modes |
 //! | [`integrate`] | time stepping; knows nothing of mechanics |

@@ -167,9 +167,12 @@ pub(super) fn text(model: &Model, standing: &Standing) -> String {
             None => pairs.push((one.contact.bodies, one.force, one.share)),
         }
     }
+    let largest = pairs.iter().map(|(_, force, _)| force.amax()).fold(0.0, f64::max);
     for (bodies, force, share) in pairs.iter().take(MOST_PAIRS) {
         let [a, b] = bodies.map(|body| &model.bodies[body].name);
-        let [x, y, z] = [force.x, force.y, force.z].map(number);
+        // What the solver leaves of a zero is none.
+        let said = |x: f64| number(if x.abs() > 1e-9 * largest { x } else { 0.0 });
+        let [x, y, z] = [force.x, force.y, force.z].map(said);
         let _ = writeln!(
             out,
             "  contact      `{a}` pushes `{b}` with [{x}, {y}, {z}] N (up to {} % of the cone)",

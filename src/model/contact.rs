@@ -86,12 +86,18 @@ pub fn fits(pattern: &str, name: &str) -> bool {
 pub(super) fn check(description: &Description) -> Vec<Problem> {
     let mut problems = Vec::new();
     for (index, body) in description.bodies.iter().enumerate() {
-        problems.extend(body.hinge.friction.iter().filter_map(|friction| {
+        problems.extend(body.hinge.friction.iter().find_map(|friction| {
             let (message, help) = wrong(friction, &format!("the friction of the hinge of `{}`", body.name))?;
             let (element, field) = (Element::Body(index), "hinge.friction".to_owned());
             Some(Problem { element, field, message, help: Some(help) })
         }));
     }
+    problems.extend(description.bodies.iter().enumerate().filter_map(|(index, body)| {
+        let (found, most) = (body.hinge.friction.len(), body.hinge.kind.counts().1);
+        let message = format!("the hinge of `{}` has {most} velocities and {found} values of friction", body.name);
+        let (element, field) = (Element::Body(index), "hinge.friction".to_owned());
+        (found > most).then_some(Problem { element, field, message, help: None })
+    }));
     for (index, contact) in description.contacts.iter().enumerate() {
         let mut add = |field: &str, message: String, help: Option<String>| {
             let (element, field) = (Element::Contact(index), field.to_owned());

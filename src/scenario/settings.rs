@@ -1,4 +1,4 @@
-//! `(simulate)`, `(statics)` and `[record]`.
+//! `[simulate]`, `[statics]` and `[record]`.
 
 use super::findings::Finding;
 use super::reader::Reader;

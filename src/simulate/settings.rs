@@ -2,7 +2,7 @@
 
 use crate::integrate::{Method, Options};
 
-/// The `(simulate)` table.
+/// The `[simulate]` table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Where the run starts.

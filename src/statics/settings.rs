@@ -2,7 +2,7 @@
 
 use crate::model::Parameter;
 
-/// The `(statics)` table.
+/// The `[statics]` table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Which equilibrium.

@@ -23,10 +23,11 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("model", &["force", "formula", "hinge", "pages", "spatial", "suggest"]),
     ("motion", &["model", "pages", "spatial"]),
     ("transfer", &["model", "motion", "pages", "spatial"]),
+    ("contact", &[]),
     ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
     ("dynamics", &["model", "motion", "force", "transfer", "constraint", "spatial"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
-    ("statics", &["model", "motion", "force", "constraint", "dynamics", "transfer", "spatial"]),
+    ("statics", &["contact", "model", "motion", "force", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
     ("simulate", &["force", "hinge", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     // `model` for the mass properties of solids.
@@ -54,6 +55,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            "contact",
             "foreign",
             "whole_file",
             "import",
@@ -100,7 +102,8 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("plotters", &["cli"]),
     ("allocator_api2", &["pages"]),
     ("hugealloc", &["pages"]),
-    ("faer", &["dynamics", "statics"]),
+    ("faer", &["contact", "dynamics", "statics"]),
+    ("clarabel", &["contact"]),
     ("wide", &["spatial", "motion"]),
     // `motion` for the halves of large trees, `cli` to make its thread one of the two.
     ("rayon", &["motion", "cli"]),

@@ -13,6 +13,8 @@ mod precision;
 mod python;
 mod recordings;
 mod shell;
+#[cfg(feature = "friction")]
+mod standing;
 mod start;
 mod sweep;
 

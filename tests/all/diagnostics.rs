@@ -561,21 +561,23 @@ hinge = { type = "free" }
 }
 
 #[test]
-fn what_this_version_cannot_simulate() {
+fn friction_that_is_larger_in_motion() {
     let text = r#"
 [[body]]
 name = "bob"
 mass = 1.0
-hinge = { type = "free", friction = 0.1 }
+hinge = { type = "free", friction = { stick = 0.1, slide = 0.2 } }
 
 "#
     .trim_start();
     insta::assert_snapshot!(said(text, &[]), @r#"
-    error: hinge of body `bob`: `friction` is reserved for a later version
-     --> scene.toml:4:26
+    error: the friction of the hinge of `bob` is 0.1 at rest and 0.2 in motion
+     --> scene.toml:4:37
       |
-    4 | hinge = { type = "free", friction = 0.1 }
-      |                          ^^^^^^^^
+    4 | hinge = { type = "free", friction = { stick = 0.1, slide = 0.2 } }
+      |                                     ^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+      |
+      = help: allowed: 0 ≤ `slide` ≤ `stick`, finite
 
     scene.toml: 1 error
     "#);

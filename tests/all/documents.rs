@@ -64,3 +64,17 @@ fn properties(schema: &serde_json::Value, keys: &mut Vec<String>) {
         _ => {}
     }
 }
+
+/// The map names files and folders of `src`: each is there.
+#[test]
+fn every_path_of_the_map_is_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let map = std::fs::read_to_string(root.join("ARCHITECTURE.md")).expect("the map");
+    let named: Vec<&str> =
+        map.split('`').skip(1).step_by(2).filter(|name| name.contains('/') && !name.contains(' ')).collect();
+    assert!(named.len() > 40, "{named:?}");
+    for name in named {
+        let there = |folder: &str| root.join(folder).join(name).exists();
+        assert!(["src", "", "scenarios"].into_iter().any(there), "`{name}` is not there");
+    }
+}

@@ -196,6 +196,8 @@ pub struct Standing {
     pub slack: f64,
     /// Forces of all columns: of (U) if it stands, else of (P).
     pub forces: Vec<f64>,
+    /// Forces of (P): as far inside of all cones as they can be.
+    pub inner: Vec<f64>,
     /// `ν` of (D), scaled to a largest rate of 1 (m/s; rad/s times the unit): the motion along which it gives way first.
     pub motion: Vec<f64>,
     /// Of supports that carry something, the dimension of forces that balance each other.

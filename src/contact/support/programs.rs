@@ -14,7 +14,7 @@ const BALANCED: f64 = 1e-9;
 /// Forces of (W), at most 1, above this are a squeeze.
 const SQUEEZE: f64 = 1e-6;
 /// A load factor beyond this many times the loads has no end.
-const ENDLESS: f64 = 1e9;
+const ENDLESS: f64 = 1e4;
 
 /// Supports and loads in parts of the loads' size.
 struct Scaled<'a> {
@@ -209,15 +209,15 @@ impl Supports {
             (true, true) => Verdict::Wedged,
         };
         // At the limit itself there is nothing to choose among.
-        let forces = match stands && grown.upper < -AT_THE_LIMIT {
-            true => scaled.least().unwrap_or(grown.forces),
-            false => grown.forces,
-        };
+        let least = if stands && grown.upper < -AT_THE_LIMIT { scaled.least() } else { None };
+        let inner = scaled.unscaled(&grown.forces);
+        let forces = least.unwrap_or(grown.forces);
         Ok(Standing {
             verdict,
             slack: -grown.upper,
             self_stresses: scaled.self_stresses(&forces),
             forces: scaled.unscaled(&forces),
+            inner,
             motion: scaled.rates_of_coordinates(&grown.motion),
             certificate: grown.certificate,
         })
@@ -235,7 +235,7 @@ impl Supports {
             direction.iter().zip(&self.units).map(|(of, row)| of * unit / (row * scaled.size)).collect();
         let answer = scaled.answer(&scaled.program(&Extra::Along(&along, if upwards { 1.0 } else { -1.0 })))?;
         let alpha = answer.x[self.columns.len()];
-        if alpha.abs() > 1e-3 * ENDLESS {
+        if alpha.abs() > 0.9 * ENDLESS {
             return Ok(Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() });
         }
         let mut at = Scaled {

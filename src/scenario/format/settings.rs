@@ -5,7 +5,7 @@ use super::{NUMBER, POSITIVE};
 
 const TOLERANCE: Kind = Kind::Number(Range::Between(1e-14, 1.0));
 
-/// `(simulate)`
+/// `[simulate]`
 pub const SIMULATE: Table = Table {
     name: "simulate",
     doc: "What is asked of a run.",
@@ -56,7 +56,7 @@ const INTEGRATORS: &[(&str, &str)] = &[
     ("gauss", "Symmetric, order 6, fixed step: long runs without dissipation."),
 ];
 
-/// `(statics)`
+/// `[statics]`
 pub const STATICS: Table = Table {
     name: "statics",
     doc: "What is asked of statics.",

@@ -99,9 +99,9 @@ impl Scene {
         let start = |piece: &Piece| piece.middle.x - piece.reach;
         pieces.sort_by(|a, b| start(a).total_cmp(&start(b)));
         for (i, one) in pieces.iter().enumerate() {
-            let end = one.middle.x + one.reach;
-            for other in pieces[i + 1..].iter().take_while(|other| start(other) <= end + gap * one.size.min(other.size))
-            {
+            // No slack is larger than this part of it.
+            let end = one.middle.x + one.reach + gap * one.size.min(model.length_scale());
+            for other in pieces[i + 1..].iter().take_while(|other| start(other) <= end) {
                 scene.meet(model, one, other, gap)?;
             }
         }
@@ -126,7 +126,9 @@ impl Scene {
     }
 
     fn meet(&mut self, model: &Model, one: &Piece, other: &Piece, gap: f64) -> Result<(), Untouchable> {
-        let slack = gap * one.size.min(other.size);
+        // Two points, or a point on a plane, have no size of their own.
+        let size = one.size.min(other.size);
+        let slack = gap * if size.is_finite() { size } else { model.length_scale() };
         let far = (one.middle - other.middle).norm() > one.reach + other.reach + slack;
         let links = [one, other].map(|piece| model.bodies[piece.body].link);
         if far || links[0] == links[1] {

@@ -38,8 +38,10 @@ pub(super) fn mechanism(model: &Model, pose: &[f64], scene: &Scene, bearers: &Be
         let u = &rates[bearers.supports.range(i)];
         match bears {
             Bears::Contact(k) => {
-                let names: Vec<String> =
-                    scene.contacts[*k].bodies.iter().map(|body| model.bodies[*body].name.clone()).collect();
+                let mut bodies = scene.contacts[*k].bodies;
+                // What gives way is named second, what stands on the ground first.
+                bodies.sort_by_key(|body| model.bodies[*body].link != 0);
+                let names: Vec<String> = bodies.iter().map(|body| model.bodies[*body].name.clone()).collect();
                 note(&mut opens, &names, u[0]);
                 if let [_, x, y] = u {
                     note(&mut slides, &names, x.hypot(*y));

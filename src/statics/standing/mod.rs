@@ -189,7 +189,7 @@ pub fn standing(
     }
     let stability = match found.verdict {
         Verdict::Stands if !scene.contacts.is_empty() => {
-            Some(rolling::stability(model, pose, settings.gap, &bearers, &found.forces)?)
+            Some(rolling::stability(model, pose, settings.gap, &bearers, &found.inner)?)
         }
         _ => None,
     };

@@ -52,14 +52,14 @@ pub(super) fn stability(
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped: Vec::new() })
 }
 
-/// Whether a support keeps its rows: it bears, inside its cone.
+/// Whether a support keeps its rows: it bears, with forces as far inside of all cones as they can be.
 fn holds(bearers: &Bearers, support: usize, forces: &[f64]) -> bool {
     let f = &forces[bearers.supports.range(support)];
     match bearers.supports.cones()[support] {
         Cone::Free => true,
         Cone::Ray => f[0] > 0.0,
-        cone @ Cone::Coulomb { .. } => f[0] > 0.0 && cone.share(f).is_some_and(|share| share < 1.0),
-        cone @ Cone::Ball { .. } => cone.share(f).is_some_and(|share| share < 1.0),
+        Cone::Coulomb { .. } => f[0] > 0.0,
+        Cone::Ball { bound, .. } => bound > 0.0,
     }
 }
 

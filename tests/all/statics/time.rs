@@ -41,7 +41,7 @@ fn the_time_limit_ends_every_method() {
     ] {
         let model = crumpled(seed);
         for time_limit in [1e-9, 3e-3] {
-            let settings = Settings { want, method, time_limit };
+            let settings = Settings { want, method, time_limit, ..Settings::default() };
             let before = Instant::now();
             let found = equilibrium(&model, &settings, &model.start_position).expect("statics");
             let took = before.elapsed().as_secs_f64();
