@@ -135,7 +135,7 @@ pub(super) fn text(model: &Model, standing: &Standing) -> String {
         ),
         Verdict::Falls => writeln!(out, "  falls        supports lack {} % of the loads", percent(-standing.slack)),
     };
-    let gives = standing.mechanism.as_ref().map(|mechanism| gives(mechanism)).unwrap_or_default();
+    let gives = standing.mechanism.as_ref().map(gives).unwrap_or_default();
     let _ = match (standing.verdict, standing.friction_margin) {
         (Verdict::Falls, Some(part)) => {
             writeln!(out, "  friction     would hold from {} % of its coefficients; now {gives}", percent(part))

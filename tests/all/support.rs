@@ -190,7 +190,7 @@ fn an_arm_with_dry_friction_holds_an_interval_of_payloads() {
     supports.add(Cone::Ball { bound: 1.5, size: 1 }, 1.0, [vec![(1, 1.0)]]);
     // Generalized loads of the relative angles, upwards.
     let weight = [-(m1 * l1 / 2.0 + m2 * (l1 + l2 / 2.0)) * G, -(m2 * l2 / 2.0) * G];
-    let load = vec![30.0 + weight[0], 11.0 + weight[1]];
+    let load = [30.0 + weight[0], 11.0 + weight[1]];
     let payload = vec![-(l1 + l2), -l2];
     let at = |downwards: f64| -> Vec<f64> { load.iter().zip(&payload).map(|(w, p)| w + downwards * p).collect() };
     let middle = at(14.1);

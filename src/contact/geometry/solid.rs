@@ -77,7 +77,11 @@ impl Core {
     pub fn prism(radius: f64, length: f64) -> Self {
         let corner = |i: usize| {
             let angle = std::f64::consts::TAU * (i / 2) as f64 / SIDES as f64;
-            Vector3::new(radius * angle.cos(), radius * angle.sin(), if i % 2 == 0 { -0.5 } else { 0.5 } * length)
+            Vector3::new(
+                radius * angle.cos(),
+                radius * angle.sin(),
+                if i.is_multiple_of(2) { -0.5 } else { 0.5 } * length,
+            )
         };
         let at = |i: usize, up: usize| 2 * (i % SIDES) + up;
         let side = |i: usize| [[at(i, 0), at(i + 1, 0), at(i + 1, 1)], [at(i, 0), at(i + 1, 1), at(i, 1)]];

@@ -120,7 +120,7 @@ pub(super) const PITCH: Key =
         .unit("m/rad")
         .required()
         .only(&["screw"])
-        .example("\"5 mm/rev\"");
+        .example("0.0008");
 
 /// Every kind with what it does.
 const TYPES: [(&str, &str); DECLARED.len()] = {

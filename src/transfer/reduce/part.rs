@@ -111,8 +111,7 @@ impl<'a> Part<'a> {
                 here = here.loaded(applied);
             }
             let failed = |pivot| Singular { link: index, pivot };
-            let to_ground = matches!(place.to, To::Ground);
-            let velocity = place.velocity as usize;
+            let (to_ground, velocity) = (matches!(place.to, To::Ground), place.velocity as usize);
             carried = match place.kind {
                 Kind::None => here,
                 Kind::Turn | Kind::Slide | Kind::Screw => {

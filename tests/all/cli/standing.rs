@@ -9,7 +9,7 @@ const G: f64 = 9.80665;
 
 /// The answer of `statics` and its exit code.
 fn statics(bench: &Bench, text: &str, code: i32) -> Value {
-    bench.write("scene.toml", text.to_owned());
+    bench.write("scene.toml", text);
     bench.call(&["statics", "scene.toml", "--json"]).code(code).json()
 }
 
