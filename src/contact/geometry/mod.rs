@@ -18,6 +18,6 @@ mod polygon;
 mod solid;
 mod touch;
 
-pub use solid::{Core, NotConvex, Placed, SIDES, Solid};
+pub use solid::{Core, NotConvex, Placed, Solid};
 pub(crate) use touch::tangents;
 pub use touch::{NoNormal, Touch, touch};

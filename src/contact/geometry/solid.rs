@@ -38,9 +38,6 @@ pub enum NotConvex {
     Flat,
 }
 
-/// Sides of the prism that stands for a cylinder: its margins are at most 0.5 % too small.
-pub const SIDES: usize = 32;
-
 /// Normals and edges that turn by less than this are one (rad).
 const PARALLEL: f64 = 1e-9;
 
@@ -70,24 +67,6 @@ impl Core {
             normals,
             edges: (0..3).map(|i| Vector3::ith(i, 1.0)).collect(),
         }
-    }
-
-    /// A cylinder along z about the origin (m) as the prism of [`SIDES`] sides that stands in it: no face of contact, and no
-    /// margin that it gives, is larger than the cylinder's.
-    pub fn prism(radius: f64, length: f64) -> Self {
-        let corner = |i: usize| {
-            let angle = std::f64::consts::TAU * (i / 2) as f64 / SIDES as f64;
-            Vector3::new(
-                radius * angle.cos(),
-                radius * angle.sin(),
-                if i.is_multiple_of(2) { -0.5 } else { 0.5 } * length,
-            )
-        };
-        let at = |i: usize, up: usize| 2 * (i % SIDES) + up;
-        let side = |i: usize| [[at(i, 0), at(i + 1, 0), at(i + 1, 1)], [at(i, 0), at(i + 1, 1), at(i, 1)]];
-        let ends = |i: usize| [[at(0, 1), at(i, 1), at(i + 1, 1)], [at(0, 0), at(i + 1, 0), at(i, 0)]];
-        let triangles: Vec<[usize; 3]> = (0..SIDES).flat_map(side).chain((1..SIDES - 1).flat_map(ends)).collect();
-        Self::mesh((0..2 * SIDES).map(corner).collect(), triangles).expect("a prism is convex")
     }
 
     /// A closed convex mesh, its triangles counter-clockwise as seen from outside.

@@ -232,6 +232,15 @@ pub enum Undecided {
     /// The build has no solver.
     #[error("friction and contact at rest need the feature `friction`, which this build does not have")]
     NoSolver,
+    /// Loads that are too small beside others to be judged with them.
+    #[error(
+        "the smallest load is {ratio:.1e} of the largest: what is lighter by more than 1e7 cannot be judged in the same scene; judge \
+         it in a scene of its own"
+    )]
+    Uneven {
+        /// Smallest by largest.
+        ratio: f64,
+    },
     /// The solver has none that is good enough.
     #[error(
         "the conic program of {rows} balances and {supports} supports is not decided: forces miss the balance by {unbalanced:.1e} and the bounds are {gap:.1e} apart, in parts of the loads"

@@ -9,8 +9,13 @@ const AMPLE: f64 = 100.0;
 /// Loads that are this near to a limit, in parts of themselves, are at the limit: what interior points resolve on
 /// degenerate programs (a harmonic stack at its largest overhang comes out within 3e-9).
 const AT_THE_LIMIT: f64 = 1e-8;
+/// Loads below this part of the largest are its round-off, and those between it and the next cannot be told from it.
+const ROUND_OFF: f64 = 1e-13;
+const UNEVEN: f64 = 1e-7;
 /// A balance that misses more than this part of the loads is none.
 const BALANCED: f64 = 1e-9;
+/// Supports feel a motion by less than this part of it if they do not feel it: round-off of least squares.
+const FELT: f64 = 1e-7;
 /// Forces of (W), at most 1, above this are a squeeze.
 const SQUEEZE: f64 = 1e-6;
 /// A load factor beyond this many times the loads has no end.
@@ -196,6 +201,13 @@ impl Supports {
     /// [`Undecided`] if the recomputed bounds do not decide it.
     pub fn standing(&self, load: &[f64]) -> Result<Standing, Undecided> {
         let scaled = Scaled::new(self, load, 1.0);
+        if self.rows == 0 || self.size(load) == 0.0 {
+            return Ok(self.idle());
+        }
+        let least = scaled.load.iter().map(|load| load.abs()).filter(|load| *load > ROUND_OFF).fold(1.0, f64::min);
+        if least < UNEVEN {
+            return Err(Undecided::Uneven { ratio: least });
+        }
         let grown = scaled.grow()?;
         let stands = grown.upper <= AT_THE_LIMIT && grown.certificate.unbalanced <= BALANCED;
         if !stands && !(grown.lower > 0.0) {
@@ -221,6 +233,14 @@ impl Supports {
             motion: scaled.rates_of_coordinates(&grown.motion),
             certificate: grown.certificate,
         })
+    }
+
+    /// Nothing loads anything, or nothing can move: it stands without forces.
+    fn idle(&self) -> Standing {
+        let certificate = Certificate { unbalanced: 0.0, outside: 0.0, gap: 0.0 };
+        let none = vec![0.0; self.columns.len()];
+        let (forces, inner, motion) = (none.clone(), none, vec![0.0; self.rows]);
+        Standing { verdict: Verdict::Stands, slack: AMPLE, forces, inner, motion, self_stresses: 0, certificate }
     }
 
     /// The end of `w + α w₁`, `α` growing (`upwards`) or falling from 0, by (L).
@@ -264,12 +284,20 @@ impl Supports {
     pub fn friction_margin(&self, load: &[f64]) -> Result<Option<f64>, Undecided> {
         // Below this part friction is not what holds.
         const NONE: f64 = 1e-9;
+        if self.rows == 0 || self.size(load) == 0.0 {
+            return Ok(Some(0.0));
+        }
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut s = 1.0;
         for _ in 0..100 {
             let scaled = Scaled::new(self, load, s);
             let grown = scaled.grow()?;
             let tau = 0.5 * (grown.upper + grown.lower.max(-AMPLE));
+            if s == 1.0 && tau.abs() <= AT_THE_LIMIT {
+                // At its limit, or with nothing that friction could do.
+                let none = Scaled::new(self, load, NONE).grow()?;
+                return Ok(Some(if none.upper <= AT_THE_LIMIT { 0.0 } else { 1.0 }));
+            }
             if tau > 0.0 {
                 low = s
             } else {
@@ -354,13 +382,39 @@ impl Scaled<'_> {
     }
 
     fn grow(&self) -> Result<Grown, Undecided> {
-        let answer = self.answer(&self.program(&Extra::Growth))?;
-        let mut forces = answer.x[..self.columns.len()].to_vec();
-        let motion = answer.multipliers[..self.load.len()].to_vec();
+        let (rows, columns) = (self.load.len(), self.columns.len());
+        if rows == 0 {
+            let certificate = Certificate { unbalanced: 0.0, outside: 0.0, gap: 0.0 };
+            let (forces, motion) = (vec![0.0; columns], Vec::new());
+            return Ok(Grown { forces, motion, upper: -AMPLE, lower: f64::NEG_INFINITY, certificate });
+        }
+        if !BUILT {
+            return Err(Undecided::NoSolver);
+        }
+        let answer = if columns == 0 { None } else { self.program(&Extra::Growth).solve() };
+        let mut forces = answer.as_ref().map_or_else(|| vec![0.0; columns], |answer| answer.x[..columns].to_vec());
         self.polish(&mut forces);
+        let unbalanced = self.unbalanced(&forces);
+        let undecided = |gap: f64| Undecided::Inexact { rows, supports: self.cones.len(), unbalanced, gap };
+        if unbalanced > BALANCED {
+            // Loads that no forces balance, whatever their cones: what is left in least squares is a motion that no support feels.
+            let motion = self.rest(&forces);
+            let felt = self.rates(&motion).iter().fold(0.0, |most, rate| f64::max(most, rate.abs()));
+            if felt > FELT * unbalanced {
+                return Err(undecided(felt));
+            }
+            let certificate = Certificate { unbalanced, outside: 0.0, gap: 0.0 };
+            return Ok(Grown { forces, motion, upper: unbalanced, lower: unbalanced, certificate });
+        }
+        let motion = match &answer {
+            Some(answer) => answer.multipliers[..rows].to_vec(),
+            // Nothing to bear, and nothing that could.
+            None if columns == 0 => vec![0.0; rows],
+            None => return Err(undecided(f64::NAN)),
+        };
         let (upper, lower) = (self.outside(&forces), self.bound(&motion, &forces));
         let gap = if upper <= -0.99 * AMPLE { 0.0 } else { upper - lower };
-        let certificate = Certificate { unbalanced: self.unbalanced(&forces), outside: upper.max(0.0), gap };
+        let certificate = Certificate { unbalanced, outside: upper.max(0.0), gap };
         Ok(Grown { forces, motion, upper, lower, certificate })
     }
 

@@ -7,6 +7,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 
 /// `min ½ xᵀ diag(p) x + q·x` with `A x = right` in the first rows and `right − A x` in cones in the others.
+#[cfg_attr(not(feature = "friction"), allow(dead_code))]
 pub(super) struct Program {
     pub(super) quadratic: Vec<f64>,
     pub(super) linear: Vec<f64>,

@@ -41,7 +41,7 @@ pub enum Untouchable {
     /// They overlap.
     #[error(
         "`{}` and `{}` overlap by {depth:.3e} m at [{:.4}, {:.4}, {:.4}], more than the {allowed:.1e} m that count as closed: move \
-         one of them, raise `[statics] gap`, or ask for `contact = \"settle\"`", .between[0], .between[1], .at[0], .at[1], .at[2]
+         one of them, raise `[statics] gap` (`contact = \"settle\"`, which would move them, is not there yet)", .between[0], .between[1], .at[0], .at[1], .at[2]
     )]
     Overlap {
         /// Names of the bodies.
@@ -172,6 +172,9 @@ fn rule(model: &Model, one: usize, other: usize) -> Option<(&ContactRule, bool)>
     model.contacts.iter().rev().find_map(|rule| Some((rule, fits(rule)?)))
 }
 
+/// What there is to do about a shape that cannot touch.
+const REFUSED: &str = "cannot yet: give the body boxes, capsules or spheres, and this shape `contact = false`";
+
 /// The solid of a shape, in the shape's axes.
 fn solid(shape: &Shape) -> Result<Solid, String> {
     Ok(match &shape.geometry {
@@ -179,7 +182,7 @@ fn solid(shape: &Shape) -> Result<Solid, String> {
         Geometry::Sphere(radius) => Solid::Round(Core::point(), *radius),
         Geometry::Capsule { radius, length } => Solid::Round(Core::segment(*length), *radius),
         Geometry::Box(edges) => Solid::Round(Core::cuboid(edges), 0.0),
-        Geometry::Cylinder { radius, length } => Solid::Round(Core::prism(*radius, *length), 0.0),
-        Geometry::Mesh { .. } => return Err("meshes cannot yet: give it boxes, capsules or spheres".to_owned()),
+        Geometry::Cylinder { .. } => return Err(format!("cylinders {REFUSED}")),
+        Geometry::Mesh { .. } => return Err(format!("meshes {REFUSED}")),
     })
 }

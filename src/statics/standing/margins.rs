@@ -3,6 +3,7 @@
 use super::closed::Scene;
 use super::supports::{Bearers, load};
 use super::{Margin, Settings, Unanswered};
+use crate::model::parameter::Field;
 use crate::model::{Description, Model, Parameter, Problem};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -57,9 +58,11 @@ fn interval(
     let direction = direction(description, pose, bearers, parameter)?;
     let [low, high] = [false, true].map(|upwards| bearers.supports.limit(&bearers.load, &direction, upwards));
     let (low, high) = (low?, high?);
+    // No mass is negative, whatever the balance would allow.
+    let least = if parameter.field == Field::Mass { 0.0 } else { f64::NEG_INFINITY };
     Ok(Interval {
         name: parameter.address.clone(),
-        range: [value + low.value, value + high.value],
+        range: [(value + low.value).max(least), value + high.value],
         motions: [low.motion, high.motion],
     })
 }
@@ -124,7 +127,12 @@ pub(super) fn inputs(
         for (_, other) in directions.iter().enumerate().filter(|(other, _)| *other != k) {
             bearers.free(other);
         }
-        found.push(interval(description, pose, &bearers, parameter)?);
+        match interval(description, pose, &bearers, parameter) {
+            Ok(range) => found.push(range),
+            // No value of it holds the pose.
+            Err(Unanswered::Undecided(_)) => {}
+            Err(other) => return Err(other),
+        }
     }
     Ok(found)
 }

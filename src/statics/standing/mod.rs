@@ -152,13 +152,20 @@ pub fn standing(
     asked: &Margin,
     pose: &[f64],
 ) -> Result<Standing, Unanswered> {
+    if let Some(drive) = model.drives.iter().find(|drive| drive.motion.at(0.0).velocity != 0.0) {
+        let why = format!("drive `{}` moves at t = 0: whether a scene stands is asked of scenes at rest", drive.name);
+        return Err(Unanswered::Open(why));
+    }
     let scene = Scene::new(model, pose, settings.gap)?;
     let bearers = Bearers::new(model, pose, &scene)?;
     let found = bearers.supports.standing(&bearers.load)?;
     let wedged = found.verdict == Verdict::Wedged;
     let friction_margin = if wedged { None } else { bearers.supports.friction_margin(&bearers.load)? };
     let squeeze = wedged.then(|| bearers.supports.least_squeeze(&bearers.load)).transpose()?;
-    let margins = margins::margins(description, model, asked, pose, &bearers)?;
+    let margins = match found.verdict {
+        Verdict::Stands => margins::margins(description, model, asked, pose, &bearers)?,
+        Verdict::Wedged | Verdict::Falls => Margins::default(),
+    };
     let motion = match (found.verdict, friction_margin) {
         (Verdict::Falls, _) => Some(found.motion.clone()),
         // At its margin, not here: here nothing moves.
@@ -167,9 +174,12 @@ pub fn standing(
     };
     let mechanism = motion.map(|motion| mechanism::mechanism(model, pose, &scene, &bearers, &motion));
     let (mut contacts, mut friction, mut stop_forces) = (Vec::new(), Vec::new(), Vec::new());
+    let largest = found.forces.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
     for (i, bears) in bearers.list.iter().enumerate() {
         let f = &found.forces[bearers.supports.range(i)];
-        let share = bearers.supports.cones()[i].share(f).unwrap_or(0.0);
+        // Of forces that are round-off no share can be said.
+        let bears_none = f.iter().all(|f| f.abs() <= 1e-9 * largest);
+        let share = if bears_none { 0.0 } else { bearers.supports.cones()[i].share(f).unwrap_or(0.0) };
         match bears {
             Bears::Contact(k) => {
                 let contact = scene.contacts[*k].clone();

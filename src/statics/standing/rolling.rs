@@ -40,7 +40,15 @@ pub(super) fn stability(
     let free = null_space(bearers, &bears);
     let modes = match free.ncols() {
         0 => Vec::new(),
-        _ => rolling(model, pose, gap, bearers, &free)?,
+        k => match rolling(model, pose, gap, bearers, &free) {
+            Ok(modes) => modes,
+            // Nothing presses where it would have to give way: it is free there, to one side.
+            Err(Unanswered::Untouchable(_)) => {
+                let (verdict, modes, damped) = (Verdict::Neutral, Vec::new(), Vec::new());
+                return Ok(Stability { verdict, unstable_directions: 0, neutral_directions: k, modes, damped });
+            }
+            Err(other) => return Err(other),
+        },
     };
     let unstable = modes.iter().filter(|mode| mode.growth_rate > 0.0).count();
     let neutral = modes.iter().filter(|mode| mode.growth_rate == 0.0 && mode.frequency_hz == 0.0).count();
