@@ -52,7 +52,7 @@ pub struct Stability {
     pub unstable_directions: usize,
     /// Number of directions that cost nothing.
     pub neutral_directions: usize,
-    /// All modes, of a large system the lowest ([`MOST_MODES`]): running away first, then neutral, then by frequency.
+    /// All modes, of a large system the lowest (`MOST_MODES`): running away first, then neutral, then by frequency.
     pub modes: Vec<Mode>,
     /// Modes of the damped motion, where something damps; of a large system those within the space of its lowest
     /// undamped ones.
