@@ -26,6 +26,9 @@ pub(super) struct Arguments {
     /// Leave out the limits of joints
     #[arg(long)]
     no_limits: bool,
+    /// Leave out the dry friction of joints
+    #[arg(long)]
+    no_friction: bool,
     /// Let joints of a URDF move that follow others (<mimic>)
     #[arg(long)]
     no_mimics: bool,
@@ -52,6 +55,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         floating: arguments.floating,
         key: arguments.key.clone(),
         without_limits: arguments.no_limits,
+        without_friction: arguments.no_friction,
         without_mimics: arguments.no_mimics,
         weld_massless: arguments.weld_massless,
         folder: arguments.out.as_deref().filter(|out| out.as_os_str() != "-").map(folder),

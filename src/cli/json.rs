@@ -201,8 +201,10 @@ pub(super) fn verified(verified: &Verified) -> Value {
 fn event(event: &Occurrence) -> Value {
     let Occurrence { time, kind, name, value, speed } = event;
     let mut event = json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed });
-    if let Kind::Force(_) = kind {
-        event["force"] = json!(name);
+    match kind {
+        Kind::Force(_) => event["force"] = json!(name),
+        Kind::Crossing | Kind::Switch => {}
+        _ => event["hinge"] = json!(name),
     }
     event
 }

@@ -361,7 +361,11 @@ pub(super) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
     for (line, event) in events.iter().take(MOST_LINES).enumerate() {
         let head = if line == 0 { "events" } else { "" };
         let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
-        let _ = writeln!(out, "  {head:<12} {time} s: {kind} of `{name}` at {value}, speed {}", number(event.speed));
+        let what = match event.kind {
+            Kind::Slip | Kind::Stick => format!("`{name}` {kind} at {value}"),
+            _ => format!("{kind} of `{name}` at {value}, speed {}", number(event.speed)),
+        };
+        let _ = writeln!(out, "  {head:<12} {time} s: {what}");
     }
     more(&mut out, events.len());
     if let Some(event) = &summary.stopped_by {

@@ -1,26 +1,19 @@
-//! Coordinates that rest on a stop: rows that come and go while a scene moves, beside those of its loops, drives and gears.
+//! What rests on a stop or by dry friction: rows that come and go while a scene moves, beside those of its loops, drives and gears.
 
-use super::mode::{Held, scalars};
+use super::mode::Held;
 use super::row::Placed;
 use super::rows;
 use super::{Constraints, Owner};
 use crate::model::Model;
-use crate::model::prescribed::Instant;
 use crate::motion::Motion;
 
 impl Constraints {
-    /// Holds these velocity coordinates from now on, each where and at the rate that it is told, and lets go of those
+    /// Holds these coordinates and balls from now on, each where and at the rate that it is told, and lets go of those
     /// held before. Says which of them have a row that counts: the others move as loops, drives, gears and those before
     /// them have it.
     ///
     /// The motion is at `q`.
-    pub(crate) fn hold(
-        &mut self,
-        model: &Model,
-        motion: &Motion,
-        q: &[f64],
-        targets: &[(usize, Instant)],
-    ) -> Vec<bool> {
+    pub(crate) fn hold(&mut self, model: &Model, motion: &Motion, q: &[f64], held: &[Held]) -> Vec<bool> {
         let (elements, rows) = (self.own, self.independent.len());
         self.elements.truncate(elements);
         self.ways.truncate(elements);
@@ -31,12 +24,7 @@ impl Constraints {
         self.multipliers.truncate(rows);
         self.not_unique.truncate(rows);
         self.is_shared = false;
-        let of = |(velocity, at): &(usize, Instant)| {
-            let coordinate = scalars(model).find(|scalar| scalar.velocity == *velocity)?;
-            Some(Held::Coordinate { coordinate, at: *at })
-        };
-        let held: Vec<Held> = targets.iter().filter_map(of).collect();
-        rows::hold(model, &held, &mut self.elements, &mut self.rules);
+        rows::hold(model, held, motion, &mut self.elements, &mut self.rules);
         self.ways.extend(self.elements[elements..].iter().map(|element| rows::way(model, element)));
         let length = model.length_scale();
         self.weights.extend(self.rules[rows..].iter().map(|rule| if rule.turns() { length } else { 1.0 }));
@@ -50,19 +38,24 @@ impl Constraints {
             return Vec::new();
         }
         self.place(model, motion, q, false);
-        let counts = self.independent_now(model, motion)[rows..].to_vec();
+        let independent = self.independent_now(model, motion);
+        let element_counts = |element: &rows::Element| element.rows.clone().any(|row| independent[row]);
+        let counts: Vec<bool> = self.elements[elements..].iter().map(element_counts).collect();
         if counts.contains(&false) {
             // Without a row nothing asks whether they are where they are held.
-            let counted: Vec<(usize, Instant)> =
-                targets.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(target, _)| *target).collect();
+            let counted: Vec<Held> =
+                held.iter().zip(&counts).filter(|(_, counts)| **counts).map(|(held, _)| *held).collect();
             self.hold(model, motion, q, &counted);
+        } else if independent[rows..].contains(&false) {
+            // Of a ball that loops leave some of its turns.
+            self.keep(|row| if row < rows { own[row] } else { independent[row] });
         }
         counts
     }
 
-    /// The force of the row that holds a velocity coordinate, at the last solution (N or N m).
-    pub(crate) fn held_force(&self, velocity: usize) -> f64 {
+    /// The forces of the rows that hold a coordinate or a ball, at the last solution (N or N m).
+    pub(crate) fn held_force(&self, velocity: usize) -> &[f64] {
         let held = self.elements[self.own..].iter().find(|element| element.owner == Owner::Held(velocity));
-        held.map_or(0.0, |element| self.multipliers[element.rows.start])
+        held.map_or(&[], |element| &self.multipliers[element.rows.clone()])
     }
 }

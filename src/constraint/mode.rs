@@ -26,7 +26,7 @@ pub enum Held {
         /// Where (m or rad) and at which rate.
         at: Instant,
     },
-    /// The ball of this link, as the model's start has it.
+    /// The ball of this link, as it stands where the rows are made.
     Ball(usize),
 }
 

@@ -114,23 +114,7 @@ pub(super) fn of_model(model: &Model, mode: &Mode) -> (Vec<Element>, Vec<Rule>, 
         let parts = [(gear.coordinates[0], 1.0), (gear.coordinates[1], -gear.ratio)];
         motion(Owner::Gear(index), format!("gear `{}`", gear.name), parts, nothing);
     }
-    hold(model, &mode.held, &mut elements, &mut rules);
-    for held in &mode.held {
-        let Held::Ball(link) = *held else { continue };
-        let (parent, velocity) = (model.links[link].parent, model.links[link].velocity);
-        let first = rules.len();
-        let turned = given.links[link].turn.transpose() * given.links[parent].turn;
-        rules.extend(turns_together(&Matrix3::identity(), &turned));
-        elements.push(Element {
-            owner: Owner::Held(velocity),
-            name: format!("held {}", model.label(velocity)),
-            rows: first..rules.len(),
-            ends: Some([parent, link].map(|link| End { link, body: None, point: Vector3::zeros() })),
-            branches: branches(model, parent, link),
-            named: [0, 0],
-            held: nothing,
-        });
-    }
+    hold(model, &mode.held, &given, &mut elements, &mut rules);
     (elements, rules, given)
 }
 
@@ -148,13 +132,34 @@ fn of_motion(
     elements.push(Element { owner, name, rows, ends: None, branches: [Vec::new(), Vec::new()], named, held });
 }
 
-/// Adds a row for each coordinate that is held.
-pub(super) fn hold(model: &Model, held: &[Held], elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
+/// Adds a row for each coordinate that is held, and three for each ball, which is held as it stands at `given`.
+pub(super) fn hold(model: &Model, held: &[Held], given: &Motion, elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
     for held in held {
-        let Held::Coordinate { coordinate, at } = held else { continue };
-        let what = (Owner::Held(coordinate.velocity), format!("held {}", model.label(coordinate.velocity)));
-        of_motion(what, [(*coordinate, 1.0), (*coordinate, 0.0)], *at, elements, rules);
+        match held {
+            Held::Coordinate { coordinate, at } => {
+                let what = (Owner::Held(coordinate.velocity), format!("held {}", model.label(coordinate.velocity)));
+                of_motion(what, [(*coordinate, 1.0), (*coordinate, 0.0)], *at, elements, rules);
+            }
+            Held::Ball(link) => of_ball(model, *link, given, elements, rules),
+        }
     }
+}
+
+/// The rows of a ball that is held.
+fn of_ball(model: &Model, link: usize, given: &Motion, elements: &mut Vec<Element>, rules: &mut Vec<Rule>) {
+    let (parent, velocity) = (model.links[link].parent, model.links[link].velocity);
+    let first = rules.len();
+    let turned = given.links[link].turn.transpose() * given.links[parent].turn;
+    rules.extend(turns_together(&Matrix3::identity(), &turned));
+    elements.push(Element {
+        owner: Owner::Held(velocity),
+        name: format!("held {}", model.label(velocity)),
+        rows: first..rules.len(),
+        ends: Some([parent, link].map(|link| End { link, body: None, point: Vector3::zeros() })),
+        branches: branches(model, parent, link),
+        named: [0, 0],
+        held: Instant::default(),
+    });
 }
 
 /// Turns of the loops' frames on their second links, taken where they stand at the given positions.

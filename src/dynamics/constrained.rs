@@ -1,9 +1,8 @@
 //! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
 
 use super::{Evaluated, Fault, System};
-use crate::constraint::{Constraints, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
+use crate::constraint::{Constraints, Held, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
 use crate::model::Model;
-use crate::model::prescribed::Instant;
 use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
 use crate::spatial::Wrench;
@@ -160,10 +159,10 @@ impl System {
         }
     }
 
-    /// What holds a velocity coordinate given to [`Evaluated::hold`], at the last accelerations (N or N m); 0 where it has
-    /// no row.
-    pub fn held_force(&self, velocity: usize) -> f64 {
-        self.constraints.as_ref().map_or(0.0, |tied| tied.rows.held_force(velocity))
+    /// What holds a coordinate or a ball given to [`Evaluated::hold`], by its first velocity coordinate, at the last accelerations
+    /// (N or N m); empty if it has no row.
+    pub fn held_force(&self, velocity: usize) -> &[f64] {
+        self.constraints.as_ref().map_or(&[], |tied| tied.rows.held_force(velocity))
     }
 
     /// What drives do in an impulse that changes velocities so, after
@@ -361,13 +360,13 @@ impl Evaluated<'_> {
         Ok(())
     }
 
-    /// Holds velocity coordinates from now on, each where and at the rate that it is told, as rows like those of loops,
+    /// Holds coordinates and balls from now on, each where and at the rate that it is told, as rows like those of loops,
     /// drives and gears; those held before are let go. Says which of them the others leave free to be held. Nothing is
     /// done without loops, drives or gears.
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`].
-    pub fn hold(&mut self, held: &[(usize, Instant)]) -> Result<Vec<bool>, Fault> {
+    pub fn hold(&mut self, held: &[Held]) -> Result<Vec<bool>, Fault> {
         let mut a = std::mem::take(&mut self.system.scratch);
         let evaluated = self.accelerations(&mut a).map(|_| ());
         self.system.scratch = a;

@@ -155,6 +155,7 @@ impl System {
 
     fn with(model: &Arc<Model>, constraints: Option<Box<Constrained>>) -> Self {
         let n = model.links.len();
+        let smooth = model.stops.is_empty() && model.hinge_friction.is_empty();
         Self {
             model: Arc::clone(model),
             laws: Laws::new(model),
@@ -165,7 +166,7 @@ impl System {
             applied: vec![Wrench::ZERO; n],
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
-            outside: vec![0.0; if model.stops.is_empty() { 0 } else { model.velocity_count() }],
+            outside: vec![0.0; if smooth { 0 } else { model.velocity_count() }],
             pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
             constraints,

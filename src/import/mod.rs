@@ -45,6 +45,8 @@ pub struct Options {
     pub floating: bool,
     /// Limits of joints are left out.
     pub without_limits: bool,
+    /// Dry friction of joints is left out.
+    pub without_friction: bool,
     /// Joints of a URDF that follow others are let go.
     pub without_mimics: bool,
     /// Joints on which nothing with mass or inertia hangs are fixed: their motion would be undetermined.

@@ -124,6 +124,7 @@ fn model<'a>(table: &Reader<'_>, settings: Vec<Setting<'a>>, folder: &Path) -> O
     let options = Options {
         prefix: table.text("prefix").unwrap_or_default().to_owned(),
         without_limits: table.flag("limits") == Some(false),
+        without_friction: table.flag("friction") == Some(false),
         without_mimics: table.flag("mimics") == Some(false),
         weld_massless: table.text("massless") == Some("weld"),
         floating: table.text("base") == Some("free"),

@@ -5,7 +5,7 @@
 //! | explicit | `dopri5` | `dop853` from 10⁻⁴ on; `adams` where steps go on undisturbed, to 10⁻¹² |
 //! | implicit | `sdirk4` | `radau9` from 10⁻⁵ on |
 //!
-//! A method that lives on its past is no choice for a scene with stops, which begins anew at each event, as it does where a
+//! A method that lives on its past is no choice for a scene with stops or dry friction, which begins anew at each event, as it does where a
 //! table or a ramp begins another piece, nor with loops,
 //! onto which every one of its many short steps would be projected.
 //!
@@ -55,7 +55,8 @@ pub(super) struct Choice {
 impl Choice {
     /// `steady`: no motion or motor changes its rule on the way.
     pub(super) fn new(settings: &Settings, model: &Model, steady: bool) -> Self {
-        let undisturbed = steady && model.stops.is_empty() && !model.is_constrained();
+        let smooth = model.stops.is_empty() && model.hinge_friction.is_empty();
+        let undisturbed = steady && smooth && !model.is_constrained();
         let explicit = match settings.tolerance <= HIGH_ORDER {
             _ if undisturbed && settings.tolerance > LIVES_ON_ITS_PAST => Method::Adams,
             true => Method::Dop853,

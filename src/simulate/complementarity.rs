@@ -1,16 +1,21 @@
-//! Rows that push and never pull: Signorini's condition between the rates of some rows and their multipliers,
+//! Rows whose multipliers have bounds: the law of what pushes and never pulls (Signorini's), and of what holds up to a largest
+//! force (Coulomb's, at rest), between the rates of some rows and their multipliers,
 //!
 //! ```text
-//! (1)  0 ≤ λ ⊥ w = A λ + b ≥ 0,   A = H M⁻¹ Hᵀ  positive semidefinite
+//! (1)  l ≤ λ ≤ h,   w = A λ + b:   w ≥ 0 if λ = l,   w ≤ 0 if λ = h,   w = 0 between,   A = H M⁻¹ Hᵀ  positive semidefinite
 //! ```
 //!
-//! a linear complementarity problem, and the optimality condition of min ½ λᵀ A λ + bᵀ λ, λ ≥ 0. It is solved by the active
-//! set method of Lawson and Hanson (*Solving Least Squares Problems*, 1974, ch. 23), which keeps the active rows linearly
-//! independent: a row that depends on the active ones replaces one of them, if that can be. A row that cannot enter now may
-//! do so once the active set is another one.
+//! a mixed linear complementarity problem, and the optimality condition of min ½ λᵀ A λ + bᵀ λ, l ≤ λ ≤ h. A stop has l = 0 and
+//! h = ∞. It is solved by the active set method of Lawson and Hanson for bounded variables (*Solving Least Squares Problems*,
+//! 1974, ch. 23; Stark and Parker, *Bounded-variable least squares*, 1995), which keeps the free rows linearly independent: a
+//! row that depends on the free ones replaces one of them, if that can be. A row that cannot enter now may do so once the free
+//! rows are others.
 
 /// A pivot below this part of a row's own entry without loops, drives and gears counts as zero.
 const DEPENDENT: f64 = 1e-9;
+
+/// Of a row that pushes and never pulls.
+pub(super) const ONE_SIDED: [f64; 2] = [0.0, f64::INFINITY];
 
 /// The problem (1).
 #[derive(Debug, Clone)]
@@ -21,7 +26,9 @@ pub(super) struct Problem<'a> {
     pub(super) free: &'a [f64],
     /// `b`.
     pub(super) rates: &'a [f64],
-    /// A rate above −tolerance counts as ≥ 0, per row.
+    /// `l ≤ 0` and `h ≥ 0`, per row.
+    pub(super) bounds: &'a [[f64; 2]],
+    /// A rate between −tolerance and tolerance counts as zero, per row.
     pub(super) tolerances: &'a [f64],
 }
 
@@ -30,11 +37,11 @@ pub(super) struct Problem<'a> {
 pub(super) struct Solution {
     /// `λ`.
     pub(super) multipliers: Vec<f64>,
-    /// Rows that push; they are linearly independent.
+    /// Rows whose multipliers are free, so that their rates vanish; they are linearly independent.
     pub(super) active: Vec<bool>,
     /// `w`.
     pub(super) rates: Vec<f64>,
-    /// Rows with `w` below −tolerance: no multipliers satisfy them.
+    /// Rows whose rates no multipliers satisfy.
     pub(super) violated: Vec<bool>,
 }
 
@@ -55,81 +62,121 @@ impl Problem<'_> {
         // Each round lowers the objective; the bound is for rounding.
         for _ in 0..20 * (n + 1) {
             state.rates = self.rates_of(&state.multipliers);
-            let worst = |row: usize| state.rates[row] / self.free[row].sqrt();
-            let open = (0..n)
-                .filter(|row| !state.active[*row] && !unreachable[*row] && state.rates[*row] < -self.tolerances[*row]);
+            let worst = |row: usize| -state.rates[row].abs() / self.free[row].sqrt();
+            let open = (0..n).filter(|row| !unreachable[*row] && self.wants(&state, *row).is_some());
             let Some(row) = open.min_by(|a, b| worst(*a).total_cmp(&worst(*b))) else { break };
-            match self.enter(&mut state, row) {
+            let Some(sign) = self.wants(&state, row) else { break };
+            match self.enter(&mut state, row, sign) {
                 true => unreachable.fill(false),
                 false => unreachable[row] = true,
             }
         }
         state.rates = self.rates_of(&state.multipliers);
-        state.violated = (0..n).map(|row| !state.active[row] && state.rates[row] < -self.tolerances[row]).collect();
+        state.violated = (0..n).map(|row| self.wants(&state, row).is_some()).collect();
         state
     }
 
-    /// The usual case: all rows that are violated push.
+    /// Which way the multiplier of a row that is not free has to go; `None` if it may stay.
+    fn wants(&self, state: &Solution, row: usize) -> Option<f64> {
+        let (rate, [low, high], at) = (state.rates[row], self.bounds[row], state.multipliers[row]);
+        let up = rate < -self.tolerances[row] && at < high;
+        let down = rate > self.tolerances[row] && at > low;
+        (!state.active[row] && (up || down)).then_some(if up { 1.0 } else { -1.0 })
+    }
+
+    /// The usual case: all rows that are violated at λ = 0 are free.
     fn all_at_once(&self, state: &mut Solution) -> bool {
-        let rows: Vec<usize> = (0..self.rates.len()).filter(|row| self.rates[*row] < -self.tolerances[*row]).collect();
+        let n = self.rates.len();
+        let rows: Vec<usize> = (0..n).filter(|row| self.wants(state, *row).is_some()).collect();
         let Some(multipliers) = self.stationary(&rows) else { return false };
-        if multipliers.iter().any(|multiplier| !(*multiplier > 0.0)) {
+        let within = |(row, at): (&usize, &f64)| self.bounds[*row][0] < *at && *at < self.bounds[*row][1];
+        if !rows.iter().zip(&multipliers).all(within) {
             return false;
         }
-        let mut all = vec![0.0; self.rates.len()];
-        rows.iter().zip(&multipliers).for_each(|(row, multiplier)| all[*row] = *multiplier);
-        let rates = self.rates_of(&all);
-        let satisfied = rates.iter().zip(self.tolerances).all(|(rate, tolerance)| *rate >= -tolerance);
+        let mut all = Solution { multipliers: vec![0.0; n], ..state.clone() };
+        for (row, multiplier) in rows.iter().zip(&multipliers) {
+            (all.multipliers[*row], all.active[*row]) = (*multiplier, true);
+        }
+        all.rates = self.rates_of(&all.multipliers);
+        let satisfied = (0..n).all(|row| self.wants(&all, row).is_none());
         if satisfied {
-            rows.iter().for_each(|row| state.active[*row] = true);
-            (state.multipliers, state.rates) = (all, rates);
+            *state = all;
         }
         satisfied
     }
 
-    /// Takes a row among the active ones; false if that leaves the active set as it is: no multiplier of the row helps.
-    fn enter(&self, state: &mut Solution, row: usize) -> bool {
-        let (active, before) = (state.rows(), state.active.clone());
+    /// Frees a row whose multiplier wants to go up (sign 1) or down (−1); false if that leaves the multipliers as they are.
+    fn enter(&self, state: &mut Solution, row: usize, sign: f64) -> bool {
+        let (active, before) = (state.rows(), state.clone());
         let Some(combination) = self.combine(&active, row) else { return false };
-        let pivot = self.entry(row, row)
-            - active.iter().zip(&combination).map(|(other, c)| self.entry(row, *other) * c).sum::<f64>();
-        if pivot <= DEPENDENT * self.free[row] {
-            // λ + t (e_row − combination) changes no rate: as far as the active rows allow it.
-            let steps = active.iter().zip(&combination).filter(|(_, c)| **c > DEPENDENT);
-            let steps = steps.map(|(other, c)| (state.multipliers[*other] / c, *other));
-            let Some((step, leaving)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else { return false };
-            for (other, c) in active.iter().zip(&combination) {
-                state.multipliers[*other] -= step * c;
+        if self.pivot(&active, &combination, row) <= DEPENDENT * self.free[row] {
+            // λ + t (e_row − combination) changes no rate: as far as the bounds of all of them allow it.
+            let to_bound = |of: usize, slope: f64| {
+                let [low, high] = self.bounds[of];
+                let towards = if slope > 0.0 { high } else { low };
+                ((towards - state.multipliers[of]) / slope, of, towards)
+            };
+            let others = active.iter().zip(&combination).filter(|(_, c)| c.abs() > DEPENDENT);
+            let steps = others.map(|(other, c)| to_bound(*other, -sign * c)).chain([to_bound(row, sign)]);
+            let Some((step, stops, bound)) = steps.min_by(|a, b| a.0.total_cmp(&b.0)) else { return false };
+            if !step.is_finite() {
+                return false;
             }
-            (state.multipliers[row], state.multipliers[leaving]) = (step, 0.0);
-            state.active[leaving] = false;
+            for (other, c) in active.iter().zip(&combination) {
+                state.multipliers[*other] -= sign * step * c;
+            }
+            state.multipliers[row] += sign * step;
+            (state.multipliers[stops], state.active[stops]) = (bound, false);
+            if stops == row {
+                return state.multipliers != before.multipliers;
+            }
         }
         state.active[row] = true;
         self.descend(state);
-        state.active != before
+        (&state.active, &state.multipliers) != (&before.active, &before.multipliers)
     }
 
-    /// To the stationary point of the active rows, or to where multipliers vanish on the way; those rows leave.
+    /// To the stationary point of the free rows, or to the first bound on the way; that row is free no longer.
     fn descend(&self, state: &mut Solution) {
         loop {
             let active = state.rows();
-            let Some(target) = self.stationary(&active) else { return };
+            let Some(target) = self.stationary_from(&active, &state.multipliers) else { return };
             let step_of = |at: usize| {
-                let (from, to) = (state.multipliers[active[at]], target[at]);
-                if to > 0.0 { f64::INFINITY } else { from / (from - to).max(f64::MIN_POSITIVE) }
+                let (row, from, to) = (active[at], state.multipliers[active[at]], target[at]);
+                let [low, high] = self.bounds[row];
+                match (to > low, to < high) {
+                    (true, true) => f64::INFINITY,
+                    (false, _) => (from - low) / (from - to).max(f64::MIN_POSITIVE),
+                    (true, false) => (high - from) / (to - from).max(f64::MIN_POSITIVE),
+                }
             };
             let first = (0..active.len()).min_by(|a, b| step_of(*a).total_cmp(&step_of(*b)));
             let Some(first) = first else { return };
+            let whole = step_of(first) == f64::INFINITY;
             let step = step_of(first).min(1.0);
             for (row, to) in active.iter().zip(&target) {
                 state.multipliers[*row] += step * (to - state.multipliers[*row]);
             }
-            if target.iter().all(|to| *to > 0.0) {
+            if whole {
                 return;
             }
-            state.multipliers[active[first]] = 0.0;
+            let [low, high] = self.bounds[active[first]];
+            state.multipliers[active[first]] = if target[first] > low { high } else { low };
             state.active[active[first]] = false;
         }
+    }
+
+    /// Whether a row depends linearly on the free rows of a solution: it moves as they do.
+    pub(super) fn follows(&self, solution: &Solution, row: usize) -> bool {
+        let active = solution.rows();
+        let combination = self.combine(&active, row);
+        combination.is_some_and(|c| self.pivot(&active, &c, row) <= DEPENDENT * self.free[row])
+    }
+
+    /// What is left of a row's own entry beside its combination of others.
+    fn pivot(&self, others: &[usize], combination: &[f64], row: usize) -> f64 {
+        let common = others.iter().zip(combination).map(|(other, c)| self.entry(row, *other) * c);
+        self.entry(row, row) - common.sum::<f64>()
     }
 
     fn entry(&self, row: usize, column: usize) -> f64 {
@@ -143,9 +190,16 @@ impl Problem<'_> {
         (0..n).map(|row| self.rates[row] + product(row).sum::<f64>()).collect()
     }
 
-    /// The multipliers with which the rates of these rows vanish; `None` if the rows are linearly dependent.
+    /// The multipliers with which the rates of these rows vanish, all others being zero; `None` if the rows are linearly dependent.
     pub(super) fn stationary(&self, rows: &[usize]) -> Option<Vec<f64>> {
         self.solve_among(rows, rows.iter().map(|row| -self.rates[*row]).collect())
+    }
+
+    /// The same, all others being as they are.
+    fn stationary_from(&self, rows: &[usize], multipliers: &[f64]) -> Option<Vec<f64>> {
+        let rates = self.rates_of(multipliers);
+        let change = self.solve_among(rows, rows.iter().map(|row| -rates[*row]).collect())?;
+        Some(rows.iter().zip(change).map(|(row, change)| multipliers[*row] + change).collect())
     }
 
     /// Coefficients of a row as a combination of others, in the metric `A`.
@@ -208,8 +262,10 @@ mod tests {
             let free: Vec<f64> = (0..n).map(|i| matrix[i * n + i]).collect();
             // Approaching rows with one coefficient of restitution: answered by an impulse of all other rows together.
             let rates: Vec<f64> = (0..n).map(|i| 1.5 * dot(i, &speed)).collect();
-            let tolerances = vec![1e-10; n];
-            let found = Problem { matrix: &matrix, free: &free, rates: &rates, tolerances: &tolerances }.solve();
+            let (tolerances, bounds) = (vec![1e-10; n], vec![ONE_SIDED; n]);
+            let found =
+                Problem { matrix: &matrix, free: &free, rates: &rates, bounds: &bounds, tolerances: &tolerances }
+                    .solve();
             for i in 0..n {
                 assert!(found.multipliers[i] >= 0.0, "case {case}: {found:?}");
                 assert!(found.rates[i] >= -1e-8, "case {case}: {found:?}");
@@ -251,8 +307,10 @@ mod tests {
             let speed: Vec<f64> = (0..rank).map(|_| whole(3.0)).collect();
             // Every other time rates that only some multipliers answer, if any do.
             let rates: Vec<f64> = (0..n).map(|i| if case % 2 == 0 { dot(i, &speed) } else { whole(3.0) }).collect();
-            let tolerances = vec![1e-10; n];
-            let found = Problem { matrix: &matrix, free: &free, rates: &rates, tolerances: &tolerances }.solve();
+            let (tolerances, bounds) = (vec![1e-10; n], vec![ONE_SIDED; n]);
+            let found =
+                Problem { matrix: &matrix, free: &free, rates: &rates, bounds: &bounds, tolerances: &tolerances }
+                    .solve();
             match by_enumeration(&matrix, &rates) {
                 None => {
                     unsolvable += 1;
@@ -271,7 +329,38 @@ mod tests {
     /// A coordinate that a drive moves answers no impulse.
     #[test]
     fn a_row_that_nothing_can_move_shows_in_its_rate() {
-        let found = Problem { matrix: &[0.0], free: &[1.0], rates: &[-1.0], tolerances: &[1e-12] }.solve();
+        let found =
+            Problem { matrix: &[0.0], free: &[1.0], rates: &[-1.0], bounds: &[ONE_SIDED], tolerances: &[1e-12] }
+                .solve();
         assert_eq!((found.rates[0], found.active[0]), (-1.0, false));
+    }
+
+    /// Small integers again, with bounds on both sides: such a problem always has a solution, and (1) is its proof.
+    #[test]
+    fn bounded_problems_of_any_rank_are_solved() {
+        let (mut seed, mut saturated) = (0x6c07_8965_1b4d_91d3, 0);
+        let mut whole = |size: f64| (size * next(&mut seed)).round();
+        for case in 0..3000 {
+            let (n, rank) = (1 + case % 5, 1 + (case / 5) % 4);
+            let b: Vec<f64> = (0..n * rank).map(|_| whole(2.0)).collect();
+            let dot = |i: usize, x: &[f64]| (0..rank).map(|k| b[i * rank + k] * x[k]).sum::<f64>();
+            let matrix: Vec<f64> = (0..n * n).map(|at| dot(at / n, &b[at % n * rank..at % n * rank + rank])).collect();
+            let free: Vec<f64> = (0..n).map(|i| matrix[i * n + i].max(1.0)).collect();
+            let rates: Vec<f64> = (0..n).map(|_| whole(3.0)).collect();
+            let (tolerances, bounds) = (vec![1e-10; n], (0..n).map(|_| [-whole(1.4).abs(), whole(1.4).abs()]));
+            let bounds: Vec<[f64; 2]> = bounds.collect();
+            let problem =
+                Problem { matrix: &matrix, free: &free, rates: &rates, bounds: &bounds, tolerances: &tolerances };
+            let found = problem.solve();
+            saturated += usize::from((0..n).any(|i| !found.active[i] && found.rates[i].abs() > 1e-6));
+            for i in 0..n {
+                let ([low, high], at, w) = (bounds[i], found.multipliers[i], found.rates[i]);
+                let fits = (low - 1e-9..=high + 1e-9).contains(&at)
+                    && (w > -1e-8 || at > high - 1e-9)
+                    && (w < 1e-8 || at < low + 1e-9);
+                assert!(fits && !found.violated[i], "case {case}, row {i}: {found:?} of {problem:?}");
+            }
+        }
+        assert!(saturated > 1000, "{saturated}");
     }
 }

@@ -11,16 +11,14 @@ pub enum RunError {
     /// The integrator cannot go on.
     #[error("{0}")]
     Step(String),
-    /// Contact or dry friction, which runs do not have yet.
+    /// Contact, which runs do not have yet.
     #[error(
-        "runs do not have {what} yet, and leaving it out would be another scene: `statics` says whether it stands; for a run take \
-         {instead} out"
+        "runs do not have contact (`{name}`) yet, and leaving it out would be another scene: `statics` says whether it stands; for \
+         a run take `[[contact]]` out"
     )]
-    Friction {
-        /// Contact, or the dry friction of a hinge.
-        what: String,
-        /// What to take out.
-        instead: &'static str,
+    Contact {
+        /// The first one.
+        name: String,
     },
     /// An explicit method on a scene that is far too stiff for it.
     #[error(

@@ -13,10 +13,10 @@
 use super::error::RunError;
 use super::instant::sides;
 use super::ledger::interpolate;
+use super::nonsmooth::{Rubbing, Side, rate_of};
 use super::problem::{Motion, TIMES};
 use super::run::State;
 use super::search::Search;
-use super::stops::Side;
 use crate::dynamics::Boundary;
 use crate::integrate::Stepper;
 use crate::model::watch::Direction;
@@ -44,6 +44,10 @@ pub enum Kind {
     Contact,
     /// A compliant stop no longer pushes.
     Separation,
+    /// What dry friction held begins to slide.
+    Slip,
+    /// What slid comes to rest by dry friction.
+    Stick,
     /// A crossing the user asked for.
     Crossing,
     /// A force element switched; what it calls that.
@@ -61,6 +65,8 @@ impl Kind {
             Self::Release => "release",
             Self::Contact => "contact",
             Self::Separation => "separation",
+            Self::Slip => "slips",
+            Self::Stick => "sticks",
             Self::Crossing => "crossing",
             Self::Force(name) => name,
             Self::Switch => "switch",
@@ -77,7 +83,8 @@ pub struct Occurrence {
     pub kind: Kind,
     /// The name of the event or force, the body whose hinge it is, or the integrator that took over.
     pub name: String,
-    /// The value that was crossed (m or rad), of a rope the length of its path (m); of a switch the step that led there (s).
+    /// The value that was crossed (m or rad), of a rope the length of its path (m), of dry friction the coordinate (m or rad; 0 for a
+    /// spherical hinge); of a switch the step that led there (s).
     pub value: f64,
     /// How fast the number changed before (per second); of a switch nothing.
     pub speed: f64,
@@ -89,6 +96,7 @@ impl fmt::Display for Occurrence {
         let Self { kind, name, value, speed, .. } = self;
         match kind {
             Kind::Switch => write!(f, "`{name}` takes over after a step of {value:.3e} s"),
+            Kind::Slip | Kind::Stick => write!(f, "`{name}` {} at {value:.6}", kind.name()),
             _ => write!(f, "{} of `{name}` at {value:.6}, speed {speed:.6}", kind.name()),
         }
     }
@@ -101,8 +109,14 @@ enum Function {
     Depth(Side),
     /// The push of a compliant stop.
     Push(Side),
-    /// What presses on a held stop; held in this place of the list.
-    Pressure(usize),
+    /// How far the force of what is held is within its range; in this place of the list.
+    Reserve(usize),
+    /// The speed of what slides against dry friction, in the direction in which it did when the step began; of a spherical hinge
+    /// above the speed of rest, which is approached by ever shorter steps of an explicit method: its direction turns faster the
+    /// slower it is.
+    Speed(usize),
+    /// The speed of what rests because it is tied to what is held.
+    Stir(usize),
     /// An event of the model.
     User(usize),
     /// Where a law changes that is smooth elsewhere.
@@ -151,8 +165,12 @@ impl Watch {
 pub(super) enum Turn {
     /// A rigid stop is hit.
     Strike(Side),
-    /// A held coordinate is let go.
-    Release(Side),
+    /// What is held is let go; its first velocity coordinate.
+    Release(usize),
+    /// What slid against this dry friction is at rest.
+    Still(usize),
+    /// What rested in spite of this dry friction moves.
+    Stir(usize),
     /// A compliant stop pushes from now on, or no longer.
     Push(Side, bool),
     /// A compliant stop that pushes no longer is relaxed: the power of its damper has a kink there.
@@ -181,12 +199,19 @@ pub(super) struct Events {
     tolerance: f64,
     pub(super) happened: Vec<Occurrence>,
     state: State,
+    /// Accelerations at the state, and how far what is held is within its range, see [`Motion::press`]; once they are known.
+    pressed: bool,
+    accelerations: Vec<f64>,
+    reserves: Vec<f64>,
 }
 
 impl Events {
     /// `None` for a model without stops, events and laws that change.
     pub(super) fn new(model: &Model, start: &State, search: Search, tolerance: f64) -> Option<Self> {
-        let any = !model.stops.is_empty() || !model.events.is_empty() || model.has_boundaries();
+        let any = !model.stops.is_empty()
+            || !model.hinge_friction.is_empty()
+            || !model.events.is_empty()
+            || model.has_boundaries();
         let velocity = |of: &Watched| match of {
             Watched::Position(index) => {
                 let link = model.links.iter().find(|link| link.joint.is_scalar() && link.position == *index);
@@ -196,15 +221,31 @@ impl Events {
         };
         let velocities = model.events.iter().map(|event| velocity(&event.of)).collect();
         let state = start.clone();
-        any.then(|| Self { search, watches: Vec::new(), velocities, tolerance, happened: Vec::new(), state })
+        any.then(|| Self {
+            search,
+            watches: Vec::new(),
+            velocities,
+            tolerance,
+            happened: Vec::new(),
+            accelerations: vec![0.0; state.velocity.len()],
+            state,
+            pressed: false,
+            reserves: Vec::new(),
+        })
     }
 
     /// Takes the signs at the start of a run or after a turn; what is watched depends on the mode.
     pub(super) fn arm(&mut self, motion: &mut Motion, time: f64, state: &State) {
         let model = &Arc::clone(motion.model());
-        let held: Vec<Side> = motion.mode().map_or_else(Vec::new, |mode| mode.held.iter().map(|h| h.side).collect());
-        let mut functions: Vec<Function> = (0..held.len()).map(Function::Pressure).collect();
-        for side in sides(motion).into_iter().filter(|side| !held.contains(side)) {
+        let phase = motion.phase().cloned().unwrap_or_default();
+        let rests = |side: &Side| phase.held.iter().any(|held| held.stop == Some(*side));
+        let mut functions: Vec<Function> = (0..phase.held.len()).map(Function::Reserve).collect();
+        functions.extend(phase.rubbing.iter().enumerate().filter_map(|(index, rubbing)| match rubbing {
+            Rubbing::Sticks => None,
+            Rubbing::Slides(_) => Some(Function::Speed(index)),
+            Rubbing::Shares(_) => Some(Function::Stir(index)),
+        }));
+        for side in sides(motion).into_iter().filter(|side| !rests(side)) {
             if !motion.pushes(side) {
                 functions.push(Function::Depth(side));
             }
@@ -215,6 +256,7 @@ impl Events {
         functions.extend((0..model.events.len()).map(Function::User));
         functions.extend(motion.system.boundaries().map(Function::Law));
         self.state.clone_from(state);
+        self.pressed = false;
         let before = std::mem::take(&mut self.watches);
         for function in functions {
             let last = [self.value(motion, function, time), self.rate(motion, function, time)];
@@ -224,7 +266,9 @@ impl Events {
                     StopLaw::Compliant { stiffness, .. } => stiffness * motion.touching(side),
                     StopLaw::Rigid { .. } => 0.0,
                 },
-                Function::Pressure(_) => 0.0,
+                Function::Reserve(_) => 0.0,
+                Function::Speed(index) => motion.still(model.hinge_friction[index].velocity),
+                Function::Stir(index) => 10.0 * motion.still(model.hinge_friction[index].velocity),
                 Function::User(event) => ROUNDING * model.events[event].value.abs().max(1.0),
                 Function::Law(boundary) => {
                     let is_speed = motion.switch(time, boundary, &self.state).is_speed;
@@ -234,7 +278,9 @@ impl Events {
             let positive = match function {
                 Function::Depth(_) => last[0] > band,
                 Function::Push(side) => motion.pushes(side) || last[0] > band,
-                Function::Pressure(_) => true,
+                Function::Speed(index) if model.hinge_friction[index].count != 1 => last[0] > 0.0,
+                Function::Reserve(_) | Function::Speed(_) => true,
+                Function::Stir(_) => false,
                 Function::Law(boundary) => motion.system.side(boundary),
                 Function::User(_) => {
                     let old = before.iter().find(|watch| watch.function == function);
@@ -243,7 +289,7 @@ impl Events {
             };
             let still = match function {
                 Function::Depth(side) => motion.still(model.stops[side.stop].velocity),
-                Function::Push(_) | Function::Pressure(_) | Function::User(_) | Function::Law(_) => f64::INFINITY,
+                _ => f64::INFINITY,
             };
             self.watches.push(Watch { function, positive, band, still, last, next: last });
         }
@@ -273,7 +319,25 @@ impl Events {
             self.watches.iter_mut().for_each(|watch| watch.last = watch.next);
             left = right;
         }
+        self.turn_along(motion, to);
         Ok(None)
+    }
+
+    /// At the end of a step: what slides in a spherical hinge turns its direction.
+    fn turn_along(&mut self, motion: &mut Motion, time: f64) {
+        for at in 0..self.watches.len() {
+            let Function::Speed(index) = self.watches[at].function else { continue };
+            let friction = motion.model().hinge_friction[index];
+            let Some(direction) = rate_of(&friction, &self.state.velocity).try_normalize(0.0) else { continue };
+            if friction.count == 1 {
+                continue;
+            }
+            if let Some(nonsmooth) = &mut motion.nonsmooth {
+                nonsmooth.phase.rubbing[index] = Rubbing::Slides(direction);
+            }
+            let function = Function::Speed(index);
+            self.watches[at].last = [self.value(motion, function, time), self.rate(motion, function, time)];
+        }
     }
 
     /// Values and rates at a time within the last step.
@@ -406,7 +470,9 @@ impl Events {
                     _ => None,
                 }
             }
-            Function::Pressure(held) => motion.mode().map(|mode| Turn::Release(mode.held[held].side)),
+            Function::Reserve(held) => motion.phase().map(|phase| Turn::Release(phase.held[held].velocity)),
+            Function::Speed(index) => positive.then_some(Turn::Still(index)),
+            Function::Stir(index) => Some(Turn::Stir(index)),
             Function::Law(boundary) => Some(Turn::Switch(boundary)),
             Function::User(event) => {
                 (self.counts(model, index) && model.events[event].stops).then_some(Turn::Stop(event))
@@ -452,16 +518,29 @@ impl Events {
 
     /// Takes the state to a time within the last step.
     fn move_to(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>, time: f64) -> Result<(), RunError> {
+        self.pressed = false;
         interpolate(motion, stepper, time, &mut self.state)
     }
 
-    /// How fast the watched number changes at the state; 0 for a push or a pressure.
-    fn rate(&self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+    /// Looks what accelerations are at the state, and what holds.
+    fn press(&mut self, motion: &mut Motion, time: f64) {
+        if !self.pressed {
+            motion.press(time, &self.state, &mut self.accelerations, &mut self.reserves);
+            self.pressed = true;
+        }
+    }
+
+    /// How fast the watched number changes at the state; 0 for a push or a reserve.
+    fn rate(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
         let model = &Arc::clone(motion.model());
+        if let Function::Speed(index) = function {
+            self.press(motion, time);
+            return self.along(motion, index, &self.accelerations);
+        }
         let velocity = &self.state.velocity;
         match function {
             Function::Depth(side) => side.sign * velocity[model.stops[side.stop].velocity],
-            Function::Push(_) | Function::Pressure(_) => 0.0,
+            Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Stir(_) => 0.0,
             Function::User(event) => match &model.events[event].of {
                 Watched::Position(_) => velocity[self.velocities[event]],
                 Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
@@ -470,14 +549,32 @@ impl Events {
         }
     }
 
+    /// Velocities or accelerations in the direction in which something slides.
+    fn along(&self, motion: &Motion, friction: usize, of: &[f64]) -> f64 {
+        match motion.phase().map(|phase| phase.rubbing[friction]) {
+            Some(Rubbing::Slides(direction)) => rate_of(&motion.model().hinge_friction[friction], of).dot(&direction),
+            _ => 0.0,
+        }
+    }
+
     /// A function at the state.
-    fn value(&self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+    fn value(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+        if let Function::Reserve(held) = function {
+            self.press(motion, time);
+            return self.reserves[held];
+        }
         let model = &Arc::clone(motion.model());
         let State { position, velocity } = &self.state;
         match function {
             Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),
             Function::Push(side) => model.stops[side.stop].push(side.sign, position, velocity),
-            Function::Pressure(held) => motion.pressure(time, &self.state, held),
+            Function::Reserve(held) => self.reserves[held],
+            Function::Speed(index) => {
+                let friction = &model.hinge_friction[index];
+                let rest = if friction.count == 1 { 0.0 } else { motion.rest_speed(friction.velocity, self.tolerance) };
+                self.along(motion, index, velocity) - rest
+            }
+            Function::Stir(index) => rate_of(&model.hinge_friction[index], velocity).norm(),
             Function::User(event) => {
                 let event = &model.events[event];
                 let number = match &event.of {

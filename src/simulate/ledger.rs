@@ -45,6 +45,7 @@ impl Ledger {
         let stops = model.stops.iter().any(|stop| damped(stop.law));
         let flows = model.has_damping()
             || stops
+            || !model.hinge_friction.is_empty()
             || !model.is_conservative()
             || !model.drives.is_empty()
             || !model.motors.is_empty();

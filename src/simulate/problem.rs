@@ -5,10 +5,9 @@ use super::error::RunError;
 use super::passage::Passage;
 use crate::dynamics::{Coefficients, DenseTangent, Energies, Evaluated, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
-use crate::model::prescribed::Instant;
 use crate::model::{End, Model, StopLaw};
+use crate::simulate::nonsmooth::{Held, Nonsmooth, Phase, Side, within};
 use crate::simulate::run::State;
-use crate::simulate::stops::{Held, Mode, Side, Stops};
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,15 +42,13 @@ pub struct Motion {
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
     tangent: Tangent,
-    /// `None` for a model without stops.
-    pub(super) stops: Option<Stops>,
+    /// `None` for a model without stops and dry friction.
+    pub(super) nonsmooth: Option<Nonsmooth>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     passage: Option<Passage>,
     /// Scratch for residuals near those.
     allowed: Vec<f64>,
     balance: Vec<f64>,
-    /// Accelerations at which the pressure on a stop is looked at; empty for a model without stops.
-    scratch: Vec<f64>,
 }
 
 /// Coordinates one after the other.
@@ -113,12 +110,11 @@ impl Motion {
         let sizes = velocity_scales.iter().map(|scale| scale * time).collect();
         let passage = model.is_constrained().then(|| Passage::new(model, &mut system, sizes));
         let tangent = Tangent::None;
-        let stops = Stops::new(model);
+        let nonsmooth = Nonsmooth::new(model);
         let room = |wanted: bool| vec![0.0; if wanted { model.velocity_count() } else { 0 }];
         let (allowed, balance) = (room(passage.is_some()), room(passage.is_some()));
-        let scratch = room(stops.is_some());
         let runs = runs(model);
-        Self { system, runs, position_scales, velocity_scales, tangent, stops, passage, allowed, balance, scratch }
+        Self { system, runs, position_scales, velocity_scales, tangent, nonsmooth, passage, allowed, balance }
     }
 
     /// The system at a time (s) and a state, for what is recorded between steps.
@@ -136,16 +132,16 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(stops) = &self.stops {
-            stops.press(q, v, self.system.outside());
+        if let Some(nonsmooth) = &self.nonsmooth {
+            nonsmooth.press(q, v, self.system.outside());
         }
         if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
             return passage.accelerations(&mut self.system, time, q, v, a);
         }
         let mut at = self.system.at(time, q, v);
         let mut mass = at.accelerations(a)?;
-        if let Some(stops) = &mut self.stops {
-            stops.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
+        if let Some(nonsmooth) = &mut self.nonsmooth {
+            nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
         }
         Ok(())
     }
@@ -164,37 +160,37 @@ impl Motion {
     /// Kinetic and potential energy, stops included.
     pub fn energies(&mut self, time: f64, q: &[f64], v: &[f64]) -> Energies {
         let mut energies = self.at(time, q, v).energies();
-        energies.potential += self.stops.as_ref().map_or(0.0, |stops| stops.potential(q));
+        energies.potential += self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.potential(q));
         energies
     }
 
     /// Powers that no potential stands for, stops included.
     pub fn powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
         // What drives push with depends on what stops push with.
-        if let Some(stops) = &self.stops {
-            stops.press(q, v, self.system.outside());
+        if let Some(nonsmooth) = &self.nonsmooth {
+            nonsmooth.press(q, v, self.system.outside());
         }
         let mut powers = self.system.at(time, q, v).powers();
-        powers.dissipated += self.stops.as_ref().map_or(0.0, |stops| stops.dissipated(q, v));
+        powers.dissipated += self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.dissipated(q, v));
         powers
     }
 
-    /// What is discrete; `None` for a model without stops.
-    pub(super) fn mode(&self) -> Option<&Mode> {
-        self.stops.as_ref().map(|stops| &stops.mode)
+    /// What is discrete; `None` for a model without stops and dry friction.
+    pub(super) fn phase(&self) -> Option<&Phase> {
+        self.nonsmooth.as_ref().map(|nonsmooth| &nonsmooth.phase)
     }
 
     /// Whether a compliant stop pushes.
     pub(super) fn pushes(&self, side: Side) -> bool {
-        self.mode().is_some_and(|mode| mode.pushing.contains(&side))
+        self.phase().is_some_and(|phase| phase.pushing.contains(&side))
     }
 
     /// Lets a compliant stop push from now on, or no longer.
     pub(super) fn push(&mut self, side: Side, pushes: bool) {
-        if let Some(stops) = &mut self.stops {
-            stops.mode.pushing.retain(|other| *other != side);
+        if let Some(nonsmooth) = &mut self.nonsmooth {
+            nonsmooth.phase.pushing.retain(|other| *other != side);
             if pushes {
-                stops.mode.pushing.push(side);
+                nonsmooth.phase.pushing.push(side);
             }
         }
     }
@@ -205,13 +201,13 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub(super) fn hold(&mut self, time: f64, state: &State, held: &[Held]) -> Result<(), Fault> {
-        let Some(stops) = &mut self.stops else { return Ok(()) };
-        stops.set_held(held);
+        let Some(nonsmooth) = &mut self.nonsmooth else { return Ok(()) };
+        nonsmooth.set_held(held);
         let Some(passage) = &mut self.passage else { return Ok(()) };
         let State { position, velocity } = state;
-        let rows: Vec<(usize, Instant)> = held.iter().map(|held| stops.row(held.side, 0.0)).collect();
+        let rows = nonsmooth.rows(held, position);
         let mut counts = self.system.at(time, position, velocity).hold(&rows)?.into_iter();
-        stops.mode.held.retain(|_| counts.next() == Some(true));
+        nonsmooth.phase.held.retain(|_| counts.next() == Some(true));
         passage.start(&mut self.system, time, position, velocity);
         // It has other rows now.
         self.tangent = Tangent::None;
@@ -224,34 +220,37 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub(super) fn lift(&mut self, time: f64, state: &mut State, sides: &[Side]) -> Result<(), Fault> {
-        let Some(stops) = &mut self.stops else { return Ok(()) };
+        let Some(nonsmooth) = &mut self.nonsmooth else { return Ok(()) };
         if self.passage.is_none() {
             for side in sides {
-                let stop = &stops.model.stops[side.stop];
+                let stop = &nonsmooth.model.stops[side.stop];
                 state.position[stop.position] = stop.limit(side.sign);
             }
             return Ok(());
         }
-        let speed = |side: &Side| state.velocity[stops.model.stops[side.stop].velocity];
-        let rows: Vec<(usize, Instant)> = sides.iter().map(|side| stops.row(*side, speed(side))).collect();
+        let row = |side: &Side| nonsmooth.row(*side, &state.position, &state.velocity);
+        let rows: Vec<_> = sides.iter().filter_map(row).collect();
         self.system.at(time, &state.position, &state.velocity).hold(&rows)?;
         self.system.settle(time, &mut state.position, &mut state.velocity)?;
         Ok(())
     }
 
-    /// What presses on the stop in this place of the list of held ones, above its slack (N or N m); not a number if that
-    /// cannot be evaluated.
-    pub(super) fn pressure(&mut self, time: f64, state: &State, held: usize) -> f64 {
-        let mut a = std::mem::take(&mut self.scratch);
-        let evaluated = self.accelerations(time, &state.position, &state.velocity, &mut a);
-        self.scratch = a;
-        let (Ok(()), Some(stops)) = (evaluated, &self.stops) else { return f64::NAN };
-        let Held { side, slack } = stops.mode.held[held];
-        let pressure = match self.passage {
-            None => stops.pressure(held),
-            Some(_) => -side.sign * self.system.held_force(stops.model.stops[side.stop].velocity),
-        };
-        pressure + slack
+    /// Accelerations (m/s², rad/s²), and how far the forces of each part of the list of what is held are within their range,
+    /// slack included (N or N m): below zero if it has to let go, not a number if that cannot be evaluated.
+    pub(super) fn press(&mut self, time: f64, state: &State, a: &mut [f64], reserves: &mut Vec<f64>) {
+        let evaluated = self.accelerations(time, &state.position, &state.velocity, a).is_ok();
+        reserves.clear();
+        let Some(nonsmooth) = &self.nonsmooth else { return };
+        reserves.extend(nonsmooth.phase.held.iter().enumerate().map(|(index, held)| {
+            match (&self.passage, evaluated) {
+                (_, false) => f64::NAN,
+                (None, true) => nonsmooth.reserve(index) + held.slack,
+                (Some(_), true) => within(held, self.system.held_force(held.velocity)) + held.slack,
+            }
+        }));
+        if !evaluated {
+            a.fill(f64::NAN);
+        }
     }
 
     /// Whether every rigid stop is kept to [`Motion::passing`] and the rounding of time: independent of the search for
@@ -291,6 +290,11 @@ impl Motion {
         ON_THE_LIMIT * self.velocity_scales[velocity]
     }
 
+    /// What has no more than this speed is at rest, for a run of this absolute tolerance (m/s or rad/s).
+    pub(super) fn rest_speed(&self, velocity: usize, tolerance: f64) -> f64 {
+        REST_SPEEDS * tolerance * self.velocity_scales[velocity]
+    }
+
     /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
     fn size(&self, side: Side) -> f64 {
         let stop = &self.model().stops[side.stop];
@@ -316,6 +320,8 @@ impl Motion {
 const PASSED: f64 = 1e-9;
 /// The time of an event is known to so many of its roundings.
 pub(super) const TIMES: f64 = 8.0;
+/// What comes back from a blow with fewer than this many tolerances of a speed comes to rest.
+const REST_SPEEDS: f64 = 10.0;
 /// A coordinate on its limit is known to this part.
 const ON_THE_LIMIT: f64 = 1e-12;
 
@@ -403,8 +409,8 @@ impl ImplicitProblem for Motion {
     }
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        if let Some(stops) = &self.stops {
-            stops.press(q, v, self.system.outside());
+        if let Some(nonsmooth) = &self.nonsmooth {
+            nonsmooth.press(q, v, self.system.outside());
         }
         match &mut self.passage {
             // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
@@ -426,8 +432,8 @@ impl ImplicitProblem for Motion {
                 self.system.at(time, q, v).residual(a, r)?;
             }
         }
-        if let Some(stops) = &self.stops {
-            stops.balance(r);
+        if let Some(nonsmooth) = &self.nonsmooth {
+            nonsmooth.balance(r);
         }
         Ok(())
     }
@@ -447,10 +453,10 @@ impl ImplicitProblem for Motion {
         let Point { time, q, v, a } = at;
         let system = &mut self.system;
         // Compliant stops push, as they do on the residual.
-        if let Some(stops) = &self.stops {
-            stops.press(q, v, system.outside());
+        if let Some(nonsmooth) = &self.nonsmooth {
+            nonsmooth.press(q, v, system.outside());
         }
-        let shift = self.stops.as_mut().map_or(&[][..], |stops| stops.diagonal(c1));
+        let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(v, c1));
         let regular = match &mut self.tangent {
             Tangent::None => false,
             Tangent::Sweep(solver) => {

@@ -109,7 +109,7 @@ pub(super) fn run_with(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
     search: Search,
 ) -> Result<Summary, RunError> {
-    refuse_friction(model)?;
+    refuse_contact(model)?;
     let mut motion = Motion::new(model);
     let mut state = start.clone();
     motion
@@ -145,7 +145,7 @@ pub(super) fn run_with(
         choice: None,
         statistics: Statistics::default(),
         events,
-        turns: Turns::new(sides(&motion).len() + motion.system.boundaries().count()),
+        turns: Turns::new(sides(&motion).len() + model.hinge_friction.len() + motion.system.boundaries().count()),
         happened: Vec::new(),
         stopped_by: None,
         timetable: Timetable::new(model, settings.duration),
@@ -156,15 +156,9 @@ pub(super) fn run_with(
 }
 
 /// What would be left out in silence.
-fn refuse_friction(model: &Model) -> Result<(), RunError> {
-    if let Some(rule) = model.contacts.first() {
-        return Err(RunError::Friction { what: format!("contact (`{}`)", rule.name), instead: "`[[contact]]`" });
-    }
-    match model.hinge_friction.first() {
-        Some(friction) => {
-            let what = format!("the dry friction of the hinge of {}", model.label(friction.velocity));
-            Err(RunError::Friction { what, instead: "`friction`" })
-        }
+fn refuse_contact(model: &Model) -> Result<(), RunError> {
+    match model.contacts.first() {
+        Some(rule) => Err(RunError::Contact { name: rule.name.clone() }),
         None => Ok(()),
     }
 }

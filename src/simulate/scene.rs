@@ -39,7 +39,8 @@ pub fn scene(model: &Arc<Model>) -> Scene {
         velocities: channels(HingeKind::velocities),
         couplings: super::couplings::channels(model),
         not_unique: super::couplings::not_unique(model),
-        watched: !(model.stops.is_empty() && model.events.is_empty()) || model.switching().next().is_some(),
+        watched: !(model.stops.is_empty() && model.hinge_friction.is_empty() && model.events.is_empty())
+            || model.switching().next().is_some(),
     }
 }
 

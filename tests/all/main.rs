@@ -17,6 +17,7 @@ mod events;
 mod examples;
 mod faults;
 mod formulas;
+mod friction;
 mod halves;
 mod hinges;
 mod identities;

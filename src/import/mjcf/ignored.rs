@@ -43,10 +43,7 @@ const ATTRIBUTES: [(&[&str], &str); 7] = [
         ],
         "contacts and fluids are not simulated, and constraints are exact",
     ),
-    (
-        &["solreflimit", "solimplimit", "solreffriction", "solimpfriction"],
-        "stops are rigid, and there is no dry friction",
-    ),
+    (&["solreflimit", "solimplimit", "solreffriction", "solimpfriction"], "stops and dry friction are rigid"),
     (
         &[
             "group",
@@ -145,7 +142,6 @@ const ATTRIBUTES: [(&[&str], &str); 7] = [
             "collision",
             "constraint",
             "contact",
-            "frictionloss",
             "warmstart",
             "filterparent",
             "refsafe",

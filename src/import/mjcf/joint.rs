@@ -90,12 +90,23 @@ impl Joint<'_> {
         if settled.number("springyield").is_some_and(|limit| limit > 0.0) {
             self.element.note(Taken::Ignored, "`springyield`: the spring stays elastic");
         }
-        if let Some(friction) = settled.number("frictionloss").filter(|friction| *friction != 0.0) {
-            self.element
-                .note(Taken::Ignored, format!("`frictionloss = {friction}`: there is no dry friction in hinges"));
-        }
+        self.friction(settled, settings);
         self.limits(settled, settings, angle);
         self.motor_range(settled, settings);
+    }
+
+    /// `frictionloss`: in MuJoCo a bound for each velocity; of a ball the torque as a whole is bounded here.
+    fn friction(&mut self, settled: &Settled<'_>, settings: &Settings) {
+        let Some(friction) = settled.not_negative("frictionloss").filter(|friction| *friction != 0.0) else { return };
+        if !settings.friction {
+            self.element.note(Taken::Ignored, format!("`frictionloss = {friction}`: left out, as asked for"));
+            return;
+        }
+        if matches!(self.kind, Kind::Ball | Kind::Free) {
+            let what = "it bounds the size of the torque, not each of its components";
+            self.element.note(Taken::Approximated, format!("`frictionloss = {friction}`: {what}"));
+        }
+        self.acting.friction = friction;
     }
 
     /// `actuatorfrcrange`: bounds of what all actuators do together in this joint.

@@ -301,7 +301,8 @@ impl Output {
         } else if scalar {
             force[0] += acting.pull;
         }
-        for (key, number) in [("damping", acting.damping), ("armature", acting.armature)] {
+        for (key, number) in [("damping", acting.damping), ("armature", acting.armature), ("friction", acting.friction)]
+        {
             if number != 0.0 {
                 hinge.set(key, number, None);
             }
@@ -384,7 +385,7 @@ fn finite(body: &Body<'_>, scene: &Scene<'_>) {
         body.mass.inertia.iter().chain(body.mass.center.iter()).chain([&body.mass.mass]).chain(pose.iter());
     let joint = |joint: &Joint<'_>| {
         let acting = &joint.acting;
-        let own = [acting.stiffness, acting.pull, acting.damping, acting.armature];
+        let own = [acting.stiffness, acting.pull, acting.damping, acting.armature, acting.friction];
         own.iter().chain(&joint.start).chain(&acting.force).chain(joint.range.iter().flatten()).all(|x| x.is_finite())
     };
     let joints = body.joints.iter().all(|index| joint(&scene.joints[*index]));

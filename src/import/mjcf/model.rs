@@ -42,7 +42,8 @@ pub(super) fn read<'a>(tree: &Tree<'a>, path: &Path, options: &Options) -> Vec<M
 }
 
 fn add<'a>(tree: &Tree<'a>, path: &Path, options: &Options, list: &mut Vec<Model<'a>>) -> usize {
-    let settings = settings::read(tree);
+    let mut settings = settings::read(tree);
+    settings.friction &= !options.without_friction;
     let defaults = Defaults::read(tree);
     let assets = asset::read(tree, &defaults, &settings, &asset::Folders { model: path, options });
     let index = list.len();
@@ -74,9 +75,11 @@ impl Settings {
         let own = self.clone();
         self.gravity = main.gravity;
         (self.springs, self.dampers, self.equality) = (main.springs, main.dampers, main.equality);
+        self.friction = main.friction;
         (self.limits, self.actuation, self.clamp_control) = (main.limits, main.actuation, main.clamp_control);
         self.idle_groups.clone_from(&main.idle_groups);
-        let flags = |it: &Self| [it.springs, it.dampers, it.equality, it.limits, it.actuation, it.clamp_control];
+        let flags =
+            |it: &Self| [it.springs, it.dampers, it.friction, it.equality, it.limits, it.actuation, it.clamp_control];
         let gravity = own.gravity != main.gravity && own.has_gravity;
         if !gravity && flags(&own) == flags(main) && own.idle_groups.iter().all(|it| main.idle_groups.contains(it)) {
             return;

@@ -149,7 +149,7 @@ impl Acts {
     }
 }
 
-/// What acts in a joint: `−stiffness · displacement + pull − damping · rate + force`.
+/// What acts in a joint: `−stiffness · displacement + pull − damping · rate + force`, and dry friction.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Acting {
     pub(super) stiffness: f64,
@@ -157,6 +157,8 @@ pub(super) struct Acting {
     pub(super) pull: f64,
     pub(super) damping: f64,
     pub(super) armature: f64,
+    /// At rest and in motion.
+    pub(super) friction: f64,
     /// Per velocity.
     pub(super) force: Vec<f64>,
 }

@@ -31,6 +31,7 @@ pub(super) struct Settings {
     pub(super) merges: bool,
     pub(super) springs: bool,
     pub(super) dampers: bool,
+    pub(super) friction: bool,
     pub(super) equality: bool,
     pub(super) limits: bool,
     pub(super) actuation: bool,
@@ -70,6 +71,7 @@ impl Default for Settings {
             merges: false,
             springs: true,
             dampers: true,
+            friction: true,
             equality: true,
             limits: true,
             actuation: true,
@@ -165,6 +167,7 @@ impl Settings {
             for (key, value) in [
                 ("spring", &mut self.springs),
                 ("damper", &mut self.dampers),
+                ("frictionloss", &mut self.friction),
                 ("equality", &mut self.equality),
                 ("limit", &mut self.limits),
                 ("actuation", &mut self.actuation),

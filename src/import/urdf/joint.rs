@@ -54,7 +54,7 @@ pub(super) fn write(
     }
     effort(element, kind, &name, draft);
     limits(element, kind, options, &mut hinge);
-    dynamics(element, kind, &mut hinge);
+    dynamics(element, kind, options, &mut hinge);
     body.inline("hinge", hinge);
     name
 }
@@ -165,7 +165,7 @@ fn tilted(
     }
     let angles = |turn: UnitQuaternion<f64>| <[f64; 3]>::from(turn.euler_angles());
     hinge.numbers("rpy", &angles(turn(element) * z_to_normal), None);
-    dynamics(element, "planar", &mut hinge);
+    dynamics(element, "planar", options, &mut hinge);
     plane.inline("hinge", hinge);
     draft.add("body", plane);
 
@@ -236,7 +236,7 @@ fn limits(joint: &Element<'_>, kind: &str, options: &Options, hinge: &mut Entry)
     }
 }
 
-fn dynamics(joint: &Element<'_>, kind: &str, hinge: &mut Entry) {
+fn dynamics(joint: &Element<'_>, kind: &str, options: &Options, hinge: &mut Entry) {
     let Some(dynamics) = joint.child("dynamics") else { return };
     if let Some(damping) = dynamics.attribute("damping") {
         match damping.number() {
@@ -248,10 +248,18 @@ fn dynamics(joint: &Element<'_>, kind: &str, hinge: &mut Entry) {
             _ => {}
         }
     }
-    if let Some(friction) = dynamics.attribute("friction")
-        && friction.number().is_some_and(|number| number != 0.0)
-    {
-        dynamics.note(Taken::Ignored, format!("`friction = {}`: dry friction is not simulated", friction.value));
+    if let Some(friction) = dynamics.attribute("friction") {
+        match friction.number() {
+            Some(number) if number < 0.0 => dynamics.refuse(friction.wrong(&format!("is {number}, allowed: ≥ 0"))),
+            Some(number) if number > 0.0 && kind == "fixed" => {
+                dynamics.note(Taken::Ignored, "`friction` of a joint that does not move");
+            }
+            Some(number) if number > 0.0 && options.without_friction => {
+                dynamics.note(Taken::Ignored, format!("`friction = {number}`: left out, as asked for"));
+            }
+            Some(number) if number > 0.0 => hinge.set("friction", number, Some(friction.place())),
+            _ => {}
+        }
     }
 }
 

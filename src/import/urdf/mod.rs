@@ -10,7 +10,7 @@
 //! | floating | `free` |
 //! | planar | `planar`; where the axis is not z between two welds that turn z there |
 //! | mimic | gear with an `offset` |
-//! | dynamics damping | `damping` |
+//! | dynamics damping, friction | `damping`, `friction` |
 //! | inertial | `mass`, `center`, `inertia`, turned into the link's axes |
 //! | visual, else collision | `shape` |
 //!

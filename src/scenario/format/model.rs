@@ -32,6 +32,9 @@ pub const MODEL: Table = Table {
         Key::new("key", Kind::Text, "The keyframe of an MJCF model that is the start, by name or number from 0; else the first one.")
             .example("\"home\""),
         Key::new("limits", Kind::Flag, "Whether the limits of its joints become stops.").default("true").example("false"),
+        Key::new("friction", Kind::Flag, "Whether its joints have the dry friction that the model gives them.")
+            .default("true")
+            .example("false"),
         Key::new("mimics", Kind::Flag, "Whether joints of a URDF that follow others become gears; else they move by themselves.")
             .default("true")
             .example("false"),

@@ -63,7 +63,7 @@ fn a_robot_reads_like_a_scenario() {
     # joint `shoulder`, revolute
     [[body]]
     name = "left/upper"
-    hinge = { type = "revolute", parent = "left/base", at = [0.0, 0.0, 2.0], rpy = [0.0, 0.0, 0.1], axis = [0.0, 1.0, 0.0], limits = [-1.0, 0.1], damping = 0.3 }
+    hinge = { type = "revolute", parent = "left/base", at = [0.0, 0.0, 2.0], rpy = [0.0, 0.0, 0.1], axis = [0.0, 1.0, 0.0], limits = [-1.0, 0.1], damping = 0.3, friction = 0.1 }
     mass = 2.0
     center = [0.0, 0.0, -0.5]
     inertia = [0.2, 0.2, 0.05]
@@ -84,7 +84,6 @@ fn a_robot_reads_like_a_scenario() {
     insta::assert_snapshot!(notes(&imported), @r###"
     4: used: <limit> of joint `shoulder`: `effort = 10`: no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own
     4: ignored: <limit> of joint `shoulder`: `velocity = 3`: hinges have no largest speed
-    4: ignored: <dynamics> of joint `shoulder`: `friction = 0.1`: dry friction is not simulated
     6: used: <limit> of joint `slide`: 0 is beyond them: the joint starts at 0.2
     "###);
     assert_eq!(
