@@ -34,9 +34,13 @@ mod sweep;
 mod text;
 mod view;
 
+use crate::model::Model;
+use crate::statics::Equilibrium;
 use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// How a command ended, as the shell sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -165,14 +169,24 @@ pub struct Memory {
     pub bytes: usize,
 }
 
+/// What `statics --json` prints of an equilibrium that took so long (s).
+pub fn statics_answer(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64) -> serde_json::Value {
+    json::statics(model, found, wall_seconds)
+}
+
 /// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator, if that is
 /// counted.
 pub fn main(memory: Option<fn() -> Memory>) -> ExitCode {
+    main_with(std::env::args_os(), memory)
+}
+
+/// The same with other arguments; the first is what the program was called as.
+pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<fn() -> Memory>) -> ExitCode {
     output::quiet_foreign_panics();
     if let Err(error) = output::survive_file_limits() {
         output::warning(&format!("{error:#}"));
     }
-    let cli = match Cli::try_parse() {
+    let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version are answers, everything else is a wrong call; a closed pipe is nobody's fault.

@@ -14,6 +14,7 @@ use super::error::RunError;
 use super::instant::sides;
 use super::ledger::interpolate;
 use super::nonsmooth::{Rubbing, Side, rate_of};
+pub use super::occurrence::{Kind, Occurrence};
 use super::problem::{Motion, TIMES};
 use super::run::State;
 use super::search::Search;
@@ -21,7 +22,6 @@ use crate::dynamics::Boundary;
 use crate::integrate::Stepper;
 use crate::model::watch::Direction;
 use crate::model::{Model, StopLaw, Watched};
-use std::fmt;
 use std::sync::Arc;
 
 /// The time of an event is known to this part of the scene's own, or to the rounding of time.
@@ -30,77 +30,6 @@ const TIME: f64 = 1e-12;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings in search of an extremum.
 const MOST_HALVINGS: u32 = 50;
-
-/// What happened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// A coordinate hit a rigid stop and came back.
-    Impact,
-    /// A coordinate came to rest on a rigid stop.
-    Rest,
-    /// A coordinate left a rigid stop it rested on.
-    Release,
-    /// A coordinate ran onto a compliant stop.
-    Contact,
-    /// A compliant stop no longer pushes.
-    Separation,
-    /// What dry friction held begins to slide.
-    Slip,
-    /// What slid comes to rest by dry friction.
-    Stick,
-    /// A crossing the user asked for.
-    Crossing,
-    /// A force element switched; what it calls that.
-    Force(&'static str),
-    /// Another integrator took over.
-    Switch,
-}
-
-impl Kind {
-    /// In JSON.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Impact => "impact",
-            Self::Rest => "rest",
-            Self::Release => "release",
-            Self::Contact => "contact",
-            Self::Separation => "separation",
-            Self::Slip => "slips",
-            Self::Stick => "sticks",
-            Self::Crossing => "crossing",
-            Self::Force(name) => name,
-            Self::Switch => "switch",
-        }
-    }
-}
-
-/// Something that happened in a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Occurrence {
-    /// When (s).
-    pub time: f64,
-    /// What.
-    pub kind: Kind,
-    /// The name of the event or force, the body whose hinge it is, or the integrator that took over.
-    pub name: String,
-    /// The value that was crossed (m or rad), of a rope the length of its path (m), of dry friction the coordinate (m or rad; 0 for a
-    /// spherical hinge); of a switch the step that led there (s).
-    pub value: f64,
-    /// How fast the number changed before (per second); of a switch nothing.
-    pub speed: f64,
-}
-
-impl fmt::Display for Occurrence {
-    /// Without the time.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, name, value, speed, .. } = self;
-        match kind {
-            Kind::Switch => write!(f, "`{name}` takes over after a step of {value:.3e} s"),
-            Kind::Slip | Kind::Stick => write!(f, "`{name}` {} at {value:.6}", kind.name()),
-            _ => write!(f, "{} of `{name}` at {value:.6}, speed {speed:.6}", kind.name()),
-        }
-    }
-}
 
 /// A function whose change of sign is an event.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,9 @@
-//! What is held after an instant: eq. (3) of `instant.rs`, among the coordinates at rest.
+//! What is held after an instant, among the coordinates at rest.
+//!
+//! ```text
+//! (1)  a = a₀ + M⁻¹ Hᵀ λ,   l ≤ λ ≤ h,   H a ≥ 0 where λ = l,   H a ≤ 0 where λ = h,   H a = 0 between
+//! (2)  w = A λ + b,   λ = −slide w / |w|     of a spherical hinge that begins to slide
+//! ```
 //!
 //! Every coordinate at rest is a row with a range for its multiplier: a stop pushes and never pulls, dry friction holds up to its
 //! largest force at rest, a coordinate that rests on a stop and has friction is held by both. The problem of all of them
@@ -7,7 +12,7 @@
 //!
 //! **Friction that gives way** opposes the motion that begins with its force in motion, `slide ≤ stick`. When it drops to that,
 //! others may have to give way, too: the problem of those that still hold is solved again, until none does. The direction in
-//! which a spherical hinge begins to slide is that of its acceleration, `w = A λ + b` with `λ = −slide w / |w|`, by the proximal
+//! which a spherical hinge begins to slide is that of its acceleration, (2), by the proximal
 //! iteration `d ← (w + ρ d) / |w + ρ d|`, `ρ = slide · mean A_ii` (De Saxcé and Feng's).
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
@@ -59,7 +64,7 @@ impl Instant<'_> {
         if turn.is_some() { before } else { nonsmooth.phase.rubbing.clone() }
     }
 
-    /// (3): what is held from now on.
+    /// (1): what is held from now on.
     pub(super) fn decide(&mut self, turn: Option<Turn>) -> Result<Vec<Held>, RunError> {
         let mut rest = self.at_rest();
         if rest.is_empty() {

@@ -3,7 +3,6 @@
 //! ```text
 //! (1)  blow        v⁺ = v⁻ + M⁻¹ Hᵀ λ,   0 ≤ λ ⊥ u⁺ + e u⁻ ≥ 0,   u = H v
 //! (2)  energy      T⁺ − T⁻ = ½ λ·(u⁺ + u⁻) + ν·ṡ,   the second the work of drives, ν their impulses
-//! (3)  rest        a = a₀ + M⁻¹ Hᵀ λ,    λ in its range,      among the rows with u = 0     (`holding.rs`)
 //! ```
 //!
 //! `u` are the speeds at which coordinates part from the stops that they touch; `M⁻¹` is that beside loops, drives and gears.

@@ -12,6 +12,7 @@ mod holding;
 mod instant;
 mod ledger;
 mod nonsmooth;
+mod occurrence;
 mod pace;
 mod passage;
 pub mod precision;

@@ -24,7 +24,7 @@
 //! **Beside loops, drives and gears** a coordinate that is held has a row like theirs. Those whose rows depend linearly on
 //! theirs and on others (the second of two fingers that a gear ties) bear nothing of their own and are not held.
 
-use crate::constraint;
+use crate::dynamics::Held as Row;
 use crate::model::contact::HingeFriction;
 use crate::model::prescribed::Instant;
 use crate::model::{Model, Scalar, Stop, StopLaw};
@@ -221,7 +221,7 @@ impl Nonsmooth {
     }
 
     /// What is held from now on, as rows beside loops, drives and gears: stops at their limits, the rest where it is.
-    pub(super) fn rows(&self, held: &[Held], q: &[f64]) -> Vec<constraint::Held> {
+    pub(super) fn rows(&self, held: &[Held], q: &[f64]) -> Vec<Row> {
         let row = |held: &Held| {
             let link = self
                 .model
@@ -229,22 +229,22 @@ impl Nonsmooth {
                 .iter()
                 .position(|link| held.velocity == link.velocity && link.joint.counts().1 == held.count)?;
             if held.count != 1 {
-                return Some(constraint::Held::Ball(link));
+                return Some(Row::Ball(link));
             }
             let (position, joint) = (self.model.links[link].position, &self.model.links[link].joint);
             let at = held.stop.map_or(q[position], |side| self.model.stops[side.stop].limit(side.sign));
             let coordinate = Scalar { link, position, velocity: held.velocity, slides: joint.is_slide() };
-            Some(constraint::Held::Coordinate { coordinate, at: Instant { position: at, ..Instant::default() } })
+            Some(Row::Coordinate { coordinate, at: Instant { position: at, ..Instant::default() } })
         };
         held.iter().filter_map(row).collect()
     }
 
     /// A coordinate on the stop of a side, with the speed that it has.
-    pub(super) fn row(&self, side: Side, q: &[f64], v: &[f64]) -> Option<constraint::Held> {
+    pub(super) fn row(&self, side: Side, q: &[f64], v: &[f64]) -> Option<Row> {
         let velocity = self.model.stops[side.stop].velocity;
         let held = Held { velocity, count: 1, stop: Some(side), friction: None, range: [0.0; 2], slack: 0.0 };
         let mut row = self.rows(&[held], q).pop()?;
-        if let constraint::Held::Coordinate { at, .. } = &mut row {
+        if let Row::Coordinate { at, .. } = &mut row {
             at.velocity = v[velocity];
         }
         Some(row)

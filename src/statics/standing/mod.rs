@@ -113,6 +113,9 @@ pub enum Unanswered {
     Open(String),
 }
 
+/// A friction margin below this is round-off of the conic solver.
+const NOT_NEEDED: f64 = 1e-9;
+
 /// Whether a scene has dry friction or contact.
 pub fn is_for(model: &Model) -> bool {
     !(model.hinge_friction.is_empty() && model.contacts.is_empty())
@@ -132,6 +135,14 @@ pub(super) fn equilibrium(
 ) -> Result<Equilibrium, Unanswered> {
     let pose = &model.start_position;
     let given = standing(description, model, settings, asked, pose)?;
+    let needs_friction = given.friction_margin.is_some_and(|part| part > NOT_NEEDED);
+    if given.verdict == Verdict::Stands && model.contacts.is_empty() && !needs_friction {
+        // An equilibrium without friction, too: it has its modes.
+        let found = search()?;
+        if found.converged && found.position == *pose {
+            return Ok(Equilibrium { standing: Some(Box::new(given)), ..found });
+        }
+    }
     if given.verdict == Verdict::Stands || !model.contacts.is_empty() {
         let found = certificate::certificate(description, model, settings, pose, &given)?;
         return Ok(Equilibrium { standing: Some(Box::new(given)), ..found });
