@@ -1,0 +1,41 @@
+"""A multibody simulator that starts at rest.
+
+>>> import stillpoint
+>>> scene = stillpoint.load("scenarios/spring_arm.toml")
+>>> rest = scene.equilibrium()
+>>> rest.verdict, rest.modes[0].frequency
+"""
+
+from ._processor import check as _check
+
+_check()
+
+from ._stillpoint import (  # noqa: E402
+    Dynamics,
+    Equilibrium,
+    Mode,
+    NoEquilibrium,
+    Run,
+    RunError,
+    Scene,
+    SceneError,
+    __version__,
+    load,
+    parse,
+)
+from ._describe import describe  # noqa: E402
+
+__all__ = [
+    "Dynamics",
+    "Equilibrium",
+    "Mode",
+    "NoEquilibrium",
+    "Run",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "__version__",
+    "describe",
+    "load",
+    "parse",
+]

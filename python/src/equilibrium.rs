@@ -1,0 +1,200 @@
+//! Equilibria with their certificates.
+
+use crate::run::{Run, run};
+use crate::scene::{Scene, by_hinge};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+use stillpoint::model::Model;
+use stillpoint::simulate::State;
+use stillpoint::statics;
+
+/// Where a scene stays.
+#[pyclass(frozen, module = "stillpoint")]
+pub(crate) struct Equilibrium {
+    scene: Py<Scene>,
+    held: statics::Held,
+    wall: Duration,
+    json: OnceLock<String>,
+}
+
+/// A small motion about an equilibrium.
+#[pyclass(frozen, get_all, module = "stillpoint")]
+pub(crate) struct Mode {
+    /// Undamped, or of the damped mode where there is damping (Hz); 0 for motions that do not come back.
+    frequency: f64,
+    /// Part of the critical damping; 0 without dampers, negative for what grows.
+    damping_ratio: f64,
+    /// Decay rate (1/s).
+    decay_rate: f64,
+}
+
+#[pymethods]
+impl Mode {
+    fn __repr__(&self) -> String {
+        format!("Mode(frequency={:.6}, damping_ratio={:.4})", self.frequency, self.damping_ratio)
+    }
+}
+
+impl Equilibrium {
+    pub(crate) fn new(scene: Py<Scene>, held: statics::Held, wall: Duration) -> Self {
+        Self { scene, held, wall, json: OnceLock::new() }
+    }
+
+    pub(crate) fn converged(&self) -> bool {
+        self.held.found.converged
+    }
+
+    pub(crate) fn model(&self) -> &Arc<Model> {
+        &self.held.model
+    }
+
+    pub(crate) fn state(&self) -> State {
+        State { position: self.held.found.position.clone(), velocity: self.held.found.velocity.clone() }
+    }
+
+    /// Why it is none.
+    pub(crate) fn why(&self) -> String {
+        let found = &self.held.found;
+        let mut text =
+            format!("no equilibrium was found: the residual is {:.3e} of the forces", found.relative_residual);
+        found.notes.iter().for_each(|note| text.push_str(&format!("\n{note}")));
+        text
+    }
+
+    fn text(&self) -> &str {
+        self.json.get_or_init(|| {
+            stillpoint::cli::statics_answer(&self.held.model, &self.held.found, self.wall.as_secs_f64()).to_string()
+        })
+    }
+}
+
+#[pymethods]
+impl Equilibrium {
+    /// Hinge coordinates.
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.held.found.position)
+    }
+
+    /// Hinge velocities: zero, but for drives that move.
+    #[getter]
+    fn v<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.held.found.velocity)
+    }
+
+    /// `"stable"`, `"unstable"` or `"neutral"`.
+    #[getter]
+    fn verdict(&self) -> Option<&'static str> {
+        self.held.found.stability.as_ref().map(|stability| stability.verdict.name())
+    }
+
+    /// Small motions, slowest first: damped ones where there is damping.
+    #[getter]
+    fn modes(&self) -> Vec<Mode> {
+        let Some(stability) = &self.held.found.stability else { return Vec::new() };
+        if stability.damped.is_empty() {
+            let undamped = stability.modes.iter();
+            return undamped
+                .map(|mode| Mode {
+                    frequency: if mode.growth_rate == 0.0 { mode.frequency_hz } else { 0.0 },
+                    damping_ratio: 0.0,
+                    decay_rate: -mode.growth_rate,
+                })
+                .collect();
+        }
+        let damped = stability.damped.iter();
+        damped
+            .map(|mode| Mode {
+                frequency: mode.frequency_hz,
+                damping_ratio: mode.damping_ratio,
+                decay_rate: mode.decay_rate,
+            })
+            .collect()
+    }
+
+    /// Undamped frequencies (Hz), ascending.
+    #[getter]
+    fn frequencies<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let modes = self.held.found.stability.iter().flat_map(|stability| &stability.modes);
+        let moving = modes.filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz);
+        PyArray1::from_vec(py, moving.collect())
+    }
+
+    /// Hinge coordinates by the body that the hinge carries.
+    #[getter]
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        by_hinge(py, &self.held.model, &self.held.found.position, true)
+    }
+
+    /// What each hinge passes to its body at its root marker, inertial axes: name → (force, moment).
+    #[getter]
+    fn reactions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for (body, wrench) in self.held.model.bodies.iter().zip(&self.held.found.reactions) {
+            let [force, moment] = [wrench.force, wrench.moment].map(|x| PyArray1::from_slice(py, x.as_slice()));
+            all.set_item(&body.name, (force, moment))?;
+        }
+        Ok(all)
+    }
+
+    /// Where the root marker of each body is: name → (position, quaternion w, x, y, z).
+    #[getter]
+    fn bodies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        for (body, pose) in self.held.model.bodies.iter().zip(&self.held.found.poses) {
+            let (at, turn) = (pose.translation.vector, pose.rotation);
+            let turn = [turn.w, turn.i, turn.j, turn.k];
+            all.set_item(&body.name, (PyArray1::from_slice(py, at.as_slice()), PyArray1::from_slice(py, &turn)))?;
+        }
+        Ok(all)
+    }
+
+    /// What is left of the forces, in parts of those that cancel.
+    #[getter]
+    fn residual(&self) -> f64 {
+        self.held.found.relative_residual
+    }
+
+    /// What was unknown, by address.
+    #[getter]
+    fn unknowns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        self.held.found.unknowns.iter().try_for_each(|(name, value)| all.set_item(name, value))?;
+        Ok(all)
+    }
+
+    /// What there is to say besides.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.held.found.notes.iter().map(ToString::to_string).collect()
+    }
+
+    /// Everything that `stillpoint statics --json` prints.
+    fn as_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (self.text(),))
+    }
+
+    /// A run from here: what is in equilibrium stays.
+    #[pyo3(signature = (duration = None, *, rate = None))]
+    fn run(&self, py: Python<'_>, duration: Option<f64>, rate: Option<f64>) -> PyResult<Run> {
+        let scenario = self.scene.get().scenario();
+        let mut settings = scenario.simulate;
+        settings.start = stillpoint::simulate::Start::Equilibrium;
+        settings.duration = duration.unwrap_or(settings.duration);
+        run(py, &self.held.model, &settings, rate.unwrap_or(scenario.record.rate), self.state())
+    }
+
+    fn __repr__(&self) -> String {
+        let found = &self.held.found;
+        let slowest = found.stability.as_ref().and_then(|stability| stability.modes.first());
+        let slowest = slowest.map_or(String::new(), |mode| format!(", slowest mode {:.6} Hz", mode.frequency_hz));
+        let verdict = self.verdict().unwrap_or("not certified");
+        format!(
+            "<Equilibrium of `{}`: {verdict}{slowest}, residual {:.1e}>",
+            self.held.model.title, found.relative_residual
+        )
+    }
+}
