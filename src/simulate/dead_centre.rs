@@ -22,7 +22,7 @@ pub(super) fn beside(error: RunError, model: &Arc<Model>, time: f64, state: &Sta
         .map(|index| {
             let drive = &model.drives[index];
             let hinge = model.label(drive.coordinate.velocity);
-            format!("; drive `{}` stands next to a dead centre: the loops leave {hinge} no way on", drive.name)
+            format!("; drive `{}` stands next to a dead centre: the loops let {hinge} move no further", drive.name)
         })
         .collect();
     if found.is_empty() { error } else { RunError::Step(error.to_string() + &found.concat()) }

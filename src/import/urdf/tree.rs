@@ -169,7 +169,7 @@ impl<'a> Tree<'a> {
         true
     }
 
-    /// Says which links hang on each other in a circle.
+    /// Says which links form a cycle of parents.
     fn refuse_cycle(&self, start: usize) {
         let above = |link: usize| self.links[link].joint.map(|joint| self.joints[joint].parent);
         // From any link without a way to the root, as many steps up as there are links end in the circle.
@@ -186,8 +186,8 @@ impl<'a> Tree<'a> {
         }
         names.push(self.links[first].name);
         let shown: Vec<String> = names.iter().take(8).map(|name| format!("`{name}`")).collect();
-        let more = if names.len() > shown.len() { " on …" } else { "" };
-        let message = format!("links hang on each other in a circle: {}{more}", shown.join(" on "));
+        let more = if names.len() > shown.len() { ", child of …" } else { "" };
+        let message = format!("the links form a cycle of parents: {}{more}", shown.join(", child of "));
         let Some(joint) = self.links[first].joint.map(|joint| &self.joints[joint]) else { return };
         let help = "a URDF is a tree; close loops in the scenario, with a [[loop]]";
         joint.element.refuse(Problem::at(joint.parent_place.clone(), message).help(help));

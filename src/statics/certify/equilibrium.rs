@@ -130,11 +130,11 @@ fn round_off_note(place: &Place) -> Option<String> {
     let (relative, known) = (place.residual().0, place.round_off());
     let what = match known < 1.0 {
         true => format!(
-            "what is left of the forces, {relative:.1e} of them, is round-off, and no step of Newton's halves it: large \
-             lengths, or loops that are nearly taut, do not let them be known better than to {known:.1e} here"
+            "the residual, {relative:.1e} of the forces, is round-off: no Newton step halves it. With lengths this large, or loops \
+             this close to taut, forces are known to {known:.1e} at best"
         ),
         false => {
-            "nothing carries a load here that would be above round-off: what is left of the forces is round-off too"
+            "no force here is above round-off, and so is the residual"
                 .to_owned()
         }
     };

@@ -280,7 +280,7 @@ impl<'a> Tracer<'a> {
         best
     }
 
-    /// The direction that costs nothing at a singular point.
+    /// The zero-stiffness direction at a singular point.
     fn null(&mut self, point: &Point) -> Option<Vec<f64>> {
         let inertia = &self.moving.metric().inertia;
         let part = |(i, b): (usize, &f64)| (0.5 + (i as f64 * 1.618_033_988_75).fract()) / b.sqrt();

@@ -164,3 +164,41 @@ fn random_geared_trees_slide_and_stick_as_time_stepping_says() {
     };
     compare((0..cases(600)).filter_map(geared), 8);
 }
+
+/// Four-bars with dry friction in the three hinges of the tree: one motion, whose friction is shared while it sticks.
+#[test]
+fn random_four_bars_slide_and_stick_as_time_stepping_says() {
+    let four_bar = |seed: u64| {
+        let mut random = Random::new(seed ^ 0xb0a7);
+        let (a, d, turn) = (random.between(0.15, 0.3), random.between(0.3, 0.5), random.between(0.5, 2.5));
+        let b = [a * turn.cos(), a * turn.sin()];
+        let c = [random.between(0.2, 0.5), random.between(0.25, 0.5)];
+        let between = |from: [f64; 2], to: [f64; 2]| {
+            let [x, z] = [to[0] - from[0], to[1] - from[1]];
+            (x.hypot(z), z.atan2(x))
+        };
+        let ((coupler, coupler_angle), (rocker, rocker_angle)) = (between(b, c), between([d, 0.0], c));
+        let strongest = [0.3, 2.0, 6.0][random.below(3)];
+        let mut text = format!("gravity = [{}, 0, -9.8]\n", random.between(-5.0, 5.0));
+        for (name, length, hinge) in [
+            ("crank", a, format!("position = {turn}")),
+            ("coupler", coupler, format!("parent = \"crank\", at = \"end\", position = {}", coupler_angle - turn)),
+            ("rocker", rocker, format!("at = [{d}, 0, 0], position = {rocker_angle}")),
+        ] {
+            let (mass, stick) = (random.between(0.3, 2.0), random.between(0.05, strongest));
+            let velocity = if name == "crank" && seed % 2 == 0 { random.between(-8.0, 8.0) } else { 0.0 };
+            let inertia = mass * length * length / 12.0;
+            text += &format!(
+                "[[body]]\nname = \"{name}\"\nmass = {mass}\ncenter = [{}, 0, 0]\ninertia = [{}, {inertia}, {inertia}]\nmarkers = {{ end = \
+                 [{length}, 0, 0] }}\nhinge = {{ type = \"revolute\", axis = [0, -1, 0], velocity = {velocity}, friction = {stick}, {hinge} }}\n",
+                0.5 * length,
+                0.1 * inertia
+            );
+        }
+        text += "[[loop]]\nname = \"joint\"\ntype = \"revolute\"\nbetween = [\"coupler.end\", \"rocker.end\"]\naxis = [0, 1, 0]\n";
+        let scenario = stillpoint::scenario::parse("four_bar.toml", &text, &[]);
+        let scenario = scenario.unwrap_or_else(|found| panic!("{found:?}"));
+        (format!("seed {seed}: {text}"), build(&scenario.description))
+    };
+    compare((0..cases(40)).map(four_bar), 8);
+}

@@ -102,7 +102,7 @@ fn links_that_are_no_tree() {
         joint("k", "continuous", ["b", "a"], "")
     ));
     insta::assert_snapshot!(refused(&circle), @r###"
-    error: links hang on each other in a circle: `b` on `a` on `b`
+    error: the links form a cycle of parents: `b`, child of `a`, child of `b`
      --> robot.urdf:5:43
       |
     5 | <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>

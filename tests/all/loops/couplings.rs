@@ -275,7 +275,7 @@ rate = 0.2
         // From 1.3 m to 1.5 m at 0.2 m/s.
         let error = error.to_string();
         assert!(error.contains("t = 0.99"), "{method:?}: {error}");
-        let named = "drive `pusher` stands next to a dead centre: the loops leave `slider` no way on";
+        let named = "drive `pusher` stands next to a dead centre: the loops let `slider` move no further";
         assert!(error.contains(named), "{method:?}: {error}");
     }
 }

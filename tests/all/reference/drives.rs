@@ -86,7 +86,7 @@ fn a04_bricard_rests_at_a_right_angle() {
     expected.at("small_oscillation_omega").check(frequencies(&found)[0], 1e-9);
 }
 
-/// The stable equilibrium is exactly the change point, where the loop's rows hang on each other.
+/// The stable equilibrium is exactly the change point, where the loop's rows are linearly dependent.
 #[test]
 fn b16_parallelogram_rests_at_its_change_point() {
     let case = case("B16_parallelogram_singular_equilibrium");

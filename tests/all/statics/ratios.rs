@@ -38,7 +38,7 @@ fn balls(links: &[Link], span: f64) -> String {
     format!("{bodies}[[loop]]\ntype = \"spherical\"\n{end}\n")
 }
 
-/// Whether rows hang on each other is a matter of geometry: a body a million times heavier than its neighbours does not put a
+/// Whether rows are linearly dependent is a matter of geometry: a body a million times heavier than its neighbours does not put a
 /// chain into a singular position, and does not keep it from moving.
 #[test]
 fn heavy_links_among_light_ones_do_not_look_singular() {
