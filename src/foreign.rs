@@ -20,17 +20,25 @@ thread_local! {
 /// If it panics: the parser's name and its message. A stack that overflows and memory that ends are not caught; what is
 /// parsed has to be bounded before (see [`budget`](crate::budget)).
 pub fn parse<T>(parser: &str, work: impl FnOnce() -> T) -> Result<T, String> {
+    caught(work).map_err(|message| format!("{parser} cannot cope with it ({message})"))
+}
+
+/// Runs work of which a panic is one failure among many answers, and not the end of all.
+///
+/// # Errors
+/// The message of the panic.
+pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     let outer = INSIDE.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(work));
     INSIDE.set(outer);
     result.map_err(|payload| {
         let text = payload.downcast_ref::<&str>().copied();
         let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-        format!("{parser} cannot cope with it ({})", text.unwrap_or("it panicked"))
+        text.unwrap_or("it panicked").to_owned()
     })
 }
 
-/// Whether this thread runs a foreign parser now: a panic is no news then, and a hook need not print it.
+/// Whether this thread runs such work now: a panic is no news then, and a hook need not print it.
 pub fn is_parsing() -> bool {
     INSIDE.get()
 }

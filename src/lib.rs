@@ -76,8 +76,9 @@
 //! | `import` | models of other programs and triangle meshes: [`import`], [`mesh`]; needs `scenario` |
 //! | `record` | recordings: [`record::file`] |
 //! | `view` | streaming to the Rerun viewer and `.rrd` files: [`record::view`]; needs `record` |
-//! | `cli` | the program: [`cli`]; needs `import` and `record` |
-//! | `parquet` | `export --parquet`; needs `cli` |
+//! | `study` | many cases of a scenario: [`study`]; needs `scenario` |
+//! | `cli` | the program: [`cli`]; needs `import`, `record` and `study` |
+//! | `parquet` | datasets of studies, `export --parquet`; needs `study` |
 //! | `friction` | [`statics::standing`]: whether scenes with contact or dry friction stand |
 //! | `count-allocations` | what `bench` says of the allocator; needs `cli` |
 //!
@@ -101,6 +102,7 @@
 //! | [`mesh`] | triangle meshes from files: STL, OBJ, glTF |
 //! | [`import`] | models of other programs (URDF, MJCF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
+//! | [`study`] | many cases of one scenario: plans, distributions, rows, datasets |
 //! | [`cli`] | the program: the only place that prints |
 //! | [`formula`] | formulas in named variables with exact derivatives |
 //! | [`quantity`] | numbers with units |
@@ -139,6 +141,8 @@ pub mod scenario;
 pub mod simulate;
 pub mod spatial;
 pub mod statics;
+#[cfg(feature = "study")]
+pub mod study;
 pub mod suggest;
 #[cfg(feature = "scenario")]
 pub mod text_file;

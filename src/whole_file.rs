@@ -198,6 +198,27 @@ impl WholeFile {
         self.unfinished = None;
         sync_folder(&self.target)
     }
+
+    /// Leaves the unfinished file alone: its name is somebody else's by now.
+    pub fn abandon(mut self) {
+        self.unfinished = None;
+    }
+
+    /// As [`finish`](Self::finish), and replaces nothing: of several programs that write one name at once, one succeeds.
+    ///
+    /// # Errors
+    /// As [`finish`](Self::finish); [`AlreadyExists`](io::ErrorKind::AlreadyExists) if the name is taken.
+    pub fn finish_new(self) -> io::Result<()> {
+        let Some(unfinished) = &self.unfinished else { return self.finish() };
+        self.file.sync_all()?;
+        match fs::hard_link(unfinished, &self.target) {
+            Ok(()) => sync_folder(&self.target),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(error),
+            // A file system without hard links.
+            Err(_) if !self.target.exists() => self.finish(),
+            Err(error) => Err(error),
+        }
+    }
 }
 
 /// Too many files that others left beside this target.

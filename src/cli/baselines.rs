@@ -3,11 +3,11 @@
 mod plot;
 
 use super::output::{self, bold};
-use super::sweep::grid::{Axis, OPTION};
 use super::{Common, Exit, scene, text};
 use crate::model::Model;
 use crate::scenario::{Override, Scenario};
 use crate::statics::{Equilibrium, Method, Settings, equilibrium_observed};
+use crate::study::axis::{Axis, OPTION};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -31,7 +31,14 @@ Examples:
 pub(super) const SWEEP: &str = "\
 Examples:
   stillpoint sweep scenarios/machine_on_mounts.toml --over machine.mass=200:400:5
-  stillpoint sweep scenarios/pendulum.toml --over rod.mass=1,2 --over rod.position=0.1:0.9:3 --json";
+  stillpoint sweep scenarios/pendulum.toml --over rod.mass=1,2 --over rod.position=0.1:0.9:3 --json
+  stillpoint sweep scenarios/machine_on_mounts.toml --vary 'machine.mass=normal(160,4)' --cases 1000 --out mounts";
+
+#[cfg(feature = "parquet")]
+pub(super) const STUDY: &str = "\
+Examples:
+  stillpoint study mounts
+  stillpoint study mounts --of machine.z --svg machine_z.svg";
 
 pub(super) const INSPECT: &str = "\
 Examples:

@@ -55,7 +55,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "gap": assembly.gap,
             "loop_reactions": json::loops(&model, &loops),
             "drives": json::pushes(&forces),
-            "motors": json::pushes(&json::motors(&model, q, v)),
+            "motors": json::pushes(&model.motor_forces(q, v)),
             "joints": joints,
             "total_mass": model.total_mass(),
             "center_of_mass": [center.x, center.y, center.z],

@@ -62,15 +62,6 @@ pub(super) fn pushes(forces: &[(String, f64)]) -> Value {
     Value::Object(forces.iter().map(|(name, force)| (name.clone(), json!(force))).collect())
 }
 
-/// What every motor pushes at t = 0.
-pub(super) fn motors(model: &Model, q: &[f64], v: &[f64]) -> Vec<(String, f64)> {
-    let push = |motor: &crate::model::Motor| {
-        let at = motor.coordinate;
-        (motor.name.clone(), motor.at(0.0, q[at.position], v[at.velocity]).force)
-    };
-    model.motors.iter().map(push).collect()
-}
-
 /// What every rope and curve pulls with (N).
 fn pulls(model: &Arc<Model>, q: &[f64], v: &[f64]) -> Value {
     let mut system = System::new(model);
@@ -97,9 +88,7 @@ fn reactions(model: &Model, reactions: &[Wrench]) -> Value {
 pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64) -> Value {
     let stability = found.stability.as_ref();
     let modes: Vec<Value> = stability.map_or(Vec::new(), |s| s.modes.iter().map(mode).collect());
-    let frequencies: Vec<f64> = stability.map_or(Vec::new(), |s| {
-        s.modes.iter().filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz).collect()
-    });
+    let frequencies: Vec<f64> = stability.map_or(Vec::new(), |stability| stability.frequencies().collect());
     let mut value = json!({
         "converged": found.converged,
         "balanced": found.balanced,
@@ -128,7 +117,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "stops": found.stops.iter().map(bearing).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "drives": pushes(&found.drive_forces),
-        "motors": pushes(&motors(model, &found.position, &found.velocity)),
+        "motors": pushes(&model.motor_forces(&found.position, &found.velocity)),
         "pulls": pulls(model, &found.position, &found.velocity),
         "multipliers": lists(&found.carried),
         "redundant": redundant(&found.redundant),

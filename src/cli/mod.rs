@@ -30,6 +30,8 @@ mod scene;
 mod standing;
 mod statics;
 mod stopwatch;
+#[cfg(feature = "parquet")]
+mod study;
 mod sweep;
 mod text;
 mod view;
@@ -96,6 +98,10 @@ enum Command {
     /// Ask for the equilibrium, or a run, for many values of some numbers: one row per case
     #[command(after_help = examples::SWEEP)]
     Sweep(sweep::Arguments),
+    /// Say what a dataset of `sweep` says: quantiles, correlations, and what matters most
+    #[cfg(feature = "parquet")]
+    #[command(after_help = examples::STUDY)]
+    Study(study::Arguments),
     /// Say what the model is, and its accelerations at the given state; runs nothing
     #[command(after_help = examples::INSPECT)]
     Inspect(inspect::Arguments),
@@ -200,6 +206,8 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<f
         Command::Rest(arguments) => rest::main(&arguments),
         Command::Precision(arguments) => precision::main(&arguments),
         Command::Sweep(arguments) => sweep::main(&arguments),
+        #[cfg(feature = "parquet")]
+        Command::Study(arguments) => study::main(&arguments),
         Command::Inspect(arguments) => inspect::main(&arguments),
         Command::Bench(arguments) => bench::main(&arguments, memory),
         Command::View(arguments) => view::main(&arguments),

@@ -13,14 +13,6 @@ use std::fmt::Write;
 /// Forces that use less than this part of their cone stick; the rest is at its limit.
 const AT_THE_LIMIT: f64 = 1.0 - 1e-8;
 
-fn name(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Stands => "stands",
-        Verdict::Wedged => "wedged",
-        Verdict::Falls => "falls",
-    }
-}
-
 /// What a contact does: open if it bears nothing, slipping at the limit of its cone.
 fn mode(force: &Vector3<f64>, share: f64) -> &'static str {
     match share {
@@ -53,7 +45,7 @@ pub(super) fn json(model: &Model, standing: &Standing) -> Value {
         margins.insert("tilt".to_owned(), Value::Object(tilt.collect()));
     }
     json!({
-        "verdict": name(standing.verdict),
+        "verdict": standing.verdict.name(),
         "slack": standing.slack,
         "contacts": standing.contacts.len(),
         "self_stresses": standing.self_stresses,

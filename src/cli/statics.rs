@@ -2,11 +2,11 @@
 
 use super::inputs::Inputs;
 use super::output::Interrupt;
-use super::sweep::grid::Axis;
 use super::{Common, Exit, baselines, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
 use crate::statics::{Equilibrium, Method, answer, equilibrium_watched, standing};
+use crate::study::Axis;
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;

@@ -1,68 +1,98 @@
 //! `sweep`: the same question for many values of some numbers, one row per case.
 
-pub(super) mod grid;
+mod rows;
+mod shard;
 
 use super::inputs::Inputs;
-use super::output::{self, Progress};
-use super::text::{count, number};
-use super::{Common, Exit, statics};
-use crate::constraint;
-use crate::model::Model;
-use crate::record::Fanout;
-use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_with, parse};
-use crate::simulate::{self, Start, State};
-use crate::statics::Equilibrium;
+use super::output::{self, Interrupt, Progress};
+use super::{Common, Exit};
+use crate::scenario::{LoadError, Override, Scenario, load_with};
+use crate::simulate::Start;
+use crate::study::axis::{Axis, OPTION};
+use crate::study::case::VARY;
+use crate::study::{Cases, Draw, Plan, Question, Refusal, Row, Sampling, Variation, pool};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
-use grid::{Axis, OPTION};
-use serde_json::{Map, Value, json};
-use std::num::NonZeroUsize;
-use std::path::PathBuf;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use clap::builder::PossibleValuesParser;
+use rows::Rows;
+use serde_json::json;
+use shard::Shard;
+use std::num::{NonZeroU64, NonZeroUsize};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
     /// What is varied: `path=from:to:count`, or `path=1,2,5`; given several times, every combination
-    #[arg(long, required = true, value_name = "PATH=VALUES", value_parser = Axis::parse)]
+    #[arg(long, required_unless_present = "vary", value_name = "PATH=VALUES", value_parser = Axis::parse)]
     over: Vec<Axis>,
+    /// What is drawn: normal(mean,deviation), lognormal(mean,deviation) of the number itself, uniform(low,high) or
+    /// triangular(low,mode,high), in absolute values; may be repeated
+    #[arg(long, value_name = "PATH=DISTRIBUTION", requires = "cases", value_parser = Variation::parse)]
+    vary: Vec<Variation>,
+    /// Correlations of what is drawn: a CSV file with a line of paths, and a line of numbers for each of them
+    #[arg(long, value_name = "FILE.csv", requires = "vary")]
+    correlate: Option<PathBuf>,
+    /// How to draw: independent samples, a Latin hypercube, or Sobol points
+    #[arg(long, value_name = "NAME", requires = "vary", value_parser = PossibleValuesParser::new(Sampling::ALL.map(Sampling::name)))]
+    sample: Option<String>,
+    /// Samples at every point of the grid: the same at each
+    #[arg(long, value_name = "N", requires = "vary")]
+    cases: Option<NonZeroU64>,
+    /// What the samples follow from; default 0
+    #[arg(long, value_name = "S", requires = "vary")]
+    seed: Option<u64>,
     /// Simulate each case, too; without it the equilibrium is all that is asked
     #[arg(long)]
     run: bool,
+    /// Give up a case after so many seconds: its row says so
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    time_limit: Option<f64>,
     /// Cases that are worked on at once; default: one per processor. The answers do not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
-    /// Write the rows there
-    #[arg(long, value_name = "FILE.csv")]
+    /// Write the rows there: a name ending in .csv is one file; any other a folder, a dataset of Parquet parts that are
+    /// written as they are done
+    #[arg(long, value_name = "FILE.csv|DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    dataset: DatasetOptions,
 }
 
-/// Rows that are printed; `--json` and `--out` have all.
-const MOST_LINES: usize = 40;
-
-/// Numbers and words by name.
-type Found = Vec<(String, Value)>;
-
-/// What became of one case.
-type Row = Result<Found, Failed>;
-
-enum Failed {
-    /// The values make no scene.
-    Refused(Diagnostics),
-    /// The answer is no.
-    No(String),
+/// What else a dataset may be told.
+#[derive(Debug, Args)]
+struct DatasetOptions {
+    /// Continue the dataset of this plan that is there; begin it if there is none
+    #[arg(long, requires = "out")]
+    resume: bool,
+    /// So many processes share the dataset
+    #[arg(long, value_name = "K", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
+    shards: Option<u64>,
+    /// Which of them this is, 0 to K − 1; default: the index of the task in the environment of HyperQueue, Kubernetes or
+    /// Slurm
+    #[arg(long, value_name = "k", requires = "shards")]
+    shard: Option<u64>,
+    /// Print which shards, or without `--shards` which parts, are not done, and do nothing
+    #[arg(long, requires = "out")]
+    missing: bool,
+    /// Rows of a part; default: a hundredth of all, at most 10 000
+    #[arg(long, value_name = "N", requires = "out")]
+    part_rows: Option<NonZeroU64>,
 }
 
-impl Failed {
-    /// One line.
-    fn text(&self) -> String {
-        match self {
-            Self::Refused(problems) => problems.iter().next().map_or(String::new(), |first| first.message.clone()),
-            Self::No(text) => text.clone(),
-        }
+/// More cases than this are written as they come, or not at all.
+const MOST_IN_MEMORY: u64 = 1_000_000;
+/// Rows that are handed over at once without a dataset.
+const ROWS: u64 = 64;
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(limit) if limit > 0.0 => Ok(limit),
+        _ => Err("a time limit is a number of seconds above 0".to_owned()),
     }
 }
 
@@ -82,34 +112,67 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::note(scenario.warnings.render(output::errors_in_color()).trim_end());
     }
     refuse_unheeded(arguments, &scenario, &set)?;
-    let cases = grid::cases(&arguments.over).map_err(|error| anyhow!(error))?;
-    // What cannot be written is told before the work.
-    let table = arguments.out.as_ref().map(|path| {
-        Inputs::of_scenario(common, &scenario, None).spare(path)?;
-        WholeFile::create(path).with_context(|| format!("cannot write `{}`", path.display()))
+    let inputs = Inputs::of_scenario(common, &scenario, arguments.correlate.as_deref());
+    let plan = plan(arguments)?;
+    let question = Question { run: arguments.run, time_limit: arguments.time_limit.unwrap_or(f64::INFINITY) };
+    let cases = match Cases::new(scenario, set, plan, question) {
+        Ok(cases) => cases,
+        // A name that is not there is no answer, it is a wrong call.
+        Err(Refusal::Problems(problems)) => {
+            output::note(problems.render(output::errors_in_color()).trim_end());
+            return Ok(Exit::Wrong);
+        }
+        Err(other) => return Err(other.into()),
+    };
+    let sweep = Sweep { arguments, cases, interrupt: Interrupt::install()? };
+    match &arguments.out {
+        Some(folder) if !is_table(folder) => {
+            if folder.is_file() {
+                inputs.spare(folder)?;
+                bail!("`{}` is a file: name a folder, or a file that ends in .csv", folder.display());
+            }
+            sweep.dataset(folder)
+        }
+        out => {
+            refuse_dataset(&arguments.dataset)?;
+            sweep.table(out.as_deref(), &inputs)
+        }
+    }
+}
+
+/// Whether an output is one file of all rows.
+fn is_table(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end.eq_ignore_ascii_case("csv")) || path.starts_with("/dev")
+}
+
+/// Refuses what only a dataset has.
+fn refuse_dataset(options: &DatasetOptions) -> anyhow::Result<()> {
+    let DatasetOptions { resume, shards, missing, part_rows, .. } = options;
+    let given = [("--resume", *resume), ("--shards", shards.is_some()), ("--missing", *missing)];
+    let given = given.into_iter().chain([("--part-rows", part_rows.is_some())]).find(|(_, given)| *given);
+    match given {
+        Some((name, _)) => bail!("`{name}` needs a dataset: let `--out` name a folder, not a file"),
+        None => Ok(()),
+    }
+}
+
+fn plan(arguments: &Arguments) -> anyhow::Result<Plan> {
+    let matrix = arguments.correlate.as_ref().map(|path| {
+        let text = crate::text_file::read(path, "correlation matrix")?;
+        Ok::<_, anyhow::Error>((path, text))
     });
-    let table = table.transpose()?;
-    let sweep = Sweep { arguments, scenario: &scenario, set };
-    let rows = sweep.all(&cases)?;
-    // A name that is not there is no answer, it is a wrong call.
-    if let Some(Err(Failed::Refused(problems))) = rows.first()
-        && rows.iter().all(|row| matches!(row, Err(Failed::Refused(_))))
-    {
-        output::note(problems.render(output::errors_in_color()).trim_end());
-        return Ok(Exit::Wrong);
-    }
-    let failed = rows.iter().filter(|row| row.is_err()).count();
-    if let Some((path, table)) = arguments.out.as_ref().zip(table) {
-        sweep.write(table, &cases, &rows).with_context(|| format!("cannot write `{}`", path.display()))?;
-    }
-    if common.json {
-        let list: Vec<Value> = cases.iter().zip(&rows).map(|(case, row)| sweep.json(case, row)).collect();
-        let answer = json!({ "scenario": scenario.name, "cases": list, "failed": failed });
-        output::print(&answer.to_string())?;
-    } else if !common.quiet {
-        output::print(&sweep.report(&cases, &rows, failed))?;
-    }
-    Ok(if failed == 0 { Exit::Done } else { Exit::No })
+    let matrix = matrix.transpose()?;
+    let named = |name: &String| Sampling::ALL.into_iter().find(|sampling| sampling.name() == name);
+    let draw = Draw {
+        sampling: arguments.sample.as_ref().and_then(named).unwrap_or_default(),
+        samples: arguments.cases.map_or(1, NonZeroU64::get),
+        seed: arguments.seed.unwrap_or(0),
+    };
+    let text = matrix.as_ref().map(|(_, text)| text.as_str());
+    Plan::new(arguments.over.clone(), arguments.vary.clone(), draw, text).map_err(|error| match &matrix {
+        Some((path, _)) => anyhow!("{}: {error}", path.display()),
+        None => anyhow!(error),
+    })
 }
 
 /// Refuses what would be asked for in vain.
@@ -123,200 +186,156 @@ fn refuse_unheeded(arguments: &Arguments, scenario: &Scenario, set: &[Override])
     // The keys of a hinge may be written without `hinge.`.
     let short = |path: &str| path.replacen(".hinge.", ".", 1);
     let from_start = scenario.simulate.start == Start::Equilibrium;
-    for (index, axis) in arguments.over.iter().enumerate() {
-        let is_same = |other: &str| short(other) == short(&axis.path);
-        if arguments.over[..index].iter().any(|other| is_same(&other.path)) {
-            bail!("`{OPTION}` varies `{}` twice: write all of its values into one", axis.path);
+    let over = arguments.over.iter().map(|axis| (OPTION, axis.path.as_str()));
+    let paths: Vec<_> = over.chain(arguments.vary.iter().map(|one| (VARY, one.path.as_str()))).collect();
+    for (index, (option, path)) in paths.iter().enumerate() {
+        let is_same = |other: &str| short(other) == short(path);
+        if paths[..index].iter().any(|(_, other)| is_same(other)) {
+            bail!("`{option}` varies `{path}` twice: write all of its values into one");
         }
         if set.iter().any(|other| is_same(other.path())) {
-            bail!("`{}` is set and varied at once: leave out `--set` or `{OPTION}`", axis.path);
+            bail!("`{path}` is set and varied at once: leave out `--set` or `{option}`");
         }
-        let why = match axis.path.split(['.', '[']).next().unwrap_or_default() {
+        let why = match path.split(['.', '[']).next().unwrap_or_default() {
             "record" => "a sweep records nothing",
             "title" => "nothing depends on it",
             "simulate" if !arguments.run => "only `--run` simulates the cases",
             "statics" if arguments.run && !from_start => "the runs start as given, without statics",
             _ => continue,
         };
-        bail!("`{OPTION} {}=…` changes nothing: {why}", axis.path);
+        bail!("`{option} {path}=…` changes nothing: {why}");
     }
     Ok(())
 }
 
 struct Sweep<'a> {
     arguments: &'a Arguments,
-    scenario: &'a Scenario,
-    set: Vec<Override>,
+    cases: Cases,
+    interrupt: Interrupt,
 }
 
 impl Sweep<'_> {
-    /// Every case, by as many threads as asked for: each for itself, so that none sees what another one did.
-    fn all(&self, cases: &[Vec<&str>]) -> anyhow::Result<Vec<Row>> {
+    /// All rows of the parts, handed to `take`; whether none was interrupted.
+    fn answer(
+        &self,
+        parts: impl Iterator<Item = pool::Part> + Send,
+        count: u64,
+        take: pool::Take<'_, anyhow::Error>,
+    ) -> anyhow::Result<bool> {
         let available = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
-        let threads = self.arguments.threads.map_or(available, NonZeroUsize::get).min(cases.len());
-        let quiet = self.arguments.common.quiet || self.arguments.common.json;
-        let (next, progress) = (AtomicUsize::new(0), Mutex::new(Progress::new(1.0, quiet)));
-        let work = || {
-            let mut done = Vec::new();
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                let Some(case) = cases.get(index) else { return done };
-                done.push((index, self.one(case)));
-                if let Ok(mut progress) = progress.lock() {
-                    progress.part(index as f64 / cases.len() as f64);
-                }
+        let threads = self.arguments.threads.map_or(available, NonZeroUsize::get).min(count.max(1) as usize);
+        let common = &self.arguments.common;
+        let (done, bar) = (AtomicU64::new(0), Mutex::new(Progress::new(1.0, common.quiet || common.json)));
+        let progress = || {
+            let done = done.fetch_add(1, Ordering::Relaxed);
+            if let Ok(mut bar) = bar.try_lock() {
+                bar.part(done as f64 / count.max(1) as f64);
             }
         };
-        let done = std::thread::scope(|scope| {
-            // As many as the system gives, and this one if it gives none.
-            let spawn = |_| std::thread::Builder::new().spawn_scoped(scope, work).ok();
-            let workers: Vec<_> = (0..threads).map_while(spawn).collect();
-            let here = if workers.is_empty() { Some(Ok(work())) } else { None };
-            workers.into_iter().map(std::thread::ScopedJoinHandle::join).chain(here).collect::<Vec<_>>()
+        pool::answer(&self.cases, parts, threads, &|| !self.interrupt.requested(), &progress, take)
+    }
+
+    /// All rows on the terminal, as JSON, and in one file.
+    fn table(&self, out: Option<&Path>, inputs: &Inputs) -> anyhow::Result<Exit> {
+        let (common, count) = (&self.arguments.common, self.cases.plan.cases());
+        if count > MOST_IN_MEMORY {
+            bail!(
+                "`{OPTION}` asks for more than {MOST_IN_MEMORY} cases at once: with `--out FOLDER` they are written as they come"
+            );
+        }
+        // What cannot be written is told before the work.
+        let failed = |path: &Path| format!("cannot write `{}`", path.display());
+        let table = out.map(|path| {
+            inputs.spare(path)?;
+            WholeFile::create(path).with_context(|| failed(path))
         });
-        let mut rows = Vec::new();
-        for one in done {
-            rows.extend(one.map_err(|_| anyhow!("a case ended in a panic"))?);
-        }
-        rows.sort_by_key(|(index, _)| *index);
-        rows.into_iter().map(|(_, row)| row).collect()
-    }
-
-    /// One case; an error where the call itself is wrong.
-    fn one(&self, case: &[&str]) -> anyhow::Result<Row> {
-        let mut changes = self.set.clone();
-        for (axis, value) in self.arguments.over.iter().zip(case) {
-            changes.push(Override::of_option(OPTION, &format!("{}={value}", axis.path))?);
-        }
-        let mut scenario = match parse(&self.scenario.name, &self.scenario.text, &changes) {
-            Ok(scenario) => scenario,
-            Err(problems) => return Ok(Err(Failed::Refused(problems))),
+        let rows = Mutex::new(Rows::new(&self.cases, table.transpose()?, common.json)?);
+        let parts = (0..count.div_ceil(ROWS)).map(|part| (part, part * ROWS..((part + 1) * ROWS).min(count)));
+        let take = |part, answered: Vec<Row>| {
+            let mut rows = rows.lock().unwrap_or_else(PoisonError::into_inner);
+            rows.take(part, answered).with_context(|| out.map_or(String::new(), failed))
         };
-        Ok(answer(&mut scenario, self.arguments.run).map_err(Failed::No))
-    }
-
-    fn json(&self, case: &[&str], row: &Row) -> Value {
-        let values: Map<String, Value> = self
-            .arguments
-            .over
-            .iter()
-            .zip(case)
-            .map(|(axis, value)| {
-                (axis.path.clone(), value.parse::<f64>().map_or_else(|_| json!(value), |number| json!(number)))
-            })
-            .collect();
-        match row {
-            Ok(found) => {
-                json!({ "values": values, "ok": true, "result": found.iter().cloned().collect::<Map<_, _>>() })
-            }
-            Err(why) => json!({ "values": values, "ok": false, "error": why.text() }),
+        if !self.answer(parts, count, &take)? {
+            output::warning("interrupted: nothing is written; a dataset (`--out FOLDER`) keeps what is done");
+            return Ok(Exit::Interrupted);
         }
-    }
-
-    /// Names of what any case has found, in the order of their first appearance.
-    fn columns(rows: &[Row]) -> Vec<&str> {
-        let mut seen = std::collections::HashSet::new();
-        let names = rows.iter().flatten().flat_map(|found| found.iter().map(|(name, _)| name.as_str()));
-        names.filter(|name| seen.insert(*name)).collect()
-    }
-
-    fn write(&self, table: WholeFile, cases: &[Vec<&str>], rows: &[Row]) -> anyhow::Result<()> {
-        let columns = Self::columns(rows);
-        let mut csv = csv::Writer::from_writer(table);
-        let head = self.arguments.over.iter().map(|axis| axis.path.as_str()).chain(["ok"]);
-        csv.write_record(head.chain(columns.iter().copied()).chain(["error"]))?;
-        for (case, row) in cases.iter().zip(rows) {
-            let cell = |name: &&str| match row
-                .as_ref()
-                .ok()
-                .and_then(|found| found.iter().find(|(known, _)| known == name))
-                .map(|(_, value)| value)
-            {
-                None | Some(Value::Null) => String::new(),
-                Some(Value::String(text)) => text.clone(),
-                Some(other) => other.to_string(),
-            };
-            let error = row.as_ref().err().map_or(String::new(), Failed::text);
-            let before = case.iter().map(|value| (*value).to_owned()).chain([row.is_ok().to_string()]);
-            csv.write_record(before.chain(columns.iter().map(cell)).chain([error]))?;
+        let mut rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let list = rows.finish().with_context(|| out.map_or(String::new(), failed))?;
+        if let Some(list) = list {
+            let answer = json!({ "scenario": self.cases.scenario().name, "cases": list, "failed": rows.failed });
+            output::print(&answer.to_string())?;
+        } else if !common.quiet {
+            output::print(&rows.report(count))?;
         }
-        Ok(output::whole(csv)?.finish()?)
+        Ok(if rows.failed == 0 { Exit::Done } else { Exit::No })
     }
 
-    fn report(&self, cases: &[Vec<&str>], rows: &[Row], failed: usize) -> String {
-        let mut out = String::new();
-        for (case, row) in cases.iter().zip(rows).take(MOST_LINES) {
-            let named = self.arguments.over.iter().zip(case).map(|(axis, value)| format!("{} = {value}", axis.path));
-            let said = match row {
-                Err(why) => format!("failed: {}", why.text()),
-                Ok(found) => {
-                    let shown = |(name, value): &(String, Value)| match value {
-                        Value::Number(x) => format!("{name} {}", number(x.as_f64().unwrap_or(f64::NAN))),
-                        Value::String(text) => text.clone(),
-                        _ => String::new(),
-                    };
-                    found.iter().filter(|(_, value)| !value.is_null()).take(5).map(shown).collect::<Vec<_>>().join(", ")
-                }
-            };
-            out += &format!("{:<40} {said}\n", named.collect::<Vec<_>>().join(", "));
-        }
-        if cases.len() > MOST_LINES {
-            out += &format!("… and {} more (`--out` and `--json` have all)\n", cases.len() - MOST_LINES);
-        }
-        let cases = count(cases.len(), "case", "cases");
-        out + &if failed == 0 { cases } else { format!("{failed} of {cases} failed") }
+    #[cfg(not(feature = "parquet"))]
+    fn dataset(&self, _: &Path) -> anyhow::Result<Exit> {
+        bail!(
+            "this program was built without Parquet; build it with `--features parquet`, or let `--out` name a .csv file"
+        )
     }
-}
 
-/// Equilibrium and, if it is asked for, run of one case.
-fn answer(scenario: &mut Scenario, with_run: bool) -> Result<Found, String> {
-    let model = Model::build(&scenario.description).map_err(listed)?;
-    let (mut model, _) = constraint::assemble(model).map_err(listed)?;
-    let mut row = Found::new();
-    let mut start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
-    if !with_run || scenario.simulate.start == Start::Equilibrium {
-        let (found, _) = statics::find(scenario, &mut model).map_err(|error| format!("{error:#}"))?;
-        if !found.converged {
-            let why = found.notes.first().map(|note| format!(": {note}"));
-            return Err(format!("no equilibrium found{}", why.unwrap_or_default()));
+    /// Rows in the parts of a dataset, those that are not there yet.
+    #[cfg(feature = "parquet")]
+    fn dataset(&self, folder: &Path) -> anyhow::Result<Exit> {
+        use crate::study::dataset::Dataset;
+        let (common, options) = (&self.arguments.common, &self.arguments.dataset);
+        let dataset = Dataset::new(folder, &self.cases, options.part_rows.map(NonZeroU64::get))?;
+        if options.missing {
+            return self.missing(&dataset);
         }
-        insert_statics(&model, &found, &mut row);
-        start = State { position: found.position, velocity: found.velocity };
-    }
-    if with_run {
-        let mut nobody = Fanout::new();
-        let (settings, rate) = (&scenario.simulate, scenario.record.rate);
-        let end = simulate::run(&model, settings, rate, &start, &mut nobody, &mut |_, _| true)
-            .map_err(|error| error.to_string())?;
-        row.push(("end_time".into(), json!(end.end_time)));
-        row.push(("steps".into(), json!(end.statistics.steps)));
-        row.push(("energy_drift".into(), json!(end.energy_drift)));
-        insert_positions(&model, "final ", &end.state.position, &mut row);
-    }
-    Ok(row)
-}
-
-/// What statics found, the inputs that were unknown first.
-fn insert_statics(model: &Model, found: &Equilibrium, row: &mut Found) {
-    row.extend(found.unknowns.iter().map(|(address, value)| (address.clone(), json!(value))));
-    let stability = found.stability.as_ref();
-    let frequency =
-        stability.and_then(|s| s.modes.iter().find(|mode| mode.growth_rate == 0.0)).map(|mode| mode.frequency_hz);
-    row.push(("stability".into(), json!(stability.map(|s| s.verdict.name()))));
-    row.push(("frequency_hz".into(), json!(frequency)));
-    insert_positions(model, "", &found.position, row);
-    row.push(("residual_force".into(), json!(found.residual_force)));
-    row.push(("iterations".into(), json!(found.iterations)));
-}
-
-fn listed(problems: Vec<crate::model::Problem>) -> String {
-    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
-}
-
-fn insert_positions(model: &Model, before: &str, position: &[f64], row: &mut Found) {
-    for body in &model.bodies {
-        for (index, (name, _)) in body.hinge.kind.positions().iter().enumerate() {
-            row.push((format!("{before}{}.{name}", body.name), json!(position[body.hinge.position + index])));
+        let environment = |name: &str| std::env::var(name).ok();
+        let (shard, source) = Shard::chosen(options.shards, options.shard, environment)?;
+        if let Some(source) = source.filter(|_| !common.quiet) {
+            output::note(&format!("shard {} of 0 to {}, by {source}", shard.index, shard.of - 1));
         }
+        dataset.begin(&self.cases, options.resume || options.shards.is_some())?;
+        let own = || (0..dataset.parts()).filter(|part| shard.has(*part));
+        let rows = |part: u64| dataset.part(part).1.count() as u64;
+        let count = own().filter(|part| !dataset.is_done(*part)).map(rows).sum();
+        // Another process may have written a part meanwhile.
+        let parts = own().filter(|part| !dataset.is_done(*part)).map(|part| dataset.part(part));
+        let take = |part, answered: Vec<Row>| Ok(dataset.write(part, &answered)?);
+        let complete = self.answer(parts, count, &take).with_context(|| {
+            format!("`{}` is not complete: what is there stays, and `--resume` continues it", folder.display())
+        })?;
+        if !complete {
+            output::warning(&format!("interrupted: `{}` is not complete; `--resume` continues it", folder.display()));
+            return Ok(Exit::Interrupted);
+        }
+        let failed = own().map(|part| dataset.failed(part)).sum::<Result<u64, _>>()?;
+        let cases = own().map(rows).sum();
+        if common.json {
+            let answer = json!({
+                "scenario": self.cases.scenario().name, "out": folder.display().to_string(), "hash": dataset.hash,
+                "cases": cases, "answered": count, "failed": failed, "shard": shard.index, "shards": shard.of,
+            });
+            output::print(&answer.to_string())?;
+        } else if !common.quiet {
+            let before = cases - count;
+            let before = if before > 0 { format!(" ({before} of them were there already)") } else { String::new() };
+            output::print(&format!("{}: {}{before}", folder.display(), rows::counted(cases, failed)))?;
+        }
+        Ok(if failed == 0 { Exit::Done } else { Exit::No })
+    }
+
+    /// Prints shards or parts that are not done, as an array of tasks takes them.
+    #[cfg(feature = "parquet")]
+    fn missing(&self, dataset: &crate::study::dataset::Dataset) -> anyhow::Result<Exit> {
+        dataset.is_there()?;
+        let parts = (0..dataset.parts()).filter(|part| !dataset.is_done(*part));
+        let missing: std::collections::BTreeSet<u64> = match self.arguments.dataset.shards {
+            Some(shards) => parts.map(|part| part % shards).collect(),
+            None => parts.collect(),
+        };
+        if self.arguments.common.json {
+            output::print(&json!({ "missing": missing }).to_string())?;
+        } else {
+            let list: Vec<String> = missing.iter().map(ToString::to_string).collect();
+            output::print(&list.join(","))?;
+        }
+        Ok(Exit::Done)
     }
 }

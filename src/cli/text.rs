@@ -1,6 +1,5 @@
 //! Reports for people.
 
-use super::json;
 use super::output::bold;
 use crate::constraint::Assembly;
 use crate::model::Model;
@@ -212,7 +211,7 @@ fn stages(out: &mut String, found: &Equilibrium) {
 /// What drives, motors, locks and stops bear.
 fn bearings(out: &mut String, model: &Model, found: &Equilibrium) {
     let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
-    let motors = json::motors(model, &found.position, &found.velocity);
+    let motors = model.motor_forces(&found.position, &found.velocity);
     let drives = model.drives.iter().map(|drive| drive.coordinate.slides);
     pushes(out, "drives", &found.drive_forces, drives);
     pushes(out, "motors", &motors, model.motors.iter().map(|motor| motor.coordinate.slides));

@@ -237,6 +237,15 @@ impl Model {
         &self.bodies[self.coordinates[velocity].body].name
     }
 
+    /// What every motor pushes with at t = 0, by its name (N or N m).
+    pub fn motor_forces(&self, q: &[f64], v: &[f64]) -> Vec<(String, f64)> {
+        let force = |motor: &Motor| {
+            let at = motor.coordinate;
+            (motor.name.clone(), motor.at(0.0, q[at.position], v[at.velocity]).force)
+        };
+        self.motors.iter().map(force).collect()
+    }
+
     /// A velocity coordinate for people: the body's name, and which coordinate where its hinge has several.
     pub fn label(&self, velocity: usize) -> String {
         let body = &self.bodies[self.coordinates[velocity].body];

@@ -86,6 +86,11 @@ impl Override {
         Self { shown: format!("{path}={value}"), path: 0..ends.0, value: ends.0 + 1..ends.1 }
     }
 
+    /// As on a command line: `--set upper.mass=2.0`.
+    pub fn shown(&self) -> &str {
+        &self.shown
+    }
+
     /// What it sets.
     pub fn path(&self) -> &str {
         &self.shown[self.path.clone()]

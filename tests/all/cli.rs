@@ -2,6 +2,8 @@
 
 mod answers;
 mod damage;
+#[cfg(feature = "parquet")]
+mod datasets;
 mod interrupt;
 mod keys;
 mod models;
@@ -16,6 +18,8 @@ mod shell;
 #[cfg(feature = "friction")]
 mod standing;
 mod start;
+#[cfg(feature = "parquet")]
+mod studies;
 mod sweep;
 
 use crate::scenarios::file;
@@ -26,6 +30,14 @@ use tempfile::TempDir;
 
 /// A body that nothing holds.
 const BRICK: &str = "[[body]]\nname = \"brick\"\nmass = 2.0\ninertia = [0.1, 0.1, 0.1]\nhinge = { type = \"free\" }\n";
+
+/// A weight on a spring: more than the spring can carry has no equilibrium.
+const SCALE: &str = "
+[[body]]
+name = \"pan\"
+mass = 1.0
+hinge = { type = \"prismatic\", axis = [0.0, 0.0, 1.0], stiffness = 100.0 }
+";
 
 /// A folder of its own for one test, and the program called in it.
 struct Bench {

@@ -2,11 +2,10 @@
 
 use super::Sheet;
 use crate::record::table::Column;
+use crate::study::parquet::properties;
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_schema::{DataType, Field, Schema};
 use parquet::arrow::ArrowWriter;
-use parquet::basic::{Compression, ZstdLevel};
-use parquet::file::properties::WriterProperties;
 use std::fs::File;
 use std::sync::Arc;
 
@@ -27,13 +26,7 @@ pub(super) fn create(file: File, columns: &[Column]) -> anyhow::Result<Box<dyn S
         Field::new(&column.name, DataType::Float64, false).with_metadata(unit.into())
     };
     let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
-        // Numbers that hardly ever repeat.
-        .set_dictionary_enabled(false)
-        .set_created_by(concat!("stillpoint ", env!("CARGO_PKG_VERSION")).to_owned())
-        .build();
-    let writer = ArrowWriter::try_new(file, schema.clone(), Some(properties))?;
+    let writer = ArrowWriter::try_new(file, schema.clone(), Some(properties().build()))?;
     let most = (HELD / columns.len()).max(1);
     Ok(Box::new(Parquet { writer, schema, columns: vec![Vec::new(); columns.len()], most }))
 }

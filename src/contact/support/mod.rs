@@ -187,6 +187,17 @@ pub enum Verdict {
     Falls,
 }
 
+impl Verdict {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stands => "stands",
+            Self::Wedged => "wedged",
+            Self::Falls => "falls",
+        }
+    }
+}
+
 /// The answer to (P), with what proves it.
 #[derive(Debug, Clone)]
 pub struct Standing {

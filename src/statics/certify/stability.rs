@@ -59,6 +59,13 @@ pub struct Stability {
     pub damped: Vec<DampedMode>,
 }
 
+impl Stability {
+    /// Natural frequencies of the undamped motion (Hz), ascending: of the modes that do not run away.
+    pub fn frequencies(&self) -> impl Iterator<Item = f64> {
+        self.modes.iter().filter(|mode| mode.growth_rate == 0.0).map(|mode| mode.frequency_hz)
+    }
+}
+
 /// Classifies the equilibrium `q`. `free` are the coordinates that may move, `magnitude` the sizes of the stiffness
 /// terms there.
 ///

@@ -99,3 +99,29 @@ fn python_reads_every_table_to_the_last_bit() {
         }
     }
 }
+
+#[cfg(feature = "parquet")]
+#[test]
+#[ignore = "needs Python with tests/python/requirements.txt"]
+fn datasets_are_read_by_duckdb_polars_and_pyarrow() {
+    let bench = Bench::new();
+    bench.write("scale.toml", super::SCALE);
+    // Some of the masses make no scene: empty cells and words beside numbers.
+    let vary = ["--vary", "pan.mass=normal(1,0.8)", "--over", "statics.want=any,stable"];
+    let how = ["--cases", "150", "--out", "set", "--json"];
+    let answer = bench.call(&[&["sweep", "scale.toml"][..], &vary, &how].concat()).code(1).json();
+    let found = run("read_dataset.py", &[bench.path().join("set")]);
+    assert_eq!(found["failed"], answer["failed"]);
+    let column = |name: &str| found["columns"][name].as_array().unwrap_or_else(|| panic!("{name}")).clone();
+    let number = |bits: &Value| bits.as_str().map(|bits| f64::from_bits(bits.parse().expect("bits")));
+    assert!(column("case").iter().enumerate().all(|(index, case)| *case == index) && column("case").len() == 300);
+    for index in 0..300 {
+        let mass = number(&column("pan.mass")[index]).expect("a mass");
+        let sunk = number(&column("pan.distance")[index]);
+        assert_eq!(sunk.is_some(), column("ok")[index] == true);
+        assert_eq!(column("error")[index].is_string(), sunk.is_none());
+        assert!(sunk.is_none_or(|sunk| (sunk + mass * 9.80665 / 100.0).abs() < 1e-12));
+        assert_eq!(column("statics.want")[index], if index < 150 { "any" } else { "stable" });
+    }
+    assert_eq!((&found["units"]["pan.distance"], &found["units"]["wall_seconds"]), (&"m".into(), &"s".into()));
+}

@@ -56,7 +56,14 @@ fn callable(words: &[String]) -> bool {
     let plain = |word: &String| !word.contains(['|', '>', '…', '$']) && !word.starts_with("FILE") && word != "SCENARIO";
     let window = words.get(1).is_some_and(|word| word == "view")
         && !(cfg!(feature = "view") && words.contains(&"--save".to_owned()));
-    words[0] == "stillpoint" && words.iter().all(plain) && !window
+    words[0] == "stillpoint" && words.iter().all(plain) && !window && (cfg!(feature = "parquet") || !of_dataset(words))
+}
+
+/// Whether it writes or reads a dataset.
+fn of_dataset(words: &[String]) -> bool {
+    let command = words.get(1).map_or("", String::as_str);
+    let folder = words.windows(2).any(|pair| pair[0] == "--out" && !pair[1].contains('.'));
+    command == "study" || command == "sweep" && folder
 }
 
 /// Too long for a build that is not optimised.

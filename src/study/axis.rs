@@ -1,26 +1,31 @@
-//! The cases of a sweep.
+//! One axis of a grid: a number of the scene and the values that it takes.
+
+use crate::quantity::Quantity;
 
 /// One number that is varied.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::cli) struct Axis {
+pub struct Axis {
     /// As after `--set`.
-    pub(in crate::cli) path: String,
+    pub path: String,
     /// As written in a file.
-    pub(in crate::cli) values: Vec<String>,
+    pub values: Vec<String>,
 }
 
-/// More cases than this are a slip of the finger.
-const MOST_CASES: usize = 1_000_000;
+/// More values of one number than this are a slip of the finger.
+const MOST_VALUES: usize = 1_000_000;
 
 /// The option that is read here, as messages name it.
-pub(in crate::cli) const OPTION: &str = "--over";
+pub const OPTION: &str = "--over";
 
 const EXAMPLES: &str = "write a path and values: arm.mass=1:5:9, or arm.mass=1,2,5";
 
 impl Axis {
     /// Reads `path=from:to:count` (both ends belong to it) or `path=1,2,5`; the values may stand in quotes, together or each
     /// for itself: `arm.position="0 deg:90 deg:3"`.
-    pub(in crate::cli) fn parse(text: &str) -> Result<Self, String> {
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, String> {
         let (path, written) = text.split_once('=').ok_or(EXAMPLES)?;
         let (path, written) = (path.trim(), written.trim());
         if path.is_empty() || written.is_empty() {
@@ -36,6 +41,12 @@ impl Axis {
             return Err(format!("a value is missing in `{written}`"));
         }
         Ok(Self { path: path.to_owned(), values })
+    }
+
+    /// Its values as numbers, in SI units; `None` if one of them is none.
+    pub fn numbers(&self) -> Option<Vec<f64>> {
+        let number = |text: &String| Quantity::parse(unquoted(text).unwrap_or(text)).ok().map(|found| found.value);
+        self.values.iter().map(number).collect()
     }
 }
 
@@ -85,8 +96,8 @@ fn range(from: &str, to: &str, count: &str) -> Result<Vec<String>, String> {
     };
     let (written, from, to) = ([from, to], number(from)?, number(to)?);
     let count: usize = match count.trim().parse() {
-        Ok(count) if (1..=MOST_CASES).contains(&count) => count,
-        _ => return Err(format!("`{count}` is not a number of cases from 1 to {MOST_CASES}")),
+        Ok(count) if (1..=MOST_VALUES).contains(&count) => count,
+        _ => return Err(format!("`{count}` is not a number of cases from 1 to {MOST_VALUES}")),
     };
     // Both ends come out as they are given.
     let value = |k: usize| match k {
@@ -107,22 +118,6 @@ fn split_unit(text: &str) -> [&str; 2] {
         Some((number, unit)) => [number, unit.trim()],
         None => [text, ""],
     }
-}
-
-/// Every combination, the last axis moving fastest.
-pub(super) fn cases(axes: &[Axis]) -> Result<Vec<Vec<&str>>, String> {
-    let count = axes.iter().try_fold(1_usize, |count, axis| count.checked_mul(axis.values.len()));
-    if count.is_none_or(|count| count > MOST_CASES) {
-        return Err(format!("`{OPTION}` asks for more than {MOST_CASES} cases"));
-    }
-    let mut cases = vec![Vec::new()];
-    for axis in axes {
-        let extended = cases.iter().flat_map(|case: &Vec<&str>| {
-            axis.values.iter().map(|value| case.iter().copied().chain([value.as_str()]).collect())
-        });
-        cases = extended.collect();
-    }
-    Ok(cases)
 }
 
 #[cfg(test)]
@@ -147,7 +142,7 @@ mod tests {
         {
             assert!(Axis::parse(wrong).is_err(), "{wrong}");
         }
-        let axes = [Axis::parse("a=1,2").expect("a list"), Axis::parse("b=3,4").expect("a list")];
-        assert_eq!(cases(&axes).expect("few"), [["1", "3"], ["1", "4"], ["2", "3"], ["2", "4"]]);
+        assert_eq!(Axis::parse("a=1 mm, 2").expect("a list").numbers(), Some(vec![0.001, 2.0]));
+        assert_eq!(Axis::parse("s=any, stable").expect("a list").numbers(), None);
     }
 }

@@ -1,0 +1,264 @@
+//! What is asked of every case, and the columns in which its answer stands.
+//!
+//! [`Listing::all`] is the one list of these columns: it is walked once without an answer, for their names, and once for each
+//! case, for what stands in them.
+
+use super::column::{Cell, Column, Kind};
+use crate::dynamics::System;
+use crate::force::Act;
+use crate::model::Model;
+use crate::scenario::Scenario;
+use crate::simulate::Summary;
+use crate::simulate::events;
+use crate::statics::{Equilibrium, Stability, standing};
+use std::sync::Arc;
+
+/// Modes that scenes of more coordinates report at most: of a large system statics finds the lowest.
+const MOST_MODES: usize = 64;
+
+/// What is asked of a case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Question {
+    /// Whether it is simulated.
+    pub run: bool,
+    /// How long a case may take (s); infinite for ever.
+    pub time_limit: f64,
+}
+
+impl Question {
+    /// Whether a scene is asked for its equilibrium: runs that start as given are not.
+    pub fn asks_statics(&self, scenario: &Scenario) -> bool {
+        !self.run || scenario.simulate.start == crate::simulate::Start::Equilibrium
+    }
+}
+
+/// What a case came to.
+#[derive(Debug)]
+pub struct Answer {
+    /// The scene, with unknown inputs as they were found.
+    pub model: Arc<Model>,
+    /// The equilibrium, if it was asked for; as far as it was found, if none was.
+    pub found: Option<Equilibrium>,
+    /// The run, if it was asked for.
+    pub run: Option<Summary>,
+}
+
+/// The columns that answers to a question about a scene have.
+pub fn columns(scenario: &Scenario, model: &Model, question: &Question) -> Vec<Column> {
+    let mut columns = Vec::new();
+    Listing { answer: None, take: &mut |column, _| columns.push(column()) }.all(scenario, model, question);
+    columns
+}
+
+/// What stands in these columns.
+pub fn cells(scenario: &Scenario, answer: &Answer, question: &Question) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    Listing { answer: Some(answer), take: &mut |_, cell| cells.push(cell) }.all(scenario, &answer.model, question);
+    cells
+}
+
+/// Columns and what stands in them, for an answer whose scene has other columns than those before.
+pub fn pairs(scenario: &Scenario, answer: &Answer, question: &Question) -> Vec<(Column, Cell)> {
+    let mut pairs = Vec::new();
+    Listing { answer: Some(answer), take: &mut |column, cell| pairs.push((column(), cell)) }.all(
+        scenario,
+        &answer.model,
+        question,
+    );
+    pairs
+}
+
+/// Walks over the columns; `take` gets each of them with what stands in it.
+struct Listing<'a, 'f> {
+    answer: Option<&'a Answer>,
+    take: &'f mut dyn FnMut(&dyn Fn() -> Column, Cell),
+}
+
+impl<'a> Listing<'a, '_> {
+    fn put(&mut self, kind: Kind, unit: &'static str, name: &dyn Fn() -> String, cell: Cell) {
+        (self.take)(&|| Column::new(name(), kind, unit), cell);
+    }
+
+    fn number(&mut self, unit: &'static str, name: &dyn Fn() -> String, number: Option<f64>) {
+        self.put(Kind::Number, unit, name, number.into());
+    }
+
+    fn whole(&mut self, name: &str, number: Option<u64>) {
+        let cell = number.map_or(Cell::Empty, |number| Cell::Whole(number as i64));
+        self.put(Kind::Whole, "", &|| name.to_owned(), cell);
+    }
+
+    fn word(&mut self, name: &str, word: Option<impl Into<std::borrow::Cow<'static, str>>>) {
+        let cell = word.map_or(Cell::Empty, |word| Cell::Word(word.into()));
+        self.put(Kind::Word, "", &|| name.to_owned(), cell);
+    }
+
+    /// Every column of an answer: a new kind of answer gets its line here.
+    fn all(&mut self, scenario: &Scenario, model: &Model, question: &Question) {
+        if question.asks_statics(scenario) {
+            self.statics(scenario, model);
+        }
+        if question.run {
+            self.run(model);
+        }
+    }
+
+    fn statics(&mut self, scenario: &Scenario, model: &Model) {
+        let found = self.answer.and_then(|answer| answer.found.as_ref());
+        let held = found.filter(|found| found.converged);
+        for unknown in &scenario.unknown {
+            let value = held.and_then(|held| {
+                held.unknowns.iter().find(|(address, _)| *address == unknown.address).map(|(_, value)| *value)
+            });
+            self.number(unknown.quantity.unit(), &|| unknown.address.clone(), value);
+        }
+        let stability = found.and_then(|found| found.stability.as_ref());
+        self.word("stability", stability.map(|stability| stability.verdict.name()));
+        if standing::is_for(model) {
+            self.standing(scenario, found);
+        }
+        self.number("N or N m", &|| "residual_force".to_owned(), found.map(|found| found.residual_force));
+        self.number(
+            "m/s² or rad/s²",
+            &|| "residual_acceleration".to_owned(),
+            found.map(|found| found.residual_acceleration),
+        );
+        self.whole("iterations", found.map(|found| found.iterations as u64));
+        self.modes(model, held.and_then(|held| held.stability.as_ref()));
+        self.positions(model, "", held.map(|held| &held.position[..]));
+        self.forces(model, held);
+    }
+
+    /// Natural frequencies and damped modes, in the order of statics.
+    fn modes(&mut self, model: &Model, stability: Option<&Stability>) {
+        let modes = model.velocity_count().min(MOST_MODES);
+        let frequencies: Vec<f64> = stability.map_or(Vec::new(), |stability| stability.frequencies().collect());
+        for k in 0..modes.max(frequencies.len()) {
+            self.number("Hz", &|| format!("frequencies_hz[{k}]"), frequencies.get(k).copied());
+        }
+        if model.has_damping() {
+            let damped = stability.map_or(&[][..], |stability| &stability.damped);
+            // A mode that creeps has two rates, each of which counts.
+            for k in 0..(2 * modes).max(damped.len()) {
+                let mode = damped.get(k);
+                self.number("Hz", &|| format!("damped_frequencies_hz[{k}]"), mode.map(|mode| mode.frequency_hz));
+                self.number("", &|| format!("damping_ratios[{k}]"), mode.map(|mode| mode.damping_ratio));
+            }
+        }
+    }
+
+    /// Whether it stands, and by how much.
+    fn standing(&mut self, scenario: &Scenario, found: Option<&'a Equilibrium>) {
+        let standing = found.and_then(|found| found.standing.as_deref());
+        self.word("standing", standing.map(|standing| standing.verdict.name()));
+        self.number("", &|| "standing.slack".to_owned(), standing.map(|standing| standing.slack));
+        let margin = standing.and_then(|standing| standing.friction_margin);
+        self.number("", &|| "standing.friction_margin".to_owned(), margin);
+        let numbers = standing.map_or(&[][..], |standing| &standing.margins.numbers);
+        let inputs = standing.map_or(&[][..], |standing| &standing.margins.inputs);
+        let asked = scenario.margin.numbers.iter().map(|one| ("margins", one, numbers));
+        let unknown = scenario.unknown.iter().map(|one| ("inputs", one, inputs));
+        for (list, parameter, ranges) in asked.chain(unknown) {
+            let range = ranges.iter().find(|one| one.name == parameter.address).map(|one| one.range);
+            for (end, side) in ["low", "high"].into_iter().enumerate() {
+                // Nothing limits it: as in JSON, no number.
+                let number = range.map(|range| range[end]).filter(|number| number.is_finite());
+                self.number(parameter.quantity.unit(), &|| format!("{list}.{}.{side}", parameter.address), number);
+            }
+        }
+        if scenario.margin.tilt {
+            let tilt = standing.map_or(&[][..], |standing| &standing.margins.tilt);
+            for direction in ["+x", "-x", "+y", "-y", "+z", "-z"] {
+                let one = tilt.iter().find(|(name, ..)| name == direction).map(|(_, value, _)| *value);
+                self.number("", &|| format!("margins.tilt.{direction}"), one.filter(|number| number.is_finite()));
+            }
+        }
+    }
+
+    fn positions(&mut self, model: &Model, before: &str, position: Option<&[f64]>) {
+        for body in &model.bodies {
+            for (index, (name, unit)) in body.hinge.kind.positions().iter().enumerate() {
+                let number = position.map(|position| position[body.hinge.position + index]);
+                self.number(unit, &|| format!("{before}{}.{name}", body.name), number);
+            }
+        }
+    }
+
+    /// What drives, motors, ropes and curves, locks and stops push with.
+    fn forces(&mut self, model: &Model, held: Option<&'a Equilibrium>) {
+        let unit = |slides: bool| if slides { "N" } else { "N m" };
+        for (index, drive) in model.drives.iter().enumerate() {
+            let force = held.and_then(|held| held.drive_forces.get(index)).map(|(_, force)| *force);
+            self.number(unit(drive.coordinate.slides), &|| format!("drives.{}", drive.name), force);
+        }
+        let motors = held.map_or(Vec::new(), |held| model.motor_forces(&held.position, &held.velocity));
+        for (index, motor) in model.motors.iter().enumerate() {
+            let force = motors.get(index).map(|(_, force)| *force);
+            self.number(unit(motor.coordinate.slides), &|| format!("motors.{}", motor.name), force);
+        }
+        let pulling = model.forces.iter().filter(|force| force.law.pull_name().is_some());
+        let pulls = self.pulls(held);
+        for (index, force) in pulling.enumerate() {
+            self.number("N", &|| format!("pulls.{}", force.name), pulls.get(index).copied());
+        }
+        for velocity in (0..model.velocity_count()).filter(|velocity| model.coordinates[*velocity].lock) {
+            let force = held.map(|held| {
+                let label = model.label(velocity);
+                held.holding.iter().find(|(name, _)| *name == label).map(|(_, force)| *force)
+            });
+            let force = force.flatten();
+            self.number(force_unit(model, velocity), &|| format!("holding.{}", place(model, velocity)), force);
+        }
+        for (index, stop) in model.stops.iter().enumerate() {
+            // Several stops of a coordinate bear together.
+            if model.stops[..index].iter().any(|other| other.velocity == stop.velocity) {
+                continue;
+            }
+            for (low, side) in [(true, "low"), (false, "high")] {
+                let load = held.map(|held| {
+                    let label = model.label(stop.velocity);
+                    let here = held.stops.iter().filter(|bearing| bearing.hinge == label && bearing.low == low);
+                    here.map(|bearing| bearing.load).sum()
+                });
+                let name = || format!("stops.{}.{side}", place(model, stop.velocity));
+                self.number(force_unit(model, stop.velocity), &name, load);
+            }
+        }
+    }
+
+    fn pulls(&self, held: Option<&Equilibrium>) -> Vec<f64> {
+        let Some((answer, held)) = self.answer.zip(held) else { return Vec::new() };
+        if answer.model.forces.iter().all(|force| force.law.pull_name().is_none()) {
+            return Vec::new();
+        }
+        let mut system = System::new(&answer.model);
+        system.at(0.0, &held.position, &held.velocity).pulls().map(|(_, pull)| pull).collect()
+    }
+
+    fn run(&mut self, model: &Model) {
+        let run = self.answer.and_then(|answer| answer.run.as_ref());
+        self.number("s", &|| "end_time".to_owned(), run.map(|run| run.end_time));
+        self.whole("steps", run.map(|run| run.statistics.steps));
+        let impacts =
+            |run: &Summary| run.events.iter().filter(|event| event.kind == events::Kind::Impact).count() as u64;
+        self.whole("impacts", run.map(impacts));
+        self.whole("events", run.map(|run| run.events.len() as u64));
+        self.word("stopped_by", run.and_then(|run| run.stopped_by.clone()));
+        self.number("J", &|| "energy_drift".to_owned(), run.map(|run| run.energy_drift));
+        self.positions(model, "final ", run.map(|run| &run.state.position[..]));
+    }
+}
+
+/// A velocity coordinate in the heading of a column: the body's name, with its index if the hinge has several.
+fn place(model: &Model, velocity: usize) -> String {
+    let body = &model.bodies[model.coordinates[velocity].body];
+    match body.hinge.kind.velocities().len() {
+        1 => body.name.clone(),
+        _ => format!("{}[{}]", body.name, velocity - body.hinge.velocity),
+    }
+}
+
+fn force_unit(model: &Model, velocity: usize) -> &'static str {
+    let body = &model.bodies[model.coordinates[velocity].body];
+    if body.hinge.kind.velocities()[velocity - body.hinge.velocity].1 == "m/s" { "N" } else { "N m" }
+}

@@ -1,0 +1,403 @@
+//! One case after the other: from the number of a case to its row.
+
+use super::answer::{self, Answer, Question};
+use super::axis;
+use super::column::{Cell, Column, Kind};
+use super::plan::{Plan, Value};
+use crate::constraint;
+use crate::foreign;
+use crate::model::parameter::Field;
+use crate::model::{Description, Model, Parameter, Problem};
+use crate::record::Fanout;
+use crate::scenario::{Diagnostics, Override, Scenario, parse};
+use crate::simulate::{self, State};
+use crate::statics;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The option that varies by a distribution, as messages name it.
+pub const VARY: &str = "--vary";
+
+/// All cases of a plan, and how each is answered.
+#[derive(Debug)]
+pub struct Cases {
+    scenario: Scenario,
+    set: Vec<Override>,
+    /// Which cases there are.
+    pub plan: Plan,
+    /// What is asked of each.
+    pub question: Question,
+    columns: Vec<Column>,
+    direct: Option<Direct>,
+}
+
+/// A plan that sets plain numbers of the scene alone: its scenes need no reading.
+#[derive(Debug)]
+struct Direct {
+    /// A scene of the plan.
+    scenario: Scenario,
+    /// What each path sets.
+    numbers: Vec<Vec<Parameter>>,
+}
+
+/// Why there is nothing to ask.
+#[derive(Debug, thiserror::Error)]
+pub enum Refusal {
+    /// No case makes a scene.
+    #[error(transparent)]
+    Problems(#[from] Diagnostics),
+    /// The plan contradicts itself.
+    #[error("{0}")]
+    Plan(String),
+}
+
+/// One row: as many cells as there are [columns](Cases::columns).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// The number of the case.
+    pub case: u64,
+    /// Why there is no answer.
+    pub error: Option<String>,
+    /// What stands in the columns.
+    pub cells: Vec<Cell>,
+}
+
+/// Why a case has no answer.
+enum Failure {
+    /// The reason, and what there is all the same.
+    No(String, Option<Vec<Cell>>),
+    /// The caller ended it.
+    Interrupted,
+}
+
+/// Columns before those of the plan.
+const BEFORE: usize = 1;
+
+impl Cases {
+    /// The cases of a plan. `set` are changes that all of them have; `scenario` has been read with them.
+    ///
+    /// # Errors
+    /// If no case makes a scene, as with an address that is not there, or if two columns would have one name.
+    pub fn new(scenario: Scenario, set: Vec<Override>, plan: Plan, question: Question) -> Result<Self, Refusal> {
+        let mut cases = Self { scenario, set, plan, question, columns: Vec::new(), direct: None };
+        let scenes = cases.scenes()?;
+        let mut columns = vec![Column::new("case", Kind::Whole, "")];
+        for (path, number) in cases.plan.paths().zip(cases.plan.are_numbers()) {
+            columns.push(Column::new(path, if number { Kind::Number } else { Kind::Word }, ""));
+        }
+        columns.extend([Column::new("ok", Kind::Flag, ""), Column::new("error", Kind::Word, "")]);
+        let inputs = columns.len();
+        for scenario in &scenes {
+            let Ok(model) = Model::build(&scenario.description) else { continue };
+            for column in answer::columns(scenario, &model, &cases.question) {
+                if !columns[inputs..].iter().any(|other| other.name == column.name) {
+                    columns.push(column);
+                }
+            }
+        }
+        columns.push(Column::new("wall_seconds", Kind::Number, "s"));
+        let mut names = std::collections::HashSet::new();
+        if let Some(twice) = columns.iter().find(|column| !names.insert(column.name.as_str())) {
+            return Err(Refusal::Plan(format!(
+                "two columns would be called `{}`: what is varied, what is unknown and what is answered need names of their own",
+                twice.name
+            )));
+        }
+        cases.columns = columns;
+        cases.direct = cases.directly();
+        Ok(cases)
+    }
+
+    /// How to make the scenes without reading them, if all that is varied are plain numbers of the scene, and scenes that are
+    /// read are the same as scenes whose numbers are set, in the middle and at both ends of the plan.
+    fn directly(&self) -> Option<Direct> {
+        let find = |path: &str| Parameter::find(&self.scenario.description, path).ok();
+        let numbers = self.plan.paths().map(find).collect::<Option<Vec<_>>>()?;
+        // What named numbers mean is known to who reads them.
+        if numbers.iter().flatten().any(|one| one.field == Field::Named)
+            || self.plan.are_numbers().any(|number| !number)
+        {
+            return None;
+        }
+        let mut found: Option<Direct> = None;
+        for (last, u) in [(false, 0.5), (false, 0.1), (true, 0.9)] {
+            let values = self.plan.probe(last, u);
+            let read = self.read(&written(&values)).ok()?;
+            let direct = found.get_or_insert_with(|| Direct { scenario: read.clone(), numbers: numbers.clone() });
+            let settings = |one: &Scenario| {
+                let settings = (one.simulate, one.statics, one.record, one.path.clone());
+                (settings, one.unknown.clone(), one.margin.clone())
+            };
+            if direct.description(&values)? != read.description || settings(&direct.scenario) != settings(&read) {
+                return None;
+            }
+        }
+        found
+    }
+
+    /// The columns of every row, in order.
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// The scenes whose columns a study can have: one, and one more for every value of an axis that is no plain number of
+    /// the scene, such as the copies of a body.
+    fn scenes(&self) -> Result<Vec<Scenario>, Refusal> {
+        let mut first = None;
+        let mut scenes = Vec::new();
+        let mut accept = |read: Result<Scenario, Diagnostics>| match read {
+            Ok(scenario) => scenes.push(scenario),
+            Err(problems) => first = first.take().or(Some(problems)),
+        };
+        accept(self.read(&self.median(None)));
+        for (index, axis) in self.plan.axes.iter().enumerate() {
+            let plain = Parameter::find(&self.scenario.description, &axis.path).is_ok();
+            for value in axis.values.iter().filter(|_| !plain) {
+                accept(self.read(&self.median(Some((index, value)))));
+            }
+        }
+        // A plan whose first values make no scene may have others that do.
+        if scenes.is_empty() {
+            for (index, axis) in self.plan.axes.iter().enumerate() {
+                let other = axis.values.iter().find_map(|value| self.read(&self.median(Some((index, value)))).ok());
+                scenes.extend(other);
+            }
+        }
+        match first.filter(|_| scenes.is_empty()) {
+            Some(problems) => Err(problems.into()),
+            None => Ok(scenes),
+        }
+    }
+
+    /// The first value of every axis, or another one of one of them, and the median of every distribution, as written.
+    fn median(&self, other: Option<(usize, &str)>) -> Vec<String> {
+        let axes = self.plan.axes.iter().enumerate().map(|(index, axis)| match other {
+            Some((changed, value)) if changed == index => value.to_owned(),
+            _ => axis.values[0].clone(),
+        });
+        axes.chain(self.plan.varied.iter().map(|one| one.median.clone())).collect()
+    }
+
+    fn read(&self, values: &[String]) -> Result<Scenario, Diagnostics> {
+        let axes = self.plan.axes.len();
+        let option = |index: usize| if index < axes { axis::OPTION } else { VARY };
+        let named = self.plan.paths().zip(values).enumerate();
+        // Neither path nor value is empty: both have been read before.
+        let changes =
+            named.filter_map(|(i, (path, value))| Override::of_option(option(i), &format!("{path}={value}")).ok());
+        let changes: Vec<Override> = self.set.iter().cloned().chain(changes).collect();
+        parse(&self.scenario.name, &self.scenario.text, &changes)
+    }
+
+    /// The row of a case; `None` if `go_on` ended it.
+    pub fn row(&self, case: u64, go_on: &(dyn Fn() -> bool + Sync)) -> Option<Row> {
+        self.row_by(case, |values| self.solve(values, go_on))
+    }
+
+    fn row_by(&self, case: u64, solve: impl FnOnce(&[Value<'_>]) -> Result<Vec<Cell>, Failure>) -> Option<Row> {
+        let started = Instant::now();
+        let values = self.plan.values(case);
+        let outcome = foreign::caught(|| solve(&values))
+            .unwrap_or_else(|message| Err(Failure::No(format!("the case ended in a panic: {message}"), None)));
+        let (error, answered) = match outcome {
+            Ok(answered) => (None, Some(answered)),
+            Err(Failure::No(why, answered)) => (Some(why), answered),
+            Err(Failure::Interrupted) => return None,
+        };
+        let answers = answered.unwrap_or_else(|| vec![Cell::Empty; self.columns.len() - values.len() - 4]);
+        let mut cells = Vec::with_capacity(self.columns.len());
+        cells.push(Cell::Whole(case as i64));
+        cells.extend(values.into_iter().map(|value| match value {
+            Value::Written(_, Some(number)) | Value::Drawn(number) => Cell::Number(number),
+            Value::Written(word, None) => Cell::Word(word.to_owned().into()),
+        }));
+        cells.push(Cell::Flag(error.is_none()));
+        cells.push(error.clone().map_or(Cell::Empty, |why| Cell::Word(why.into())));
+        cells.extend(answers);
+        cells.push(Cell::Number(started.elapsed().as_secs_f64()));
+        Some(Row { case, error, cells })
+    }
+
+    /// What stands in the columns of answers.
+    fn cells(&self, scenario: &Scenario, answer: &Answer) -> Result<Vec<Cell>, String> {
+        let inputs = self.plan.axes.len() + self.plan.varied.len();
+        let columns = &self.columns[BEFORE + inputs + 2..self.columns.len() - 1];
+        // Numbers alone do not change what there is to answer.
+        let is_same = self.direct.is_some() || answer::columns(scenario, &answer.model, &self.question) == columns;
+        let mut cells = if is_same { answer::cells(scenario, answer, &self.question) } else { Vec::new() };
+        if cells.len() != columns.len() {
+            cells = vec![Cell::Empty; columns.len()];
+            for (column, cell) in answer::pairs(scenario, answer, &self.question) {
+                match columns.iter().position(|other| *other == column) {
+                    Some(index) => cells[index] = cell,
+                    None if cell == Cell::Empty => {}
+                    None => return Err(format!("this case has a column that the others have not: `{}`", column.name)),
+                }
+            }
+        }
+        let wrong = columns.iter().zip(&cells).find(|(_, cell)| matches!(cell, Cell::Number(x) if !x.is_finite()));
+        match wrong {
+            Some((column, cell)) => Err(format!("`{}` is not a finite number: {cell}", column.name)),
+            None => Ok(cells),
+        }
+    }
+
+    /// What stands in the columns of answers of one case.
+    fn solve(&self, values: &[Value<'_>], go_on: &(dyn Fn() -> bool + Sync)) -> Result<Vec<Cell>, Failure> {
+        let direct = self.direct.as_ref();
+        if let Some((direct, description)) = direct.and_then(|direct| Some((direct, direct.description(values)?)))
+            && let Ok(model) = Model::build(&description)
+        {
+            return self.answer(&direct.scenario, description, model, go_on);
+        }
+        // Also of numbers that make no scene: what is wrong with them is said by who reads them.
+        let scenario = self.read(&written(values)).map_err(|problems| no(first(&problems)))?;
+        let description = scenario.description.clone();
+        let model = Model::build(&description).map_err(|problems| no(listed(&problems)))?;
+        self.answer(&scenario, description, model, go_on)
+    }
+
+    /// Equilibrium and, if it is asked for, run of a scene with the settings of a scenario.
+    fn answer(
+        &self,
+        scenario: &Scenario,
+        description: Description,
+        model: Arc<Model>,
+        go_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Vec<Cell>, Failure> {
+        let limit = self.question.time_limit;
+        let until = Duration::try_from_secs_f64(limit).ok().and_then(|limit| Instant::now().checked_add(limit));
+        let goes_on = || go_on() && until.is_none_or(|until| Instant::now() < until);
+        let ended = || match go_on() {
+            false => Failure::Interrupted,
+            true => no(format!("the time limit of {limit} s for a case ended it")),
+        };
+        let (mut model, _) = constraint::assemble(model).map_err(|problems| no(listed(&problems)))?;
+        let mut start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        let mut found = None;
+        if self.question.asks_statics(scenario) {
+            let Scenario { statics, unknown, margin, .. } = scenario;
+            let held = statics::answer(description, model, unknown, statics, margin, &goes_on)
+                .map_err(|error| no(format!("statics cannot start: {error}")))?;
+            model = held.model;
+            let here = held.found;
+            if !here.converged {
+                if !goes_on() {
+                    return Err(ended());
+                }
+                let why = here.notes.first().map(|note| format!(": {note}"));
+                let why = format!("no equilibrium found{}", why.unwrap_or_default());
+                let answer = Answer { model, found: Some(here), run: None };
+                return Err(Failure::No(why, self.cells(scenario, &answer).ok()));
+            }
+            start = State { position: here.position.clone(), velocity: here.velocity.clone() };
+            found = Some(here);
+        }
+        let mut run = None;
+        if self.question.run {
+            let (settings, rate) = (&scenario.simulate, scenario.record.rate);
+            let summary =
+                simulate::run(&model, settings, rate, &start, &mut Fanout::new(), &mut |_: f64, _: &State| goes_on())
+                    .map_err(|error| no(error.to_string()))?;
+            if summary.interrupted {
+                return Err(ended());
+            }
+            run = Some(summary);
+        }
+        self.cells(scenario, &Answer { model, found, run }).map_err(no)
+    }
+
+    /// What else the answers follow from, for the hash of a study: the text of the scenario, its changes, and the files that
+    /// it names.
+    pub fn sources(&self) -> Vec<Arc<str>> {
+        let changes = self.set.iter().map(|change| Arc::from(change.shown()));
+        let models = self.scenario.models.iter().flat_map(|model| &model.sources).map(|source| source.text.clone());
+        [Arc::from(self.scenario.text.as_str())].into_iter().chain(changes).chain(models).collect()
+    }
+
+    /// The scenario, as it is without the changes of a plan.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+}
+
+impl Direct {
+    /// The scene with these values; `None` if they are no numbers.
+    fn description(&self, values: &[Value<'_>]) -> Option<Description> {
+        let mut description = self.scenario.description.clone();
+        for (numbers, value) in self.numbers.iter().zip(values) {
+            let number = match value {
+                Value::Written(_, number) => (*number)?,
+                Value::Drawn(number) => *number,
+            };
+            numbers.iter().try_for_each(|one| one.set(&mut description, number)).ok()?;
+        }
+        Some(description)
+    }
+}
+
+/// Values as they are written after `--set`.
+fn written(values: &[Value<'_>]) -> Vec<String> {
+    let text = |value: &Value<'_>| match value {
+        Value::Written(text, _) => (*text).to_owned(),
+        Value::Drawn(number) => format!("{number:?}"),
+    };
+    values.iter().map(text).collect()
+}
+
+/// A case without any answer.
+fn no(why: String) -> Failure {
+    Failure::No(why, None)
+}
+
+/// The first problem, in one line.
+fn first(problems: &Diagnostics) -> String {
+    problems.iter().next().map_or(String::new(), |first| first.message.clone())
+}
+
+fn listed(problems: &[Problem]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axis::Axis;
+    use super::super::plan::Draw;
+    use super::*;
+
+    const SCALE: &str = "[[body]]\nname = \"pan\"\nmass = 1.0\n\
+        hinge = { type = \"prismatic\", axis = [0.0, 0.0, 1.0], stiffness = 100.0 }\n";
+
+    fn cases(axis: &str) -> Cases {
+        let scenario = parse("scale.toml", SCALE, &[]).expect("a scenario");
+        let plan = Plan::new(vec![Axis::parse(axis).expect("an axis")], Vec::new(), Draw::default(), None);
+        let question = Question { run: false, time_limit: f64::INFINITY };
+        Cases::new(scenario, Vec::new(), plan.expect("a plan"), question).expect("cases")
+    }
+
+    #[test]
+    fn a_panic_is_a_row_with_its_message() {
+        let cases = cases("pan.mass=1,2");
+        let row = cases.row_by(1, |_| panic!("index {} out of bounds", 7)).expect("a row");
+        assert_eq!(row.error.as_deref(), Some("the case ended in a panic: index 7 out of bounds"));
+        assert_eq!(row.cells.len(), cases.columns().len());
+        assert_eq!(row.cells[..3], [Cell::Whole(1), Cell::Number(2.0), Cell::Flag(false)]);
+        assert!(cases.row(1, &|| true).is_some_and(|row| row.error.is_none()));
+    }
+
+    /// Scenes that are read and scenes whose numbers are set give the same rows, also where numbers make no scene.
+    #[test]
+    fn numbers_that_are_set_are_numbers_that_are_read() {
+        let set = cases("pan.mass=-1,0,1,2");
+        assert!(set.direct.is_some());
+        let read = Cases { direct: None, ..cases("pan.mass=-1,0,1,2") };
+        for case in 0..4 {
+            let [one, other] = [&set, &read].map(|cases| cases.row(case, &|| true).expect("a row"));
+            let last = one.cells.len() - 1;
+            assert_eq!(one.cells[..last], other.cells[..last]);
+            assert_eq!(one.error.is_some(), case < 2);
+        }
+        // Words and named numbers are read.
+        assert!(cases("statics.want=any,stable").direct.is_none());
+    }
+}

@@ -1,0 +1,277 @@
+//! A dataset on disk: a folder with a manifest and Parquet parts, each there whole or not at all.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `study.json` | the manifest: plan, scenario, columns, and the hash of all that the rows follow from |
+//! | `part-0000012.parquet` | the rows of part 12 |
+//!
+//! Part `p` has the cases `p r … (p + 1) r − 1`, `r` being the rows of a part, so that which parts there are does not
+//! depend on who writes them. A part that is there is done. Several processes may write one dataset: the manifest is made
+//! by the first and has to be the same for all others, and a part that two of them write has the same rows.
+
+use super::answer::Question;
+use super::case::{Cases, Row};
+use super::column::Column;
+use super::parquet;
+use super::pool::Part;
+use crate::model::shape::Geometry;
+use crate::whole_file::{self, WholeFile};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The name of the manifest.
+pub const MANIFEST: &str = "study.json";
+
+/// Counts up when the meaning of a column or of a plan changes.
+const FORMAT: u32 = 1;
+
+/// Rows of a part at most.
+const MOST_ROWS: u64 = 10_000;
+/// Cells of a part at most: what a thread holds in memory (24 bytes each).
+const MOST_CELLS: u64 = 1 << 18;
+/// Parts of a small study: what a kill can lose is a hundredth of it.
+const PARTS: u64 = 100;
+
+/// Why a dataset cannot be begun, continued or written.
+#[derive(Debug, thiserror::Error)]
+pub enum DatasetError {
+    /// A dataset of the same plan is there.
+    #[error("`{0}` holds a dataset of this plan already: `--resume` continues it, another folder begins a new one")]
+    Exists(PathBuf),
+    /// A dataset of another plan is there.
+    #[error(
+        "`{folder}` holds a dataset of another plan (hash {there}, this one has {here}): scenario, plan, options or program \
+         have changed; choose another folder"
+    )]
+    Other {
+        /// The folder.
+        folder: PathBuf,
+        /// The hash in its manifest.
+        there: String,
+        /// The hash of the plan.
+        here: String,
+    },
+    /// The folder has Parquet files of something else.
+    #[error(
+        "`{0}` holds Parquet files and no `{MANIFEST}`: they would be read as rows of the dataset; choose another folder"
+    )]
+    Foreign(PathBuf),
+    /// The manifest is none.
+    #[error("`{0}` is no manifest of a dataset: {1}")]
+    Manifest(PathBuf, String),
+    /// A file cannot be read or written.
+    #[error("cannot write `{0}`: {1}")]
+    Write(PathBuf, #[source] io::Error),
+    /// A part cannot be written or read.
+    #[error("`{0}`: {1}")]
+    Part(PathBuf, #[source] ::parquet::errors::ParquetError),
+}
+
+/// A dataset of a study.
+#[derive(Debug)]
+pub struct Dataset {
+    folder: PathBuf,
+    /// Of all that the rows follow from.
+    pub hash: String,
+    columns: Vec<Column>,
+    cases: u64,
+    /// Rows of a part.
+    pub rows: u64,
+}
+
+impl Dataset {
+    /// The dataset of a study in a folder; nothing is written yet. `rows` are those of a part, if not as many as fit.
+    ///
+    /// # Errors
+    /// If a file that the scenario names cannot be read.
+    pub fn new(folder: &Path, cases: &Cases, rows: Option<u64>) -> Result<Self, DatasetError> {
+        let count = cases.plan.cases();
+        let fit = MOST_ROWS.min((MOST_CELLS / cases.columns().len() as u64).max(1));
+        let rows = rows.unwrap_or(count.div_ceil(PARTS).clamp(1, fit));
+        let hash = hash(cases, rows)?;
+        Ok(Self { folder: folder.to_owned(), hash, columns: cases.columns().to_vec(), cases: count, rows })
+    }
+
+    /// Makes the folder and the manifest, or finds them there. A dataset that is there is continued only if `continues`.
+    ///
+    /// # Errors
+    /// If the folder holds another dataset or other Parquet files, or cannot be written.
+    pub fn begin(&self, cases: &Cases, continues: bool) -> Result<(), DatasetError> {
+        let manifest = self.folder.join(MANIFEST);
+        match self.is_there()? {
+            true if continues => {
+                self.remove_abandoned();
+                return Ok(());
+            }
+            true => return Err(DatasetError::Exists(self.folder.clone())),
+            false => {}
+        }
+        let failed = |error| DatasetError::Write(manifest.clone(), error);
+        fs::create_dir_all(&self.folder).map_err(|error| DatasetError::Write(self.folder.clone(), error))?;
+        let entries = fs::read_dir(&self.folder).map_err(failed)?;
+        let is_parquet = |entry: &fs::DirEntry| entry.path().extension().is_some_and(|end| end == "parquet");
+        if entries.filter_map(Result::ok).any(|entry| is_parquet(&entry)) {
+            return Err(DatasetError::Foreign(self.folder.clone()));
+        }
+        let mut file = WholeFile::create(&manifest).map_err(failed)?;
+        writeln!(file, "{:#}", self.manifest(cases)).map_err(failed)?;
+        match file.finish_new() {
+            // Somebody was faster: it has to be the same.
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => match self.is_there()? && continues {
+                true => Ok(()),
+                false => Err(DatasetError::Exists(self.folder.clone())),
+            },
+            other => other.map_err(failed),
+        }
+    }
+
+    /// Whether the folder holds this dataset.
+    ///
+    /// # Errors
+    /// If it holds another one.
+    pub fn is_there(&self) -> Result<bool, DatasetError> {
+        let path = self.folder.join(MANIFEST);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if matches!(error.kind(), io::ErrorKind::NotFound) => return Ok(false),
+            Err(error) => return Err(DatasetError::Manifest(path, error.to_string())),
+        };
+        let manifest: Value =
+            serde_json::from_str(&text).map_err(|error| DatasetError::Manifest(path.clone(), error.to_string()))?;
+        match manifest["hash"].as_str() {
+            Some(hash) if hash == self.hash => Ok(true),
+            Some(hash) => Err(DatasetError::Other {
+                folder: self.folder.clone(),
+                there: hash.chars().take(12).collect(),
+                here: self.hash.chars().take(12).collect(),
+            }),
+            None => Err(DatasetError::Manifest(path, "it has no `hash`".to_owned())),
+        }
+    }
+
+    fn manifest(&self, cases: &Cases) -> Value {
+        let Question { run, time_limit } = cases.question;
+        let columns = self.columns.iter();
+        let columns = columns.map(|one| json!({ "name": one.name, "kind": one.kind.name(), "unit": one.unit }));
+        let plan = &cases.plan;
+        json!({
+            "format": FORMAT,
+            "hash": self.hash,
+            "stillpoint": env!("CARGO_PKG_VERSION"),
+            "scenario": cases.scenario().name,
+            "inputs": plan.paths().collect::<Vec<_>>(),
+            "over": plan.axes.iter().map(|axis| json!({ "path": axis.path, "values": axis.values })).collect::<Vec<_>>(),
+            "vary": plan.varied.iter().map(|one| format!("{}={}", one.path, one.distribution)).collect::<Vec<_>>(),
+            "sample": plan.draw.sampling.name(),
+            "cases_per_point": plan.draw.samples,
+            "seed": plan.draw.seed,
+            "run": run,
+            "time_limit": time_limit.is_finite().then_some(time_limit),
+            "cases": self.cases,
+            "rows_per_part": self.rows,
+            "parts": self.parts(),
+            "columns": columns.collect::<Vec<_>>(),
+            "text": cases.scenario().text,
+        })
+    }
+
+    /// Number of parts.
+    pub fn parts(&self) -> u64 {
+        self.cases.div_ceil(self.rows)
+    }
+
+    /// A part and its cases.
+    pub fn part(&self, part: u64) -> Part {
+        (part, part * self.rows..((part + 1) * self.rows).min(self.cases))
+    }
+
+    fn path(&self, part: u64) -> PathBuf {
+        self.folder.join(format!("part-{part:07}.parquet"))
+    }
+
+    /// Whether a part is done.
+    pub fn is_done(&self, part: u64) -> bool {
+        self.path(part).exists()
+    }
+
+    /// Writes a part.
+    ///
+    /// # Errors
+    /// If it cannot be written; then it is not there.
+    pub fn write(&self, part: u64, rows: &[Row]) -> Result<(), DatasetError> {
+        let path = self.path(part);
+        let failed = |error| DatasetError::Write(path.clone(), error);
+        let mut file = Self::locked(&path).map_err(failed)?;
+        // Of what the file itself said why it cannot be written.
+        if let Err(error) = parquet::write(&mut file, &self.columns, rows) {
+            return Err(match file.probe() {
+                Err(why) => failed(why),
+                Ok(()) => DatasetError::Part(path.clone(), error),
+            });
+        }
+        file.finish().map_err(failed)
+    }
+
+    /// The file of a part, under another name and locked for as long as it is written: [`remove_abandoned`](Self::remove_abandoned)
+    /// leaves it alone.
+    fn locked(path: &Path) -> io::Result<WholeFile> {
+        loop {
+            let file = WholeFile::create(path)?;
+            let handle = file.handle()?;
+            // Where there are no locks nobody removes anything.
+            if handle.lock().is_err() || whole_file::is_still(&handle, file.path())? {
+                return Ok(file);
+            }
+            file.abandon();
+        }
+    }
+
+    /// Removes unfinished parts that nobody writes any more: those of processes that were killed.
+    fn remove_abandoned(&self) {
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().filter_map(Result::ok);
+        let ours = |name: &str| name.starts_with("part-") && name.ends_with(".parquet.partial");
+        for entry in entries.filter(|entry| entry.file_name().to_str().is_some_and(ours)) {
+            let path = entry.path();
+            if let Ok(file) = File::options().write(true).open(&path)
+                && file.try_lock().is_ok()
+            {
+                // If it cannot be removed it does no harm.
+                let _ = fs::remove_file(&path);
+            }
+        }
+    }
+
+    /// How many cases failed in a part that is done.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn failed(&self, part: u64) -> Result<u64, DatasetError> {
+        let path = self.path(part);
+        let file = File::open(&path).map_err(|error| DatasetError::Part(path.clone(), error.into()))?;
+        parquet::failed(file).map_err(|error| DatasetError::Part(path, error))
+    }
+}
+
+/// Of all that the rows follow from: program, plan, question, scenario with everything that it reads, columns.
+fn hash(cases: &Cases, rows: u64) -> Result<String, DatasetError> {
+    let mut hash = Sha256::new();
+    let mut add = |bytes: &[u8]| {
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    };
+    add(format!("stillpoint {} study {FORMAT}", env!("CARGO_PKG_VERSION")).as_bytes());
+    add(cases.plan.text().as_bytes());
+    add(format!("{:?} {rows}", cases.question).as_bytes());
+    cases.sources().iter().for_each(|source| add(source.as_bytes()));
+    let shapes = cases.scenario().description.bodies.iter().flat_map(|body| &body.shapes);
+    for shape in shapes {
+        if let Geometry::Mesh { file, .. } = &shape.geometry {
+            add(&fs::read(file).map_err(|error| DatasetError::Write(file.clone(), error))?);
+        }
+    }
+    cases.columns().iter().for_each(|column| add(format!("{column:?}").as_bytes()));
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+}

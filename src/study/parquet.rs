@@ -1,0 +1,97 @@
+//! Rows as Parquet: a column of its own type for each column, its unit in the metadata of the field.
+
+use super::case::Row;
+use super::column::{Cell, Column, Kind};
+use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
+use arrow_schema::{DataType, Field, Schema};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::{WriterProperties, WriterPropertiesBuilder};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::ColumnPath;
+use std::fs::File;
+use std::io::Write;
+use std::sync::Arc;
+
+/// How files of numbers that hardly ever repeat are written.
+pub fn properties() -> WriterPropertiesBuilder {
+    WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_dictionary_enabled(false)
+        .set_created_by(concat!("stillpoint ", env!("CARGO_PKG_VERSION")).to_owned())
+}
+
+/// Key of the number of failed cases in the metadata of a file.
+const FAILED: &str = "failed";
+
+/// Writes rows as one file.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row]) -> Result<(), ParquetError> {
+    let field = |column: &Column| {
+        let field = Field::new(&column.name, data_type(column.kind), true);
+        match column.unit {
+            "" => field,
+            unit => field.with_metadata([("unit".to_owned(), unit.to_owned())].into()),
+        }
+    };
+    let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
+    let failed = rows.iter().filter(|row| row.error.is_some()).count();
+    let mut properties =
+        properties().set_key_value_metadata(Some(vec![KeyValue::new(FAILED.to_owned(), failed.to_string())]));
+    for column in columns.iter().filter(|column| column.kind == Kind::Word) {
+        properties = properties.set_column_dictionary_enabled(ColumnPath::new(vec![column.name.clone()]), true);
+    }
+    let mut writer = ArrowWriter::try_new(file, schema.clone(), Some(properties.build()))?;
+    let arrays = columns.iter().enumerate().map(|(index, column)| array(column.kind, index, rows)).collect();
+    writer.write(&RecordBatch::try_new(schema, arrays)?)?;
+    writer.into_inner()?.flush()?;
+    Ok(())
+}
+
+/// How many cases failed in a file.
+///
+/// # Errors
+/// If it is no file of [`write`].
+pub fn failed(file: File) -> Result<u64, ParquetError> {
+    let reader = SerializedFileReader::new(file)?;
+    let pairs = reader.metadata().file_metadata().key_value_metadata();
+    let value = pairs.into_iter().flatten().find(|pair| pair.key == FAILED).and_then(|pair| pair.value.as_ref());
+    value.and_then(|text| text.parse().ok()).ok_or_else(|| {
+        ParquetError::General("it does not say how many cases failed: it is no part of a study".to_owned())
+    })
+}
+
+fn data_type(kind: Kind) -> DataType {
+    match kind {
+        Kind::Number => DataType::Float64,
+        Kind::Whole => DataType::Int64,
+        Kind::Word => DataType::Utf8,
+        Kind::Flag => DataType::Boolean,
+    }
+}
+
+fn array(kind: Kind, index: usize, rows: &[Row]) -> ArrayRef {
+    let cells = rows.iter().map(|row| &row.cells[index]);
+    match kind {
+        Kind::Number => Arc::new(Float64Array::from_iter(cells.map(|cell| match cell {
+            Cell::Number(number) => Some(*number),
+            _ => None,
+        }))),
+        Kind::Whole => Arc::new(Int64Array::from_iter(cells.map(|cell| match cell {
+            Cell::Whole(number) => Some(*number),
+            _ => None,
+        }))),
+        Kind::Word => Arc::new(StringArray::from_iter(cells.map(|cell| match cell {
+            Cell::Word(word) => Some(word.as_ref()),
+            _ => None,
+        }))),
+        Kind::Flag => Arc::new(BooleanArray::from_iter(cells.map(|cell| match cell {
+            Cell::Flag(flag) => Some(*flag),
+            _ => None,
+        }))),
+    }
+}

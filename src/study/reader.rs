@@ -1,0 +1,104 @@
+//! Reading the columns of a dataset, part by part: nothing is kept.
+
+use super::dataset::MANIFEST;
+use arrow_array::cast::AsArray;
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array, ArrayRef};
+use arrow_schema::DataType;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use serde_json::Value;
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+
+/// A dataset that is read.
+#[derive(Debug)]
+pub struct Reader {
+    parts: Vec<PathBuf>,
+    /// Cases that its plan asks for.
+    pub cases: u64,
+    /// What its plan varies.
+    pub inputs: Vec<String>,
+    /// Names and units of its columns of numbers, in order.
+    pub numbers: Vec<(String, String)>,
+}
+
+impl Reader {
+    /// Opens a folder.
+    ///
+    /// # Errors
+    /// If it holds no dataset, or one without any part.
+    pub fn open(folder: &Path) -> Result<Self, String> {
+        let path = folder.join(MANIFEST);
+        let text = fs::read_to_string(&path).map_err(|error| {
+            format!("`{}` is no dataset of a study: `{}`: {error}", folder.display(), path.display())
+        })?;
+        let manifest: Value =
+            serde_json::from_str(&text).map_err(|error| format!("`{}` is no manifest: {error}", path.display()))?;
+        let texts = |value: &Value| value.as_array().cloned().unwrap_or_default();
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+        let is_number = |column: &&Value| matches!(column["kind"].as_str(), Some("number" | "whole"));
+        let columns = texts(&manifest["columns"]);
+        let entries = fs::read_dir(folder).map_err(|error| format!("`{}`: {error}", folder.display()))?;
+        let mut parts: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+        parts.retain(|path| path.extension().is_some_and(|end| end == "parquet"));
+        parts.sort();
+        if parts.is_empty() {
+            return Err(format!("`{}` has no part yet", folder.display()));
+        }
+        Ok(Self {
+            parts,
+            cases: manifest["cases"].as_u64().unwrap_or_default(),
+            inputs: texts(&manifest["inputs"]).iter().map(text).collect(),
+            numbers: columns.iter().filter(is_number).map(|one| (text(&one["name"]), text(&one["unit"]))).collect(),
+        })
+    }
+
+    /// Hands over these columns of every row: whether the case was answered, and its numbers, NaN for an empty cell.
+    ///
+    /// # Errors
+    /// If a part cannot be read, or has no such column.
+    pub fn each(&self, columns: &[&str], take: &mut dyn FnMut(bool, &[f64])) -> Result<(), String> {
+        let mut row = vec![0.0; columns.len()];
+        for path in &self.parts {
+            let failed = |error: &dyn std::fmt::Display| format!("`{}`: {error}", path.display());
+            let file = File::open(path).map_err(|error| failed(&error))?;
+            let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| failed(&error))?;
+            let place = |name: &str| {
+                let fields = builder.schema().fields();
+                let place = fields.iter().position(|field| field.name() == name);
+                place.ok_or_else(|| failed(&format!("there is no column `{name}`")))
+            };
+            let places = ["ok"].iter().chain(columns).map(|name| place(name)).collect::<Result<Vec<_>, _>>()?;
+            let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
+            for batch in builder.with_projection(mask).build().map_err(|error| failed(&error))? {
+                let batch = batch.map_err(|error| failed(&error))?;
+                let column = |name: &str| {
+                    let found = batch.column_by_name(name);
+                    found.cloned().ok_or_else(|| failed(&format!("there is no column `{name}`")))
+                };
+                let ok = column("ok")?;
+                let ok = ok.as_boolean_opt().ok_or_else(|| failed(&"`ok` is not yes or no"))?;
+                let numbers = columns.iter().map(|name| column(name).map(doubles)).collect::<Result<Vec<_>, _>>()?;
+                for index in 0..batch.num_rows() {
+                    for (cell, numbers) in row.iter_mut().zip(&numbers) {
+                        *cell = numbers[index];
+                    }
+                    take(ok.value(index), &row);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A column as doubles, NaN for empty cells and for what is no number.
+fn doubles(column: ArrayRef) -> Vec<f64> {
+    match column.data_type() {
+        DataType::Float64 => column.as_primitive::<Float64Type>().iter().map(|cell| cell.unwrap_or(f64::NAN)).collect(),
+        DataType::Int64 => {
+            column.as_primitive::<Int64Type>().iter().map(|cell| cell.map_or(f64::NAN, |whole| whole as f64)).collect()
+        }
+        _ => vec![f64::NAN; column.len()],
+    }
+}

@@ -1,0 +1,110 @@
+//! What `study` says of a dataset.
+
+use super::{Bench, SCALE, shipped};
+use serde_json::Value;
+
+/// The angle of the rocker of `four_bar_tolerances` at its crank's angle, by the cosine rule.
+fn rocker([crank, coupler, rocker, base]: [f64; 4]) -> f64 {
+    let (across, up) = (crank * 0.6_f64.sin() - base, crank * 0.6_f64.cos());
+    let distance = across.hypot(up);
+    let cosine = (rocker * rocker + distance * distance - coupler * coupler) / (2.0 * rocker * distance);
+    across.atan2(up) + cosine.acos()
+}
+
+/// Lengths and their standard deviations.
+const LENGTHS: [(&str, f64, f64); 4] = [
+    ("crank", 0.1, 5e-5),
+    ("coupler", 0.35, 1e-4),
+    ("rocker", 0.3, 1e-4),
+    ("base", 0.4, 2e-4 / 1.732_050_807_568_877_2),
+];
+
+/// Every row is the cosine rule; the coefficients are derivatives times standard deviations, by differences of the rule.
+#[test]
+fn what_matters_in_a_four_bar_is_what_the_cosine_rule_says() {
+    let bench = Bench::new();
+    let vary: Vec<String> = LENGTHS
+        .iter()
+        .map(|(name, mean, deviation)| match *name {
+            "base" => format!("parameters.base=uniform({} mm, {} mm)", 1e3 * (mean - 2e-4), 1e3 * (mean + 2e-4)),
+            _ => format!("parameters.{name}=normal({} mm, {} mm)", 1e3 * mean, 1e3 * deviation),
+        })
+        .collect();
+    let mut call = vec!["sweep", "scene", "--cases", "400", "--sample", "latin", "--out", "tolerances", "--quiet"];
+    let scene = shipped("four_bar_tolerances");
+    call[1] = &scene;
+    vary.iter().for_each(|one| call.extend(["--vary", one]));
+    bench.call(&call).code(0);
+    let rows = super::datasets::rows(&bench.path().join("tolerances"));
+    let mut angles = Vec::new();
+    for row in &rows {
+        let lengths = LENGTHS.map(|(name, ..)| row[&format!("parameters.{name}")].as_f64().expect("a length"));
+        let angle = row["rocker.angle"].as_f64().expect("an angle");
+        assert!((angle - rocker(lengths)).abs() < 1e-12, "{angle} {}", rocker(lengths));
+        angles.push(angle);
+    }
+    let answer =
+        bench.call(&["study", "tolerances", "--of", "rocker.angle", "--svg", "rocker.svg", "--json"]).code(0).json();
+    assert_eq!((&answer["cases"], &answer["rows"], &answer["failed"]), (&400.into(), &400.into(), &0.into()));
+    let output = &answer["outputs"][0];
+    angles.sort_by(f64::total_cmp);
+    assert_eq!((output["min"].as_f64(), output["max"].as_f64()), (Some(angles[0]), Some(angles[399])));
+    for (part, place) in [("0.01", 3), ("0.05", 19), ("0.5", 199), ("0.95", 379), ("0.99", 395)] {
+        assert_eq!(output["quantiles"][part], angles[place], "{part}");
+    }
+    let mean = angles.iter().sum::<f64>() / 400.0;
+    assert!((output["mean"].as_f64().expect("a mean") - mean).abs() < 1e-14);
+    let middle = LENGTHS.map(|(_, mean, _)| mean);
+    let moved = |k: usize, by: f64| {
+        let mut lengths = middle;
+        lengths[k] += by;
+        rocker(lengths)
+    };
+    let mut exact: Vec<(String, f64)> = LENGTHS
+        .iter()
+        .enumerate()
+        .map(|(k, (name, _, deviation))| {
+            (format!("parameters.{name}"), (moved(k, *deviation) - moved(k, -deviation)) / 2.0)
+        })
+        .collect();
+    let total = exact.iter().map(|(_, effect)| effect * effect).sum::<f64>().sqrt();
+    exact.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let effects = output["effects"].as_array().expect("a list");
+    assert_eq!(effects.len(), 4);
+    for ((name, effect), found) in exact.iter().zip(effects) {
+        assert_eq!(found["input"], name.as_str());
+        // A Latin hypercube of 400: the deviations of inputs are known to 1 %, their correlations to 1/√400.
+        let coefficient = found["coefficient"].as_f64().expect("a number");
+        assert!((coefficient - effect / total).abs() < 0.05, "{name}: {coefficient}, not {}", effect / total);
+    }
+    assert!(output["explained"].as_f64().is_some_and(|explained| explained > 0.999));
+    let svg = std::fs::read_to_string(bench.path().join("rocker.svg")).expect("a drawing");
+    let all = LENGTHS.iter().all(|(name, ..)| svg.contains(&format!("parameters.{name}")));
+    assert!(svg.starts_with("<svg") && svg.contains("rocker.angle (rad)") && all);
+    let text = bench.call(&["study", "tolerances"]).code(0).out;
+    assert!(text.contains(&format!("what matters most is `{}`", exact[0].0)), "{text}");
+}
+
+#[test]
+fn what_is_no_dataset_is_refused() {
+    let bench = Bench::new();
+    bench.write("scale.toml", SCALE);
+    let refused = |arguments: &[&str], word: &str| {
+        let error = bench.call(&[&["study"], arguments].concat()).code(2).err;
+        assert!(error.contains(word), "{arguments:?}: {error}");
+    };
+    refused(&["none"], "no dataset");
+    refused(&["."], "no dataset");
+    // One case of four fails: it counts, and is in no mean.
+    bench.call(&["sweep", "scale.toml", "--over", "pan.mass=-1,1,2,3", "--out", "set"]).code(1);
+    let answer = bench.call(&["study", "set", "--of", "pan.distance", "--json"]).code(0).json();
+    assert_eq!((&answer["failed"], &answer["outputs"][0]["count"]), (&Value::from(1), &Value::from(3)));
+    let mean = answer["outputs"][0]["mean"].as_f64().expect("a mean");
+    assert!((mean + 2.0 * 9.80665 / 100.0).abs() < 1e-14, "{mean}");
+    refused(&["set", "--of", "pan.distnace"], "did you mean `pan.distance`?");
+    refused(&["set", "--of", "pan.distance", "--of", "frequencies_hz[0]", "--svg", "x.svg"], "one column");
+    std::fs::remove_file(bench.path().join("set/part-0000002.parquet")).expect("removed");
+    assert!(bench.call(&["study", "set"]).code(0).out.contains("3 of 4 cases"));
+    bench.write("set/part-0000001.parquet", "cut");
+    refused(&["set"], "part-0000001.parquet");
+}
