@@ -84,7 +84,7 @@ fn random_scene(random: &mut Random) -> (String, Vec<String>) {
                 2 => {
                     let _ = writeln!(
                         more,
-                        "[[motor]]\nname = \"m{i}\"\nhinge = \"b{i}\"\nforce = {:.3}\n",
+                        "[[motor]]\nname = \"m{i}\"\nhinge = \"b{i}\"\ntype = \"constant\"\nforce = {:.3}\n",
                         random.between(-1.0, 1.0)
                     );
                     addresses.push(format!("m{i}.force"));
@@ -164,7 +164,9 @@ fn a_row_is_what_the_commands_answer() {
         if with_run {
             call.push("--run");
         }
-        let code = bench.call(&call).code;
+        let answer = bench.call(&call);
+        assert!(answer.code < 2, "{answer:?}");
+        let code = answer.code;
         let table = rows(&bench.path().join(&out));
         assert_eq!(table.len(), 6);
         assert_eq!(code, i32::from(table.iter().any(|row| row["ok"] == false)));
@@ -423,7 +425,7 @@ fn what_makes_no_dataset_is_refused_and_nothing_is_overwritten() {
 fn a_full_disk_is_an_error_and_no_loss() {
     let bench = Bench::new();
     bench.write("scale.toml", SCALE);
-    let study = "sweep scale.toml --vary pan.mass=normal(2,0.1) --cases 3000 --part-rows 2000 --out d --resume";
+    let study = "sweep scale.toml --vary 'pan.mass=normal(2,0.1)' --cases 3000 --part-rows 2000 --out d --resume";
     let limited = format!("ulimit -f 64; exec {} {study}", env!("CARGO_BIN_EXE_stillpoint"));
     let output = Command::new("sh").args(["-c", &limited]).current_dir(bench.path()).output().expect("a shell");
     let error = String::from_utf8_lossy(&output.stderr);
@@ -431,7 +433,7 @@ fn a_full_disk_is_an_error_and_no_loss() {
     assert!(error.contains("is not complete") && error.contains("part-0000000.parquet"), "{error}");
     assert!(!error.contains("panicked"), "{error}");
     assert_eq!(files(&bench.path().join("d"), ".partial"), Vec::<PathBuf>::new());
-    bench.call(&study.split(' ').collect::<Vec<_>>()).code(0);
+    bench.call(&study.replace('\'', "").split(' ').collect::<Vec<_>>()).code(0);
     assert_eq!(rows(&bench.path().join("d")).len(), 3000);
     let full = bench.call(&["sweep", "scale.toml", "--over", "pan.mass=1:2:2000", "--out", "/dev/full"]);
     assert!(full.code == 2 && full.err.contains("/dev/full"), "{full:?}");
