@@ -218,7 +218,7 @@ impl<'a> Listing<'a, '_> {
                 let load = held.map(|held| {
                     let label = model.label(stop.velocity);
                     let here = held.stops.iter().filter(|bearing| bearing.hinge == label && bearing.low == low);
-                    here.map(|bearing| bearing.load).sum()
+                    here.fold(0.0, |sum, bearing| sum + bearing.load)
                 });
                 let name = || format!("stops.{}.{side}", place(model, stop.velocity));
                 self.number(force_unit(model, stop.velocity), &name, load);

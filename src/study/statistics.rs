@@ -137,17 +137,16 @@ impl Regression {
 /// Bits that one pass of [`quantiles`] settles.
 const DIGIT: u32 = 16;
 
+/// Hands all numbers to what it is given.
+pub type Each<'e, E> = &'e mut dyn FnMut(&mut dyn FnMut(f64)) -> Result<(), E>;
+
 /// Exact quantiles of numbers that are read several times and never kept: the order of doubles is that of their bits, and each
 /// of four passes counts one digit of those that begin like the answer (radix selection). For a part p of n numbers it is
 /// the smallest that is not below p n of them. `each` hands over all numbers, every time the same.
 ///
 /// # Errors
 /// Those of `each`.
-pub fn quantiles<E>(
-    parts: &[f64],
-    count: u64,
-    each: &mut dyn FnMut(&mut dyn FnMut(f64)) -> Result<(), E>,
-) -> Result<Vec<f64>, E> {
+pub fn quantiles<E>(parts: &[f64], count: u64, each: Each<'_, E>) -> Result<Vec<f64>, E> {
     // Beginning of the answer, and how many numbers are below among those that begin so.
     let rank = |part: &f64| ((part * count as f64).ceil() as u64).clamp(1, count.max(1)) - 1;
     let mut found: Vec<(u64, u64)> = parts.iter().map(|part| (0, rank(part))).collect();
