@@ -1,6 +1,7 @@
 //! `sweep`: the same question for many values of some numbers, one row per case.
 
 mod rows;
+#[cfg(feature = "parquet")]
 mod shard;
 
 use super::inputs::Inputs;
@@ -17,6 +18,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rows::Rows;
 use serde_json::json;
+#[cfg(feature = "parquet")]
 use shard::Shard;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::{Path, PathBuf};
@@ -147,10 +149,15 @@ fn is_table(path: &Path) -> bool {
 
 /// Refuses what only a dataset has.
 fn refuse_dataset(options: &DatasetOptions) -> anyhow::Result<()> {
-    let DatasetOptions { resume, shards, missing, part_rows, .. } = options;
-    let given = [("--resume", *resume), ("--shards", shards.is_some()), ("--missing", *missing)];
-    let given = given.into_iter().chain([("--part-rows", part_rows.is_some())]).find(|(_, given)| *given);
-    match given {
+    let DatasetOptions { resume, shards, shard, missing, part_rows } = options;
+    let given = [
+        ("--resume", *resume),
+        ("--shards", shards.is_some()),
+        ("--shard", shard.is_some()),
+        ("--missing", *missing),
+        ("--part-rows", part_rows.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
         Some((name, _)) => bail!("`{name}` needs a dataset: let `--out` name a folder, not a file"),
         None => Ok(()),
     }

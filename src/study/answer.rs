@@ -1,6 +1,6 @@
 //! What is asked of every case, and the columns in which its answer stands.
 //!
-//! [`Listing::all`] is the one list of these columns: it is walked once without an answer, for their names, and once for each
+//! `Listing::all` is the one list of these columns: it is walked once without an answer, for their names, and once for each
 //! case, for what stands in them.
 
 use super::column::{Cell, Column, Kind};
