@@ -2,7 +2,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `study.json` | the manifest: plan, scenario, columns, and the hash of all that the rows follow from |
+//! | `_study.json` | the manifest: plan, scenario, columns, and the hash of all that the rows follow from |
 //! | `part-0000012.parquet` | the rows of part 12 |
 //!
 //! Part `p` has the cases `p r … (p + 1) r − 1`, `r` being the rows of a part, so that which parts there are does not
@@ -23,7 +23,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// The name of the manifest.
-pub const MANIFEST: &str = "study.json";
+pub const MANIFEST: &str = "_study.json";
 
 /// Counts up when the meaning of a column or of a plan changes.
 const FORMAT: u32 = 1;

@@ -409,9 +409,9 @@ fn what_makes_no_dataset_is_refused_and_nothing_is_overwritten() {
     refused("--over pan.mass=1,2 --out d --resume", "another plan");
     bench.write("scale.toml", SCALE);
     assert_eq!(rows(&bench.path().join("d")), before);
-    std::fs::rename(bench.path().join("d/study.json"), bench.path().join("d/other.json")).expect("renamed");
-    refused("--over pan.mass=1,2 --out d --resume", "no `study.json`");
-    bench.write("d/study.json", "{");
+    std::fs::rename(bench.path().join("d/_study.json"), bench.path().join("d/other.json")).expect("renamed");
+    refused("--over pan.mass=1,2 --out d --resume", "no `_study.json`");
+    bench.write("d/_study.json", "{");
     refused("--over pan.mass=1,2 --out d --resume", "no manifest");
     assert_eq!(rows(&bench.path().join("d")), before);
     // Nothing is asked of `--resume` but that the plan is the same: an empty folder begins.
