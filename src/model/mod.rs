@@ -277,6 +277,7 @@ impl Model {
         self.coordinates.iter().any(|c| c.damping != 0.0)
             || self.curves.iter().any(|curve| curve.over == CurveOver::Velocity)
             || self.forces.iter().any(|force| force.law.has_damping())
+            || self.motors.iter().any(Motor::has_damping)
     }
 
     /// A length that is typical of the scene (m): the largest distance within one body or one hinge, 1 where all are

@@ -179,6 +179,16 @@ impl Motor {
         }
     }
 
+    /// Whether its force depends on the speed of its coordinate.
+    pub fn has_damping(&self) -> bool {
+        match &self.law {
+            MotorLaw::Pd { damping, .. } => *damping != 0.0,
+            MotorLaw::Formula(formula) => formula.uses(SPEED),
+            MotorLaw::Table { over, .. } => *over == Over::Speed,
+            MotorLaw::Constant(_) => false,
+        }
+    }
+
     /// The potential (J) of its force at rest at t = 0, where it has one: statics goes down it.
     pub fn potential(&self, q: f64) -> f64 {
         let MotorLaw::Pd { target, stiffness, damping, force } = &self.law else {

@@ -4,6 +4,7 @@ mod cascade;
 mod crowns;
 mod falling;
 mod far;
+mod fed;
 mod inverse;
 mod limits;
 mod long_loops;

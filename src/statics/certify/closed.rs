@@ -205,6 +205,7 @@ fn classify(
     if conservative && !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
+    let unstable = damped::runaway(&damped, unstable);
     let verdict = verdict(unstable, neutral);
     Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped }
 }

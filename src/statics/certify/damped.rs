@@ -155,6 +155,15 @@ fn sort(modes: &mut [DampedMode]) {
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz).then(a.decay_rate.total_cmp(&b.decay_rate)));
 }
 
+/// Motions that grow faster than this part of their `|s|` run away: what is less is the round-off of a double root.
+const GROWS: f64 = 1e-6;
+
+/// How many motions run away: at least those along which the stiffness is negative, more if something feeds them, as a motor that
+/// pushes with the speed does.
+pub(in crate::statics) fn runaway(damped: &[DampedMode], unstable: usize) -> usize {
+    damped.iter().filter(|mode| mode.damping_ratio < -GROWS).count().max(unstable)
+}
+
 /// Growth rates of the damped motion for the modes that run away.
 pub(in crate::statics) fn grow(modes: &mut [Mode], damped: &[DampedMode], unstable: usize) {
     let mut rates: Vec<f64> = damped.iter().map(|mode| -mode.decay_rate).collect();

@@ -133,10 +133,7 @@ fn round_off_note(place: &Place) -> Option<String> {
             "the residual, {relative:.1e} of the forces, is round-off: no Newton step halves it. With lengths this large, or loops \
              this close to taut, forces are known to {known:.1e} at best"
         ),
-        false => {
-            "no force here is above round-off, and so is the residual"
-                .to_owned()
-        }
+        false => "no force here is above round-off, and so is the residual".to_owned(),
     };
     (relative > BALANCED).then_some(what)
 }

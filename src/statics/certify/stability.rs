@@ -108,6 +108,7 @@ pub(in crate::statics) fn classify(
     if conservative && !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
+    let unstable = damped::runaway(&damped, unstable);
     let verdict = verdict(unstable, neutral);
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
@@ -137,6 +138,7 @@ pub(in crate::statics) fn classify_by_sweeps(
     if !damped.is_empty() {
         damped::grow(&mut modes, &damped, unstable);
     }
+    let unstable = damped::runaway(&damped, unstable);
     let verdict = verdict(unstable, neutral);
     Ok(Stability { verdict, unstable_directions: unstable, neutral_directions: neutral, modes, damped })
 }
