@@ -189,6 +189,16 @@ impl Motor {
         }
     }
 
+    /// Its force at rest at t = 0 where that is the same at every place of its coordinate (N or N m).
+    pub fn constant(&self) -> Option<f64> {
+        let follows = match &self.law {
+            MotorLaw::Formula(formula) => formula.uses(COORDINATE),
+            MotorLaw::Pd { stiffness, .. } => *stiffness != 0.0,
+            MotorLaw::Constant(_) | MotorLaw::Table { .. } => false,
+        };
+        (!follows).then(|| self.at(0.0, 0.0, 0.0).force)
+    }
+
     /// The potential (J) of its force at rest at t = 0, where it has one: statics goes down it.
     pub fn potential(&self, q: f64) -> f64 {
         let MotorLaw::Pd { target, stiffness, damping, force } = &self.law else {

@@ -11,6 +11,7 @@ mod split;
 mod stiffness;
 mod ties;
 
+use super::certify::falling::{Fall, falling};
 use super::watch::Watch;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
@@ -170,6 +171,12 @@ impl<'s> Landscape<'s> {
     /// What makes work of the force in a free coordinate: the scene's length for a distance, 1 for an angle.
     fn lever(&self, row: usize) -> f64 {
         if self.slides[self.free[row]] { self.length } else { 1.0 }
+    }
+
+    /// A motion from `q` along which the potential falls for ever.
+    pub(in crate::statics) fn falling(&mut self, q: &[f64]) -> Option<Fall> {
+        let model = Arc::clone(self.model());
+        falling(&model, self.system.at(0.0, q, &self.rest).motion())
     }
 
     /// What one factorization works: links of a sweep, entries of a matrix.

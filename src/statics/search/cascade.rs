@@ -17,6 +17,7 @@ use crate::model::Model;
 use crate::model::problem::number;
 use crate::statics::baseline::{lagrange, relaxation};
 use crate::statics::certify::closed;
+use crate::statics::certify::falling::Fall;
 use crate::statics::certify::stability::{MOST_DENSE, Verdict, classify};
 use crate::statics::effort::{Effort, Iteration, Stage};
 use crate::statics::problem::Landscape;
@@ -251,10 +252,13 @@ impl<'c, 's> Cascade<'c, 's> {
         }
         if outcome.fell {
             let drop = number(potential - self.landscape.potential(&outcome.place.q));
-            self.notes.push(format!(
-                "the potential falls without end: the search gave up {drop} J below the guess, there is no equilibrium \
-                 downhill of it"
-            ));
+            let known = outcome.fall.as_ref().map(Fall::note);
+            self.notes.push(known.unwrap_or_else(|| {
+                format!(
+                    "the potential falls without end: the search gave up {drop} J below the guess, there is no equilibrium \
+                     downhill of it"
+                )
+            }));
         }
         self.ended(if shifted { "trust region" } else { "newton" }, &outcome.place, None);
         Ok((outcome.place, outcome.fell))

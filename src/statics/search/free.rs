@@ -37,11 +37,13 @@ pub(in crate::statics) fn search_free(
                 "the search ran away, beyond all lengths of the scene: balance there would be round-off".to_owned(),
             );
         }
+        let fall = landscape.falling(&place.q).map(|fall| fall.note());
         if effort.fell || landscape.is_far(&place.q) {
             place = guess;
         }
         let ended = watch.note(effort.stage, place.residual().0);
-        notes.push(ended.unwrap_or_else(|| unbalanced(&mut landscape, &place)));
+        notes.retain(|note| Some(note) != fall.as_ref());
+        notes.push(ended.or(fall).unwrap_or_else(|| unbalanced(&mut landscape, &place)));
     }
     let trail = landscape.trail.take().unwrap_or_default();
     Ok((certify(landscape, settings, place, effort, history, notes)?, trail))

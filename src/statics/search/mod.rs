@@ -20,8 +20,7 @@ mod trust_region;
 mod turns;
 
 use super::certify::equilibrium::{Equilibrium, certify};
-use super::certify::unbalanced::unbalanced;
-use super::certify::unheld::{self, Unheld};
+use super::certify::falling::falling;
 use super::certify::{bearing, weak};
 use super::effort::Effort;
 use super::problem::Landscape;
@@ -30,7 +29,6 @@ use super::settings::{Method, Settings};
 use super::watch::Watch;
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
-use crate::model::problem::number;
 use free::search_free;
 use std::sync::Arc;
 
@@ -121,26 +119,16 @@ fn search(
     Ok((found, trail.unwrap_or_default()))
 }
 
-/// What is told at once of a scene with a constant force that nothing feels: the cascade would follow it without end. `None` for
+/// What is told at once of a scene that falls for ever wherever it is: the cascade would follow it without end. `None` for
 /// others.
 fn unresting(model: &Arc<Model>, settings: &Settings, start: &[f64]) -> Result<Option<Equilibrium>, Fault> {
-    let held = || (settings.method == Method::Auto).then(|| unheld::unheld(model)).flatten();
-    let Some(Unheld { body, force }) = held() else { return Ok(None) };
     let mut system = System::new(model);
+    let rest = vec![0.0; model.velocity_count()];
+    let falls = || falling(model, system.at(0.0, start, &rest).motion()).filter(|fall| fall.everywhere);
+    let Some(fall) = (settings.method == Method::Auto).then(falls).flatten() else { return Ok(None) };
     let mut landscape = Landscape::new(&mut system, start)?;
     let place = Place::at(&mut landscape, start.to_vec())?;
-    if place.is_balanced() {
-        return Ok(None);
-    }
-    let (size, along) = (number(force.norm()), force.normalize());
-    let notes = vec![
-        unbalanced(&mut landscape, &place),
-        format!(
-            "no position is an equilibrium: {size} N along [{:.3}, {:.3}, {:.3}] move `{body}` and what hangs together with it \
-             wherever it is, and no hinge, force or loop holds it in that direction",
-            along.x, along.y, along.z
-        ),
-    ];
+    let notes = vec![fall.note()];
     certify(landscape, settings, place, Effort { stage: "start", ..Effort::default() }, Vec::new(), notes).map(Some)
 }
 

@@ -19,6 +19,7 @@
 use super::saddle::{WayOut, downhill, way_out};
 use crate::dynamics::Fault;
 use crate::statics::certify::cone;
+use crate::statics::certify::falling::Fall;
 use crate::statics::effort::Iteration;
 use crate::statics::problem::place::{BALANCED, Place};
 use crate::statics::problem::{FAR, Landscape};
@@ -31,7 +32,7 @@ const MOST_WORK: usize = 16_000_000;
 /// Even so, as many as this, and sweeps.
 const LEAST_ITERATIONS: [usize; 2] = [400, 4000];
 const LEAST_SWEEPS: usize = 4_000_000;
-/// A search of more steps goes along a valley that bends.
+/// A search of more steps goes along a valley that bends, or falls for ever: after every so many steps it is asked whether it does.
 const BENT: usize = 40;
 /// Inverse iterations for the lowest mode in the hard case, at a shift within a thousandth of its curvature.
 const LOWEST: usize = 4;
@@ -56,6 +57,8 @@ pub(in crate::statics) struct Outcome {
     pub left: Vec<Vec<usize>>,
     /// Whether the potential fell without end.
     pub fell: bool,
+    /// The motion along which it does, where one is known.
+    pub fall: Option<Fall>,
     /// Whether a step needed a shift: else the whole search was Newton's.
     pub shifted: bool,
 }
@@ -86,7 +89,7 @@ pub(in crate::statics) fn run(
     // A scene that has moved so many of its lengths downhill, or of the guess's distance from where its springs are relaxed, has
     // no equilibrium.
     let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
-    let outcome = Outcome { place, left: Vec::new(), fell: false, shifted: false };
+    let outcome = Outcome { place, left: Vec::new(), fell: false, fall: None, shifted: false };
     let mut search = Search { landscape, radius, first_radius: radius, potential, shift: 0.0, bent: false, outcome };
     let mut travelled = 0.0;
     let mut progress = Progress { first: None, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
@@ -101,6 +104,13 @@ pub(in crate::statics) fn run(
             search.outcome.place = place;
         }
         search.bent = iteration >= BENT;
+        if iteration % BENT == BENT - 1 || travelled > far {
+            search.outcome.fall = search.landscape.falling(&search.outcome.place.q);
+        }
+        if travelled > far || search.outcome.fall.is_some() {
+            search.outcome.fell = true;
+            break;
+        }
         if search.outcome.place.is_balanced() {
             if !(search.leave_saddle(history)? || search.leave_stops(history)?) {
                 break;
@@ -111,10 +121,6 @@ pub(in crate::statics) fn run(
         travelled += step;
         progress.least = progress.least.min(search.outcome.place.residual().0);
         if iteration % WINDOW == WINDOW - 1 && !progress.goes_on(search.potential) {
-            break;
-        }
-        if travelled > far {
-            search.outcome.fell = true;
             break;
         }
     }
