@@ -17,6 +17,8 @@ const MOST_LINES: usize = 8;
 const MOST_IDLE: usize = 3;
 /// What is left of a sum of numbers of size one that should cancel.
 const ROUND_OFF: f64 = 1e-12;
+/// Below this tolerance the share of a step is no longer a three-hundredth of it.
+const FLOOR: f64 = 2.7e-11;
 /// A smaller part of critical damping is round-off.
 const UNDAMPED: f64 = 1e-10;
 
@@ -389,9 +391,14 @@ pub(super) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
     if counters.error_sum > summary.tolerance {
         let _ = writeln!(
             out,
-            "  accuracy     the errors of these steps add up to {} at most, above the tolerance of {:.0e}; rounding to {}",
+            "  accuracy     the errors of {} steps add up to {} at most, above the tolerance of {:.0e}: {}; rounding adds {}",
+            counters.steps,
             small(counters.error_sum),
             summary.tolerance,
+            match summary.tolerance < FLOOR {
+                true => "no step is held to less than 9e-14",
+                false => "a tighter one brings them down",
+            },
             small(rounding)
         );
     }

@@ -2,6 +2,7 @@
 
 mod adaptive;
 mod failures;
+mod long;
 mod mechanisms;
 mod order;
 mod problems;

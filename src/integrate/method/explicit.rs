@@ -25,6 +25,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{combine, require_finite, state_rate, weighted_sum},
+    step::reach::Reach,
     step::start::Begun,
 };
 
@@ -33,6 +34,9 @@ const SMALLEST_SHARE: f64 = 1.0 / 300.0;
 /// Steps at the edge that make a system stiff, and quiet ones that clear it.
 const STIFF_STEPS: u32 = 15;
 const QUIET_STEPS: u32 = 6;
+/// What is told of the error of a step is the part `10 h|λ|` of its estimate: that is the error of a rule of one order less, and
+/// ten leaves room for its constant.
+const ROOM: f64 = 10.0;
 pub(crate) const ADVICE: &str =
     "beyond the stability limit of an explicit method numbers grow without bound: shorten the step, or try sdirk4";
 
@@ -78,6 +82,7 @@ pub(crate) struct Explicit {
     control: Controller,
     norm: ErrorNorm,
     edge: Edge,
+    reach: Reach,
 }
 
 /// How often the step was at the edge of stability.
@@ -123,6 +128,7 @@ impl Explicit {
             spare: progress.state.clone(),
             accepted: false,
             edge: Edge::default(),
+            reach: Reach::default(),
             pair,
             norm,
             rates,
@@ -214,7 +220,8 @@ impl Explicit {
         let Progress { state, dense, statistics, .. } = &mut self.progress;
         dense.hermite(trial.step, [state, &self.next], [&self.rates[0], &self.rates[self.pair.last]]);
         self.control.accept(trial, error, statistics.steps == 0);
-        statistics.error_sum += error * self.norm.tolerance();
+        self.reach.see(&self.norm, [state, &self.next], [&self.rates[0], &self.rates[self.pair.last]]);
+        statistics.error_sum += error * self.norm.tolerance() * (ROOM * self.reach.of(trial.step)).min(1.0);
         self.edge.accept(self.pair.edge);
         self.progress.advance(trial.time, &mut self.next);
         self.accepted = true;

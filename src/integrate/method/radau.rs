@@ -23,6 +23,14 @@
 //! tolerance while the ends of steps are better: so much better that the errors of all steps add up to less than the
 //! tolerance, and every step is allowed the whole of it, not a share (`norm.rs`). The last stage of a step is the first rate of the next.
 //!
+//! The error of the end itself, where the solution behaves like `exp(λt)`, is the part
+//!
+//! ```text
+//! (3)  s! / ((2s)! κ) · (h|λ|)^{s−1}
+//! ```
+//!
+//! of (2), with `|λ|` of `reach.rs`. Its sum over all steps is told, not asked for.
+//!
 //! **Between the ends**: the polynomial itself, error `O(h^{s+1})`.
 //!
 //! **Why this method and not another** (`stillpoint precision` on a stiff chain, at an error of 10⁻⁹): singly diagonal
@@ -47,9 +55,12 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{settle, state_rate},
+    step::reach::Reach,
     step::start::Begun,
 };
 
+/// Room for what equation (3) leaves out: the motion has more than one rate.
+const ROOM: f64 = 10.0;
 /// At a tolerance of 10⁻¹⁰. A larger part left spoils the prediction of the next stages, and three times as much leaves
 /// 2·10⁻⁸ of Kapitza's pendulum (`docs/hard_cases.md`). At tolerances close to rounding the iteration may stall earlier.
 const ACCURACY: Accuracy = Accuracy { left: 0.001, stalled: 0.1, least_contraction: 0.1 };
@@ -74,6 +85,7 @@ pub struct Radau {
     /// `κ ℓ_i(0)`, and `κ`.
     at_start: Vec<f64>,
     estimate: f64,
+    reach: Reach,
     /// `k_0`: `(N(q) v, a)` at the start of the step.
     rate: Vec<f64>,
     /// State at the end of the step tried.
@@ -128,6 +140,7 @@ impl Radau {
             control: Controller::new(options, estimate_order, step, &progress, ADVICE).holding_below(HOLD_BELOW),
             at_start: (0..stages).map(|j| estimate * method.lagrange(j, 0.0)).collect(),
             estimate,
+            reach: Reach::default(),
             stages: Stages::new(problem, method, solution, &rate),
             next: rate.clone(),
             error: rate.clone(),
@@ -138,6 +151,14 @@ impl Radau {
             norm,
             progress,
         })
+    }
+
+    /// The part of the estimate that the error of the end is, eq. (3), with room; at most all of it.
+    fn end(&self, step: f64) -> f64 {
+        let s = self.at_start.len();
+        let factorials: f64 = (s + 1..=2 * s).map(|k| k as f64).product();
+        let reach = self.reach.of(step).powi(s as i32 - 1);
+        (ROOM * reach / (factorials * self.estimate)).min(1.0)
     }
 
     /// The norm of (2), filtered.
@@ -178,6 +199,9 @@ impl Implicit for Radau {
     }
 
     fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit> {
+        let rates = [&self.rate[..], &self.stages.rates[self.at_start.len() - 1]];
+        self.reach.see(&self.norm, [&self.progress.state, &self.next], rates);
+        self.progress.statistics.error_sum += error * self.norm.tolerance() * self.end(trial.step);
         let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
         if settle(problem, trial.time, &mut self.next, *position_count)? {
             state_rate(problem, trial.time, &self.next, &mut self.rate, statistics)?;

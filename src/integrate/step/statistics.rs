@@ -21,9 +21,9 @@ pub struct Statistics {
     pub smallest_step: f64,
     /// Longest accepted step in s; 0 before the first step.
     pub largest_step: f64,
-    /// Sum of the error estimates of accepted steps, in parts of the state: what they may add up to, which the tolerance of a
-    /// run bounds only for as many steps as there are smallest shares in it. 0 for fixed steps and for Radau methods, whose
-    /// steps end far better than they are estimated.
+    /// Sum of what the errors of accepted steps are estimated at, in parts of the state: what they may add up to, which the
+    /// tolerance of a run bounds only for as many steps as there are smallest shares in it. Where a step ends better than its
+    /// estimate, by an order or more, this is heeded. 0 for fixed steps.
     pub error_sum: f64,
 }
 
