@@ -52,6 +52,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    simulate::check(&model)?;
     // A file without velocities is a start at rest, and the method is chosen for that.
     let moves = model.start_velocity.iter().any(|v| *v != 0.0);
     if arguments.start.is_some() {

@@ -56,6 +56,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    if let Some(why) = arguments.ignored().filter(|_| standing::is_for(&model)) {
+        anyhow::bail!(
+            "{}: `{why}` knows neither contact nor dry friction: leave it out, or take them out",
+            scenario.name
+        );
+    }
     if let Some(name) = &arguments.method {
         let named = Method::ALL.into_iter().find(|method| method.name() == name);
         scenario.statics.method = named.unwrap_or_default();
@@ -121,6 +127,14 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         (false, true) => Exit::Interrupted,
         (false, false) => Exit::No,
     })
+}
+
+impl Arguments {
+    /// What asks for methods that search without contact and dry friction.
+    fn ignored(&self) -> Option<&'static str> {
+        let method = self.method.as_ref().map(|_| "--method");
+        if self.compare { Some("--compare") } else { method }
+    }
 }
 
 /// The equilibrium and the time it took. Where inputs are unknown, scene and model get those that were found.

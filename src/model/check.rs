@@ -2,6 +2,7 @@
 
 use super::description::{BodyDescription, Description, ForceDescription, GROUND, HingeKind, MassProperties, Point};
 use super::problem::{Element, Problem, number};
+use crate::budget::LARGEST;
 use crate::force::{Describe, Report};
 use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
 
@@ -59,16 +60,18 @@ fn check_body(found: &mut Findings, index: usize, body: &BodyDescription, unphys
 }
 
 fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassProperties, unphysical: bool) {
-    if !mass.mass.is_finite() || mass.mass < 0.0 {
-        found.add(element, "mass", format!("the mass of `{name}` is {}", mass.mass), "allowed: a finite number ≥ 0 kg");
+    if !within(mass.mass) || mass.mass < 0.0 {
+        let help = format!("allowed: ≥ 0 kg, up to {LARGEST:e}");
+        found.add(element, "mass", format!("the mass of `{name}` is {}", mass.mass), &help);
         return;
     }
     if !finite(&mass.center) {
         let message = format!("the centre of mass of `{name}` is {}", list(&mass.center));
         found.add(element, "center", message, "give finite coordinates in m");
     }
-    if !mass.inertia.iter().all(|x| x.is_finite()) {
-        found.add(element, "inertia", format!("the inertia of `{name}` is not finite"), "give finite kg m²");
+    if !mass.inertia.iter().all(|x| within(*x)) {
+        let help = format!("give kg m² up to {LARGEST:e}");
+        found.add(element, "inertia", format!("the inertia of `{name}` is not finite, or too large"), &help);
         return;
     }
     if (mass.inertia - mass.inertia.transpose()).amax() > TRIANGLE_SLACK * mass.inertia.amax() {
@@ -128,9 +131,10 @@ fn check_hinge(found: &mut Findings, element: Element, body: &BodyDescription) {
                 values.len()
             );
             found.add(element, &path, message, "");
-        } else if let Some(bad) = values.iter().find(|x| !x.is_finite() || **x < least) {
-            let allowed = if least == 0.0 { "allowed: finite numbers ≥ 0" } else { "allowed: finite numbers" };
-            found.add(element, &path, format!("`{field}` of the hinge of `{name}` is {bad}"), allowed);
+        } else if let Some(bad) = values.iter().find(|x| !within(**x) || **x < least) {
+            let allowed = if least == 0.0 { "finite numbers ≥ 0" } else { "finite numbers" };
+            let help = format!("allowed: {allowed}, up to {LARGEST:e} in size");
+            found.add(element, &path, format!("`{field}` of the hinge of `{name}` is {bad}"), &help);
         } else if matches!(field, "position" | "rest") {
             check_quaternion(found, element, name, &path, &hinge.kind, values);
         }
@@ -158,7 +162,12 @@ fn is_turn(frame: &UnitQuaternion<f64>) -> bool {
 }
 
 fn finite(v: &Vector3<f64>) -> bool {
-    v.iter().all(|x| x.is_finite())
+    v.iter().all(|x| within(*x))
+}
+
+/// Whether squares and products of a number stay finite.
+fn within(x: f64) -> bool {
+    x.abs() <= LARGEST
 }
 
 fn list(v: &Vector3<f64>) -> String {

@@ -5,6 +5,7 @@ use super::fields::{Kind, Range, Table, listed};
 use super::findings::{Finding, Findings};
 use super::naming::{Element, Item, found, written};
 use super::reader::number;
+use crate::budget::LARGEST;
 use crate::suggest::closest;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -170,6 +171,16 @@ impl Check<'_> {
             self.findings.push_value(Finding::error(value.span(), message));
             return;
         };
+        if number.abs() > LARGEST {
+            let allowed = range.allowed(item.key.unit);
+            let message = format!(
+                "{} is {}, allowed: {allowed}, up to {LARGEST:e} in size",
+                item.subject(),
+                written(value.get_ref())
+            );
+            self.findings.push_value(Finding::error(value.span(), message).help("products of larger numbers overflow"));
+            return;
+        }
         if !range.contains(number) {
             let allowed = range.allowed(item.key.unit);
             let message = format!("{} is {}, allowed: {allowed}", item.subject(), written(value.get_ref()));

@@ -1,8 +1,11 @@
 //! `[[contact]]`, and `friction` wherever it stands.
 
+use super::findings::Finding;
 use super::reader::{Reader, Value, number};
 use crate::model::StopLaw;
-use crate::model::description::{ContactDescription, DryFriction};
+use crate::model::contact::fits;
+use crate::model::description::{BodyDescription, ContactDescription, Description, DryFriction};
+use std::collections::HashMap;
 
 /// Reads a `[[contact]]`; `None` where too little of it is readable.
 pub(super) fn contact(table: &Reader<'_>, index: usize) -> Option<ContactDescription> {
@@ -16,6 +19,51 @@ pub(super) fn contact(table: &Reader<'_>, index: usize) -> Option<ContactDescrip
         friction: friction.unwrap_or(DryFriction::new(0.0)),
         law: StopLaw::Rigid { restitution: table.number("restitution").unwrap_or(0.0) },
     })
+}
+
+/// Pairs that are named in a warning.
+const MOST_NAMED: usize = 3;
+
+/// Warns of bodies that a pattern fits and that do not touch because one hangs on the other.
+pub(super) fn check_neighbours(scenario: &Reader<'_>, description: &Description) {
+    let index: HashMap<&str, &BodyDescription> =
+        description.bodies.iter().map(|body| (body.name.as_str(), body)).collect();
+    let solid = |body: &BodyDescription| body.shapes.iter().any(|shape| shape.collides);
+    let named = |pair: [&str; 2]| {
+        let is = |one: &[String; 2]| one[0] == pair[0] && one[1] == pair[1] || one[0] == pair[1] && one[1] == pair[0];
+        description.contacts.iter().any(|contact| is(&contact.between))
+    };
+    let tables = scenario.tables("contact");
+    for (table, contact) in tables.iter().zip(&description.contacts) {
+        let [one, other] = &contact.between;
+        // Everything with everything means what can come together.
+        if !(one.contains('*') || other.contains('*')) || one == "*" && other == "*" {
+            continue;
+        }
+        let left_out = |body: &BodyDescription| {
+            let parent = *index.get(body.hinge.parent.as_str())?;
+            let fit = |a: &BodyDescription, b: &BodyDescription| fits(one, &a.name) && fits(other, &b.name);
+            let both = fit(body, parent) || fit(parent, body);
+            let silent = both && solid(body) && solid(parent) && !named([&body.name, &parent.name]);
+            silent.then(|| format!("`{}` and `{}`", parent.name, body.name))
+        };
+        let pairs: Vec<String> = description.bodies.iter().filter_map(left_out).collect();
+        if pairs.is_empty() {
+            continue;
+        }
+        let more = if pairs.len() > MOST_NAMED {
+            format!(", and {} more pairs", pairs.len() - MOST_NAMED)
+        } else {
+            String::new()
+        };
+        let message = format!(
+            "contact `{}` leaves out {}{more}: a pattern does not join a body and the one that it hangs on",
+            contact.name,
+            pairs[..pairs.len().min(MOST_NAMED)].join(", ")
+        );
+        let help = "a `[[contact]]` with both names joins them";
+        scenario.findings.push(Finding::warning(table.span_of("between"), message).help(help));
+    }
 }
 
 /// One number, or one at rest and one in motion.

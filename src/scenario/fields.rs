@@ -3,6 +3,8 @@
 //! The declarations themselves are in [`format`](mod@super::format). Everything that knows the format reads them: the
 //! check, the JSON Schema and whoever prints a reference.
 
+use crate::budget::LARGEST;
+
 /// One table of the format.
 #[derive(Debug)]
 pub struct Table {
@@ -81,7 +83,7 @@ pub enum Range {
 impl Range {
     /// Whether the number is allowed.
     pub fn contains(&self, number: f64) -> bool {
-        number.is_finite()
+        number.abs() <= LARGEST
             && match *self {
                 Self::Any => true,
                 Self::AtLeast(low) => number >= low,

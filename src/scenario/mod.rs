@@ -246,6 +246,8 @@ fn read(
     let path = path::read(&whole, &description, numbers);
     let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));
     settings::check_samples(&whole, &simulate, &record);
+    settings::check_supports(&whole, &description);
+    contact::check_neighbours(&whole, &description);
     Scenario {
         name: name.to_owned(),
         text: String::new(),

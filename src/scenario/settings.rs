@@ -2,6 +2,7 @@
 
 use super::findings::Finding;
 use super::reader::Reader;
+use crate::model::description::{BodyDescription, Description};
 use crate::simulate::settings::{Integrator, Settings as Simulate, Start};
 use crate::statics::settings::{Method, Settings as Statics, Want};
 
@@ -38,6 +39,31 @@ pub(super) fn statics(scenario: &Reader<'_>) -> Statics {
     settings.gap = table.number("gap").unwrap_or(settings.gap);
     settings.time_limit = table.number("time_limit").unwrap_or(settings.time_limit);
     settings
+}
+
+/// What `[statics]` asks of scenes with contact or dry friction alone, and what knows neither.
+pub(super) fn check_supports(scenario: &Reader<'_>, description: &Description) {
+    let Some(table) = scenario.table("statics") else { return };
+    let rubs = |body: &BodyDescription| body.hinge.friction.iter().any(|friction| friction.stick > 0.0);
+    let refuse = |key: &str, message: &str, help: &str| {
+        table.findings.push(Finding::error(table.key_span(key), message.to_owned()).help(help));
+    };
+    if description.contacts.is_empty() && !description.bodies.iter().any(rubs) {
+        if table.has("margin") {
+            let message =
+                "`margin` asks what may move while contact or dry friction holds the pose: the scene has neither";
+            refuse("margin", message, "add `[[contact]]`, or `friction` to a hinge; or leave `margin` out");
+        }
+        return;
+    }
+    if table.has("path") {
+        let message = "`statics.path` knows neither contact nor dry friction, and the scene has them";
+        refuse("path", message, "leave `path` out, or take contact and friction out");
+    }
+    if table.text("method").is_some_and(|method| method != Method::Auto.name()) {
+        let message = "this method of statics knows neither contact nor dry friction, and the scene has them";
+        refuse("method", message, "leave `method` out, or take contact and friction out");
+    }
 }
 
 pub(super) fn record(scenario: &Reader<'_>) -> crate::record::Settings {

@@ -29,6 +29,6 @@ mod timetable;
 pub mod verify;
 
 pub use error::RunError;
-pub use run::{State, Summary, run};
+pub use run::{State, Summary, check, run};
 pub use scene::scene;
 pub use settings::{Integrator, Settings, Start};

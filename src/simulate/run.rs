@@ -109,7 +109,7 @@ pub(super) fn run_with(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
     search: Search,
 ) -> Result<Summary, RunError> {
-    refuse_contact(model)?;
+    check(model)?;
     let mut motion = Motion::new(model);
     let mut state = start.clone();
     motion
@@ -155,8 +155,11 @@ pub(super) fn run_with(
     Ok(run.summary(&mut motion, settings, end_time, before.kinetic + before.potential))
 }
 
-/// What would be left out in silence.
-fn refuse_contact(model: &Model) -> Result<(), RunError> {
+/// Whether runs have everything that a scene has.
+///
+/// # Errors
+/// [`RunError::Contact`], which would be left out.
+pub fn check(model: &Model) -> Result<(), RunError> {
     match model.contacts.first() {
         Some(rule) => Err(RunError::Contact { name: rule.name.clone() }),
         None => Ok(()),

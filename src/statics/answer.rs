@@ -26,7 +26,7 @@ pub fn answer(
 ) -> Result<Held, Unanswered> {
     if !unknown.is_empty() {
         let held = hold(&description, unknown, &model.start_position, settings)?;
-        return standing::inputs(held, &model, unknown, settings, margin);
+        return standing::inputs(&description, held, &model, unknown, settings, margin);
     }
     let search = || equilibrium_while(&model, settings, &model.start_position, go_on);
     let found = match standing::is_for(&model) {

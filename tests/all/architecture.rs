@@ -20,14 +20,16 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("formula", &["quantity", "suggest"]),
     ("force", &["spatial"]),
     ("hinge", &[]),
-    ("model", &["force", "formula", "hinge", "pages", "spatial", "suggest"]),
+    // `budget` for the largest number.
+    ("model", &["budget", "force", "formula", "hinge", "pages", "spatial", "suggest"]),
     ("motion", &["model", "pages", "spatial"]),
     ("transfer", &["model", "motion", "pages", "spatial"]),
     ("contact", &[]),
     ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
     ("dynamics", &["model", "motion", "force", "transfer", "constraint", "spatial"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
-    ("statics", &["contact", "model", "motion", "force", "constraint", "dynamics", "transfer", "spatial"]),
+    // `hinge` for what loops lock.
+    ("statics", &["contact", "hinge", "model", "motion", "force", "constraint", "dynamics", "transfer", "spatial"]),
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
     ("simulate", &["force", "hinge", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
     // `model` for the mass properties of solids.

@@ -8,6 +8,9 @@ use mcap::records::{ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::io::{self, Cursor, Read};
 
+/// What messages call the parser.
+const PARSER: &str = "the reader of MCAP files";
+
 /// Reads records one after the other, holding one chunk in memory at most.
 pub(super) struct Records<R> {
     file: Reader<R>,
@@ -103,17 +106,31 @@ fn unpacked(packed: u64) -> u64 {
     packed.saturating_mul(budget::UNPACKED_RATIO).saturating_add(budget::UNPACKED_BYTES)
 }
 
-/// Calls `take` with the records of a chunk. It may have been called when the chunk turns out to be damaged.
-pub(super) fn each_of_chunk(
-    header: &ChunkHeader,
-    data: &[u8],
-    take: &mut dyn FnMut(Record<'static>),
-) -> Result<(), String> {
-    let mut records = Reader::of_chunk(header, data);
-    while let Some(record) = records.next() {
-        take(record.map_err(Stop::within_chunk)?);
-    }
-    Ok(())
+/// Calls `take` with the records of a chunk, as they lie in it. It may have been called when the chunk turns out to be damaged.
+pub(super) fn each_of_chunk(header: &ChunkHeader, data: &[u8], take: &mut dyn FnMut(Record<'_>)) -> Result<(), String> {
+    let Reader { mut source, mut reader, .. } = Reader::of_chunk(header, data);
+    let damaged = |error: McapError| stop(error).within_chunk();
+    let each = || {
+        while let Some(event) = reader.next_event() {
+            match event.map_err(damaged)? {
+                LinearReadEvent::ReadRequest(need) => {
+                    let count = read(&mut source, reader.insert(need)).map_err(|error| error.to_string())?;
+                    reader.notify_read(count);
+                }
+                LinearReadEvent::Record { data, opcode } if fits(opcode, data) => {
+                    take(mcap::parse_record(opcode, data).map_err(damaged)?);
+                }
+                LinearReadEvent::Record { opcode, .. } => return Err(unfit(opcode)),
+            }
+        }
+        Ok(())
+    };
+    foreign::parse(PARSER, each).unwrap_or_else(Err)
+}
+
+/// What a record says that is too short for its parts.
+fn unfit(opcode: u8) -> String {
+    format!("a record of kind {opcode:#04x} is shorter than what it says of its parts")
 }
 
 impl Stop {
@@ -182,7 +199,7 @@ impl<R: Read> Reader<R> {
 
     fn next(&mut self) -> Option<Result<Record<'static>, Stop>> {
         while !self.over {
-            let step = foreign::parse("the reader of MCAP files", || step(&mut self.reader));
+            let step = foreign::parse(PARSER, || step(&mut self.reader));
             let ended = match step {
                 Ok(Step::Read(need)) => match read(&mut self.source, self.reader.insert(need)) {
                     Ok(count) => {
@@ -197,10 +214,7 @@ impl<R: Read> Reader<R> {
                 }
                 Ok(Step::Over) => None,
                 Ok(Step::Failed(error)) => Some(Err(stop(error))),
-                Ok(Step::Unfit(opcode)) => {
-                    let what = format!("a record of kind {opcode:#04x} is shorter than what it says of its parts");
-                    Some(Err(Stop::Damaged(what)))
-                }
+                Ok(Step::Unfit(opcode)) => Some(Err(Stop::Damaged(unfit(opcode)))),
                 Err(panicked) => Some(Err(Stop::Damaged(panicked))),
             };
             self.over = true;

@@ -9,7 +9,6 @@ use crate::record::RecordError;
 use crate::whole_file::{self, WholeFile};
 use mcap::records::{ChunkHeader, MessageHeader, Metadata, Record, op};
 use mcap::{Attachment, McapError, McapResult};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom};
@@ -206,7 +205,7 @@ struct Definitions {
 }
 
 impl Definitions {
-    fn take(&mut self, record: Record) {
+    fn take(&mut self, record: Record<'_>) {
         match record {
             Record::Schema { header, data } => {
                 self.schemas.entry(header.id).or_insert_with(|| (header.name, header.encoding, data.into_owned()));
@@ -234,19 +233,19 @@ fn span(header: &ChunkHeader) -> (f64, f64) {
     (header.message_start_time as f64 / 1e9, header.message_end_time as f64 / 1e9)
 }
 
-type Message = (MessageHeader, Cow<'static, [u8]>);
+type Message = (MessageHeader, Vec<u8>);
 
 /// The messages of a chunk, if all of them are intact and make whole samples of the scene.
 fn messages(header: &ChunkHeader, data: &[u8], assembly: &mut Assembly) -> Result<Vec<Message>, String> {
     let mut messages = Vec::new();
     let mut decoded = Ok(());
     assembly.reset();
-    let mut take = |record: Record<'static>| {
+    let mut take = |record: Record<'_>| {
         if let Record::Message { header, data } = record {
             if decoded.is_ok() {
                 decoded = assembly.message(&header, &data).map(drop);
             }
-            messages.push((header, data));
+            messages.push((header, data.into_owned()));
         }
     };
     each_of_chunk(header, data, &mut take)?;

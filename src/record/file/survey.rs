@@ -1,7 +1,7 @@
 //! What is in a recording, counted message by message.
 
 use super::Recording;
-use super::chunks::{Records, Stop};
+use super::chunks::{Records, Stop, each_of_chunk};
 use super::reader::open;
 use crate::record::RecordError;
 use mcap::records::Record;
@@ -47,47 +47,70 @@ impl Recording {
     pub fn survey(&self) -> Result<Survey, RecordError> {
         let failed = |source| RecordError::Read { path: self.path.clone(), source };
         let (source, bytes) = open(&self.path)?;
-        let mut survey = Survey { bytes, ..Survey::default() };
-        let mut records = Records::contents(source, bytes);
-        let mut schemas: BTreeMap<u16, String> = BTreeMap::new();
-        let mut channels: BTreeMap<u16, ChannelSurvey> = BTreeMap::new();
+        let mut counted = Counted::default();
+        counted.survey.bytes = bytes;
+        let mut records = Records::outline(source, bytes);
         loop {
             match records.next() {
-                Some(Ok(Record::Schema { header, .. })) => {
-                    schemas.insert(header.id, header.name);
-                }
-                Some(Ok(Record::Channel(channel))) => {
-                    // They stand once more in the summary.
-                    channels.entry(channel.id).or_insert_with(|| ChannelSurvey {
-                        topic: channel.topic,
-                        schema: schemas.get(&channel.schema_id).cloned().unwrap_or_default(),
-                        encoding: channel.message_encoding,
-                        fields: channel.metadata,
-                        messages: 0,
-                        span: None,
-                    });
-                }
-                Some(Ok(Record::Message { header, .. })) => {
-                    if let Some(channel) = channels.get_mut(&header.channel_id) {
-                        channel.messages += 1;
-                        let (first, last) = channel.span.unwrap_or((header.log_time, header.log_time));
-                        channel.span = Some((first.min(header.log_time), last.max(header.log_time)));
+                // Its messages are counted as they lie in it.
+                Some(Ok(Record::Chunk { header, data })) => {
+                    if let Err(what) = each_of_chunk(&header, &data, &mut |record| counted.take(record)) {
+                        counted.survey.damage = Some(what);
+                        break;
                     }
                 }
-                Some(Ok(Record::Attachment { header, data, .. })) => {
-                    survey.attachments.push((header.name, header.media_type, data.len()));
-                }
-                Some(Ok(Record::Metadata(metadata))) => survey.metadata.push(metadata.name),
-                Some(Ok(_)) => {}
+                Some(Ok(record)) => counted.take(record),
                 None | Some(Err(Stop::Truncated)) => break,
                 Some(Err(Stop::Damaged(what))) => {
-                    survey.damage = Some(what);
+                    counted.survey.damage = Some(what);
                     break;
                 }
                 Some(Err(Stop::Io(source))) => return Err(failed(source)),
             }
         }
+        let Counted { mut survey, channels, .. } = counted;
         survey.channels = channels.into_values().collect();
         Ok(survey)
+    }
+}
+
+/// What was counted so far.
+#[derive(Default)]
+struct Counted {
+    survey: Survey,
+    schemas: BTreeMap<u16, String>,
+    channels: BTreeMap<u16, ChannelSurvey>,
+}
+
+impl Counted {
+    fn take(&mut self, record: Record<'_>) {
+        match record {
+            Record::Schema { header, .. } => {
+                self.schemas.insert(header.id, header.name);
+            }
+            Record::Channel(channel) => {
+                // They stand once more in the summary.
+                self.channels.entry(channel.id).or_insert_with(|| ChannelSurvey {
+                    topic: channel.topic,
+                    schema: self.schemas.get(&channel.schema_id).cloned().unwrap_or_default(),
+                    encoding: channel.message_encoding,
+                    fields: channel.metadata,
+                    messages: 0,
+                    span: None,
+                });
+            }
+            Record::Message { header, .. } => {
+                if let Some(channel) = self.channels.get_mut(&header.channel_id) {
+                    channel.messages += 1;
+                    let (first, last) = channel.span.unwrap_or((header.log_time, header.log_time));
+                    channel.span = Some((first.min(header.log_time), last.max(header.log_time)));
+                }
+            }
+            Record::Attachment { header, data, .. } => {
+                self.survey.attachments.push((header.name, header.media_type, data.len()));
+            }
+            Record::Metadata(metadata) => self.survey.metadata.push(metadata.name),
+            _ => {}
+        }
     }
 }

@@ -5,6 +5,7 @@ use super::supports::{Bearers, load};
 use super::{Margin, Settings, Unanswered};
 use crate::model::parameter::Field;
 use crate::model::{Description, Model, Parameter, Problem};
+use crate::statics::problem::assembled::Assembled;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -79,10 +80,13 @@ fn direction(
     let mut moved = description.clone();
     let fixed = |why: String| Unanswered::Fixed { address: parameter.address.clone(), why };
     parameter.set(&mut moved, value + step).map_err(fixed)?;
-    let problems = |problems: Vec<Problem>| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
     let model = Model::build(&moved).map_err(|found| fixed(problems(found)))?;
     let changed = load(&model, pose)?;
     Ok(changed.iter().zip(&bearers.load).map(|(changed, load)| (changed - load) / step).collect())
+}
+
+fn problems(problems: Vec<Problem>) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// A horizontal load of `t` times the weight on everything, in the four directions of the inertial axes across gravity.
@@ -106,6 +110,52 @@ fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &Bearers) -> Result<Vec<(Stri
         }
     }
     Ok(found)
+}
+
+/// Part of a range, or of its end where it has one, that a clamped value keeps from the end: at the end itself nothing is spared.
+const SPARED: f64 = 1e-4;
+
+/// The scene and its model with the unknown inputs at their own values, each clamped into the range that those before it leave,
+/// those behind it being free; `None` if no values hold the pose.
+pub(super) fn clamped(
+    description: &Description,
+    model: &Arc<Model>,
+    settings: &Settings,
+    pose: &[f64],
+    unknown: &[Parameter],
+) -> Result<Option<(Description, Arc<Model>)>, Unanswered> {
+    let (_, assembled) = Assembled::of(model.clone()).map_err(Unanswered::Open)?;
+    let at = |changed: &Description| -> Result<Arc<Model>, Unanswered> {
+        let fixed = |found| Unanswered::Open(problems(found));
+        let built = Model::build(changed).map_err(fixed)?;
+        Ok(assembled.apply(built, &mut pose.to_vec()).map_err(Unanswered::Open)?.starting_at(pose))
+    };
+    let (mut changed, mut now) = (description.clone(), at(description)?);
+    for (k, parameter) in unknown.iter().enumerate() {
+        let scene = Scene::new(&now, pose, settings.gap)?;
+        let mut bearers = Bearers::new(&now, pose, &scene)?;
+        for free in &unknown[k + 1..] {
+            let direction = direction(&changed, pose, &bearers, free)?;
+            bearers.free(&direction);
+        }
+        let range = match interval(&changed, pose, &bearers, parameter) {
+            Ok(found) => found.range,
+            Err(Unanswered::Undecided(_)) => return Ok(None),
+            Err(other) => return Err(other),
+        };
+        let value = spared(parameter.value(&changed), range);
+        let fixed = |why: String| Unanswered::Fixed { address: parameter.address.clone(), why };
+        parameter.set(&mut changed, value).map_err(fixed)?;
+        now = at(&changed)?;
+    }
+    Ok(Some((changed, now)))
+}
+
+/// A value clamped into a range, not quite to its ends.
+fn spared(value: f64, [low, high]: [f64; 2]) -> f64 {
+    let width = if (high - low).is_finite() { high - low } else { low.abs().min(high.abs()) };
+    let (low, high) = (low + SPARED * width, high - SPARED * width);
+    if low < high { value.clamp(low, high) } else { 0.5 * (low + high) }
 }
 
 /// The range of every unknown input, the others being free: they are supports that bear whatever they have to.

@@ -230,9 +230,11 @@ pub fn standing(
     })
 }
 
-/// The inputs that hold a pose without friction, and with it the range of each, the others being free.
+/// The inputs that hold a pose without friction, and with it the range of each, the others being free. Where these values are not
+/// within the ranges, as contacts do not pull, or where there are none, the scene's own values clamped into them.
 pub(super) fn inputs(
-    held: Held,
+    description: &Description,
+    mut held: Held,
     model: &Arc<Model>,
     unknown: &[Parameter],
     settings: &Settings,
@@ -242,8 +244,19 @@ pub(super) fn inputs(
         return Ok(held);
     }
     let pose = &model.start_position;
+    let ranges = margins::inputs(&held.description, &held.model, settings, pose, unknown)?;
+    let is_within = |one: &Parameter| {
+        let value = one.value(&held.description);
+        ranges.iter().any(|range| range.name == one.address && (range.range[0]..=range.range[1]).contains(&value))
+    };
+    if !unknown.iter().all(is_within)
+        && let Some(clamped) = margins::clamped(description, &held.model, settings, pose, unknown)?
+    {
+        (held.description, held.model) = clamped;
+        held.found.unknowns = unknown.iter().map(|one| (one.address.clone(), one.value(&held.description))).collect();
+    }
     let mut given = standing(&held.description, &held.model, settings, asked, pose)?;
-    given.margins.inputs = margins::inputs(&held.description, &held.model, settings, pose, unknown)?;
+    given.margins.inputs = ranges;
     let mut found = match given.verdict {
         Verdict::Stands => certificate::certificate(&held.description, &held.model, settings, pose, &given)?,
         _ => held.found.clone(),

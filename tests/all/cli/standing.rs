@@ -184,3 +184,88 @@ fn what_cannot_be_is_refused_with_its_place() {
     let answer = bench.call(&["run", "scene.toml"]);
     assert!(answer.err.contains("runs do not have contact"), "{answer:#?}");
 }
+
+/// A box on a slope that an unknown push holds: without contact no push does, so its own value is clamped into what friction holds.
+#[test]
+fn an_unknown_input_is_within_its_range() {
+    let bench = Bench::new();
+    let mut random = Random::new(8);
+    for _ in 0..20 {
+        let (friction, slope) = (random.between(0.1, 0.5), random.between(0.2, 0.7));
+        let (mass, given) = (random.between(1.0, 30.0), random.between(-400.0, 200.0));
+        let (normal, half) = ([slope.sin(), 0.0, slope.cos()], 0.5 * slope);
+        let text = format!(
+            "[statics]\nunknown = [\"push.force[0]\"]\n[[body]]\nname = \"floor\"\nshape = {{ plane = {normal:?} }}\n\
+             hinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"box\"\nmass = {mass:?}\ninertia = [0.3, 0.3, 0.6]\n\
+             shape = {{ box = [0.6, 0.6, 0.1] }}\nhinge = {{ type = \"free\", position = [{:?}, 0, {:?}, {:?}, 0, {:?}, 0] }}\n\
+             [[contact]]\nbetween = [\"box\", \"floor\"]\nfriction = {friction:?}\n\
+             [[force]]\nname = \"push\"\ntype = \"load\"\non = \"box\"\nforce = [{given:?}, 0, 0]\n",
+            0.05 * normal[0],
+            0.05 * normal[2],
+            half.cos(),
+            half.sin()
+        );
+        let answer = statics(&bench, &text, 0);
+        let value = number(&answer["unknowns"]["push.force[0]"]);
+        // Up the slope against friction, and down it with friction.
+        let [low, high] = [1.0, -1.0].map(|sign| -mass * G * (slope + sign * friction.atan()).tan());
+        // Without contact no push holds the box; where none at all is within the range it may be told as the least.
+        let is = |expected: f64| (value - expected).abs() <= 1e-3 * (high - low);
+        let none = (low..=high).contains(&0.0) && is(0.0);
+        assert!(value >= low && value <= high && (none || is(given.clamp(low, high))), "{text}: {value}");
+        assert_eq!(answer["standing"]["verdict"], "stands", "{text}");
+    }
+}
+
+#[test]
+fn what_knows_no_contact_is_refused_where_it_is_asked() {
+    let bench = Bench::new();
+    let text = on_a_slope([0.6, 0.6, 0.1], 0.5, 0.1, 0.0);
+    bench.write("scene.toml", &text);
+    for flag in [&["--method", "newton"][..], &["--compare"]] {
+        let answer = bench.call(&[&["statics", "scene.toml"], flag].concat()).code(2);
+        assert!(answer.err.contains("neither contact nor dry friction"), "{}", answer.err);
+    }
+    for key in ["method = \"relaxation\"", "path = { parameter = \"gravity[0]\", to = 1.0 }"] {
+        bench.write("other.toml", text.replace("[statics]\n", &format!("[statics]\n{key}\n")));
+        let answer = bench.call(&["check", "other.toml"]).code(2);
+        assert!(answer.err.contains("neither contact nor dry friction") && answer.err.contains("^"), "{}", answer.err);
+    }
+    // Neither is a recording begun.
+    let answer = bench.call(&["run", "scene.toml"]).code(2);
+    assert!(answer.err.contains("runs do not have contact"), "{}", answer.err);
+    assert_eq!(bench.names(), ["other.toml", "scene.toml"]);
+}
+
+#[test]
+fn margins_of_a_scene_without_supports_are_refused() {
+    let bench = Bench::new();
+    bench.write("brick.toml", format!("[statics]\nmargin = [\"tilt\"]\n{}", super::BRICK));
+    let answer = bench.call(&["statics", "brick.toml"]).code(2);
+    assert!(answer.err.contains("`margin` asks") && answer.err.contains("brick.toml:2:1"), "{}", answer.err);
+}
+
+/// Copies of a repeat hang on each other, and a pattern does not join a body and the one that it hangs on.
+#[test]
+fn neighbours_that_a_pattern_leaves_out_are_named() {
+    let bench = Bench::new();
+    let scene = |contacts: &str| {
+        format!(
+            "[[body]]\nname = \"crate\"\nrepeat = 3\nmass = 10\ninertia = [0.3, 0.3, 0.6]\nshape = {{ box = [0.6, 0.6, 0.1] }}\n\
+             hinge = {{ type = \"free\", position = [0, 0, 0.1, 1, 0, 0, 0] }}\n{contacts}"
+        )
+    };
+    let contact = |one: &str, other: &str| format!("[[contact]]\nbetween = [\"{one}\", \"{other}\"]\nfriction = 0.3\n");
+    for (contacts, pairs) in [
+        (contact("crate[*]", "crate[*]"), &["`crate[0]` and `crate[1]`", "`crate[1]` and `crate[2]`"][..]),
+        (contact("crate[*]", "crate[2]"), &["`crate[1]` and `crate[2]`"]),
+        (contact("crate[*]", "crate[*]") + &contact("crate[1]", "crate[0]"), &["`crate[1]` and `crate[2]`"]),
+        (contact("crate[0]", "crate[1]"), &[]),
+        (contact("*", "*"), &[]),
+    ] {
+        bench.write("pile.toml", scene(&contacts));
+        let said = bench.call(&["check", "pile.toml"]).err;
+        assert_eq!(said.matches(" and `crate[").count(), pairs.len(), "{contacts}: {said}");
+        assert!(pairs.iter().all(|pair| said.contains(pair)), "{contacts}: {said}");
+    }
+}

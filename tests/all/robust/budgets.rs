@@ -137,3 +137,29 @@ fn lengths_that_claim_more_than_there_is_are_refused() {
         let _ = recording.recover(&folder.path().join("saved.mcap"));
     }
 }
+
+/// Whatever the number is: masses, lengths, springs, gravity, from a file, a command line or a start.
+#[test]
+fn numbers_whose_products_overflow_are_refused_with_their_name() {
+    let scene = "gravity = [0, 0, -9.81]\n[[body]]\nname = \"rod\"\nmass = 1.5\ncenter = [0.25, 0, 0]\ninertia = [1.25, 1.25, 1.125]\n\
+        hinge = { type = \"revolute\", axis = [0, 1, 0], stiffness = 2.5, damping = 0.5, position = 0.75 }\n\
+        [[force]]\nname = \"tip\"\ntype = \"load\"\non = \"rod\"\nforce = [0, 3.5, 0]\n";
+    parse("rod.toml", scene, &[]).expect("a sound scene");
+    let keys = [("-9.81", "gravity"), ("1.5", "mass"), ("0.25", "center"), ("1.125", "inertia"), ("2.5", "stiffness")];
+    for (number, key) in keys.into_iter().chain([("0.75", "position"), ("3.5", "force")]) {
+        let mut random = Random::new(number.len() as u64);
+        for _ in 0..5 {
+            let exponent = random.between(51.0, 307.0);
+            let large = format!("{:e}", 10_f64.powf(exponent));
+            let said = parse("rod.toml", &scene.replacen(number, &large, 1), &[]).expect_err("too large").to_string();
+            assert!(said.contains(&format!("{:e}", budget::LARGEST)) && said.contains(key), "{key} = {large}: {said}");
+        }
+        let fine = scene.replacen(number, "1e49", 1);
+        assert!(!parse("rod.toml", &fine, &[]).is_err_and(|said| said.to_string().contains("in size")), "{key}");
+    }
+    // From other programs, without a scenario.
+    let mut scenario = parse("rod.toml", scene, &[]).expect("a sound scene");
+    scenario.description.bodies[0].mass.mass = 1e160;
+    let problems = stillpoint::model::Model::build(&scenario.description).expect_err("too large");
+    assert!(problems[0].message.contains("`rod`") && problems[0].message.contains('1'), "{problems:?}");
+}
