@@ -4,6 +4,9 @@
 const STEPS: u64 = 5_000;
 /// A run that would need more steps than this from here on is given up: days, of any scene.
 const MOST: f64 = 1e9;
+/// A run is given up after so many paces in a row at which its end is out of reach: a light body between heavy ones, as they pull it
+/// straight, takes some thousand steps within a nanosecond and goes on.
+const PASSAGE: u32 = 4;
 
 /// The pace of the last steps of a run.
 #[derive(Debug)]
@@ -11,6 +14,8 @@ pub(super) struct Pace {
     steps: u64,
     /// When they began (s).
     since: f64,
+    /// How often the end was out of reach, one after the other.
+    slow: u32,
 }
 
 /// A run that creeps.
@@ -25,7 +30,7 @@ pub(super) struct Creep {
 impl Pace {
     /// Of a run that starts at a time (s).
     pub(super) fn new(time: f64) -> Self {
-        Self { steps: 0, since: time }
+        Self { steps: 0, since: time, slow: 0 }
     }
 
     /// Looks at the time (s) a step has reached; tells where the `end` is out of reach.
@@ -35,9 +40,10 @@ impl Pace {
             return None;
         }
         let step = (time - self.since) / STEPS as f64;
-        *self = Self::new(time);
         let left = (end - time) / step;
-        (left > MOST).then_some(Creep { step, left })
+        let slow = if left > MOST { self.slow + 1 } else { 0 };
+        *self = Self { steps: 0, since: time, slow };
+        (slow >= PASSAGE).then_some(Creep { step, left })
     }
 }
 
@@ -111,10 +117,14 @@ mod tests {
     fn a_run_is_given_up_where_its_end_is_out_of_reach_and_only_there() {
         let creeps = |step: f64| {
             let mut pace = Pace::new(0.0);
-            (1..=2 * STEPS).find_map(|i| pace.see(i as f64 * step, 10.0))
+            (1..=u64::from(2 * PASSAGE) * STEPS).find_map(|i| pace.see(i as f64 * step, 10.0))
         };
         assert_eq!(creeps(1e-7), None);
         let creep = creeps(1e-9).expect("ten thousand million steps");
         assert!((creep.step / 1e-9 - 1.0).abs() < 1e-9 && (creep.left / 1e10 - 1.0).abs() < 1e-3, "{creep:?}");
+        // Three times as many steps as a pace is taken over, within a nanosecond: a passage.
+        let mut pace = Pace::new(0.0);
+        let through = |i: u64| if i < 3 * STEPS { 1e-13 * i as f64 } else { 1e-4 * (i - 3 * STEPS) as f64 };
+        assert_eq!((1..10 * STEPS).find_map(|i| pace.see(through(i), 10.0)).map(|creep| creep.left), None);
     }
 }
