@@ -60,6 +60,9 @@ impl Fall {
 /// Such a motion from the positions of `motion` on; `None` when none is found.
 pub(in crate::statics) fn falling(model: &Model, motion: &Motion) -> Option<Fall> {
     let scene = Scene::of(model, motion);
+    if scene.large {
+        return None;
+    }
     scene.components().into_iter().filter(|columns| columns.len() <= MOST).find_map(|columns| scene.fall(columns))
 }
 
@@ -102,14 +105,23 @@ struct Scene<'m> {
     /// Per velocity coordinate its column.
     column: Vec<Option<usize>>,
     rows: Vec<Row>,
+    /// Whether a row has more columns than a component may have.
+    large: bool,
 }
 
 impl<'m> Scene<'m> {
     fn of(model: &'m Model, motion: &'m Motion) -> Self {
         let (links, coordinates) = (model.links.len(), model.velocity_count());
         let (columns, rows) = (Vec::new(), Vec::new());
-        let mut scene =
-            Self { model, motion, columns, above: vec![None; links], column: vec![None; coordinates], rows };
+        let mut scene = Self {
+            model,
+            motion,
+            columns,
+            above: vec![None; links],
+            column: vec![None; coordinates],
+            rows,
+            large: false,
+        };
         scene.take_columns();
         if !scene.columns.is_empty() {
             scene.take_rows();
@@ -156,16 +168,15 @@ impl<'m> Scene<'m> {
     /// Turns and screws that a motor, a gear or a thread moves; from the tips on: what the outer ones do is known.
     fn take_turns(&mut self, carried: &Carried, pushes: &[Option<f64>], turned: &[bool]) {
         let (model, count) = (self.model, self.model.links.len());
-        let geared = |velocity: usize| {
-            model.gears.iter().any(|gear| gear.coordinates.iter().any(|coordinate| coordinate.velocity == velocity))
-        };
+        let mut geared = vec![false; model.velocity_count()];
+        model.gears.iter().flat_map(|gear| &gear.coordinates).for_each(|one| geared[one.velocity] = true);
         // Whether what a link carries turns another way than about the axis of its own balance.
         let mut swings = vec![false; count];
         for index in (1..count).rev() {
             let (link, parent) = (&model.links[index], model.links[index].parent);
             let (all, pitch) = (index..link.subtree_end, link.joint.pitch());
             let push = pushes[link.velocity].filter(|_| link.joint.is_angle());
-            if let Some(push) = push.filter(|push| *push != 0.0 || pitch != 0.0 || geared(link.velocity))
+            if let Some(push) = push.filter(|push| *push != 0.0 || pitch != 0.0 || geared[link.velocity])
                 && !(carried.attached[index] || swings[index])
                 && !all.clone().any(|at| model.links[at].joint.is_slide() && self.has_column(at))
             {
@@ -255,6 +266,10 @@ impl<'m> Scene<'m> {
             let link = self.columns[column].link;
             parts.push((column, sign * self.motion.links[link].axis.dot(&axis)));
             *end = self.above[self.model.links[link].parent];
+            if parts.len() > MOST {
+                self.large = true;
+                return;
+            }
         }
         self.rows.push(Row { parts, fixed });
     }
@@ -288,7 +303,7 @@ impl<'m> Scene<'m> {
 
     /// The fall of a component. A coordinate that would come to a stop is held, and it is tried again.
     fn fall(&self, mut columns: Vec<usize>) -> Option<Fall> {
-        loop {
+        while !columns.is_empty() {
             let motion = self.downhill(&columns)?;
             let largest = motion.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
             let is_held = |k: usize| motion[k].abs() > MOVES * largest && self.stops(columns[k], motion[k]);
@@ -298,6 +313,7 @@ impl<'m> Scene<'m> {
             }
             columns.retain(|column| !held.contains(column));
         }
+        None
     }
 
     /// Whether a stop is in the way of a coordinate.
@@ -393,11 +409,12 @@ fn constant_forces(model: &Model) -> Vec<Option<f64>> {
     model.drives.iter().for_each(|drive| add(drive.coordinate.velocity, None));
     // What a drive keeps turning has a potential of its centrifugal forces.
     let is_moving = |drive: &&Drive| drive.motion.at(0.0).velocity != 0.0;
-    let moving: Vec<usize> = model.drives.iter().filter(is_moving).map(|drive| drive.coordinate.link).collect();
-    let tied = !(moving.is_empty() || model.loops.is_empty() && model.gears.is_empty());
+    let moves = model.drives.iter().any(|drive| is_moving(&drive));
+    let tied = moves && !(model.loops.is_empty() && model.gears.is_empty());
     let mut carried = vec![tied; model.links.len()];
+    model.drives.iter().filter(is_moving).for_each(|drive| carried[drive.coordinate.link] = true);
     for (index, link) in model.links.iter().enumerate().skip(1) {
-        carried[index] |= carried[link.parent] || moving.contains(&index);
+        carried[index] |= carried[link.parent];
         if carried[index] && link.joint.is_scalar() {
             add(link.velocity, None);
         }
