@@ -16,8 +16,8 @@ pub const XML_ATTRIBUTES: usize = 1_000;
 /// Bytes that the entities of one XML file may expand to, all uses together.
 pub const XML_ENTITY_BYTES: usize = 1 << 20;
 
-/// The largest number of a scene, in SI units: masses, lengths, forces and rates whose squares and products stay finite.
-pub const LARGEST: f64 = 1e50;
+/// The largest number of a scene, in SI units: the squares of larger ones overflow.
+pub const LARGEST: f64 = 1e154;
 
 /// Bodies of a scenario with all copies, and of a recording.
 pub const BODIES: usize = 1_000_000;

@@ -165,7 +165,7 @@ fn finite(v: &Vector3<f64>) -> bool {
     v.iter().all(|x| within(*x))
 }
 
-/// Whether squares and products of a number stay finite.
+/// Whether the square of a number stays finite.
 fn within(x: f64) -> bool {
     x.abs() <= LARGEST
 }

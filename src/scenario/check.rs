@@ -178,7 +178,7 @@ impl Check<'_> {
                 item.subject(),
                 written(value.get_ref())
             );
-            self.findings.push_value(Finding::error(value.span(), message).help("products of larger numbers overflow"));
+            self.findings.push_value(Finding::error(value.span(), message).help("squares of larger numbers overflow"));
             return;
         }
         if !range.contains(number) {
