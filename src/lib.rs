@@ -95,6 +95,7 @@
 //! | [`constraint`] | closed loops, drives and gears: rows solved with the core's factorization |
 //! | [`contact`] | solids that touch, and whether supports within cones hold a load |
 //! | [`dynamics`] | `System`, a model with the forces [`applied`](dynamics::applied) to it: the one place where these meet `transfer` |
+//! | [`output`] | what a user asks of a scene, as numbers |
 //! | [`statics`] | the equilibrium and its certificate: residual, stability, modes |
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
@@ -133,6 +134,7 @@ pub mod integrate;
 pub mod mesh;
 pub mod model;
 pub mod motion;
+pub mod output;
 pub mod pages;
 pub mod quantity;
 pub mod record;

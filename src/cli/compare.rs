@@ -22,7 +22,7 @@ pub(super) struct Arguments {
     /// Differences up to this part of a column's largest number are none either
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]
     relative: f64,
-    /// Only this channel (hinges, energy, reactions, couplings, tf) or this column (upper.angle); may be repeated
+    /// Only this channel (hinges, energy, reactions, couplings, outputs, tf) or this column (upper.angle); may be repeated
     #[arg(long, value_name = "NAME")]
     channel: Vec<String>,
     /// Print one JSON object on standard output and nothing else there

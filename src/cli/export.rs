@@ -27,7 +27,7 @@ pub(super) struct Arguments {
     /// Write Parquet: a name ending in .parquet is one file, any other a folder with one file per channel
     #[arg(long, value_name = "FILE.parquet|DIR")]
     parquet: Option<PathBuf>,
-    /// Only this channel (hinges, energy, reactions, couplings, tf) or this column (upper.angle); may be repeated
+    /// Only this channel (hinges, energy, reactions, couplings, outputs, tf) or this column (upper.angle); may be repeated
     #[arg(long, value_name = "NAME")]
     channel: Vec<String>,
     /// Print one JSON object on standard output and nothing else there

@@ -4,6 +4,7 @@ use super::{Common, Exit, conditioning, json, output, scene, text};
 use crate::constraint;
 use crate::dynamics::{Evaluated, System};
 use crate::model::Model;
+use crate::simulate;
 use anyhow::{Context, anyhow};
 use clap::Args;
 use nalgebra::Vector3;
@@ -26,15 +27,18 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Err(exit) => return Ok(exit),
     };
     let (q, v) = (&model.start_position, &model.start_velocity);
+    let begin = scenario.simulate.begin();
+    let asked = simulate::outputs::at_start(&model, begin).with_context(|| scenario.name.clone())?;
     let mut system = System::new(&model);
     let mut accelerations = v.clone();
-    let mut at = system.at(0.0, q, v);
+    let mut at = system.at(begin, q, v);
     at.accelerations(&mut accelerations)
         .with_context(|| format!("{}: no accelerations at the given state", scenario.name))?;
     let forces: Vec<(String, f64)> =
         at.system().constraints().map_or(Vec::new(), |rows| rows.drive_forces(&model, &accelerations).collect());
     at.share_multipliers()?;
     let loops = at.loop_reactions();
+    let motors: Vec<(String, f64)> = at.motor_forces().map(|(name, force)| (name.to_owned(), force)).collect();
     let energies = at.energies();
     let (_, assembly) = constraint::assemble(model.clone())
         .map_err(|problems| anyhow!("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")))?;
@@ -55,7 +59,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "gap": assembly.gap,
             "loop_reactions": json::loops(&model, &loops),
             "drives": json::pushes(&forces),
-            "motors": json::pushes(&model.motor_forces(q, v)),
+            "motors": json::pushes(&motors),
             "joints": joints,
             "total_mass": model.total_mass(),
             "center_of_mass": [center.x, center.y, center.z],
@@ -65,6 +69,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             "velocities": json::by_hinge(&model, v, false),
             "ill_conditioned": light.iter().map(conditioning::Light::json).collect::<Vec<_>>(),
             "accelerations": json::by_hinge(&model, &accelerations, false),
+            "outputs": json::outputs(&model, &asked),
         });
         output::print(&result.to_string())?;
         return Ok(Exit::Done);
@@ -82,6 +87,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&format!("  {line}"))?;
     }
     output::print(&table(&model, &accelerations))?;
+    text::outputs(&model, &asked).map_or(Ok(()), |table| output::print(&table))?;
     Ok(Exit::Done)
 }
 

@@ -2,7 +2,7 @@
 
 use crate::constraint::LoopReaction;
 use crate::dynamics::System;
-use crate::model::Model;
+use crate::model::{Model, Output};
 use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::verify::{Verified, quaternion_error};
 use crate::simulate::{State, Summary};
@@ -55,6 +55,15 @@ pub(super) fn loops(model: &Model, loops: &[LoopReaction]) -> Value {
         (one.name.clone(), value)
     };
     Value::Object(loops.iter().map(of_loop).collect())
+}
+
+/// The outputs by name: a number, or a list of several.
+pub(super) fn outputs(model: &Model, values: &[f64]) -> Value {
+    let of = |output: &Output| {
+        let values = values.get(output.range()).unwrap_or_default();
+        (output.name.clone(), if let [one] = values { json!(one) } else { json!(values) })
+    };
+    Value::Object(model.outputs.iter().map(of).collect())
 }
 
 /// What every drive or motor pushes, by its name (N or N m).
@@ -231,6 +240,7 @@ pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, 
             "velocities": by_hinge(model, velocity, false),
             "bodies": poses(model, &summary.poses),
         },
+        "outputs": outputs(model, &summary.outputs),
         "wall_seconds": summary.wall.as_secs_f64(),
     })
 }

@@ -119,7 +119,8 @@ impl Followed {
         let fixed = ["branch", "point", "arclength", "parameter", "stability", "unstable_directions", "event"];
         let more = ["relative_residual", "potential"];
         let coordinates = scene.positions.iter().map(|one| format!("{} {} ({})", one.body, one.name, one.unit));
-        csv.write_record(fixed.iter().chain(&more).map(|name| (*name).to_owned()).chain(coordinates))?;
+        let outputs = scene.outputs.iter().map(|one| format!("{} [{}]", one.name, one.unit));
+        csv.write_record(fixed.iter().chain(&more).map(|name| (*name).to_owned()).chain(coordinates).chain(outputs))?;
         for (index, branch) in self.path.branches.iter().enumerate() {
             for (at, point) in branch.points.iter().enumerate() {
                 let event = point.event.as_ref().map_or("", |event| event.kind.name());
@@ -134,7 +135,8 @@ impl Followed {
                     point.relative_residual.to_string(),
                     point.potential.to_string(),
                 ];
-                csv.write_record(fields.into_iter().chain(point.position.iter().map(f64::to_string)))?;
+                let numbers = point.position.iter().chain(&point.outputs).map(f64::to_string);
+                csv.write_record(fields.into_iter().chain(numbers))?;
             }
         }
         Ok(output::whole(csv)?.finish()?)
@@ -159,6 +161,7 @@ impl Followed {
                     bodies: &point.poses,
                     reactions: &point.reactions,
                     couplings: &[],
+                    outputs: &point.outputs,
                     energy,
                 })?;
             }
@@ -188,6 +191,9 @@ impl Followed {
             });
             if full(point) {
                 value["positions"] = json::by_hinge(model, &point.position, true);
+            }
+            if !point.outputs.is_empty() {
+                value["outputs"] = json::outputs(model, &point.outputs);
             }
             value
         };

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Recordings, then the columns to plot: `upper.angle`, `kinetic`, or a whole channel (hinges, energy, reactions, couplings, tf)
+    /// Recordings, then the columns to plot: `upper.angle`, `kinetic`, or a whole channel (hinges, energy, reactions, couplings, outputs, tf)
     #[arg(value_name = "FILE... CHANNEL", required = true)]
     what: Vec<String>,
     /// Where the picture goes (SVG); default: the first recording's name with .svg in this folder

@@ -36,7 +36,7 @@ fn film(
     summary: &Value,
 ) -> anyhow::Result<()> {
     // Poses alone: what would hold them is not known where nothing balances.
-    let still = Scene { couplings: Vec::new(), watched: false, ..simulate::scene(model) };
+    let still = Scene { couplings: Vec::new(), outputs: Vec::new(), watched: false, ..simulate::scene(model) };
     let statics = json::statics(model, found, 0.0).to_string();
     let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
     let (file, sinks) = outlets;
@@ -65,6 +65,7 @@ fn film(
             bodies: &bodies,
             reactions: &reactions,
             couplings: &[],
+            outputs: &[],
             energy: Energy { potential, ..Energy::default() },
         })?;
     }

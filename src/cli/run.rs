@@ -6,7 +6,7 @@ use super::{Common, Exit, json, output, scene, statics, text};
 use crate::model::Model;
 use crate::record::view::{Sink, Viewer};
 use crate::record::{self, Fanout, Opening, Outcome, Recorder, RecordingFile};
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, start};
 use crate::simulate::verify::{Verified, verify};
 use crate::simulate::{self, RunError, Start, State, Summary};
 use clap::Args;
@@ -18,9 +18,13 @@ use std::sync::Arc;
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// Start at the pose, velocities and inputs of this file, as `statics --save` writes it
+    /// Start at the pose, velocities and inputs of this file, as `statics --save` writes it; or go on where a run ended,
+    /// as `--save-end` writes it
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
+    /// Write the state at the end there, for `--start`: the run can go on from it
+    #[arg(long, value_name = "START.toml")]
+    save_end: Option<PathBuf>,
     /// Where the recording goes; default: the scenario's name with .mcap in this folder
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -56,12 +60,13 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     // A file without velocities is a start at rest, and the method is chosen for that.
     let moves = model.start_velocity.iter().any(|v| *v != 0.0);
     if arguments.start.is_some() {
-        scenario.simulate.start = if moves { Start::Given } else { Start::Equilibrium };
+        let given = moves || scenario.simulate.resume.is_some();
+        scenario.simulate.start = if given { Start::Given } else { Start::Equilibrium };
     }
     let path = recording_path(arguments.out.as_deref(), &common.scenario);
     let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     inputs.spare(&path)?;
-    arguments.viewers.rrd().iter().try_for_each(|rrd| inputs.spare(rrd))?;
+    arguments.viewers.rrd().iter().chain(&arguments.save_end).try_for_each(|written| inputs.spare(written))?;
     let file = recording_file(&path, common.quiet)?.with_ros(scenario.record.ros);
     if !common.json && !common.quiet {
         output::announce(&text::heading(&model, &scenario.name));
@@ -84,6 +89,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         model: &model,
         path: &path,
         from: arguments.start.as_deref(),
+        save_end: arguments.save_end.as_deref(),
         verify: arguments.verify,
         interrupt,
     };
@@ -100,7 +106,7 @@ pub(super) fn start(
         return Ok(Some((given(model), json!("given"))));
     }
     let (found, wall) = statics::find(scenario, model)?;
-    let value = json::statics(model, &found, wall.as_secs_f64());
+    let (value, _) = statics::told(scenario, model, &found, wall)?;
     if !common.json && !common.quiet {
         output::announce(&text::statics(model, &found, wall));
     }
@@ -200,6 +206,8 @@ struct Run<'a> {
     path: &'a Path,
     /// The start file.
     from: Option<&'a Path>,
+    /// Where the state at the end goes.
+    save_end: Option<&'a Path>,
     /// Run again to see what the run is wrong by.
     verify: bool,
     interrupt: Interrupt,
@@ -209,7 +217,8 @@ impl Run<'_> {
     fn go(&self, start: &State, found: Value, mut recorder: Fanout) -> anyhow::Result<Exit> {
         let settings = &self.scenario.simulate;
         let outcome = {
-            let mut progress = Progress::new(settings.duration, self.common.quiet || self.common.json);
+            let mut progress =
+                Progress::new(settings.begin() + settings.duration, self.common.quiet || self.common.json);
             let mut go_on = |time: f64, _: &State| {
                 progress.at(time);
                 !self.interrupt.requested()
@@ -243,6 +252,16 @@ impl Run<'_> {
         if let Some(verified) = &verified {
             result["verified"] = json::verified(verified);
         }
+        if let Some(path) = self.save_end {
+            let unknown = self.scenario.unknown.iter();
+            let found = unknown.map(|one| (one.address.clone(), one.value(&self.scenario.description)));
+            let is_unknown = |address: &str| self.scenario.unknown.iter().any(|one| one.address == address);
+            let given = self.scenario.given.iter().filter(|(address, _)| !is_unknown(address)).cloned();
+            let inputs: Vec<(String, f64)> = found.chain(given).collect();
+            let text = start::text_at_end(self.model, &summary.resume, &summary.state, &inputs);
+            output::save(path, text.as_bytes())?;
+            result["end_file"] = json!(path.display().to_string());
+        }
         if summary.interrupted {
             keep_complete(self.path, self.common.quiet)?;
         }
@@ -254,6 +273,7 @@ impl Run<'_> {
             output::print(&result.to_string())?;
         } else if !self.common.quiet {
             output::print(&text::run(self.model, &summary, &path))?;
+            text::outputs(self.model, &summary.outputs).map_or(Ok(()), |table| output::print(&table))?;
             if let Some(verified) = &verified {
                 output::print(&text::verified(verified))?;
             }
@@ -264,7 +284,7 @@ impl Run<'_> {
     /// The second run; one that cannot be made is said, and costs nothing of the first.
     fn verify(&self, start: &State, first: &Summary) -> anyhow::Result<Option<Verified>> {
         let settings = &self.scenario.simulate;
-        let mut progress = Progress::new(settings.duration, self.common.quiet || self.common.json);
+        let mut progress = Progress::new(settings.begin() + settings.duration, self.common.quiet || self.common.json);
         let mut go_on = |time: f64| {
             progress.at(time);
             !self.interrupt.requested()

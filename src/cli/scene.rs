@@ -79,6 +79,14 @@ pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<R
         output::note(&format!("{}: `{address}` is {now} (the scenario says {before})", path.display()));
     }
     scenario.description = started.description;
+    scenario.given = started.changes.into_iter().map(|(address, _, now)| (address, now)).collect();
+    scenario.simulate.resume = started.resume;
+    if started.resume.is_some() {
+        // The scene is put together as the scenario has it.
+        let model = assemble(common, Model::build(&scenario.description).map_err(listed)?)?;
+        let Model { start_position, start_velocity, .. } = &*started.model;
+        return Ok(Ok((scenario, model.starting_in(start_position, start_velocity))));
+    }
     let model = assemble(common, started.model)?;
     if !common.quiet {
         check_start(path, &model, &started.multipliers)?;

@@ -5,11 +5,12 @@ use super::output::Interrupt;
 use super::{Common, Exit, baselines, json, output, path, poses, run, scene, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
-use crate::statics::{Equilibrium, Method, answer, equilibrium_watched, standing};
+use crate::statics::{Equilibrium, Method, answer, equilibrium_watched, outputs, standing};
 use crate::study::Axis;
 use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -70,16 +71,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         return baselines::main(&scenario, &model, common, arguments.out.as_deref());
     }
     let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
-    let outputs = [&arguments.save, &arguments.modes, &arguments.iterates, &arguments.out, arguments.viewers.rrd()];
-    outputs.into_iter().flatten().try_for_each(|output| read.spare(output))?;
+    let written = [&arguments.save, &arguments.modes, &arguments.iterates, &arguments.out, arguments.viewers.rrd()];
+    written.into_iter().flatten().try_for_each(|output| read.spare(output))?;
     let sinks = arguments.viewers.sinks();
     let watched = arguments.iterates.is_some() || !sinks.is_empty();
     let mut trail = Vec::new();
     let (found, wall) = find_watched(&mut scenario, &mut model, watched.then_some(&mut trail))?;
-    let mut result = json::statics(&model, &found, wall.as_secs_f64());
+    let (mut result, asked) = told(&scenario, &model, &found, wall)?;
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
         output::print(&text::statics(&model, &found, wall))?;
+        text::outputs(&model, &asked).map_or(Ok(()), |table| output::print(&table))?;
     }
     let path = scenario.path.as_ref();
     let followed =
@@ -163,6 +165,19 @@ fn find_watched(
         .with_context(context)?;
     (scenario.description, *model) = (held.description, held.model);
     Ok((held.found, before.elapsed()))
+}
+
+/// The equilibrium as JSON, and its outputs.
+pub(super) fn told(
+    scenario: &Scenario,
+    model: &Arc<Model>,
+    found: &Equilibrium,
+    wall: Duration,
+) -> anyhow::Result<(Value, Vec<f64>)> {
+    let mut value = json::statics(model, found, wall.as_secs_f64());
+    let asked = outputs(model, found).with_context(|| scenario.name.clone())?;
+    value["outputs"] = json::outputs(model, &asked);
+    Ok((value, asked))
 }
 
 /// What holds the pose beside the scenario file: motor forces that are not zero, and what was unknown.

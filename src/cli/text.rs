@@ -2,8 +2,8 @@
 
 use super::output::bold;
 use crate::constraint::Assembly;
-use crate::model::Model;
 pub(super) use crate::model::problem::number;
+use crate::model::{Model, Output};
 use crate::simulate::Summary;
 use crate::simulate::events::Kind;
 use crate::simulate::verify::{Verified, VerifiedEvents};
@@ -247,6 +247,19 @@ fn pushes(out: &mut String, title: &str, forces: &[(String, f64)], slides: impl 
         let _ = writeln!(out, "  {head:<12} {name:<20} {} {}", number(*force), if slides { "N" } else { "N m" });
     }
     more(out, forces.len());
+}
+
+/// The outputs, one line each; `None` without any.
+pub(super) fn outputs(model: &Model, values: &[f64]) -> Option<String> {
+    let line = |(index, output): (usize, &Output)| {
+        let head = if index == 0 { "outputs" } else { "" };
+        let shown = numbers(values.get(output.range()).unwrap_or_default().iter().copied());
+        let mut units: Vec<&str> = output.units.iter().map(String::as_str).filter(|unit| *unit != "1").collect();
+        units.dedup();
+        format!("  {head:<12} {:<20} {shown} {}", output.name, units.join(", ")).trim_end().to_owned()
+    };
+    let lines: Vec<String> = model.outputs.iter().enumerate().map(line).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
 fn carriers(shares: &[(String, f64)]) -> String {

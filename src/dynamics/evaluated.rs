@@ -6,10 +6,11 @@
 
 use super::applied;
 use super::{Energies, Fault, Powers, System};
-use crate::constraint::Rate;
-use crate::force::Act;
+use crate::constraint::{LoopReaction, Rate};
+use crate::force::{Act, Force};
 use crate::motion::Motion;
 use crate::spatial::Pose;
+use crate::spatial::link::LinkAcceleration;
 use crate::transfer::mass::MassAction;
 use crate::transfer::reduce::Load;
 
@@ -34,6 +35,7 @@ pub struct Factorized<'a> {
 pub struct Balanced<'a> {
     pub(super) system: &'a System,
     pub(super) q: &'a [f64],
+    pub(super) v: &'a [f64],
 }
 
 impl Evaluated<'_> {
@@ -91,7 +93,7 @@ impl Evaluated<'_> {
         let System { model, motion, balance, applied, tau, .. } = &mut *self.system;
         balance.update(model, motion, applied, tau, a, residual);
         self.system.check_finite("the force balance", residual, self.q, self.v)?;
-        Ok(Balanced { system: self.system, q: self.q })
+        Ok(Balanced { system: self.system, q: self.q, v: self.v })
     }
 
     /// The residual for what needs the balance alone: reactions, tangents.
@@ -155,6 +157,49 @@ impl Evaluated<'_> {
     pub fn poses(&self, out: &mut Vec<Pose>) {
         out.clear();
         out.extend(self.system.model.bodies.iter().map(|body| self.system.motion.body_pose(body)));
+    }
+}
+
+impl Balanced<'_> {
+    /// The system.
+    pub fn system(&self) -> &System {
+        self.system
+    }
+
+    /// The time (s).
+    pub fn time(&self) -> f64 {
+        self.system.time
+    }
+
+    /// Hinge coordinates.
+    pub fn position(&self) -> &[f64] {
+        self.q
+    }
+
+    /// Hinge velocities.
+    pub fn velocity(&self) -> &[f64] {
+        self.v
+    }
+
+    /// Where every link is and how fast it moves.
+    pub fn motion(&self) -> &Motion {
+        &self.system.motion
+    }
+
+    /// Accelerations of the links' root markers, for the hinge accelerations of the balance.
+    pub fn link_accelerations(&self) -> &[LinkAcceleration] {
+        &self.system.balance.accelerations
+    }
+
+    /// The force elements, as a run keeps them.
+    pub fn forces(&self) -> &[Force] {
+        &self.system.laws.forces
+    }
+
+    /// What the loops pass, with the multipliers of the balance; empty without loops.
+    pub fn loop_reactions(&self) -> Vec<LoopReaction> {
+        let rows = self.system.constraints();
+        rows.map_or(Vec::new(), |rows| rows.loop_reactions(&self.system.model, &self.system.motion))
     }
 }
 

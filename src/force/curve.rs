@@ -186,8 +186,22 @@ impl Act for CurveLaw {
         Some("pull")
     }
 
+    fn is_line(&self) -> bool {
+        true
+    }
+
     fn pull(&self, links: &[LinkMotion]) -> f64 {
         State::of(self, links).pull()
+    }
+
+    fn length(&self, links: &[LinkMotion]) -> f64 {
+        State::of(self, links).segment.distance
+    }
+
+    fn vary_line(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [f64; 2] {
+        let State { segment, elastic: [_, stiffness], damper: [_, damping], .. } = State::of(self, links);
+        let by = segment.vary(&self.ends, links, by);
+        [by.distance, stiffness * by.distance + damping * by.rate]
     }
 
     fn picture(&self) -> Picture<'_> {

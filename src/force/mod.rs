@@ -159,8 +159,20 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.pull_name(),)+ }
             }
 
+            fn is_line(&self) -> bool {
+                match self { $(Self::$kind(law) => law.is_line(),)+ }
+            }
+
             fn pull(&self, links: &[LinkMotion]) -> f64 {
                 match self { $(Self::$kind(law) => law.pull(links),)+ }
+            }
+
+            fn length(&self, links: &[LinkMotion]) -> f64 {
+                match self { $(Self::$kind(law) => law.length(links),)+ }
+            }
+
+            fn vary_line(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [f64; 2] {
+                match self { $(Self::$kind(law) => law.vary_line(links, by),)+ }
             }
 
             fn picture(&self) -> Picture<'_> {

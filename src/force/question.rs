@@ -114,9 +114,24 @@ pub trait Act {
         None
     }
 
-    /// What it pulls its points together with (N).
+    /// Whether it pulls its points together along a line or a path, which has a length.
+    fn is_line(&self) -> bool {
+        false
+    }
+
+    /// What it pulls its points together with (N); 0 for what is no line.
     fn pull(&self, _links: &[LinkMotion]) -> f64 {
         0.0
+    }
+
+    /// The length of its line or path (m); 0 for what is no line.
+    fn length(&self, _links: &[LinkMotion]) -> f64 {
+        0.0
+    }
+
+    /// The variations of [`Act::length`] (m) and [`Act::pull`] (N) with that of the links.
+    fn vary_line(&self, _links: &[LinkMotion], _by: &[LinkVariation]) -> [f64; 2] {
+        [0.0; 2]
     }
 
     /// What is drawn.

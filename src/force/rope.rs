@@ -236,8 +236,23 @@ impl Act for RopeLaw {
         Some("tension")
     }
 
+    fn is_line(&self) -> bool {
+        true
+    }
+
     fn pull(&self, links: &[LinkMotion]) -> f64 {
         self.stretch(links).tension(self)
+    }
+
+    fn length(&self, links: &[LinkMotion]) -> f64 {
+        self.segments(links).map(|segment| segment.distance).sum()
+    }
+
+    fn vary_line(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [f64; 2] {
+        let varied = self.segments(links).zip(self.ends.windows(2)).map(|(segment, pair)| segment.vary(pair, links, by));
+        let [length, rate] = varied.fold([0.0; 2], |[length, rate], by| [length + by.distance, rate + by.rate]);
+        let taut = self.stretch(links).sides(self).taut;
+        [length, if taut { self.stiffness * length + self.damping * rate } else { 0.0 }]
     }
 
     fn picture(&self) -> Picture<'_> {

@@ -133,6 +133,24 @@ impl Act for SpringLaw {
         }
     }
 
+    fn is_line(&self) -> bool {
+        true
+    }
+
+    fn pull(&self, links: &[LinkMotion]) -> f64 {
+        let segment = self.segment(links);
+        self.stiffness * (segment.distance - self.length) + self.damping * segment.rate
+    }
+
+    fn length(&self, links: &[LinkMotion]) -> f64 {
+        self.segment(links).distance
+    }
+
+    fn vary_line(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [f64; 2] {
+        let by = self.segment(links).vary(&self.ends, links, by);
+        [by.distance, self.stiffness * by.distance + self.damping * by.rate]
+    }
+
     fn picture(&self) -> Picture<'_> {
         Picture::Line { through: &self.ends, spring: Some([self.stiffness, self.length]), pulls_only: false }
     }

@@ -126,6 +126,14 @@ impl Formula {
         self.run(|index| variables[index])
     }
 
+    /// How it varies with its variables, given how these vary; variables that it does not use are not looked at.
+    ///
+    /// # Panics
+    /// If a variable that it uses is not given.
+    pub fn variation(&self, variables: &[f64], by: &[f64]) -> f64 {
+        self.run(|index| Jet { value: variables[index], first: by[index], second: 0.0 }).first
+    }
+
     /// Its value, and its derivatives with respect to the variables of these indices.
     ///
     /// # Panics

@@ -4,7 +4,7 @@ use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, GROUND, Point};
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check, contact, couple, hinge_curve, motor, watch};
+use super::{Model, check, contact, couple, hinge_curve, motor, output, watch};
 use crate::force::{Describe, Report};
 use crate::suggest;
 use nalgebra::Vector3;
@@ -23,7 +23,7 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     let hinge_points = hinge_points(description, &parents, &mut problems);
     let mut places = Places { description, names: &names, problems: &mut problems };
     let (force_places, loop_places) = (force_places(description, &mut places), loop_places(description, &mut places));
-    let watched = event_places(description, &mut places);
+    let (watched, asked) = (event_places(description, &mut places), output_places(description, &mut places));
     if !problems.is_empty() {
         return Err(problems);
     }
@@ -36,7 +36,7 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    tree.finish(&force_places, &loop_places, &watched)
+    tree.finish(&force_places, &loop_places, &watched, &asked)
 }
 
 fn index_names<'a>(description: &'a Description, problems: &mut Vec<Problem>) -> HashMap<&'a str, usize> {
@@ -258,4 +258,13 @@ fn event_places(description: &Description, places: &mut Places<'_>) -> Vec<Optio
         watch::attachment(event).map(|on| places.resolve(on, Element::Event(index), "on"))
     };
     description.events.iter().enumerate().map(of_event).collect()
+}
+
+/// Which points and bodies every output names.
+fn output_places(description: &Description, places: &mut Places<'_>) -> Vec<Vec<Place>> {
+    let of_output = |(index, output): (usize, &output::OutputDescription)| {
+        let named = output::attachments(&output.of).into_iter();
+        named.map(|(key, on)| places.resolve(&on, Element::Output(index), key)).collect()
+    };
+    description.outputs.iter().enumerate().map(of_output).collect()
 }

@@ -54,6 +54,12 @@ impl Description {
         self
     }
 
+    /// Adds what is asked of it.
+    pub fn output(mut self, output: OutputDescription) -> Self {
+        self.outputs.push(output);
+        self
+    }
+
     /// Adds what may touch what.
     pub fn contact(mut self, contact: ContactDescription) -> Self {
         self.contacts.push(contact);

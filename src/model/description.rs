@@ -29,6 +29,9 @@ pub use super::contact::{ContactDescription, DryFriction};
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 pub use super::hinge_curve::{CurveOver, HingeCurveDescription};
 use super::motor::MotorDescription;
+pub use super::output::{
+    Axes, DirectionDescription, EnergyKind, Order, OutputDescription, PowerKind, QuantityDescription,
+};
 use super::parameter::NamedNumbers;
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
@@ -66,6 +69,8 @@ pub struct Description {
     pub named: NamedNumbers,
     /// What may touch what; nothing else does.
     pub contacts: Vec<ContactDescription>,
+    /// Numbers that are asked of it.
+    pub outputs: Vec<OutputDescription>,
 }
 
 impl Default for Description {
@@ -83,6 +88,7 @@ impl Default for Description {
             events: Vec::new(),
             named: NamedNumbers::default(),
             contacts: Vec::new(),
+            outputs: Vec::new(),
         }
     }
 }

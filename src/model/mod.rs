@@ -17,6 +17,7 @@ mod halves;
 mod hinge_curve;
 mod link;
 pub mod motor;
+pub mod output;
 pub mod parameter;
 mod point_mass;
 pub mod prescribed;
@@ -34,6 +35,7 @@ pub use halves::Halves;
 pub use hinge_curve::{CurveOver, HingeCurve};
 pub use link::Link;
 pub use motor::Motor;
+pub use output::{Output, Quantity};
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
 pub use watch::{Event, Stop, StopLaw, Watched};
@@ -84,6 +86,8 @@ pub struct Model {
     pub contacts: Vec<ContactRule>,
     /// What a run takes note of.
     pub events: Vec<Event>,
+    /// Numbers that are asked of it.
+    pub outputs: Vec<Output>,
     /// Start or guess: hinge coordinates, `position_count` numbers.
     pub start_position: Vec<f64>,
     /// Start velocities, `velocity_count` numbers.
@@ -172,6 +176,14 @@ impl Model {
     /// The same, point masses that turn about themselves let pass: an axis that could not be read may stand in for another.
     pub(crate) fn build_loosely(description: &Description) -> Result<Arc<Self>, Vec<Problem>> {
         build::build(description).map(Arc::new)
+    }
+
+    /// The model that starts in a state; what follows from the given positions stays.
+    pub(crate) fn starting_in(self: Arc<Self>, position: &[f64], velocity: &[f64]) -> Arc<Self> {
+        let mut model = Arc::unwrap_or_clone(self);
+        model.start_position.copy_from_slice(position);
+        model.start_velocity.copy_from_slice(velocity);
+        Arc::new(model)
     }
 
     /// The model that starts at `position`.

@@ -55,6 +55,8 @@ pub enum MotorLawDescription {
         /// As written.
         text: String,
     },
+    /// A number from outside, zero without one.
+    Input,
 }
 
 /// What a table of forces is looked up by.
@@ -249,7 +251,9 @@ pub(super) fn check(description: &Description, problems: &mut Vec<Problem>) {
             MotorLawDescription::Pd { stiffness, damping, force, .. } => {
                 vec![("stiffness", *stiffness, 0.0), ("damping", *damping, 0.0), ("force", *force, f64::NEG_INFINITY)]
             }
-            MotorLawDescription::Table { .. } | MotorLawDescription::Expression { .. } => vec![],
+            MotorLawDescription::Table { .. } | MotorLawDescription::Expression { .. } | MotorLawDescription::Input => {
+                vec![]
+            }
         };
         let limit = motor.limit.map(|limit| ("limit", limit, f64::MIN_POSITIVE));
         for (field, value, least) in numbers.into_iter().chain(limit) {
@@ -315,6 +319,7 @@ pub(super) fn motors(description: &Description, model: &mut Model, problems: &mu
 fn compile(law: &MotorLawDescription, (given, rate): (f64, f64)) -> Result<MotorLaw, (&'static str, String)> {
     Ok(match law {
         MotorLawDescription::Constant { force } => MotorLaw::Constant(*force),
+        MotorLawDescription::Input => MotorLaw::Constant(0.0),
         MotorLawDescription::Table { over, at, forces } => {
             MotorLaw::Table { over: *over, at: at.clone(), forces: forces.clone() }
         }

@@ -292,7 +292,8 @@ fn key_of(rest: &str) -> &str {
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
-        Element::Scene | Element::Gear(_) | Element::Event(_) | Element::Contact(_) => return Vec::new(),
+        Element::Scene | Element::Gear(_) | Element::Event(_) => return Vec::new(),
+        Element::Contact(_) | Element::Output(_) => return Vec::new(),
         Element::Motor(index) => {
             let motor = &description.motors[index];
             (&motor.name, of_motor(description, motor, field).into_iter().collect())

@@ -44,6 +44,8 @@ pub enum Element {
     Event(usize),
     /// Index into `Description::contacts`.
     Contact(usize),
+    /// Index into `Description::outputs`.
+    Output(usize),
 }
 
 /// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.

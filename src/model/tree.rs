@@ -5,7 +5,7 @@ use super::couple::couple;
 use super::description::{Description, MassProperties};
 use super::link::Link;
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, hinge_curve, watch};
+use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, hinge_curve, output, watch};
 use crate::force::{Carrier, Describe};
 use crate::hinge::Joint;
 use crate::hinge::joint::quaternion;
@@ -218,6 +218,7 @@ impl<'a> Tree<'a> {
         places: &[Vec<Place>],
         loops: &[[Place; 2]],
         watched: &[Option<Place>],
+        asked: &[Vec<Place>],
     ) -> Result<Model, Vec<Problem>> {
         let end = |place: &Place| {
             let (link, link_from_body) = self.carrier(place.0);
@@ -234,7 +235,6 @@ impl<'a> Tree<'a> {
         let bodies: Vec<Body> = self.bodies.iter().flatten().cloned().collect();
         let stops = watch::stops(self.description, &bodies);
         let hinge_friction = contact::hinge_friction(self.description, &bodies);
-        let events = watch::events(self.description, &bodies, end, watched);
         let mut model = Model {
             title: self.description.title.clone(),
             gravity: self.description.gravity,
@@ -248,7 +248,8 @@ impl<'a> Tree<'a> {
             stops,
             hinge_friction,
             contacts: contact::rules(self.description),
-            events,
+            events: Vec::new(),
+            outputs: Vec::new(),
             bodies,
             halves: Halves::of(&self.links),
             links: self.links.iter().cloned().collect(),
@@ -257,10 +258,14 @@ impl<'a> Tree<'a> {
             start_velocity: self.start_velocity.clone(),
         };
         let carrier = |place: &Place| (end(place), turn(place));
-        match couple(self.description, loops, &carrier, &mut model) {
-            problems if problems.is_empty() => Ok(model),
-            problems => Err(problems),
+        let mut problems = couple(self.description, loops, &carrier, &mut model);
+        if problems.is_empty() {
+            problems = output::compile(self.description, asked, &carrier, &mut model);
         }
+        if problems.is_empty() {
+            problems = watch::events(self.description, end, watched, &mut model);
+        }
+        if problems.is_empty() { Ok(model) } else { Err(problems) }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::build::Place;
 use super::description::{Attachment, BodyDescription, Description};
+use super::output::{EnergyKind, Output, Quantity};
 use super::problem::{Element, Problem};
-use super::{Body, End};
+use super::{Body, End, Model};
 use crate::suggest;
 use nalgebra::Vector3;
 
@@ -69,6 +70,11 @@ pub enum WatchedDescription {
         /// The direction; need not be of unit length.
         axis: Vector3<f64>,
     },
+    /// An output of one number, or one number of an output.
+    Output {
+        /// `camber`, or `tip[2]` of an output with several numbers.
+        name: String,
+    },
 }
 
 /// Which way a crossing counts.
@@ -119,6 +125,8 @@ pub enum Watched {
     Position(usize),
     /// A point, and a unit vector in inertial axes.
     Point(End, Vector3<f64>),
+    /// Index among the numbers of all outputs.
+    Output(usize),
 }
 
 /// The problems of all limits and events.
@@ -193,6 +201,8 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
                     add("axis", format!("the axis of event `{}` has no direction", event.name), None);
                 }
             }
+            // What it watches is looked up when outputs are compiled.
+            WatchedDescription::Output { .. } => {}
         }
     }
     problems
@@ -240,31 +250,63 @@ pub(super) fn stops(description: &Description, bodies: &[Body]) -> Vec<Stop> {
     description.bodies.iter().zip(bodies).enumerate().flat_map(of_body).collect()
 }
 
-/// The events of a scene without problems; `end` compiles a point on a body.
+/// Compiles the events of a scene whose outputs are compiled into its model; `end` compiles a point on a body.
 pub(super) fn events(
     description: &Description,
-    bodies: &[Body],
     end: impl Fn(&Place) -> End,
     points: &[Option<Place>],
-) -> Vec<Event> {
-    let event = |(event, point): (&EventDescription, &Option<Place>)| {
+    model: &mut Model,
+) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    for (index, (event, point)) in description.events.iter().zip(points).enumerate() {
         let of = match (&event.of, point) {
             (WatchedDescription::Hinge { body, coordinate }, _) => {
-                let built = bodies.iter().find(|built| built.name == *body)?;
-                Watched::Position(built.hinge.position + coordinate)
+                let built = model.bodies.iter().find(|built| built.name == *body);
+                built.map(|built| Watched::Position(built.hinge.position + coordinate))
             }
-            (WatchedDescription::Point { axis, .. }, Some(place)) => Watched::Point(end(place), axis.normalize()),
-            (WatchedDescription::Point { .. }, None) => return None,
+            (WatchedDescription::Point { axis, .. }, Some(place)) => Some(Watched::Point(end(place), axis.normalize())),
+            (WatchedDescription::Point { .. }, None) => None,
+            (WatchedDescription::Output { name }, _) => match watched_output(model, name) {
+                Ok(number) => Some(Watched::Output(number)),
+                Err((message, help)) => {
+                    let (element, field) = (Element::Event(index), "output".to_owned());
+                    problems.push(Problem { element, field, message, help });
+                    None
+                }
+            },
         };
-        Some(Event { name: event.name.clone(), of, value: event.value, direction: event.direction, stops: event.stops })
+        let EventDescription { name, value, direction, stops, .. } = event.clone();
+        model.events.extend(of.map(|of| Event { name, of, value, direction, stops }));
+    }
+    problems
+}
+
+/// The number of an output that an event watches, among those of all outputs; or what is wrong with its name.
+fn watched_output(model: &Model, name: &str) -> Result<usize, (String, Option<String>)> {
+    let labels = || model.outputs.iter().flat_map(Output::labels);
+    if let Some(output) = model.outputs.iter().find(|output| output.name == name && output.units.len() > 1) {
+        let help = format!("watch one of them: `{name}[0]`");
+        return Err((format!("the output `{name}` has {} numbers", output.units.len()), Some(help)));
+    }
+    let Some(number) = labels().position(|label| label == name) else {
+        let known: Vec<String> = labels().collect();
+        let near = suggest::closest(name, known.iter().map(String::as_str));
+        return Err((format!("there is no output `{name}`"), near.map(|near| format!("did you mean `{near}`?"))));
     };
-    description.events.iter().zip(points).filter_map(event).collect()
+    let output = model.outputs.iter().find(|output| output.range().contains(&number));
+    match output.map(|output| &output.quantity) {
+        Some(Quantity::Energy(EnergyKind::Input | EnergyKind::Dissipated)) => {
+            let help = "watch a power, or a kinetic or potential energy".to_owned();
+            Err((format!("`{name}` is added up from step to step, and is not known within one"), Some(help)))
+        }
+        _ => Ok(number),
+    }
 }
 
 /// The point that an event watches.
 pub(super) fn attachment(event: &EventDescription) -> Option<&Attachment> {
     match &event.of {
         WatchedDescription::Point { on, .. } => Some(on),
-        WatchedDescription::Hinge { .. } => None,
+        WatchedDescription::Hinge { .. } | WatchedDescription::Output { .. } => None,
     }
 }

@@ -20,6 +20,8 @@ pub struct Sample<'a> {
     pub reactions: &'a [Wrench],
     /// What drives, motors, gears and loops push with, in the order of `Scene::couplings`.
     pub couplings: &'a [f64],
+    /// Outputs, in the order of `Scene::outputs`.
+    pub outputs: &'a [f64],
     /// Where the energy is.
     pub energy: Energy,
 }
@@ -50,6 +52,7 @@ impl Sample<'_> {
             bodies: self.bodies.to_vec(),
             reactions: self.reactions.to_vec(),
             couplings: self.couplings.to_vec(),
+            outputs: self.outputs.to_vec(),
             energy: self.energy,
         }
     }
@@ -63,6 +66,7 @@ impl Sample<'_> {
             ("body poses", self.bodies.len(), scene.bodies.len()),
             ("reactions", self.reactions.len(), scene.bodies.len()),
             ("couplings", self.couplings.len(), scene.couplings.len()),
+            ("outputs", self.outputs.len(), scene.outputs.len()),
         ];
         match lengths.into_iter().find(|(_, found, expected)| found != expected) {
             Some((what, found, expected)) => Err(RecordError::Mismatch { time: self.time, what, found, expected }),
@@ -88,6 +92,8 @@ pub struct OwnedSample {
     pub reactions: Vec<Wrench>,
     /// What drives, motors, gears and loops push with, in the order of `Scene::couplings`.
     pub couplings: Vec<f64>,
+    /// Outputs, in the order of `Scene::outputs`.
+    pub outputs: Vec<f64>,
     /// Where the energy is.
     pub energy: Energy,
 }
@@ -103,6 +109,7 @@ impl OwnedSample {
             bodies: &self.bodies,
             reactions: &self.reactions,
             couplings: &self.couplings,
+            outputs: &self.outputs,
             energy: self.energy,
         }
     }

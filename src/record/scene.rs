@@ -27,6 +27,9 @@ pub struct Scene {
     /// none, and where that is not recorded.
     #[cfg_attr(feature = "record", serde(default))]
     pub couplings: Vec<Channel>,
+    /// Names of the outputs' numbers, in the order of `Sample::outputs`, each as it is: `camber`, `tip[2]`, without a body.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub outputs: Vec<Channel>,
     /// Loops whose reactions are not unique: recorded are the smallest of those that balance.
     #[cfg_attr(feature = "record", serde(default))]
     pub not_unique: Vec<String>,
@@ -136,6 +139,7 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
         ("hinge coordinates", scene.positions.len(), 7 * bodies),
         ("hinge velocities", scene.velocities.len(), 6 * bodies),
         ("couplings", scene.couplings.len(), budget::BODIES),
+        ("outputs", scene.outputs.len(), budget::BODIES),
         ("lines", scene.lines.len(), budget::BODIES),
         ("loads", scene.loads.len(), budget::BODIES),
     ];
@@ -152,7 +156,7 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
     if let Some(twice) = scene.bodies.iter().find(|body| !names.insert(body.name.as_str())) {
         return Err(format!("two bodies are called `{}`", twice.name));
     }
-    for channels in [&scene.positions, &scene.velocities] {
+    for channels in [&scene.positions, &scene.velocities, &scene.outputs] {
         let mut names = HashSet::new();
         let key = |channel: &'_ Channel| (channel.body.clone(), channel.name.clone());
         if let Some(twice) = channels.iter().find(|channel| !names.insert(key(channel))) {

@@ -33,7 +33,7 @@ pub struct Column {
 /// Its columns stand beside the time, which is no column of its own.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
-    /// Name of the channel without its slash: `hinges`, `energy`, `reactions`, `couplings`, `tf`.
+    /// Name of the channel without its slash: `hinges`, `energy`, `reactions`, `couplings`, `outputs`, `tf`.
     pub name: &'static str,
     /// In the order of [`fill`](Table::fill).
     pub columns: Vec<Column>,
@@ -69,6 +69,7 @@ impl Table {
     /// | `energy` | `kinetic`, `potential`, `work`, `dissipated`, `error` |
     /// | `reactions` | `upper.force.x` … `upper.moment.z`: what the hinge passes to the body, inertial axes |
     /// | `couplings` | `crank motor.torque`, `belt.torque`, `belt.gap`, `coupler pin.force.x` … `coupler pin.gap`: what drives, motors, gears and loops push; not in scenes without |
+    /// | `outputs` | `camber`, `tip[0]` … `tip[2]`: the outputs of the scenario by their names; not in scenes without |
     /// | `tf` | `upper.position.x` … `upper.quaternion.z`: the pose of the root marker in inertial axes |
     ///
     /// No two columns of a recording have the same name.
@@ -84,6 +85,8 @@ impl Table {
             taken.insert(unique.clone(), 0);
             Column { name: unique, unit: unit.to_owned() }
         };
+        // They have the names that they were given.
+        let outputs: Vec<Column> = scene.outputs.iter().map(|one| column(one.name.clone(), &one.unit)).collect();
         let mut hinges = Vec::new();
         for channel in scene.positions.iter().chain(&scene.velocities) {
             hinges.push(column(format!("{}.{}", channel.body, channel.name), &channel.unit));
@@ -110,6 +113,9 @@ impl Table {
         if !couplings.is_empty() {
             tables.push(Self { name: "couplings", columns: couplings });
         }
+        if !outputs.is_empty() {
+            tables.push(Self { name: "outputs", columns: outputs });
+        }
         tables
     }
 
@@ -125,6 +131,7 @@ impl Table {
                 row.extend([energy.kinetic, energy.potential, energy.work, energy.dissipated, energy.error]);
             }
             "couplings" => row.extend(&sample.couplings),
+            "outputs" => row.extend(&sample.outputs),
             "reactions" => {
                 for wrench in &sample.reactions {
                     row.extend(wrench.force.iter().chain(wrench.moment.iter()));

@@ -10,16 +10,17 @@ use toml::de::DeValue;
 /// Reads an `[[event]]`; `None` where too little of it is readable.
 pub(super) fn event(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Option<EventDescription> {
     let name = table.text("name").map_or_else(|| format!("event[{index}]"), str::to_owned);
-    if table.has("hinge") == table.has("on") {
-        let message = format!("event `{name}`: exactly one of `hinge` and `on` says what is watched");
+    if ["hinge", "on", "output"].iter().filter(|key| table.has(key)).count() != 1 {
+        let message = format!("event `{name}`: exactly one of `hinge`, `on` and `output` says what is watched");
         table.findings.push(Finding::error(table.span.clone(), message));
         return None;
     }
-    let of = match table.text("hinge") {
-        Some(body) => {
+    let of = match (table.text("hinge"), table.text("output")) {
+        (Some(body), _) => {
             WatchedDescription::Hinge { body: body.to_owned(), coordinate: table.count("coordinate").unwrap_or(0) }
         }
-        None => WatchedDescription::Point {
+        (None, Some(name)) => WatchedDescription::Output { name: name.to_owned() },
+        (None, None) => WatchedDescription::Point {
             on: point(table, table.value("on")?, bodies)?,
             axis: table.vector("axis").unwrap_or_else(Vector3::z),
         },

@@ -107,7 +107,7 @@ fn path(table: &Reader<'_>, key: &str, bodies: &Names<'_>) -> Option<Vec<Attachm
     table.value(key)?.get_ref().as_array()?.iter().map(|item| end(table, item, bodies)).collect()
 }
 
-fn end(table: &Reader<'_>, value: Value<'_>, bodies: &Names<'_>) -> Option<Attachment> {
+pub(super) fn end(table: &Reader<'_>, value: Value<'_>, bodies: &Names<'_>) -> Option<Attachment> {
     match value.get_ref() {
         DeValue::String(text) => Some(bodies.attachment(text)),
         DeValue::Table(inner) => bodies.attachment_table(&Reader::new(inner, value.span(), table.findings)),

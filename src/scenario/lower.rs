@@ -8,6 +8,7 @@ use super::findings::{Finding, Findings};
 use super::force::force;
 use super::format::MOST_BODIES;
 use super::motor::motor;
+use super::output::outputs;
 use super::quantities::Parameters;
 use super::reader::Reader;
 use super::spans::SpanTable;
@@ -73,6 +74,7 @@ pub(super) fn lower<'a>(
             spans.contacts.push(index);
         }
     }
+    outputs(&scenario, &names, &parameters, &mut description.outputs, &mut spans);
     (description, spans)
 }
 

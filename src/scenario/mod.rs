@@ -42,6 +42,7 @@ mod mass;
 mod model;
 mod motor;
 mod naming;
+mod output;
 mod path;
 mod quantities;
 mod reader;
@@ -101,6 +102,8 @@ pub struct Scenario {
     pub statics: statics::settings::Settings,
     /// Numbers that inverse statics finds; none where the pose is looked for.
     pub unknown: Vec<Parameter>,
+    /// Numbers that a start file gave it: address and value.
+    pub given: Vec<(String, f64)>,
     /// What may move while a pose with friction or contact stands.
     pub margin: statics::settings::Margin,
     /// The path that is followed, if one is asked for.
@@ -255,6 +258,7 @@ fn read(
         simulate,
         statics: settings::statics(&whole),
         unknown,
+        given: Vec::new(),
         margin,
         path,
         record,

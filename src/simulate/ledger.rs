@@ -40,7 +40,7 @@ pub(super) struct Ledger {
 }
 
 impl Ledger {
-    pub(super) fn new(model: &Model, start: Energies) -> Self {
+    pub(super) fn new(model: &Model, time: f64, start: Energies) -> Self {
         let damped = |law: StopLaw| matches!(law, StopLaw::Compliant { damping, .. } if damping > 0.0);
         let stops = model.stops.iter().any(|stop| damped(stop.law));
         let flows = model.has_damping()
@@ -49,7 +49,7 @@ impl Ledger {
             || !model.is_conservative()
             || !model.drives.is_empty()
             || !model.motors.is_empty();
-        Self { start, time: 0.0, work: 0.0, dissipated: 0.0, drift: 0.0, flows }
+        Self { start, time, work: 0.0, dissipated: 0.0, drift: 0.0, flows }
     }
 
     /// Integrates powers up to a time within the last step, `state` being scratch: a scene without dampers, loads and motors

@@ -258,6 +258,12 @@ impl Nonsmooth {
         within(held, &self.multipliers[first..first + held.count])
     }
 
+    /// What holds the first coordinate in this place of the list, of the last corrected accelerations of a tree (N or N m).
+    pub(super) fn held_force(&self, held: usize) -> f64 {
+        let first: usize = self.phase.held[..held].iter().map(|held| held.count).sum();
+        self.multipliers[first]
+    }
+
     /// Takes the rows that are held off the force balance of a tree.
     pub(super) fn balance(&self, residual: &mut [f64]) {
         if !self.tied {

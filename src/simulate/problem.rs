@@ -253,6 +253,23 @@ impl Motion {
         }
     }
 
+    /// `out` ← what stops push each velocity coordinate with at a state, whose accelerations were the last ones (N or N m). A
+    /// coordinate that rests on a stop and has dry friction is held by both: that is not told apart.
+    pub(super) fn stop_forces(&self, q: &[f64], v: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let Some(nonsmooth) = &self.nonsmooth else { return };
+        for side in &nonsmooth.phase.pushing {
+            let stop = &nonsmooth.model.stops[side.stop];
+            out[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
+        }
+        for (index, held) in nonsmooth.phase.held.iter().enumerate().filter(|(_, held)| held.stop.is_some()) {
+            out[held.velocity] += match self.passage {
+                None => nonsmooth.held_force(index),
+                Some(_) => self.system.held_force(held.velocity).first().copied().unwrap_or(0.0),
+            };
+        }
+    }
+
     /// Whether every rigid stop is kept to [`Motion::passing`] and the rounding of time: independent of the search for
     /// events.
     ///
@@ -316,6 +333,8 @@ impl Motion {
     }
 }
 
+/// The square of a quaternion's norm is one up to the rounding of its four numbers.
+const UNIT: f64 = 8.0 * f64::EPSILON;
 /// A rigid stop that is passed by more than this part of its coordinate is passed.
 const PASSED: f64 = 1e-9;
 /// The time of an event is known to so many of its roundings.
@@ -363,8 +382,12 @@ impl Problem for Motion {
         for run in &self.runs {
             if let Run::Ball(at, _) = run {
                 let p = &mut q[*at..at + 4];
-                let norm = p.iter().map(|x| x * x).sum::<f64>().sqrt();
-                p.iter_mut().for_each(|x| *x /= norm);
+                let square = p.iter().map(|x| x * x).sum::<f64>();
+                // What has been normalised stays, so that a state is the same whoever takes it up again.
+                if (square - 1.0).abs() > UNIT {
+                    let norm = square.sqrt();
+                    p.iter_mut().for_each(|x| *x /= norm);
+                }
             }
         }
     }

@@ -11,7 +11,7 @@ use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
 use super::sampler::Sampler;
 use super::search::Search;
-use super::settings::Settings;
+use super::settings::{Grid, Integrator, Resume, Settings};
 use super::stiffness::fastest;
 use super::timetable::Timetable;
 use crate::integrate::{Method, Options, Start, Statistics, Stepper};
@@ -26,6 +26,9 @@ const FIXED_STEP: f64 = 0.01;
 
 /// An explicit method that cannot take longer steps is refused (s).
 const SHORTEST_USEFUL_STEP: f64 = 1e-9;
+
+/// Times that differ by less than this part are one.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Rounding of a coordinate on its limit, of one and more.
 const ON_THE_LIMIT: f64 = 1e-12;
@@ -70,10 +73,14 @@ pub struct Summary {
     pub constraint_error: f64,
     /// The last state.
     pub state: State,
+    /// What a run needs beside it to go on from there.
+    pub resume: Resume,
     /// Root markers of the named bodies at the end.
     pub poses: Vec<Pose>,
     /// The tolerance asked for.
     pub tolerance: f64,
+    /// The outputs at the end, in the order of the model.
+    pub outputs: Vec<f64>,
     /// Number of samples handed to the recorder.
     pub samples: usize,
     /// Time spent in steps (s).
@@ -110,21 +117,22 @@ pub(super) fn run_with(
     search: Search,
 ) -> Result<Summary, RunError> {
     check(model)?;
+    let (begin, end) = (settings.begin(), end(model, settings));
     let mut motion = Motion::new(model);
     let mut state = start.clone();
     motion
         .system
-        .settle(0.0, &mut state.position, &mut state.velocity)
-        .map_err(|fault| RunError::Sample { time: 0.0, fault })?;
+        .settle(begin, &mut state.position, &mut state.velocity)
+        .map_err(|fault| RunError::Sample { time: begin, fault })?;
     check_limits(model, &state)?;
     finite::check_start(model, &state, settings.tolerance)?;
     if model.has_boundaries() {
-        motion.at(0.0, &state.position, &state.velocity).keep_laws();
+        motion.at(begin, &state.position, &state.velocity).keep_laws();
     }
-    let outcome = instant::resolve(&mut motion, 0.0, &mut state, settings.absolute_tolerance, None)?;
-    let mut before = motion.energies(0.0, &state.position, &state.velocity);
+    let outcome = instant::resolve(&mut motion, begin, &mut state, settings.absolute_tolerance, None)?;
+    let mut before = motion.energies(begin, &state.position, &state.velocity);
     before.kinetic += outcome.lost - outcome.work;
-    let mut ledger = Ledger::new(model, before);
+    let mut ledger = Ledger::new(model, begin, before);
     ledger.lose(outcome.lost);
     ledger.put_in(outcome.work);
     let mut events = Events::new(model, &state, search, settings.absolute_tolerance);
@@ -132,13 +140,14 @@ pub(super) fn run_with(
         // What a stop pushes with from the start is no event.
         events.happened = outcome.happened;
         events.happened.retain(|occurrence| occurrence.kind != Kind::Contact);
-        events.arm(&mut motion, 0.0, &state);
+        events.arm(&mut motion, begin, &state);
     }
     let mut run = Run {
         model,
-        gap: motion.at(0.0, &state.position, &state.velocity).gap(),
+        end,
+        gap: motion.at(begin, &state.position, &state.velocity).gap(),
         ledger,
-        sampler: Sampler::new(model, rate, settings.duration),
+        sampler: Sampler::new(model, rate, [begin, end]),
         state,
         wall: Duration::ZERO,
         integrators: Vec::new(),
@@ -148,11 +157,13 @@ pub(super) fn run_with(
         turns: Turns::new(sides(&motion).len() + model.hinge_friction.len() + motion.system.boundaries().count()),
         happened: Vec::new(),
         stopped_by: None,
-        timetable: Timetable::new(model, settings.duration),
+        timetable: Timetable::new(model, [begin, end]),
     };
-    run.sampler.sample(&mut motion, &mut run.ledger, 0.0, &run.state.clone(), recorder)?;
-    let end_time = run.go(&mut motion, settings, recorder, go_on)?;
-    Ok(run.summary(&mut motion, settings, end_time, before.kinetic + before.potential))
+    run.sampler.sample(&mut motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
+    let resume = run.go(&mut motion, settings, recorder, go_on)?;
+    let outputs = run.sampler.outputs(&mut motion, &run.ledger, resume.time, &run.state)?;
+    let summary = run.summary(&mut motion, settings, resume, before.kinetic + before.potential);
+    Ok(Summary { outputs, ..summary })
 }
 
 /// Whether runs have everything that a scene has.
@@ -166,8 +177,33 @@ pub fn check(model: &Model) -> Result<(), RunError> {
     }
 }
 
+/// The step of a fixed-step method; `None` for an adaptive one.
+fn fixed_step(model: &Model, settings: &Settings, method: Method) -> Option<f64> {
+    let default = || (FIXED_STEP * model.time_scale()).min(1e-3);
+    method.needs_step().then(|| settings.step.unwrap_or_else(default))
+}
+
+/// The grid of fixed steps that a run goes on with.
+fn resumed_grid(settings: &Settings, step: f64) -> Option<(f64, u64)> {
+    let resume = settings.resume.filter(|resume| resume.step == Some(step))?;
+    resume.grid.map(|grid| (grid.origin, grid.steps))
+}
+
+/// When a run ends (s). An end that lies on the grid of fixed steps but for rounding is that of the grid, so that the last
+/// step is one like all others.
+fn end(model: &Model, settings: &Settings) -> f64 {
+    let (begin, end) = (settings.begin(), settings.begin() + settings.duration);
+    let Integrator::Method(method) = settings.integrator else { return end };
+    let Some(step) = fixed_step(model, settings, method) else { return end };
+    let (origin, _) = resumed_grid(settings, step).unwrap_or((begin, 0));
+    let on_grid = origin + ((end - origin) / step).round() * step;
+    if (on_grid - end).abs() <= ROUNDING * end.abs() { on_grid } else { end }
+}
+
 struct Run<'m> {
     model: &'m Arc<Model>,
+    /// When it ends (s).
+    end: f64,
     gap: f64,
     ledger: Ledger,
     sampler: Sampler,
@@ -186,14 +222,15 @@ struct Run<'m> {
 }
 
 impl<'m> Run<'m> {
-    fn summary(self, motion: &mut Motion, settings: &Settings, end_time: f64, energy_start: f64) -> Summary {
+    fn summary(self, motion: &mut Motion, settings: &Settings, resume: Resume, energy_start: f64) -> Summary {
+        let end_time = resume.time;
         let now = motion.energies(end_time, &self.state.position, &self.state.velocity);
         let account = self.ledger.energy(&now);
         let mut poses = Vec::new();
         motion.at(end_time, &self.state.position, &self.state.velocity).poses(&mut poses);
         Summary {
             end_time,
-            interrupted: end_time < settings.duration && self.stopped_by.is_none(),
+            interrupted: end_time < self.end && self.stopped_by.is_none(),
             events: self.happened,
             stopped_by: self.stopped_by,
             integrators: self.integrators,
@@ -206,8 +243,10 @@ impl<'m> Run<'m> {
             energy_drift: self.ledger.drift,
             constraint_error: self.gap,
             state: self.state,
+            resume,
             poses,
             tolerance: settings.tolerance,
+            outputs: Vec::new(),
             samples: self.sampler.count,
             wall: self.wall,
         }
@@ -220,9 +259,9 @@ impl<'m> Run<'m> {
         settings: &Settings,
         recorder: &mut dyn Recorder,
         go_on: &mut dyn FnMut(f64, &State) -> bool,
-    ) -> Result<f64, RunError> {
+    ) -> Result<Resume, RunError> {
         let mut choice = Choice::new(settings, self.model, self.timetable.is_empty());
-        let mut time = 0.0;
+        let mut time = settings.begin();
         loop {
             let next = self.timetable.next(time);
             choice.restart();
@@ -230,6 +269,7 @@ impl<'m> Run<'m> {
                 self.refuse_hopeless(motion, choice.method, time)?;
                 self.integrators.push(choice.method);
             }
+            let origin = time;
             let mut stepper = self.stepper(motion, settings, choice.method, time)?;
             let mut pace = Pace::new(time);
             let (mut switch, mut stopped, mut turn) = (false, false, None);
@@ -240,13 +280,14 @@ impl<'m> Run<'m> {
                 stopped = !self.tell(motion, stepper.as_mut(), time, recorder, go_on)?;
                 recorder.pause()?;
                 self.close_step(motion, stepper.as_mut(), time)?;
-                if let Some(creep) = pace.see(time, settings.duration).filter(|_| !choice.method.needs_step()) {
+                if let Some(creep) = pace.see(time, self.end).filter(|_| !choice.method.needs_step()) {
                     return Err(self.creeps(motion, time, creep));
                 }
                 stopped |= !go_on(time, &self.state);
                 switch = turn.is_none() && choice.review(motion, stepper.as_ref());
             }
             self.statistics.add(stepper.statistics());
+            let resume = self.resume(settings, choice.method, stepper.as_mut(), [origin, time]);
             if switch {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0 }, recorder)?;
@@ -261,8 +302,8 @@ impl<'m> Run<'m> {
                 let state = self.state.clone();
                 self.sampler.sample(motion, &mut self.ledger, time, &state, recorder)?;
             }
-            if time >= settings.duration || stopped || self.stopped_by.is_some() {
-                return Ok(time);
+            if time >= self.end || stopped || self.stopped_by.is_some() {
+                return Ok(resume);
             }
             if !turned && time >= self.timetable.end(next) {
                 time = next;
@@ -313,20 +354,42 @@ impl<'m> Run<'m> {
         method: Method,
         time: f64,
     ) -> Result<Box<dyn Stepper<Motion>>, RunError> {
-        let default = method.needs_step().then(|| (FIXED_STEP * self.model.time_scale()).min(1e-3));
+        let fixed = fixed_step(self.model, settings, method);
+        let begins = settings.resume.filter(|resume| resume.time == time);
+        let resumed = begins.filter(|resume| resume.method == method).and_then(|resume| resume.step);
         let options = Options {
             relative: settings.tolerance,
             absolute: settings.absolute_tolerance,
             duration: Some(settings.duration),
-            step: settings.step.or(default),
+            step: fixed.or(settings.step.filter(|_| begins.is_none())).or(resumed).or(settings.step),
+            grid: begins.and(fixed).and_then(|step| resumed_grid(settings, step)),
             rho_infinity: settings.rho_infinity,
             // A step that was asked for is kept.
-            max_step: self.timetable.longest_step.filter(|_| !method.needs_step() && settings.step.is_none()),
+            max_step: self.timetable.longest_step.filter(|_| fixed.is_none() && settings.step.is_none()),
             ..Options::default()
         };
         let end = self.timetable.end(self.timetable.next(time));
         let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
+    }
+
+    /// What a run needs to go on from a time; the stepper began at `origin`.
+    fn resume(
+        &self,
+        settings: &Settings,
+        method: Method,
+        stepper: &mut dyn Stepper<Motion>,
+        [origin, time]: [f64; 2],
+    ) -> Resume {
+        let fixed = fixed_step(self.model, settings, method);
+        let grid = fixed.and_then(|step| {
+            let begins = settings.resume.filter(|resume| resume.time == origin);
+            let (origin, before) = begins.and_then(|_| resumed_grid(settings, step)).unwrap_or((origin, 0));
+            let grid = Grid { origin, steps: before + stepper.statistics().steps };
+            (grid.origin + grid.steps as f64 * step == time).then_some(grid)
+        });
+        let step = fixed.or_else(|| stepper.next_step());
+        Resume { time, method, step, grid }
     }
 
     /// An explicit method that stability would hold below any useful step is refused.
@@ -413,16 +476,10 @@ impl<'m> Run<'m> {
         self.ledger.put_in(outcome.work);
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
-        if let Some(storm) = self.turns.see(time, settings.duration) {
+        if let Some(storm) = self.turns.see(time, self.end) {
             let last = outcome.happened.last().or(self.happened.last());
             let name = last.map_or_else(String::new, |last| last.name.clone());
-            return Err(RunError::Storm {
-                time,
-                count: storm.count,
-                span: storm.span,
-                left: settings.duration - time,
-                name,
-            });
+            return Err(RunError::Storm { time, count: storm.count, span: storm.span, left: self.end - time, name });
         }
         if let Some(events) = &mut self.events {
             events.happened.extend(outcome.happened);

@@ -4,6 +4,7 @@ use super::couplings;
 use super::error::RunError;
 use super::finite;
 use super::ledger::{Ledger, interpolate};
+use super::outputs::StateOutputs;
 use super::problem::Motion;
 use super::run::State;
 use crate::integrate::Stepper;
@@ -14,6 +15,9 @@ use std::time::{Duration, Instant};
 
 /// Between samples it is asked this often whether to go on: steps that are full of samples take long.
 const PATIENCE: Duration = Duration::from_millis(50);
+
+/// Times of samples that differ by less than this part are one.
+const ROUNDING: f64 = 1e-12;
 
 /// Samples at equal times, and at the very end.
 pub(super) struct Sampler {
@@ -29,22 +33,27 @@ pub(super) struct Sampler {
     poses: Vec<Pose>,
     reactions: Vec<Wrench>,
     couplings: Vec<f64>,
+    /// `None` for a model without outputs.
+    outputs: Option<StateOutputs>,
 }
 
 impl Sampler {
-    pub(super) fn new(model: &Model, rate: f64, end: f64) -> Self {
+    /// Of a run from one time to another (s).
+    pub(super) fn new(model: &Model, rate: f64, [begin, end]: [f64; 2]) -> Self {
         let n = model.velocity_count();
         Self {
             rate,
             end,
             count: 0,
-            next: 1,
+            // One that is due at the beginning but for rounding is the first of the run.
+            next: (begin * rate * (1.0 + ROUNDING)).floor() as u64 + 1,
             state: State { position: model.start_position.clone(), velocity: model.start_velocity.clone() },
             accelerations: vec![0.0; n],
             residual: vec![0.0; n],
             poses: Vec::new(),
             reactions: Vec::new(),
             couplings: Vec::new(),
+            outputs: StateOutputs::new(model),
         }
     }
 
@@ -94,6 +103,20 @@ impl Sampler {
         ledger.advance(motion, stepper, &mut self.state, until)
     }
 
+    /// The outputs at a state; empty for a model without.
+    pub(super) fn outputs(
+        &mut self,
+        motion: &mut Motion,
+        ledger: &Ledger,
+        time: f64,
+        state: &State,
+    ) -> Result<Vec<f64>, RunError> {
+        let Some(outputs) = &mut self.outputs else { return Ok(Vec::new()) };
+        let account = ledger.energy(&motion.energies(time, &state.position, &state.velocity));
+        let found = outputs.at(motion, time, state, [account.work, account.dissipated]);
+        found.map(<[f64]>::to_vec).map_err(|fault| RunError::Sample { time, fault })
+    }
+
     /// One sample. Nothing is recorded that is not a number, nor a state beyond a rigid stop.
     pub(super) fn sample(
         &mut self,
@@ -113,6 +136,10 @@ impl Sampler {
         couplings::fill(&mut at, &self.accelerations, &mut self.couplings);
         at.poses(&mut self.poses);
         let energy = ledger.close(&motion.energies(time, q, v));
+        let outputs = match &mut self.outputs {
+            Some(outputs) => outputs.at(motion, time, state, [energy.work, energy.dissipated]).map_err(fault)?,
+            None => &[],
+        };
         let sample = Sample {
             time,
             positions: q,
@@ -121,6 +148,7 @@ impl Sampler {
             bodies: &self.poses,
             reactions: &self.reactions,
             couplings: &self.couplings,
+            outputs,
             energy,
         };
         finite::check(motion.model(), &sample)?;

@@ -4,7 +4,7 @@ use crate::force::{Act, Picture};
 use crate::hinge::{HingeKind, Names};
 use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Body, End, Loop, Model};
+use crate::model::{Body, End, Loop, Model, Output};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -38,10 +38,20 @@ pub fn scene(model: &Arc<Model>) -> Scene {
         positions: channels(HingeKind::positions),
         velocities: channels(HingeKind::velocities),
         couplings: super::couplings::channels(model),
+        outputs: outputs(model),
         not_unique: super::couplings::not_unique(model),
         watched: !(model.stops.is_empty() && model.hinge_friction.is_empty() && model.events.is_empty())
             || model.switching().next().is_some(),
     }
+}
+
+/// One channel for each number of the outputs.
+fn outputs(model: &Model) -> Vec<Channel> {
+    let of_output = |output: &Output| {
+        let labels = output.labels().zip(output.units.clone());
+        labels.map(|(name, unit)| Channel { body: String::new(), name, unit }).collect::<Vec<_>>()
+    };
+    model.outputs.iter().flat_map(of_output).collect()
 }
 
 fn picture(body: &Body, reach: f64) -> BodyPicture {

@@ -19,6 +19,8 @@ pub struct Settings {
     pub step: Option<f64>,
     /// For `generalized-alpha`: the part of motions far faster than the step that a step leaves, in [0, 1].
     pub rho_infinity: f64,
+    /// Where an earlier run ended that this one goes on from; `None` for a run from t = 0.
+    pub resume: Option<Resume>,
 }
 
 impl Default for Settings {
@@ -31,8 +33,43 @@ impl Default for Settings {
             absolute_tolerance: 1e-8,
             step: None,
             rho_infinity: Options::default().rho_infinity,
+            resume: None,
         }
     }
+}
+
+impl Settings {
+    /// The time at which the run begins (s).
+    pub fn begin(&self) -> f64 {
+        self.resume.map_or(0.0, |resume| resume.time)
+    }
+}
+
+/// Where a run ended, beside its state: what another run needs to go on as the first one would have.
+///
+/// A method that takes its steps from a fixed grid and remembers nothing of the last one (`rk4`) goes on bit for bit, if the
+/// run did not end within a step. An adaptive one begins with the step that it would have taken; what it remembers of
+/// earlier steps (their error, past accelerations, factorizations, and for implicit methods the guess of the next stages)
+/// is made anew.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resume {
+    /// The time reached (s).
+    pub time: f64,
+    /// The method that was at work.
+    pub method: Method,
+    /// The next step (s).
+    pub step: Option<f64>,
+    /// The fixed grid that the steps belong to; `None` for an adaptive method, and if the last step was cut.
+    pub grid: Option<Grid>,
+}
+
+/// Times of fixed steps: `origin + k step`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// (s)
+    pub origin: f64,
+    /// Steps made since then.
+    pub steps: u64,
 }
 
 /// Where a run starts.

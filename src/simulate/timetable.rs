@@ -11,23 +11,26 @@ use crate::model::Model;
 pub(super) struct Timetable {
     /// Increasing, within the run (s).
     breaks: Vec<f64>,
-    duration: f64,
+    /// Of the run (s).
+    end: f64,
     /// (s)
     pub(super) longest_step: Option<f64>,
 }
 
 impl Timetable {
-    pub(super) fn new(model: &Model, duration: f64) -> Self {
+    /// Of a run from one time to another (s).
+    pub(super) fn new(model: &Model, [begin, end]: [f64; 2]) -> Self {
+        let duration = end - begin;
         let (drives, motors) = (&model.drives, &model.motors);
         let each = drives.iter().map(|drive| drive.motion.breaks()).chain(motors.iter().map(|motor| motor.breaks()));
-        let mut breaks: Vec<f64> = each.flatten().copied().filter(|time| *time > 0.0 && *time < duration).collect();
+        let mut breaks: Vec<f64> = each.flatten().copied().filter(|time| *time > begin && *time < end).collect();
         breaks.sort_by(f64::total_cmp);
         // Times that were meant to be the same are one.
         breaks.dedup_by(|later, earlier| *later - *earlier <= 1e-12 * duration);
         let drives = drives.iter().map(|drive| drive.motion.longest_step(duration));
         let longest =
             drives.chain(motors.iter().map(|motor| motor.longest_step(duration))).fold(f64::INFINITY, f64::min);
-        Self { breaks, duration, longest_step: (longest < duration).then_some(longest) }
+        Self { breaks, end, longest_step: (longest < duration).then_some(longest) }
     }
 
     /// Whether anything changes its rule within the run.
@@ -37,12 +40,12 @@ impl Timetable {
 
     /// The next break after `time`, or the end of the run.
     pub(super) fn next(&self, time: f64) -> f64 {
-        self.breaks.get(self.breaks.partition_point(|at| *at <= time)).copied().unwrap_or(self.duration)
+        self.breaks.get(self.breaks.partition_point(|at| *at <= time)).copied().unwrap_or(self.end)
     }
 
     /// Where steps towards a break end: just before it, so that all of them go by the rule that holds until then.
     pub(super) fn end(&self, next: f64) -> f64 {
-        if next < self.duration { next.next_down() } else { next }
+        if next < self.end { next.next_down() } else { next }
     }
 }
 
@@ -52,7 +55,7 @@ mod tests {
 
     #[test]
     fn steps_end_just_before_a_break_and_at_the_end() {
-        let table = Timetable { breaks: vec![0.5, 2.0], duration: 3.0, longest_step: None };
+        let table = Timetable { breaks: vec![0.5, 2.0], end: 3.0, longest_step: None };
         assert_eq!((table.next(0.0), table.next(0.5), table.next(2.5)), (0.5, 2.0, 3.0));
         assert!(table.end(0.5) < 0.5 && table.next(table.end(0.5)) == 0.5);
         assert_eq!(table.end(3.0), 3.0);

@@ -89,7 +89,7 @@ pub fn verify(
     };
     let tolerance = (TIGHTER * settings.tolerance).max(TIGHTEST);
     let settings = Settings {
-        duration: if first.stopped_by.is_some() { settings.duration } else { first.end_time },
+        duration: if first.stopped_by.is_some() { settings.duration } else { first.end_time - settings.begin() },
         integrator: Integrator::Method(method),
         tolerance,
         absolute_tolerance: (TIGHTER * settings.absolute_tolerance).max(TIGHTEST),

@@ -41,6 +41,8 @@ pub struct Answer {
     pub found: Option<Equilibrium>,
     /// The run, if it was asked for.
     pub run: Option<Summary>,
+    /// The outputs of the equilibrium, or of the run its end, least, largest and mean square, in the order of the columns.
+    pub outputs: Vec<f64>,
 }
 
 /// The columns that answers to a question about a scene have.
@@ -100,6 +102,19 @@ impl<'a> Listing<'a, '_> {
         }
         if question.run {
             self.run(model);
+        }
+        self.outputs(model, question);
+    }
+
+    /// The outputs of the scene: at the equilibrium, or over the run.
+    fn outputs(&mut self, model: &Model, question: &Question) {
+        let values = self.answer.map_or(&[][..], |answer| &answer.outputs);
+        let units = model.outputs.iter().flat_map(|output| output.labels().zip(&output.units));
+        let parts: &[&str] = if question.run { &[".end", ".min", ".max", ".rms"] } else { &[""] };
+        let names = units.flat_map(|(label, unit)| parts.iter().map(move |part| (format!("{label}{part}"), unit)));
+        for (index, (name, unit)) in names.enumerate() {
+            let cell = values.get(index).copied().into();
+            (self.take)(&|| Column::new(name.clone(), Kind::Number, unit.clone()), cell);
         }
     }
 

@@ -8,8 +8,8 @@ use crate::constraint;
 use crate::foreign;
 use crate::model::parameter::Field;
 use crate::model::{Description, Model, Parameter, Problem};
-use crate::record::Fanout;
 use crate::scenario::{Diagnostics, Override, Scenario, parse};
+use crate::simulate::outputs::OutputRanges;
 use crate::simulate::{self, State};
 use crate::statics;
 use std::sync::Arc;
@@ -287,24 +287,28 @@ impl Cases {
                 }
                 let why = here.notes.first().map(|note| format!(": {note}"));
                 let why = format!("no equilibrium found{}", why.unwrap_or_default());
-                let answer = Answer { model, found: Some(here), run: None };
+                let answer = Answer { model, found: Some(here), run: None, outputs: Vec::new() };
                 return Err(Failure::No(why, self.cells(scenario, &answer).ok()));
             }
             start = State { position: here.position.clone(), velocity: here.velocity.clone() };
             found = Some(here);
         }
-        let mut run = None;
+        let (mut run, mut outputs) = (None, Vec::new());
+        if let Some(found) = found.as_ref().filter(|_| !self.question.run) {
+            outputs = statics::outputs(&model, found).map_err(|fault| no(fault.to_string()))?;
+        }
         if self.question.run {
             let (settings, rate) = (&scenario.simulate, scenario.record.rate);
-            let summary =
-                simulate::run(&model, settings, rate, &start, &mut Fanout::new(), &mut |_: f64, _: &State| goes_on())
-                    .map_err(|error| no(error.to_string()))?;
+            let mut ranges = OutputRanges::default();
+            let summary = simulate::run(&model, settings, rate, &start, &mut ranges, &mut |_: f64, _: &State| goes_on())
+                .map_err(|error| no(error.to_string()))?;
             if summary.interrupted {
                 return Err(ended());
             }
+            outputs = ranges.columns(&model, &summary.outputs).into_iter().map(|(_, value)| value).collect();
             run = Some(summary);
         }
-        self.cells(scenario, &Answer { model, found, run }).map_err(no)
+        self.cells(scenario, &Answer { model, found, run, outputs }).map_err(no)
     }
 
     /// What else the answers follow from, for the hash of a study: the text of the scenario, its changes, and the files that

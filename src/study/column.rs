@@ -36,13 +36,13 @@ pub struct Column {
     /// What it holds.
     pub kind: Kind,
     /// SI unit of its numbers; empty for none.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
 }
 
 impl Column {
     /// A column.
-    pub fn new(name: impl Into<String>, kind: Kind, unit: &'static str) -> Self {
-        Self { name: name.into(), kind, unit }
+    pub fn new(name: impl Into<String>, kind: Kind, unit: impl Into<Cow<'static, str>>) -> Self {
+        Self { name: name.into(), kind, unit: unit.into() }
     }
 }
 

@@ -27,11 +27,18 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("contact", &[]),
     ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
     ("dynamics", &["model", "motion", "force", "transfer", "constraint", "spatial"]),
+    ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
     // `hinge` for what loops lock.
-    ("statics", &["contact", "hinge", "model", "motion", "force", "constraint", "dynamics", "transfer", "spatial"]),
+    (
+        "statics",
+        &["contact", "hinge", "model", "motion", "force", "constraint", "dynamics", "output", "transfer", "spatial"],
+    ),
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
-    ("simulate", &["force", "hinge", "model", "motion", "dynamics", "statics", "integrate", "record", "spatial"]),
+    (
+        "simulate",
+        &["force", "hinge", "model", "motion", "dynamics", "output", "statics", "integrate", "record", "spatial"],
+    ),
     // `model` for the mass properties of solids.
     ("import", &["budget", "foreign", "mesh", "model", "suggest", "text_file"]),
     // `force` for the tables of curves.
@@ -43,6 +50,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "formula",
             "hinge",
             "import",
+            "integrate",
             "mesh",
             "model",
             "quantity",

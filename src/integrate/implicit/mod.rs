@@ -48,6 +48,10 @@ impl<P: ImplicitProblem, M: Implicit> Stepper<P> for M {
     fn progress(&self) -> &Progress {
         self.reached()
     }
+
+    fn next_step(&mut self) -> Option<f64> {
+        Some(self.parts().1.step())
+    }
 }
 
 /// Makes one accepted step.

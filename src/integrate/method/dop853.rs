@@ -93,6 +93,10 @@ impl<P: Problem> Stepper<P> for Dop853 {
         Ok(())
     }
 
+    fn next_step(&mut self) -> Option<f64> {
+        Some(self.core.next_step())
+    }
+
     fn stability_limited(&self) -> bool {
         self.core.stability_limited()
     }

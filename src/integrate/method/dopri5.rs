@@ -57,6 +57,10 @@ impl<P: Problem> Stepper<P> for Dopri5 {
         &self.0.progress
     }
 
+    fn next_step(&mut self) -> Option<f64> {
+        Some(self.0.next_step())
+    }
+
     fn stability_limited(&self) -> bool {
         self.0.stability_limited()
     }

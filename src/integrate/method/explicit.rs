@@ -136,6 +136,11 @@ impl Explicit {
         })
     }
 
+    /// The step that would be tried next (s).
+    pub(crate) fn next_step(&self) -> f64 {
+        self.control.step()
+    }
+
     /// Makes one accepted step, with the Hermite cubic of its ends between them; false where the end was reached before.
     pub(crate) fn step<P: Problem>(&mut self, problem: &mut P) -> Result<bool, StepError> {
         if self.progress.finished() {

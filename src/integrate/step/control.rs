@@ -70,7 +70,7 @@ impl Controller {
     /// `advice` tells what to try where a fixed step fails.
     pub(crate) fn new(options: &Options, order: u8, step: f64, progress: &Progress, advice: &'static str) -> Self {
         let max_step = options.max_step.unwrap_or(f64::INFINITY);
-        let origin = progress.time;
+        let (origin, count) = options.grid.unwrap_or((progress.time, 0));
         let shortest = if options.fixed { step } else { shortest_step(progress) };
         Self {
             order: f64::from(order),
@@ -80,13 +80,18 @@ impl Controller {
             previous_error: SMALLEST_REMEMBERED_ERROR,
             rejected: false,
             limit: None,
-            fixed: options.fixed.then_some(Grid { origin, count: 0, advice }),
+            fixed: options.fixed.then_some(Grid { origin, count, advice }),
         }
     }
 
     /// Keeps the step where it would grow by less than `factor`.
     pub(crate) fn holding_below(self, factor: f64) -> Self {
         Self { hold_below: factor, ..self }
+    }
+
+    /// The next step to try (s).
+    pub(crate) fn step(&self) -> f64 {
+        self.step
     }
 
     pub(crate) fn is_fixed(&self) -> bool {

@@ -20,6 +20,8 @@ pub struct Options {
     pub max_step: Option<f64>,
     /// Keeps an adaptive method at `step`, without looking at its error estimate.
     pub fixed: bool,
+    /// For a fixed step: the time from which steps are counted (s), and how many there have been; `None`: from the start on.
+    pub grid: Option<(f64, u64)>,
     /// Part of motions far faster than the step that a step of [`GeneralizedAlpha`](crate::integrate::GeneralizedAlpha)
     /// leaves, in `[0, 1]`.
     pub rho_infinity: f64,
@@ -35,6 +37,7 @@ impl Default for Options {
             step: None,
             max_step: None,
             fixed: false,
+            grid: None,
             rho_infinity: 0.8,
         }
     }

@@ -21,6 +21,11 @@ pub trait Stepper<P: Problem> {
     /// Where the run stands.
     fn progress(&self) -> &Progress;
 
+    /// The step that would be tried next (s), if the method says so.
+    fn next_step(&mut self) -> Option<f64> {
+        None
+    }
+
     /// Whether the last steps were held by stability instead of accuracy: the system is stiff and an implicit method
     /// would be faster. Always false for implicit methods.
     fn stability_limited(&self) -> bool {

@@ -14,8 +14,8 @@ impl Parameter {
         match self.element {
             Element::Scene if self.field == Field::Named => description.named.list()[self.index].value,
             Element::Scene => description.gravity[self.index],
-            // Events and contacts have no parameters.
-            Element::Event(_) | Element::Contact(_) => f64::NAN,
+            // Events, contacts and outputs have no parameters.
+            Element::Event(_) | Element::Contact(_) | Element::Output(_) => f64::NAN,
             Element::Body(body) => {
                 let body = &description.bodies[body];
                 match self.field {
@@ -66,7 +66,7 @@ impl Parameter {
     pub(super) fn put(&self, description: &mut Description, value: f64) {
         match self.element {
             Element::Scene => description.gravity[self.index] = value,
-            Element::Event(_) | Element::Contact(_) => {}
+            Element::Event(_) | Element::Contact(_) | Element::Output(_) => {}
             Element::Body(body) => {
                 let body = &mut description.bodies[body];
                 let (positions, velocities) = body.hinge.kind.counts();

@@ -13,6 +13,7 @@
 //! | `/energy` | `stillpoint.Energy`, each sample |
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/couplings` | `stillpoint.Couplings`, each sample; in scenes with drives, motors, gears or loops |
+//! | `/outputs` | `stillpoint.Outputs`, each sample; in scenes with outputs |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
 //! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; where `ros` is asked for, up to 1000 bodies |
 //! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, where there are up to 64 |
@@ -34,6 +35,7 @@
 //! Positions { double upper_angle; double link_0_angle; … }
 //! Energy    { double time, kinetic, potential, work, dissipated, error; }
 //! Couplings { double time; double crank_motor_torque; double coupler_pin_force_x; … }
+//! Outputs   { double time; double camber; double tip_0; … }
 //! Reactions { Wrench upper; Wrench link_0; … }      Wrench { Vector force, moment; }
 //! ```
 //!
@@ -82,6 +84,7 @@ const HINGES_TOPIC: &str = "/hinges";
 const ENERGY_TOPIC: &str = "/energy";
 const REACTIONS_TOPIC: &str = "/reactions";
 const COUPLINGS_TOPIC: &str = "/couplings";
+const OUTPUTS_TOPIC: &str = "/outputs";
 const FRAMES_TOPIC: &str = "/tf";
 const ROBOT_TOPIC: &str = "/robot_description";
 const JOINTS_TOPIC: &str = "/joint_states";

@@ -237,6 +237,7 @@ mod tests {
             bodies: vec![Pose::identity()],
             reactions: vec![Wrench { force: Vector3::zeros(), moment }],
             couplings: Vec::new(),
+            outputs: Vec::new(),
             energy: Energy::default(),
         };
         let mut message = Vec::new();

@@ -41,6 +41,7 @@ enum Topic {
     Energy,
     Reactions,
     Couplings,
+    Outputs,
     Frames,
 }
 
@@ -53,6 +54,7 @@ impl Assembly {
             bodies: Vec::with_capacity(scene.bodies.len()),
             reactions: vec![Wrench::default(); scene.bodies.len()],
             couplings: vec![0.0; scene.couplings.len()],
+            outputs: vec![0.0; scene.outputs.len()],
             ..OwnedSample::default()
         };
         Self { topics: HashMap::new(), blank, begun: None }
@@ -75,7 +77,8 @@ impl Assembly {
             Topic::Hinges => get_hinges(data, sample),
             Topic::Energy => get_energy(data, &mut sample.energy),
             Topic::Reactions => get_reactions(data, &mut sample.reactions),
-            Topic::Couplings => get_couplings(data, &mut sample.couplings),
+            Topic::Couplings => get_timed(data, &mut sample.couplings),
+            Topic::Outputs => get_timed(data, &mut sample.outputs),
             Topic::Frames => get_frames(data, bodies, sample),
         };
         decoded.ok_or_else(|| wrong("a message that does not fit the scene", header))?;
@@ -144,6 +147,7 @@ fn topic(name: &str) -> Option<Topic> {
         ENERGY_TOPIC => Some(Topic::Energy),
         REACTIONS_TOPIC => Some(Topic::Reactions),
         COUPLINGS_TOPIC => Some(Topic::Couplings),
+        OUTPUTS_TOPIC => Some(Topic::Outputs),
         FRAMES_TOPIC => Some(Topic::Frames),
         _ => None,
     }
@@ -183,10 +187,11 @@ fn get_reactions(message: &[u8], reactions: &mut [Wrench]) -> Option<()> {
     })
 }
 
-fn get_couplings(message: &[u8], couplings: &mut [f64]) -> Option<()> {
+/// The numbers after the time.
+fn get_timed(message: &[u8], numbers: &mut [f64]) -> Option<()> {
     each_field(message, |index, field| match index.checked_sub(1) {
         None => Some(()),
-        Some(index) => field.number().zip(couplings.get_mut(index)).map(|(number, coupling)| *coupling = number),
+        Some(index) => field.number().zip(numbers.get_mut(index)).map(|(number, slot)| *slot = number),
     })
 }
 

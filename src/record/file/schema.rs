@@ -3,6 +3,7 @@
 use super::names;
 use super::numbers::field_number;
 use crate::record::Scene;
+use crate::record::scene::Channel;
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
@@ -61,18 +62,32 @@ pub(super) fn energy() -> Schema {
 
 /// `/couplings`.
 pub(super) fn couplings(scene: &Scene) -> Schema {
-    let mut names = vec!["time".to_owned()];
-    names.extend(names::channel_fields(&scene.couplings));
-    // The field of a coupling that is called as the time is gets a number.
-    names = names::fields(names);
-    let mut fields = BTreeMap::from([("time".to_owned(), "time [s]".to_owned())]);
-    for (field, channel) in names[1..].iter().zip(&scene.couplings) {
+    let said = |channel: &Channel| {
         let free = scene.not_unique.contains(&channel.body) && channel.name != "gap";
         let remark = if free { ", not unique: the smallest that balances" } else { "" };
-        fields.insert(field.clone(), format!("{}.{} [{}]{remark}", channel.body, channel.name, channel.unit));
-    }
+        format!("{}.{} [{}]{remark}", channel.body, channel.name, channel.unit)
+    };
+    let (fields, names) = timed(&scene.couplings, said);
     let data = encode("stillpoint/couplings.proto", vec![numbers("Couplings", &names)]);
     Schema { name: "stillpoint.Couplings", data, fields }
+}
+
+/// `/outputs`.
+pub(super) fn outputs(scene: &Scene) -> Schema {
+    let (fields, names) = timed(&scene.outputs, |channel| format!("{} [{}]", channel.name, channel.unit));
+    let data = encode("stillpoint/outputs.proto", vec![numbers("Outputs", &names)]);
+    Schema { name: "stillpoint.Outputs", data, fields }
+}
+
+/// The fields of a message of the time and the numbers of channels: what is said of each, and their names in order.
+fn timed(channels: &[Channel], said: impl Fn(&Channel) -> String) -> (BTreeMap<String, String>, Vec<String>) {
+    let mut names = vec!["time".to_owned()];
+    names.extend(names::channel_fields(channels));
+    // The field of a channel that is called as the time is gets a number.
+    names = names::fields(names);
+    let mut fields = BTreeMap::from([("time".to_owned(), "time [s]".to_owned())]);
+    fields.extend(names[1..].iter().cloned().zip(channels.iter().map(said)));
+    (fields, names)
 }
 
 /// `/reactions`.

@@ -134,6 +134,8 @@ struct Channels {
     reactions: u16,
     /// `None` where nothing couples hinges.
     couplings: Option<u16>,
+    /// `None` for a scene without outputs.
+    outputs: Option<u16>,
     frames: u16,
     /// Of a run that has had any.
     events: Option<u16>,
@@ -152,6 +154,10 @@ impl<W: Write + Seek> Output<W> {
             couplings: match scene.couplings.is_empty() {
                 true => None,
                 false => Some(number_channel(&mut mcap, COUPLINGS_TOPIC, schema::couplings(scene))?),
+            },
+            outputs: match scene.outputs.is_empty() {
+                true => None,
+                false => Some(number_channel(&mut mcap, OUTPUTS_TOPIC, schema::outputs(scene))?),
             },
             frames: foxglove_channel::<FrameTransforms, _>(&mut mcap, FRAMES_TOPIC)?,
             events: None,
@@ -185,9 +191,10 @@ impl<W: Write + Seek> Output<W> {
         self.message(channels.energy, time)?;
         put_reactions(sample.reactions, &mut self.buffer);
         self.message(channels.reactions, time)?;
-        if let Some(channel) = channels.couplings {
+        for (channel, row) in [(channels.couplings, sample.couplings), (channels.outputs, sample.outputs)] {
+            let Some(channel) = channel else { continue };
             put_row(&[sample.time], &mut self.buffer);
-            put_more(1, sample.couplings, &mut self.buffer);
+            put_more(1, row, &mut self.buffer);
             self.message(channel, time)?;
         }
         if let Some((channel, joints)) = &self.joints {

@@ -7,7 +7,7 @@ use super::{NUMBER, VECTOR};
 /// `[[event]]`
 pub const EVENT: Table = Table {
     name: "event",
-    doc: "A hinge coordinate or a point that crosses a value; its time is found to twelve digits.",
+    doc: "A hinge coordinate, a point or an output that crosses a value; its time is found to twelve digits.",
     types: &[],
     keys: &[
         Key::new("name", Kind::Text, "Unique name; `event[i]` with its place in the file, from 0, where left out.")
@@ -25,7 +25,16 @@ pub const EVENT: Table = Table {
         Key::new("axis", VECTOR, "Direction along which the point is measured from the origin, inertial axes.")
             .default("[0.0, 0.0, 1.0]")
             .example("[0.0, 0.0, 1.0]"),
-        Key::new("value", NUMBER, "The value that is crossed.").unit("m or rad").default("0.0").example("0.5"),
+        Key::new(
+            "output",
+            Kind::Text,
+            "Output that is watched, in place of `hinge`: its name, or `name[i]` for one of several numbers.",
+        )
+        .example("\"camber\""),
+        Key::new("value", NUMBER, "The value that is crossed; of an output in its SI unit.")
+            .unit("m or rad")
+            .default("0.0")
+            .example("0.5"),
         Key::new("direction", Kind::Choice(DIRECTIONS), "Which way counts.").default("\"both\"").example("\"up\""),
         Key::new("action", Kind::Choice(ACTIONS), "What happens then.").default("\"log\"").example("\"stop\""),
     ],

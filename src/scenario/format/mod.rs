@@ -8,6 +8,7 @@ mod force;
 mod hinge;
 mod model;
 mod motor;
+mod output;
 mod settings;
 mod start;
 
@@ -19,6 +20,7 @@ pub use force::{BUSHING_VALUES, CURVE_VALUES, FORCE};
 pub use hinge::{HINGE, HINGE_CURVE, LIMIT};
 pub use model::{MODEL, MODEL_HINGE};
 pub use motor::{MOTOR, TARGET};
+pub use output::{COMPONENTS, DIRECTION, OUTPUT};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
@@ -72,5 +74,6 @@ pub const SCENARIO: Table = Table {
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
         Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),
         Key::new("motor", Kind::List(&Kind::Table(&MOTOR), &[]), "Forces in coordinates that follow a law."),
+        Key::new("output", Kind::List(&Kind::Table(&OUTPUT), &[]), "Numbers that are asked of the scene."),
     ],
 };

@@ -15,6 +15,7 @@ pub const MOTOR: Table = Table {
         ("table", "Straight lines through points over time or speed, constant outside."),
         ("pd", "Towards a target s: stiffness (s − q) + damping (ṡ − q̇) + force."),
         ("expression", "A formula in the time `t`, the coordinate `q` and its rate `v`."),
+        ("input", "A number from outside, zero without one: an input of `linearize`."),
     ],
     keys: &[
         Key::new("name", Kind::Text, "Unique name; `motor[i]` with its place in the file, from 0, where left out.")

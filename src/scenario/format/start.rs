@@ -1,7 +1,7 @@
 //! Start files: where a run begins, by name.
 
-use super::super::fields::{Key, Kind, Table};
-use super::NUMBER;
+use super::super::fields::{Key, Kind, Range, Table};
+use super::{NOT_NEGATIVE, NUMBER, POSITIVE};
 
 const LISTS: Kind = Kind::Map(&Kind::List(&NUMBER, &[]));
 
@@ -12,6 +12,11 @@ pub const START: Table = Table {
     types: &[],
     keys: &[
         Key::new("title", Kind::Text, "One line for people: the scene it belongs to.").example("\"A crane\""),
+        Key::new("time", NOT_NEGATIVE, "When: of the end of a run that goes on; 0 where left out.")
+            .unit("s")
+            .example("2.5"),
+        Key::new("integrator", Kind::Table(&INTEGRATOR), "What the method goes on with.")
+            .example("{ method = \"rk4\" }"),
         Key::new("positions", LISTS, "Coordinates of every hinge, by the body it carries.")
             .required()
             .example("{ upper = [0.3] }"),
@@ -20,5 +25,18 @@ pub const START: Table = Table {
             .example("{ \"upper.force\" = 12.5 }"),
         Key::new("multipliers", LISTS, "What loops, drives and gears push there, row by row: checked, not used.")
             .example("{ \"drive engine\" = [12.5] }"),
+    ],
+};
+
+/// `[integrator]` of a start file.
+const INTEGRATOR: Table = Table {
+    name: "integrator",
+    doc: "What a method goes on with where a run ended.",
+    types: &[],
+    keys: &[
+        Key::new("method", Kind::Text, "Its name.").required().example("\"rk4\""),
+        Key::new("step", POSITIVE, "The next step.").unit("s").example("1e-3"),
+        Key::new("origin", NUMBER, "The time from which fixed steps are counted.").unit("s").example("0.0"),
+        Key::new("steps", Kind::Integer(Range::AtLeast(0.0)), "How many of them were made.").example("2500"),
     ],
 };

@@ -141,6 +141,18 @@ pub(in crate::statics) fn load(model: &Model, index: usize, side: i8, q: &[f64],
     }
 }
 
+/// What the stops of a set push each velocity coordinate with (N or N m). `held` are the forces of locked coordinates.
+pub(in crate::statics) fn pushes(stops: &[Stop], set: &[i8], q: &[f64], held: &[f64]) -> Vec<f64> {
+    let mut pushes = vec![0.0; held.len()];
+    for (stop, side) in stops.iter().zip(set).filter(|(_, side)| **side != 0) {
+        pushes[stop.velocity] += match stop.law {
+            StopLaw::Rigid { .. } => held[stop.velocity],
+            StopLaw::Compliant { stiffness, .. } => stiffness * (stop.range[usize::from(*side > 0)] - q[stop.position]),
+        };
+    }
+    pushes
+}
+
 /// What holds every locked coordinate of an equilibrium, and how large the forces are that act there.
 pub(in crate::statics) fn held(bearing: &Arc<Model>, found: &Equilibrium) -> Result<(Vec<f64>, Vec<f64>), Fault> {
     let mut system = System::new(bearing);

@@ -117,6 +117,8 @@ pub struct PathPoint {
     pub reactions: Vec<Wrench>,
     /// Potential energy (J).
     pub potential: f64,
+    /// Outputs, in the order of the model.
+    pub outputs: Vec<f64>,
     /// Largest unbalanced force relative to the forces that cancel there.
     pub relative_residual: f64,
     /// What kind of equilibrium it is.

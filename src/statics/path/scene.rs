@@ -1,8 +1,9 @@
 //! A scene as a family: one of its numbers moves.
 
-use crate::dynamics::{Fault, Linearization, System};
+use crate::dynamics::{Fault, Linearization, Powers, System};
 use crate::model::description::Description;
 use crate::model::{Model, Parameter, Stop};
+use crate::output::{Given, Outputs};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::certify::bearing::{self, Set};
 use crate::statics::certify::closed;
@@ -53,6 +54,7 @@ pub(super) struct Record {
     pub poses: Vec<Pose>,
     pub reactions: Vec<Wrench>,
     pub potential: f64,
+    pub outputs: Vec<f64>,
 }
 
 impl<'a> Moving<'a> {
@@ -260,17 +262,31 @@ impl<'a> Moving<'a> {
     }
 
     pub(super) fn record(&mut self, q: &[f64], parameter: f64) -> Result<Record, String> {
+        let (stops, set) = (self.stops.clone(), self.set.clone());
         self.with(q, parameter, |landscape, q| {
-            let potential = landscape.potential(&q);
+            let (potential, steady) = (landscape.potential(&q), landscape.steady.clone());
+            let rest = vec![0.0; steady.len()];
+            let (mut poses, mut reactions, mut residual) = (Vec::new(), Vec::new(), rest.clone());
+            let (mut asked, mut powers) = (Outputs::new(landscape.model()), Powers::default());
+            if Outputs::asks_power(landscape.model()) {
+                powers = landscape.system().at(0.0, &q, &steady).powers();
+            }
             // With loops: the multipliers there.
             landscape.force(&q)?;
-            let steady = landscape.steady.clone();
-            let rest = vec![0.0; steady.len()];
-            let (mut poses, mut reactions) = (Vec::new(), Vec::new());
             let mut at = landscape.system().at(0.0, &q, &steady);
-            at.residual(&rest, &mut rest.clone())?.reactions(&mut reactions);
+            at.share_multipliers()?;
+            let energies = at.energies();
+            let balanced = at.residual(&rest, &mut residual)?;
+            balanced.reactions(&mut reactions);
+            let pushes = bearing::pushes(&stops, &set, &q, &residual);
+            let (accelerations, account) = (&rest[..], [0.0; 2]);
+            let given = Given { accelerations, reactions: &reactions, stops: &pushes, energies, account, powers };
+            let outputs = match &mut asked {
+                Some(asked) => asked.evaluate(&balanced, &given)?.to_vec(),
+                None => Vec::new(),
+            };
             at.poses(&mut poses);
-            Ok(Record { poses, reactions, potential })
+            Ok(Record { poses, reactions, potential, outputs })
         })
     }
 

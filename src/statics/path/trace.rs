@@ -379,6 +379,7 @@ impl<'a> Tracer<'a> {
             poses: record.poses,
             reactions: record.reactions,
             potential: record.potential,
+            outputs: record.outputs,
             relative_residual: point.place.residual().0,
             verdict,
             unstable_directions: count.unstable,

@@ -75,6 +75,9 @@ impl Motion {
                 .chain(channels(&[("rod[0]", "x", "rad/s"), ("rod[0]", "y", "rad/s"), ("rod[0]", "z", "rad/s")]))
                 .collect(),
             couplings: channels(&[("time", "", "N m"), ("ring", "force.x", "N"), ("ring", "gap", "m")]).collect(),
+            outputs: ["time", "camber", "tip[0]", "tip[1]"]
+                .map(|name| Channel { body: String::new(), name: name.into(), unit: "m".into() })
+                .into(),
             not_unique: vec!["ring".into()],
             watched: true,
         };
@@ -128,6 +131,7 @@ impl Motion {
             bodies: poses,
             reactions: (0..self.scene.bodies.len()).map(reaction).collect(),
             couplings: wave(self.scene.couplings.len(), 3.0),
+            outputs: wave(self.scene.outputs.len(), 4.0),
             energy: Energy {
                 kinetic: 4.0 - potential * (-0.1 * time).exp(),
                 potential,

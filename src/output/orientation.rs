@@ -1,0 +1,26 @@
+//! Orientation of a body as a unit quaternion w, x, y, z: `δp = ½ (0, δθ) p`, with δθ in inertial axes.
+
+use super::question::{At, Measure, Variation};
+use crate::model::output::OrientationQuantity;
+use nalgebra::Quaternion;
+
+impl OrientationQuantity {
+    fn quaternion(&self, at: &At<'_>) -> Quaternion<f64> {
+        let body = &at.balanced.system().model().bodies[self.body];
+        at.balanced.motion().body_pose(body).rotation.into_inner()
+    }
+}
+
+impl Measure for OrientationQuantity {
+    fn value(&self, at: &At<'_>, out: &mut [f64]) {
+        let p = self.quaternion(at);
+        out.copy_from_slice(&[p.w, p.i, p.j, p.k]);
+    }
+
+    fn vary(&self, at: &At<'_>, by: &Variation<'_>, out: &mut [f64]) -> bool {
+        let turn = by.links[at.balanced.system().model().bodies[self.body].link].turn;
+        let change = Quaternion::from_imag(0.5 * turn) * self.quaternion(at);
+        out.copy_from_slice(&[change.w, change.i, change.j, change.k]);
+        true
+    }
+}

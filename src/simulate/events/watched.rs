@@ -1,0 +1,91 @@
+//! What is watched: the functions whose changes of sign are events, and their rates.
+
+use super::super::nonsmooth::{Rubbing, rate_of};
+use super::super::problem::Motion;
+use super::super::run::State;
+use super::{Events, Function};
+use crate::model::Watched;
+use std::sync::Arc;
+
+impl Events {
+    /// Looks what accelerations are at the state, and what holds.
+    fn press(&mut self, motion: &mut Motion, time: f64) {
+        if !self.pressed {
+            motion.press(time, &self.state, &mut self.accelerations, &mut self.reserves);
+            self.pressed = true;
+        }
+    }
+
+    /// How fast the watched number changes at the state; 0 for a push or a reserve, and for an output whose rate is not
+    /// known.
+    pub(super) fn rate(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+        let model = &Arc::clone(motion.model());
+        if let Function::Speed(index) = function {
+            self.press(motion, time);
+            return self.along(motion, index, &self.accelerations);
+        }
+        match function {
+            Function::Depth(side) => side.sign * self.state.velocity[model.stops[side.stop].velocity],
+            Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Stir(_) => 0.0,
+            Function::User(event) => {
+                Some(self.speed(motion, event, time)).filter(|speed| !speed.is_nan()).unwrap_or(0.0)
+            }
+            Function::Law(boundary) => motion.switch(time, boundary, &self.state).rate,
+        }
+    }
+
+    /// How fast the number of an event changes at the state; not a number if that is not known.
+    pub(super) fn speed(&mut self, motion: &mut Motion, event: usize, time: f64) -> f64 {
+        let model = &Arc::clone(motion.model());
+        match &model.events[event].of {
+            Watched::Position(_) => self.state.velocity[self.velocities[event]],
+            Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
+            Watched::Output(number) => self.output(motion, time, *number)[1],
+        }
+    }
+
+    /// A number of an output and its rate.
+    fn output(&mut self, motion: &mut Motion, time: f64, number: usize) -> [f64; 2] {
+        let state = &self.state;
+        self.outputs.as_mut().map_or([f64::NAN; 2], |outputs| outputs.watched(motion, time, state, number))
+    }
+
+    /// Velocities or accelerations in the direction in which something slides.
+    fn along(&self, motion: &Motion, friction: usize, of: &[f64]) -> f64 {
+        match motion.phase().map(|phase| phase.rubbing[friction]) {
+            Some(Rubbing::Slides(direction)) => rate_of(&motion.model().hinge_friction[friction], of).dot(&direction),
+            _ => 0.0,
+        }
+    }
+
+    /// A function at the state.
+    pub(super) fn value(&mut self, motion: &mut Motion, function: Function, time: f64) -> f64 {
+        if let Function::Reserve(held) = function {
+            self.press(motion, time);
+            return self.reserves[held];
+        }
+        let model = &Arc::clone(motion.model());
+        let State { position, velocity } = &self.state;
+        match function {
+            Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),
+            Function::Push(side) => model.stops[side.stop].push(side.sign, position, velocity),
+            Function::Reserve(held) => self.reserves[held],
+            Function::Speed(index) => {
+                let friction = &model.hinge_friction[index];
+                let rest = if friction.count == 1 { 0.0 } else { motion.rest_speed(friction.velocity, self.tolerance) };
+                self.along(motion, index, velocity) - rest
+            }
+            Function::Stir(index) => rate_of(&model.hinge_friction[index], velocity).norm(),
+            Function::User(event) => {
+                let event = &model.events[event];
+                let number = match &event.of {
+                    Watched::Position(index) => position[*index],
+                    Watched::Point(end, axis) => motion.point(time, end, &self.state).dot(axis),
+                    Watched::Output(number) => self.output(motion, time, *number)[0],
+                };
+                number - event.value
+            }
+            Function::Law(boundary) => motion.switch(time, boundary, &self.state).value,
+        }
+    }
+}
