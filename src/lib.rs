@@ -96,6 +96,7 @@
 //! | [`contact`] | solids that touch, and whether supports within cones hold a load |
 //! | [`dynamics`] | `System`, a model with the forces [`applied`](dynamics::applied) to it: the one place where these meet `transfer` |
 //! | [`output`] | what a user asks of a scene, as numbers |
+//! | [`linear`] | the equations about a place, linear: states, inputs, outputs |
 //! | [`statics`] | the equilibrium and its certificate: residual, stability, modes |
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
@@ -130,6 +131,7 @@ pub mod hinge;
 #[cfg(feature = "scenario")]
 pub mod import;
 pub mod integrate;
+pub mod linear;
 #[cfg(feature = "scenario")]
 pub mod mesh;
 pub mod model;

@@ -80,6 +80,11 @@ Examples:
   stillpoint compare pendulum.mcap copy.mcap
   stillpoint compare pendulum.mcap copy.mcap --channel rod.angle --tolerance 1e-9";
 
+pub(super) const LINEARIZE: &str = "\
+Examples:
+  stillpoint linearize scenarios/pendulum.toml --input rod.force --out pendulum.npz
+  stillpoint linearize scenarios/double_wishbone.toml --input bump --output camber --bode camber.svg";
+
 pub(super) const CONVERT: &str = "\
 Examples:
   stillpoint convert robot.urdf -o robot.toml

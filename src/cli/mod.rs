@@ -14,6 +14,7 @@ mod info;
 mod inputs;
 mod inspect;
 mod json;
+mod linearize;
 mod man;
 mod new;
 mod output;
@@ -105,6 +106,9 @@ enum Command {
     /// Say what the model is, and its accelerations at the given state; runs nothing
     #[command(after_help = examples::INSPECT)]
     Inspect(inspect::Arguments),
+    /// Write the linear equations about the equilibrium: A, B, C, D, eigenvalues, frequency response
+    #[command(after_help = examples::LINEARIZE)]
+    Linearize(linearize::Arguments),
     /// Measure what this scene's own routines cost: acceleration, Jacobian, tangent, statics, memory
     #[command(after_help = examples::BENCH)]
     Bench(bench::Arguments),
@@ -209,6 +213,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<f
         #[cfg(feature = "parquet")]
         Command::Study(arguments) => study::main(&arguments),
         Command::Inspect(arguments) => inspect::main(&arguments),
+        Command::Linearize(arguments) => linearize::main(&arguments),
         Command::Bench(arguments) => bench::main(&arguments, memory),
         Command::View(arguments) => view::main(&arguments),
         Command::Info(arguments) => info::main(&arguments),

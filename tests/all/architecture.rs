@@ -28,6 +28,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
     ("dynamics", &["model", "motion", "force", "transfer", "constraint", "spatial"]),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
+    ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
     // `hinge` for what loops lock.
     (
@@ -89,6 +90,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "model",
             "constraint",
             "dynamics",
+            "linear",
             "statics",
             "integrate",
             "record",
@@ -134,7 +136,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("plotters", &["cli"]),
     ("allocator_api2", &["pages"]),
     ("hugealloc", &["pages"]),
-    ("faer", &["contact", "dynamics", "statics"]),
+    ("faer", &["contact", "dynamics", "linear", "statics"]),
     ("clarabel", &["contact"]),
     ("wide", &["spatial", "motion"]),
     // `motion` for the halves of large trees, `cli` to make its thread one of the two.

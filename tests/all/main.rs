@@ -25,6 +25,7 @@ mod import;
 mod instructions;
 mod integrators;
 mod light;
+mod linear;
 mod loops;
 mod measures;
 mod mjcf;

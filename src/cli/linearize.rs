@@ -1,0 +1,219 @@
+//! `linearize`: the equations about the equilibrium, or about a start.
+
+mod bode;
+mod files;
+
+use super::inputs::Inputs;
+use super::{Common, Exit, json, output, scene, statics, text};
+use crate::linear::{self, Input, Mat, Place, Signal, StateSpace};
+use crate::model::{Model, StopLaw};
+use crate::statics::Equilibrium;
+use anyhow::{Context, anyhow, bail};
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// What pushes: a motor, a drive (by the acceleration of its target), `crank.force` of a hinge or `push.force[0]` of a
+    /// load; may be repeated. Default: all motors of type `input`
+    #[arg(long, value_name = "ADDRESS")]
+    input: Vec<String>,
+    /// What is observed: an `[[output]]` of the scenario; may be repeated. Default: all
+    #[arg(long, value_name = "NAME")]
+    output: Vec<String>,
+    /// About the state of this file, as it stands, in place of the equilibrium
+    #[arg(long, value_name = "START.toml")]
+    start: Option<PathBuf>,
+    /// Write the matrices there
+    #[arg(long, value_name = "FILE.json|npz|mat")]
+    out: Option<PathBuf>,
+    /// Plot the frequency response from every input to every output there
+    #[arg(long, value_name = "FILE.svg")]
+    bode: Option<PathBuf>,
+    /// Also the equations from step to step (s), inputs held constant over each
+    #[arg(long, value_name = "STEP", value_parser = positive, allow_negative_numbers = true)]
+    discretize: Option<f64>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        _ => Err("a number > 0 is wanted".to_owned()),
+    }
+}
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let common = &arguments.common;
+    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
+        Ok(loaded) => loaded,
+        Err(exit) => return Ok(exit),
+    };
+    let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
+    arguments.out.iter().chain(&arguments.bode).try_for_each(|written| read.spare(written))?;
+    let format = arguments.out.as_deref().map(files::Format::of).transpose()?;
+    let place = match arguments.start {
+        Some(_) => Place {
+            time: scenario.simulate.begin(),
+            position: model.start_position.clone(),
+            velocity: model.start_velocity.clone(),
+            multipliers: None,
+            held: Vec::new(),
+            pressed: Vec::new(),
+        },
+        None => {
+            let (found, _) = statics::find(&mut scenario, &mut model)?;
+            if !found.converged {
+                let why = found.notes.first().map_or(String::new(), |note| format!(": {note}"));
+                output::error(&anyhow!("{}: there is no equilibrium to linearize about{why}", scenario.name));
+                return Ok(Exit::No);
+            }
+            of_equilibrium(&model, &found)
+        }
+    };
+    let inputs = inputs(arguments, &scenario.description, &model)?;
+    for name in &arguments.output {
+        if !model.outputs.iter().any(|output| output.name == *name) {
+            let known = model.outputs.iter().map(|output| output.name.as_str());
+            let near = crate::suggest::closest(name, known).map(|near| format!("; did you mean `{near}`?"));
+            bail!("the scenario has no output `{name}`{}", near.unwrap_or_default());
+        }
+    }
+    let asked = (!arguments.output.is_empty()).then_some(&arguments.output[..]);
+    let found = linear::linearize(&model, &place, &inputs, asked).with_context(|| scenario.name.clone())?;
+    if !found.left_out.is_empty() && !common.quiet {
+        let list = found.left_out.join("`, `");
+        output::note(&format!("left out: `{list}`: how they vary is not known, or they are inputs themselves"));
+    }
+    let smooth = model.hinge_friction.is_empty() && model.contacts.is_empty();
+    if !smooth && !common.quiet {
+        output::note("dry friction and contact are left out of the equations: they are those of the smooth scene");
+    }
+    let answer = answer(&model, &place, &found, arguments.discretize);
+    if let Some((path, format)) = arguments.out.as_deref().zip(format) {
+        output::save(path, &format.bytes(&found, arguments.discretize, &answer)?)?;
+    }
+    if let Some(path) = &arguments.bode {
+        let title = if model.title.is_empty() { &scenario.name } else { &model.title };
+        output::save(path, bode::draw(&found, title)?.as_bytes())?;
+    }
+    if common.json {
+        output::print(&answer.to_string())?;
+    } else if !common.quiet {
+        output::print(&report(&model, &scenario.name, &found))?;
+    }
+    Ok(Exit::Done)
+}
+
+/// What is held and what gives way at an equilibrium.
+fn of_equilibrium(model: &Model, found: &Equilibrium) -> Place {
+    let mut held: Vec<usize> = (0..model.velocity_count()).filter(|at| model.coordinates[*at].lock).collect();
+    let mut pressed = Vec::new();
+    for bearing in &found.stops {
+        let side = usize::from(!bearing.low);
+        let is_it = |stop: &&crate::model::Stop| {
+            model.label(stop.velocity) == bearing.hinge && stop.range[side] == bearing.limit
+        };
+        let Some(index) = model.stops.iter().position(|stop| is_it(&stop)) else { continue };
+        match model.stops[index].law {
+            StopLaw::Rigid { .. } => held.push(model.stops[index].velocity),
+            StopLaw::Compliant { .. } => pressed.push(index),
+        }
+    }
+    held.sort_unstable();
+    held.dedup();
+    Place {
+        time: 0.0,
+        position: found.position.clone(),
+        velocity: found.velocity.clone(),
+        multipliers: Some(found.multipliers.clone()),
+        held,
+        pressed,
+    }
+}
+
+fn inputs(arguments: &Arguments, description: &crate::model::Description, model: &Model) -> anyhow::Result<Vec<Input>> {
+    let motors = description.motors.iter().filter(|motor| motor.law == crate::model::motor::MotorLawDescription::Input);
+    let own: Vec<String> = motors.map(|motor| motor.name.clone()).collect();
+    let names = if arguments.input.is_empty() { &own } else { &arguments.input };
+    let mut all: Vec<Input> = Vec::new();
+    for name in names {
+        let found = Input::find(description, model, name).map_err(|unfit| {
+            let help = unfit.help.map_or(String::new(), |help| format!("\nhint: {help}"));
+            anyhow!("`--input {name}`: {}{help}", unfit.message)
+        })?;
+        for input in found {
+            if all.contains(&input) {
+                bail!("`--input {name}`: `{}` is an input already", input.name());
+            }
+            all.push(input);
+        }
+    }
+    Ok(all)
+}
+
+/// The rows of a matrix.
+fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
+    (0..matrix.nrows()).map(|i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect()).collect()
+}
+
+fn names(signals: &[Signal]) -> Vec<&str> {
+    signals.iter().map(|signal| signal.name.as_str()).collect()
+}
+
+fn answer(model: &Model, place: &Place, found: &StateSpace, step: Option<f64>) -> Value {
+    let units = |signals: &[Signal]| signals.iter().map(|signal| signal.unit.clone()).collect::<Vec<_>>();
+    let mut value = json!({
+        "A": rows(&found.a), "B": rows(&found.b), "C": rows(&found.c), "D": rows(&found.d),
+        "states": names(&found.states), "inputs": names(&found.inputs), "outputs": names(&found.outputs),
+        "units": {
+            "states": units(&found.states), "inputs": units(&found.inputs), "outputs": units(&found.outputs),
+        },
+        "eigenvalues": found.eigenvalues(),
+        "dependent": found.dependent,
+        "left_out": found.left_out,
+        "about": {
+            "equilibrium": place.multipliers.is_some(),
+            "time": place.time,
+            "positions": json::by_hinge(model, &place.position, true),
+            "velocities": json::by_hinge(model, &place.velocity, false),
+        },
+    });
+    if let Some(step) = step {
+        let (a, b) = linear::hold(&found.a, &found.b, step);
+        value["discrete"] = json!({ "step": step, "A": rows(&a), "B": rows(&b) });
+    }
+    value
+}
+
+/// Eigenvalues that are printed; `--json` has all.
+const MOST_LINES: usize = 12;
+
+fn report(model: &Model, name: &str, found: &StateSpace) -> String {
+    let list = |signals: &[Signal]| match signals {
+        [] => "none".to_owned(),
+        _ => names(signals).join(", "),
+    };
+    let mut out = text::heading(model, name);
+    out += &format!(
+        "\n  states       {}\n  inputs       {}\n  outputs      {}",
+        list(&found.states),
+        list(&found.inputs),
+        list(&found.outputs)
+    );
+    if !found.dependent.is_empty() {
+        out += &format!("\n  follow       {}", found.dependent.join(", "));
+    }
+    let all = found.eigenvalues();
+    for (line, [re, im]) in all.iter().take(MOST_LINES).enumerate() {
+        let head = if line == 0 { "eigenvalues" } else { "" };
+        let sign = if *im < 0.0 { '-' } else { '+' };
+        out += &format!("\n  {head:<12} {} {sign} {}i 1/s", text::number(*re), text::number(im.abs()));
+    }
+    if all.len() > MOST_LINES {
+        out += &format!("\n  {:<12} … and {} more (--json has all)", "", all.len() - MOST_LINES);
+    }
+    out
+}

@@ -1,0 +1,387 @@
+//! The equations of a scene about one place, linear: `ẋ = A x + B u`, `y = C x + D u`.
+//!
+//! The free motions of hinge coordinates are `δq = Z s + Y d`: `s` are independent coordinates that rows of loops, drives,
+//! gears and what is held leave, `d` moves targets of drives that are inputs. With mass, damping and stiffness of the
+//! residual ([`Linearization`](crate::dynamics::Linearization)) and inputs that push with `F u`,
+//!
+//! ```text
+//! (1)  Zᵀ M (Z s̈ + Y d̈) + Zᵀ D (Z ṡ + Y ḋ) + Zᵀ K (Z s + Y d) = Zᵀ F u
+//! (2)  x = (s, d, ṡ, ḋ),   the inputs being u and d̈
+//! (3)  a ball that turns with ω:  φ̇ = δω − ω × φ
+//! ```
+//!
+//! Nothing is a difference: `K`, `D`, `M` are the transfer equations differentiated, `C` and `D` the outputs by the chain
+//! rule ([`Outputs::vary`](crate::output::Outputs::vary)) along `δq`, `δq̇`, and `δq̈` by (1).
+
+mod basis;
+mod discrete;
+mod inputs;
+
+pub use discrete::hold;
+pub use inputs::{Input, Unfit};
+
+use crate::dynamics::{Fault, Linearization, Powers, System};
+use crate::force::Act;
+use crate::model::{Model, StopLaw};
+use crate::motion::variation::{Direction, LinkVariation, outward};
+use crate::output::{Given, Outputs, Varied};
+use basis::Basis;
+use faer::linalg::solvers::Solve;
+pub use faer::{Mat, c64};
+use std::sync::Arc;
+
+/// A place about which a scene is linearized.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Place {
+    /// (s)
+    pub time: f64,
+    /// Hinge coordinates.
+    pub position: Vec<f64>,
+    /// Hinge velocities.
+    pub velocity: Vec<f64>,
+    /// Of an equilibrium the multipliers of the independent rows; `None` for a state with its accelerations.
+    pub multipliers: Option<Vec<f64>>,
+    /// Velocity coordinates that are held: locks, and rigid stops that bear.
+    pub held: Vec<usize>,
+    /// Indices of compliant stops that push.
+    pub pressed: Vec<usize>,
+}
+
+/// A state, an input or an output.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Signal {
+    /// Name.
+    pub name: String,
+    /// SI unit.
+    pub unit: String,
+}
+
+/// The equations.
+#[derive(Debug, Clone)]
+pub struct StateSpace {
+    /// States × states.
+    pub a: Mat<f64>,
+    /// States × inputs.
+    pub b: Mat<f64>,
+    /// Outputs × states.
+    pub c: Mat<f64>,
+    /// Outputs × inputs.
+    pub d: Mat<f64>,
+    /// Of the rows of `a`.
+    pub states: Vec<Signal>,
+    /// Of the columns of `b`.
+    pub inputs: Vec<Signal>,
+    /// Of the rows of `c`.
+    pub outputs: Vec<Signal>,
+    /// Coordinates that follow from the states.
+    pub dependent: Vec<String>,
+    /// Outputs that were not asked for by name and whose variation is not known.
+    pub left_out: Vec<String>,
+}
+
+/// The most degrees of freedom of a tree whose equations are made: they are dense.
+const MOST: usize = 1000;
+
+/// Why there are no equations.
+#[derive(Debug, thiserror::Error)]
+pub enum LinearError {
+    /// The place cannot be evaluated.
+    #[error(transparent)]
+    Fault(#[from] Fault),
+    /// Loops, drives or gears in motion.
+    #[error(
+        "the scene moves at this place ({hinge}), and has loops, drives or gears: it is linearized at rest only; what drives keep turning counts as motion"
+    )]
+    Moves {
+        /// A hinge that moves.
+        hinge: String,
+    },
+    /// The variation of an output is not known.
+    #[error(
+        "the variation of the output `{0}` is not known: of reactions, of forces of loops, drives, gears and stops, of energies and powers, and of what kinks there"
+    )]
+    Output(String),
+    /// An output that is the input itself.
+    #[error(
+        "the output `{output}` is, or may follow from, the force of the input `{input}` itself: leave out one of them"
+    )]
+    Through {
+        /// The output.
+        output: String,
+        /// The input.
+        input: String,
+    },
+    /// Dense matrices of this size are of no use.
+    #[error("the tree of the scene has {0} degrees of freedom: its equations are dense, and made for {MOST} at most")]
+    Large(usize),
+    /// Motions without inertia.
+    #[error("a motion of the scene has no inertia at this place")]
+    Massless,
+}
+
+/// The equations about a place. `outputs` are names; `None` for all whose variation is known.
+///
+/// # Errors
+/// See [`LinearError`].
+pub fn linearize(
+    model: &Arc<Model>,
+    place: &Place,
+    inputs: &[Input],
+    outputs: Option<&[String]>,
+) -> Result<StateSpace, LinearError> {
+    let n = model.velocity_count();
+    if n > MOST {
+        return Err(LinearError::Large(n));
+    }
+    let tied = model.is_constrained() || !place.held.is_empty();
+    if let Some(moving) = place.velocity.iter().position(|v| *v != 0.0).filter(|_| tied) {
+        return Err(LinearError::Moves { hinge: model.label(moving) });
+    }
+    let mut system = System::new(model);
+    let (q, v) = (&place.position[..], &place.velocity[..]);
+    let mut a = vec![0.0; n];
+    system.at(place.time, q, v).accelerations(&mut a)?;
+    if let Some(multipliers) = &place.multipliers {
+        a.fill(0.0);
+        system.set_multipliers(multipliers);
+    }
+    let mut at = system.at(place.time, q, v);
+    let rows = at.constraint_matrix();
+    let mut linear = at.linearize(&a)?;
+    press(model, place, &mut linear);
+    let basis = Basis::new(model, &rows, &place.held, inputs);
+    let mut motion = Equations::new(model, place, &linear, &basis, inputs)?;
+    if place.multipliers.is_none() && tied {
+        // Rows that turn while the scene accelerates: by the Jacobians of the accelerations that they allow.
+        let (by_position, by_velocity) = at.acceleration_jacobians()?;
+        motion.accelerating(&basis, &by_position, &by_velocity);
+    }
+    let told = tell(&mut system, place, &a, &basis, &motion, inputs, outputs)?;
+    let signal = |name: String, unit: &str| Signal { name, unit: unit.to_owned() };
+    let (positions, rates) = (basis.states(model), basis.rates(model));
+    Ok(StateSpace {
+        a: motion.a,
+        b: motion.b,
+        c: told.c,
+        d: told.d,
+        states: positions.into_iter().chain(rates).collect(),
+        inputs: inputs.iter().map(|input| signal(input.name().to_owned(), input.unit(model))).collect(),
+        outputs: told.outputs,
+        dependent: basis.dependent.iter().map(|at| basis::label(model, *at)).collect(),
+        left_out: told.left_out,
+    })
+}
+
+/// Adds the stiffness and damping of compliant stops that push.
+fn press(model: &Model, place: &Place, linear: &mut Linearization) {
+    for index in &place.pressed {
+        let stop = &model.stops[*index];
+        if let StopLaw::Compliant { stiffness, damping } = stop.law {
+            linear.stiffness[(stop.velocity, stop.velocity)] += stiffness;
+            linear.damping[(stop.velocity, stop.velocity)] += damping;
+        }
+    }
+}
+
+/// (1) and (2), solved for the accelerations.
+struct Equations {
+    a: Mat<f64>,
+    b: Mat<f64>,
+    /// Accelerations of all hinge coordinates: by each state, then by each input.
+    answers: Mat<f64>,
+}
+
+impl Equations {
+    fn new(
+        model: &Model,
+        place: &Place,
+        linear: &Linearization,
+        basis: &Basis,
+        inputs: &[Input],
+    ) -> Result<Self, LinearError> {
+        let (m, count) = (basis.independent.len(), basis.columns.ncols());
+        let (z, all) = (basis.columns.subcols(0, m), &basis.columns);
+        let mass = z.transpose() * &linear.mass * all;
+        let lu = mass.subcols(0, m).to_owned().partial_piv_lu();
+        let damping = lu.solve(z.transpose() * &linear.damping * all);
+        let stiffness = lu.solve(z.transpose() * &linear.stiffness * all);
+        let driven = lu.solve(mass.subcols(m, count - m).to_owned());
+        let mut a = Mat::zeros(2 * count, 2 * count);
+        let mut b = Mat::zeros(2 * count, inputs.len());
+        for i in 0..count {
+            a[(i, count + i)] = 1.0;
+            for j in 0..count {
+                if i < m {
+                    a[(count + i, j)] = -stiffness[(i, j)];
+                    a[(count + i, count + j)] = -damping[(i, j)];
+                }
+            }
+        }
+        basis.turn(model, place, &mut a);
+        let mut target = m;
+        for (column, input) in inputs.iter().enumerate() {
+            match input {
+                Input::Drive { .. } => {
+                    (0..m).for_each(|i| b[(count + i, column)] = -driven[(i, target - m)]);
+                    b[(count + target, column)] = 1.0;
+                    target += 1;
+                }
+                Input::Coordinate { .. } | Input::Load { .. } => {
+                    let push = push(model, place, input);
+                    let felt = Mat::from_fn(push.len(), 1, |i, _| push[i]);
+                    let answer = lu.solve(z.transpose() * felt);
+                    (0..m).for_each(|i| b[(count + i, column)] = answer[(i, 0)]);
+                }
+            }
+        }
+        let finite =
+            |matrix: &Mat<f64>| (0..matrix.ncols()).all(|j| (0..matrix.nrows()).all(|i| matrix[(i, j)].is_finite()));
+        if !(finite(&a) && finite(&b)) {
+            return Err(LinearError::Massless);
+        }
+        let answers = Mat::from_fn(all.nrows(), 2 * count + inputs.len(), |i, j| {
+            let of = |k: usize| if j < 2 * count { a[(count + k, j)] } else { b[(count + k, j - 2 * count)] };
+            (0..count).map(|k| all[(i, k)] * of(k)).sum()
+        });
+        Ok(Self { a, b, answers })
+    }
+
+    /// The answers to positions and velocities by the Jacobians of the accelerations.
+    fn accelerating(&mut self, basis: &Basis, by_position: &Mat<f64>, by_velocity: &Mat<f64>) {
+        let count = basis.columns.ncols();
+        for (from, answer) in [(0, by_position * &basis.columns), (count, by_velocity * &basis.columns)] {
+            for j in 0..count {
+                (0..answer.nrows()).for_each(|i| self.answers[(i, from + j)] = answer[(i, j)]);
+                for (k, at) in basis.independent.iter().enumerate() {
+                    self.a[(count + k, from + j)] = answer[(*at, j)];
+                }
+            }
+        }
+    }
+}
+
+/// What one of an input pushes each velocity coordinate with: by the power of each unit velocity.
+fn push(model: &Model, place: &Place, input: &Input) -> Vec<f64> {
+    let n = model.velocity_count();
+    let mut push = vec![0.0; n];
+    match *input {
+        Input::Coordinate { velocity, .. } => push[velocity] = 1.0,
+        Input::Drive { .. } => {}
+        Input::Load { element, component, .. } => {
+            let mut motion = crate::motion::Motion::new(model);
+            motion.update(model, &place.position, &vec![0.0; n]);
+            let end = model.forces[element].law.ends()[0];
+            let link = &motion.links[end.link];
+            let axes = input.load_axes(model, link);
+            let (axis, arm) = (axes.column(component % 3).into_owned(), link.turn * end.point);
+            let rest = vec![0.0; n];
+            let none = vec![crate::spatial::link::LinkAcceleration::default(); model.links.len()];
+            let (mut unit, mut links) = (rest.clone(), vec![LinkVariation::default(); model.links.len()]);
+            for j in 0..n {
+                unit[j] = 1.0;
+                let by = Direction { velocity: &unit, ..Direction::default() };
+                outward(model, &motion, &none, &rest, &by, 1..model.links.len(), &mut links);
+                unit[j] = 0.0;
+                let moved = &links[end.link];
+                push[j] = match component {
+                    0..3 => axis.dot(&(moved.velocity + moved.angular_velocity.cross(&arm))),
+                    _ => axis.dot(&moved.angular_velocity),
+                };
+            }
+        }
+    }
+    push
+}
+
+/// The rows of the outputs.
+struct Told {
+    c: Mat<f64>,
+    d: Mat<f64>,
+    outputs: Vec<Signal>,
+    left_out: Vec<String>,
+}
+
+fn tell(
+    system: &mut System,
+    place: &Place,
+    a: &[f64],
+    basis: &Basis,
+    motion: &Equations,
+    inputs: &[Input],
+    asked: Option<&[String]>,
+) -> Result<Told, LinearError> {
+    let model = &Arc::clone(system.model());
+    let (states, count) = (motion.a.ncols(), basis.columns.ncols());
+    let empty =
+        Told { c: Mat::zeros(0, states), d: Mat::zeros(0, inputs.len()), outputs: Vec::new(), left_out: Vec::new() };
+    let Some(mut outputs) = Outputs::new(model) else { return Ok(empty) };
+    let mut at = system.at(place.time, &place.position, &place.velocity);
+    at.share_multipliers()?;
+    let energies = at.energies();
+    let mut residual = vec![0.0; a.len()];
+    let balanced = at.residual(a, &mut residual)?;
+    let mut reactions = Vec::new();
+    balanced.reactions(&mut reactions);
+    let (stops, account, powers) = (&[][..], [0.0; 2], Powers::default());
+    let given = Given { accelerations: a, reactions: &reactions, stops, energies, account, powers };
+    outputs.evaluate(&balanced, &given)?;
+    let spread = |column: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        (0..a.len()).map(|i| (0..count).map(|k| basis.columns[(i, k)] * column(k)).sum()).collect()
+    };
+    let mut all: Vec<Vec<f64>> = Vec::new();
+    for j in 0..states + inputs.len() {
+        let unit = |k: usize| f64::from(u8::from(k == j));
+        let position = spread(&|k| unit(k));
+        let velocity = spread(&|k| unit(count + k));
+        let acceleration: Vec<f64> = (0..a.len()).map(|i| motion.answers[(i, j)]).collect();
+        let by = Varied { time: 0.0, position: &position, velocity: &velocity, acceleration: &acceleration };
+        all.push(outputs.vary(&balanced, &given, &by).to_vec());
+    }
+    let mut told = Vec::new();
+    let mut left_out = Vec::new();
+    for output in &model.outputs {
+        let named = asked.map(|names| names.contains(&output.name));
+        if named == Some(false) {
+            continue;
+        }
+        if let Some(input) = inputs.iter().find(|input| input.is_told_by(model, output)) {
+            let (output, input) = (output.name.clone(), input.name().to_owned());
+            match named {
+                Some(_) => return Err(LinearError::Through { output, input }),
+                None => left_out.push(output),
+            }
+        } else if output.range().all(|row| all.iter().all(|column| column[row].is_finite())) {
+            told.extend(output.range().zip(output.labels()).zip(output.units.clone()));
+        } else if named.is_some() {
+            return Err(LinearError::Output(output.name.clone()));
+        } else {
+            left_out.push(output.name.clone());
+        }
+    }
+    let entry = |row: usize, column: usize| all[column][told[row].0.0];
+    Ok(Told {
+        c: Mat::from_fn(told.len(), states, entry),
+        d: Mat::from_fn(told.len(), inputs.len(), |i, j| entry(i, states + j)),
+        outputs: told.iter().map(|((_, name), unit)| Signal { name: name.clone(), unit: unit.clone() }).collect(),
+        left_out,
+    })
+}
+
+impl StateSpace {
+    /// Eigenvalues of `A`, real and imaginary parts (1/s): by frequency, then by real part.
+    pub fn eigenvalues(&self) -> Vec<[f64; 2]> {
+        let values: Vec<c64> = self.a.eigenvalues().unwrap_or_default();
+        let mut list: Vec<[f64; 2]> = values.iter().map(|x| [x.re, x.im]).collect();
+        list.sort_by(|a, b| a[1].abs().total_cmp(&b[1].abs()).then(a[0].total_cmp(&b[0])).then(a[1].total_cmp(&b[1])));
+        list
+    }
+
+    /// The frequency response `C (iω − A)⁻¹ B + D` at a circular frequency (rad/s).
+    pub fn response(&self, omega: f64) -> Mat<c64> {
+        let n = self.a.nrows();
+        let complex = |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| c64::new(m[(i, j)], 0.0));
+        let shifted = Mat::from_fn(n, n, |i, j| c64::new(-self.a[(i, j)], if i == j { omega } else { 0.0 }));
+        let x = shifted.partial_piv_lu().solve(complex(&self.b));
+        complex(&self.c) * x + complex(&self.d)
+    }
+}

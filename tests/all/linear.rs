@@ -1,0 +1,442 @@
+//! The linear equations about a place: against differences, against the damped modes, against equations by hand.
+
+use crate::common::{Options, Random, build, random_scene};
+use crate::scenarios::file;
+use assert_cmd::Command;
+use nalgebra::Point3;
+use serde_json::Value;
+use std::sync::Arc;
+use stillpoint::constraint::assemble;
+use stillpoint::dynamics::System;
+use stillpoint::linear::{Input, Mat, Place, StateSpace, hold, linearize};
+use stillpoint::model::Model;
+use stillpoint::model::couplings::*;
+use stillpoint::model::description::*;
+use stillpoint::scenario::load;
+use stillpoint::simulate::outputs::at_start;
+use stillpoint::statics;
+
+/// A random tree at rest with rods, a gear and a drive that fit its start, and outputs.
+fn scene(seed: u64, tied: bool) -> Description {
+    let options = Options { bodies: 3 + (seed as usize) % 5, springs: true, welds: false };
+    let mut scene = random_scene(seed + 3000, &options);
+    let mut random = Random::new(seed + 9);
+    if tied {
+        scene.bodies.iter_mut().for_each(|body| body.hinge.velocity.clear());
+        let model = build(&scene);
+        let mut poses = Vec::new();
+        System::new(&model).at(0.0, &model.start_position, &model.start_velocity).poses(&mut poses);
+        for index in 0..1 + seed as usize % 2 {
+            let (a, at) = (random.below(options.bodies), [random.vector(0.3), random.vector(1.0)]);
+            let points = [poses[a] * Point3::from(at[0]), Point3::from(at[1])];
+            let length = (points[1] - points[0]).norm();
+            scene = scene.closure(LoopDescription {
+                name: format!("rod {index}"),
+                closure: Closure::Rod { length },
+                between: [
+                    Attachment { body: format!("b{a}"), point: Point::At(at[0]) },
+                    Attachment { body: GROUND.to_owned(), point: Point::At(at[1]) },
+                ],
+                frame: nalgebra::UnitQuaternion::identity(),
+                second_frame: None,
+            });
+        }
+        let scalars: Vec<String> = (scene.bodies.iter())
+            .filter(|body| matches!(body.hinge.kind, HingeKind::Revolute { .. } | HingeKind::Prismatic { .. }))
+            .map(|body| body.name.clone())
+            .collect();
+        if let Some(name) = scalars.first().filter(|_| seed.is_multiple_of(3)) {
+            let coordinate = CoordinateName { body: name.clone(), index: 0 };
+            scene = scene.drive(DriveDescription { name: "held".into(), coordinate, motion: MotionDescription::Hold });
+        }
+    }
+    let tip = |body: &str| Attachment { body: body.to_owned(), point: Point::Marker("tip".to_owned()) };
+    for (name, order) in [("x", Order::Position), ("v", Order::Velocity), ("a", Order::Acceleration)] {
+        let of = QuantityDescription::Point { order, on: tip("b1"), axis: None, axes: Axes::Inertial };
+        scene.outputs.push(OutputDescription::new(name, of));
+    }
+    let between = [tip("b0"), Attachment { body: GROUND.to_owned(), point: Point::At(random.vector(2.0)) }];
+    scene.outputs.push(OutputDescription::new("d", QuantityDescription::Distance { between }));
+    let first = scene.forces[0].name.clone();
+    let of = QuantityDescription::Force { of: first, component: None };
+    scene.outputs.push(OutputDescription::new("f", of));
+    let text = "d * {v[1]} + {x[0]}^2".to_owned();
+    scene.outputs.push(OutputDescription::new("e", QuantityDescription::Expression { text, unit: "m".into() }));
+    scene
+}
+
+/// The start of a model, as it stands.
+fn start(model: &Model) -> Place {
+    Place {
+        time: 0.0,
+        position: model.start_position.clone(),
+        velocity: model.start_velocity.clone(),
+        multipliers: None,
+        held: Vec::new(),
+        pressed: Vec::new(),
+    }
+}
+
+/// Accelerations of the independent coordinates, and the outputs.
+type Answer = (Vec<f64>, Vec<f64>);
+
+/// The answer at a state given by independent steps.
+fn answer(model: &Arc<Model>, found: &StateSpace, x: &[f64]) -> Answer {
+    let count = x.len() / 2;
+    let independent: Vec<usize> = (0..model.velocity_count())
+        .filter(|at| found.states[..count].iter().any(|state| state.name == label(model, *at)))
+        .collect();
+    let (mut step, mut rate) = (vec![0.0; model.velocity_count()], model.start_velocity.clone());
+    for (k, at) in independent.iter().enumerate() {
+        (step[*at], rate[*at]) = (x[k], rate[*at] + x[count + k]);
+    }
+    let mut moved = model.clone();
+    {
+        let model = Arc::make_mut(&mut moved);
+        let mut wanted = model.start_position.clone();
+        System::displace(model, &mut wanted, &step);
+        let mut system = System::new(&Arc::new(model.clone()));
+        let (mut q, mut v) = (wanted.clone(), rate.clone());
+        for _ in 0..8 {
+            system.settle(0.0, &mut q, &mut v).unwrap();
+            // What the independent coordinates have moved by, taken back along the closed positions.
+            let mut back = vec![0.0; model.velocity_count()];
+            for link in model.links.iter().filter(|link| independent.contains(&link.velocity)) {
+                let apart = stillpoint::motion::relative(link, &q, &wanted);
+                (0..link.joint.counts().1).for_each(|i| back[link.velocity + i] = apart[i]);
+            }
+            follow(&mut system, &q, &independent, &mut back);
+            System::displace(model, &mut q, &back);
+            independent.iter().for_each(|at| v[*at] = rate[*at]);
+            follow(&mut system, &q, &independent, &mut v);
+        }
+        (model.start_position, model.start_velocity) = (q, v);
+    }
+    let mut a = vec![0.0; model.velocity_count()];
+    let mut system = System::new(&moved);
+    system.at(0.0, &moved.start_position, &moved.start_velocity).accelerations(&mut a).unwrap();
+    (independent.iter().map(|at| a[*at]).collect(), at_start(&moved, 0.0).unwrap())
+}
+
+/// Sets the dependent rates to those that the rows ask for beside the independent ones.
+fn follow(system: &mut System, q: &[f64], independent: &[usize], rates: &mut [f64]) {
+    let rows = system.at(0.0, q, &vec![0.0; rates.len()]).constraint_matrix();
+    let dependent: Vec<usize> = (0..rates.len()).filter(|at| !independent.contains(at)).collect();
+    assert_eq!(rows.nrows(), dependent.len());
+    if dependent.is_empty() {
+        return;
+    }
+    let matrix = nalgebra::DMatrix::from_fn(rows.nrows(), dependent.len(), |i, j| rows[(i, dependent[j])]);
+    let felt = |i: usize| independent.iter().map(|at| rows[(i, *at)] * rates[*at]).sum::<f64>();
+    let rhs = nalgebra::DVector::from_fn(rows.nrows(), |i, _| -felt(i));
+    if let Some(answer) = matrix.lu().solve(&rhs) {
+        dependent.iter().zip(answer.iter()).for_each(|(at, x)| rates[*at] = *x);
+    }
+}
+
+fn label(model: &Model, velocity: usize) -> String {
+    let body = &model.bodies[model.coordinates[velocity].body];
+    let (index, plain) = (velocity - body.hinge.velocity, body.hinge.kind.plain_coordinates());
+    match body.hinge.kind.positions().get(index).filter(|_| index < plain) {
+        Some((name, _)) => format!("{}.{name}", body.name),
+        None => format!("{}.turn[{}]", body.name, index - plain),
+    }
+}
+
+/// `A` and `C` against central differences of order four on random scenes: moving trees, and rods, springs and drives at
+/// rest. Steps of 2e-3 leave step⁴ times the fifth derivative.
+#[test]
+fn equations_are_those_of_differences() {
+    let (mut scenes, mut worst): (usize, f64) = (0, 0.0);
+    for (seed, tied) in (0..25).map(|seed| (seed, false)).chain((0..40).map(|seed| (seed, true))) {
+        let model = build(&scene(seed, tied));
+        let found = match linearize(&model, &start(&model), &[], None) {
+            Ok(found) => found,
+            Err(error) => panic!("{seed} {tied}: {error}"),
+        };
+        let (n, count) = (found.a.nrows(), found.a.nrows() / 2);
+        let rows: Vec<usize> = found
+            .outputs
+            .iter()
+            .map(|signal| {
+                model.outputs.iter().flat_map(|one| one.labels()).position(|name| name == signal.name).unwrap()
+            })
+            .collect();
+        scenes += 1;
+        for j in 0..n {
+            let at = |h: f64| {
+                let mut x = vec![0.0; n];
+                x[j] = h;
+                answer(&model, &found, &x)
+            };
+            const H: f64 = 2e-3;
+            let [far_back, back, on, far_on] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(k * H));
+            let rate = |of: fn(&Answer) -> &Vec<f64>, i: usize| {
+                let of = |pair| of(pair)[i];
+                (8.0 * (of(&on) - of(&back)) - (of(&far_on) - of(&far_back))) / (12.0 * H)
+            };
+            let size = (0..count).map(|i| found.a[(count + i, j)].abs()).fold(10.0, f64::max);
+            for i in 0..count {
+                let error = (found.a[(count + i, j)] - rate(|pair| &pair.0, i)).abs() / size;
+                assert!(
+                    error < 1e-7,
+                    "{seed} {tied}: A[{i}, {j}] {} for {}",
+                    found.a[(count + i, j)],
+                    rate(|p| &p.0, i)
+                );
+                worst = worst.max(error);
+            }
+            for (i, row) in rows.iter().enumerate() {
+                let expected = rate(|pair| &pair.1, *row);
+                let error = (found.c[(i, j)] - expected).abs() / size.max(expected.abs());
+                assert!(
+                    error < 1e-7,
+                    "{seed} {tied}: C of {} by {}: {} for {expected}",
+                    found.outputs[i].name,
+                    found.states[j].name,
+                    found.c[(i, j)]
+                );
+                worst = worst.max(error);
+            }
+        }
+    }
+    assert!(scenes == 65, "{scenes}");
+    println!("{scenes} scenes, worst {worst:.1e}");
+}
+
+/// `B` and `D` against what another force makes of accelerations and outputs: both are linear in it.
+#[test]
+fn inputs_are_felt_as_forces_are() {
+    let mut checked = 0;
+    for (seed, tied) in (0..20).flat_map(|seed| [(seed, false), (seed, true)]) {
+        let mut description = scene(seed, tied);
+        let on = Attachment { body: "b1".into(), point: Point::Marker("tip".into()) };
+        let zero = nalgebra::Vector3::zeros();
+        let axes = if seed % 2 == 0 { LoadAxes::Inertial } else { LoadAxes::Body };
+        let load = Load { on, force: zero, torque: zero, axes };
+        description.forces.push(ForceDescription { name: "push".into(), kind: load.into() });
+        description.outputs.retain(|output| output.name != "f");
+        let model = build(&description);
+        let velocities = description.bodies[0].hinge.kind.counts().1;
+        let names = ["push.force", "push.torque", "b0.force"];
+        let mut inputs = Vec::new();
+        for name in names {
+            inputs.extend(Input::find(&description, &model, name).unwrap());
+        }
+        assert_eq!(inputs.len(), 6 + velocities);
+        let found = linearize(&model, &start(&model), &inputs, None).unwrap();
+        let count = found.a.nrows() / 2;
+        let x = vec![0.0; 2 * count];
+        let (a, y) = answer(&model, &found, &x);
+        for (j, input) in inputs.iter().enumerate() {
+            let mut changed = description.clone();
+            let parameter = stillpoint::model::Parameter::find(&changed, input.name()).unwrap().remove(0);
+            let before = parameter.value(&changed);
+            parameter.set(&mut changed, before + 1.0).unwrap();
+            let (b, z) = answer(&build(&changed), &found, &x);
+            let size = b.iter().zip(&a).map(|(b, a)| (b - a).abs()).fold(1e-3, f64::max);
+            for i in 0..count {
+                assert!(
+                    (found.b[(count + i, j)] - (b[i] - a[i])).abs() < 1e-9 * size.max(a[i].abs()),
+                    "{seed}: {}",
+                    input.name()
+                );
+                assert_eq!(found.b[(i, j)], 0.0);
+            }
+            for (i, signal) in found.outputs.iter().enumerate() {
+                let row =
+                    model.outputs.iter().flat_map(|one| one.labels()).position(|name| name == signal.name).unwrap();
+                let change = z[row] - y[row];
+                assert!(
+                    (found.d[(i, j)] - change).abs() < 1e-8 * (1.0 + change.abs() + z[row].abs()),
+                    "{seed}: {} by {}",
+                    signal.name,
+                    input.name()
+                );
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 1000, "{checked}");
+}
+
+fn of_equilibrium(model: &Model, found: &statics::Equilibrium) -> Place {
+    Place {
+        position: found.position.clone(),
+        velocity: found.velocity.clone(),
+        multipliers: Some(found.multipliers.clone()),
+        held: (0..model.velocity_count()).filter(|at| model.coordinates[*at].lock).collect(),
+        ..start(model)
+    }
+}
+
+/// Every damped mode of the certificate is a pair of eigenvalues.
+#[test]
+fn eigenvalues_are_the_damped_modes() {
+    let mut modes = 0;
+    let mut check = |model: &Arc<Model>, settings: &statics::Settings, what: &str| {
+        let Ok(found) = statics::equilibrium(model, settings, &model.start_position) else { return };
+        let Some(stability) = found.stability.as_ref().filter(|_| found.converged && found.stops.is_empty()) else {
+            return;
+        };
+        if found.velocity.iter().any(|v| *v != 0.0) || stability.damped.is_empty() || stability.neutral_directions > 0 {
+            return;
+        }
+        let linear = linearize(model, &of_equilibrium(model, &found), &[], Some(&[]))
+            .unwrap_or_else(|error| panic!("{what}: {error}"));
+        let values = linear.eigenvalues();
+        let largest = values.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
+        let least = stability.damped.len();
+        assert!(values.len() <= 2 * least && values.len() >= least, "{what}: {} for {least}", values.len());
+        for mode in &stability.damped {
+            let root = [-mode.decay_rate, std::f64::consts::TAU * mode.frequency_hz];
+            let apart = values.iter().map(|[re, im]| (re - root[0]).hypot(im - root[1])).fold(f64::INFINITY, f64::min);
+            assert!(apart < 1e-9 * largest, "{what}: {root:?} is {apart:e} away from {values:?}");
+            modes += 1;
+        }
+    };
+    for (seed, tied) in (0..30).flat_map(|seed| [(seed, false), (seed, true)]) {
+        let mut description = scene(seed, tied);
+        description.bodies.iter_mut().for_each(|body| body.hinge.velocity.clear());
+        check(&build(&description), &statics::Settings::default(), &format!("{seed} {tied}"));
+    }
+    for name in ["pendulum", "double_wishbone", "rope_over_pulleys", "spring_arm", "quarter_car", "stiff_chain"] {
+        let scenario = load(&file(name)).unwrap();
+        let (model, _) = assemble(Model::build(&scenario.description).unwrap()).unwrap();
+        check(&model, &scenario.statics, name);
+    }
+    assert!(modes > 60, "{modes}");
+}
+
+/// A mass on a spring and damper whose other end is driven: `ẍ = −(k/m)(x − u) − (c/m)(ẋ − u̇)`, `ü` being the input.
+#[test]
+fn a_driven_base_is_felt_through_its_spring() {
+    let text = r#"
+        gravity = [0.0, 0.0, 0.0]
+        [[body]]
+        name = "base"
+        mass = 5.0
+        hinge = { type = "prismatic", axis = [1.0, 0.0, 0.0] }
+        [[body]]
+        name = "mass"
+        mass = 2.0
+        hinge = { type = "prismatic", axis = [1.0, 0.0, 0.0], position = 1.0 }
+        [[force]]
+        type = "spring"
+        name = "spring"
+        between = ["base", "mass"]
+        stiffness = 50.0
+        length = 1.0
+        damping = 3.0
+        [[drive]]
+        name = "shake"
+        hinge = "base"
+        type = "hold"
+        [[motor]]
+        name = "hand"
+        hinge = "mass"
+        type = "input"
+        [[output]]
+        name = "pull"
+        type = "force"
+        of = "spring"
+        [[output]]
+        name = "shaken"
+        type = "acceleration"
+        of = "base"
+        axis = [1.0, 0.0, 0.0]
+        [[output]]
+        name = "carried"
+        type = "reaction"
+        of = "mass"
+    "#;
+    let scenario = stillpoint::scenario::parse("s.toml", text, &[]).unwrap();
+    let model = build(&scenario.description);
+    let find = |name| Input::find(&scenario.description, &model, name).unwrap().remove(0);
+    let found = linearize(&model, &start(&model), &[find("shake"), find("hand")], None).unwrap();
+    let names: Vec<&str> = found.states.iter().map(|state| state.name.as_str()).collect();
+    assert_eq!(names, ["mass.distance", "shake.target", "d(mass.distance)/dt", "d(shake.target)/dt"]);
+    assert_eq!(
+        (found.dependent.as_slice(), found.left_out.as_slice()),
+        (&["base.distance".to_owned()][..], &["carried".to_owned()][..])
+    );
+    let (k, c) = (50.0 / 2.0, 3.0 / 2.0);
+    let a = [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [-k, k, -c, c], [0.0; 4]];
+    let b = [[0.0, 0.0], [0.0, 0.0], [0.0, 0.5], [1.0, 0.0]];
+    let c_rows = [[50.0, -50.0, 3.0, -3.0], [0.0; 4]];
+    let d = [[0.0, 0.0], [1.0, 0.0]];
+    let near = |m: &Mat<f64>, rows: &[&[f64]]| {
+        (0..m.nrows()).all(|i| (0..m.ncols()).all(|j| (m[(i, j)] - rows[i][j]).abs() < 1e-12))
+    };
+    assert!(near(&found.a, &a.each_ref().map(|row| &row[..])), "{:?}", found.a);
+    assert!(near(&found.b, &b.each_ref().map(|row| &row[..])), "{:?}", found.b);
+    assert!(near(&found.c, &c_rows.each_ref().map(|row| &row[..])), "{:?}", found.c);
+    assert!(near(&found.d, &d.each_ref().map(|row| &row[..])), "{:?}", found.d);
+    let asked = ["carried".to_owned()];
+    let error = linearize(&model, &start(&model), &[], Some(&asked)).expect_err("not known").to_string();
+    assert!(error.contains("`carried`"), "{error}");
+    // The response to a swinging force, by the formula of the oscillator.
+    let omega = 3.0;
+    let response = found.response(omega)[(0, 1)];
+    let (re, im) = (k - omega * omega, c * omega);
+    let (size, scale) = (response.re.hypot(response.im), (50.0_f64.hypot(3.0 * omega)) * 0.5 / re.hypot(im));
+    assert!((size - scale).abs() < 1e-12, "{size} for {scale}");
+}
+
+/// Held over a step: an undamped oscillator turns in its phase plane, a force bends it to `(1 − cos ωh)/ω²`.
+#[test]
+fn equations_from_step_to_step_are_exact() {
+    let w = 7.0;
+    let a = Mat::from_fn(2, 2, |i, j| [[0.0, 1.0], [-w * w, 0.0]][i][j]);
+    let b = Mat::from_fn(2, 1, |i, _| [0.0, 1.0][i]);
+    for h in [1e-4, 0.1, 3.0] {
+        let (ad, bd) = hold(&a, &b, h);
+        let (s, c) = (w * h).sin_cos();
+        let expected = [[c, s / w], [-w * s, c]];
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            assert!((ad[(i, j)] - expected[i][j]).abs() < 1e-12 * w, "{h}");
+        }
+        assert!((bd[(0, 0)] - (1.0 - c) / (w * w)).abs() < 1e-13 && (bd[(1, 0)] - s / w).abs() < 1e-13, "{h}");
+    }
+}
+
+#[test]
+fn the_program_writes_what_it_finds() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenario = file("double_wishbone").display().to_string();
+    let call = |arguments: &[&str]| {
+        let answer =
+            Command::new(env!("CARGO_BIN_EXE_stillpoint")).current_dir(folder.path()).args(arguments).output().unwrap();
+        (answer.status.code(), String::from_utf8(answer.stdout).unwrap(), String::from_utf8(answer.stderr).unwrap())
+    };
+    let given = ["linearize", &scenario, "--input", "bump", "--output", "camber", "--output", "travel"];
+    let (code, out, told) =
+        call(&[&given[..], &["--json", "--out", "x.npz", "--bode", "x.svg", "--discretize", "0.01"]].concat());
+    assert_eq!(code, Some(0), "{told}");
+    let found: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((found["outputs"].as_array().unwrap().len(), found["inputs"][0].as_str()), (2, Some("bump")));
+    let states = found["states"].as_array().unwrap().len();
+    assert_eq!(found["A"].as_array().unwrap().len(), states);
+    assert_eq!(found["C"][0].as_array().unwrap().len(), states);
+    assert_eq!(found["units"]["outputs"][0], "rad");
+    assert!(found["eigenvalues"].as_array().unwrap().len() == states && found["discrete"]["A"].is_array());
+    let archive = std::fs::read(folder.path().join("x.npz")).unwrap();
+    assert!(archive.starts_with(b"PK\x03\x04") && archive.windows(6).any(|part| part == b"\x93NUMPY"));
+    assert!(std::fs::read_to_string(folder.path().join("x.svg")).unwrap().contains("<svg"));
+    assert_eq!(call(&[&given[..], &["--out", "x.mat", "--quiet"]].concat()).0, Some(0));
+    let level_4 = std::fs::read(folder.path().join("x.mat")).unwrap();
+    let word = |k: usize| u32::from_le_bytes(level_4[4 * k..4 * k + 4].try_into().unwrap()) as usize;
+    assert_eq!([word(0), word(1), word(2), word(3), word(4)], [0, states, states, 0, 2]);
+    for (arguments, message) in [
+        (&["--input", "bumb"][..], "did you mean `bump`?"),
+        (&["--output", "cambre"][..], "did you mean `camber`?"),
+        (&["--out", "x.txt"][..], ".json, .npz or .mat"),
+        (&["--output", "tyre", "--bode", "x.svg"][..], "needs an input and an output"),
+        (&["--discretize", "-1"][..], "> 0"),
+    ] {
+        let (code, _, told) = call(&[&["linearize", &scenario], arguments].concat());
+        assert!(code == Some(2) && told.contains(message), "{arguments:?}: {told}");
+    }
+    let (code, _, told) = call(&["linearize", &file("flyball_governor").display().to_string()]);
+    assert!(code != Some(0) && told.contains("moves"), "{told}");
+}
