@@ -300,8 +300,9 @@ impl Cases {
         if self.question.run {
             let (settings, rate) = (&scenario.simulate, scenario.record.rate);
             let mut ranges = OutputRanges::default();
-            let summary = simulate::run(&model, settings, rate, &start, &mut ranges, &mut |_: f64, _: &State| goes_on())
-                .map_err(|error| no(error.to_string()))?;
+            let summary =
+                simulate::run(&model, settings, rate, &start, &mut ranges, &mut |_: f64, _: &State| goes_on())
+                    .map_err(|error| no(error.to_string()))?;
             if summary.interrupted {
                 return Err(ended());
             }

@@ -33,7 +33,7 @@ const FAILED: &str = "failed";
 pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row]) -> Result<(), ParquetError> {
     let field = |column: &Column| {
         let field = Field::new(&column.name, data_type(column.kind), true);
-        match column.unit {
+        match column.unit.as_ref() {
             "" => field,
             unit => field.with_metadata([("unit".to_owned(), unit.to_owned())].into()),
         }
