@@ -39,8 +39,8 @@ fn what_feeds_a_motion_makes_its_equilibrium_unstable() {
             let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");
             let stability = found.stability.expect("a verdict");
             // (n I) φ̈ − feeds φ̇ + (n m g l) φ = 0 for n bars that move together.
-            let bars = if around == "nothing" { 1.0 } else { 2.0 };
-            let (inertia, stiffness) = (bars * (0.2 + 2.0 * 0.25), bars * 2.0 * 9.80665 * 0.5);
+            let bars: f64 = if around == "nothing" { 1.0 } else { 2.0 };
+            let (inertia, stiffness): (f64, f64) = (bars * (0.2 + 2.0 * 0.25), bars * 2.0 * 9.80665 * 0.5);
             let ratio = -feeds / (2.0 * (inertia * stiffness).sqrt());
             assert!((stability.damped[0].damping_ratio - ratio).abs() < 1e-8, "{text}: {:?}", stability.damped);
             let verdict = if feeds > 0.0 { Verdict::Unstable } else { Verdict::Stable };
