@@ -4,6 +4,7 @@ use faer::Mat;
 use numpy::{AllowTypeChange, PyArray1, PyArray2, PyArrayLike1, PyArrayMethods};
 use pyo3::exceptions::{PyArithmeticError, PyKeyError, PyValueError};
 use pyo3::prelude::*;
+use std::borrow::Cow;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use stillpoint::dynamics::System;
 use stillpoint::model::{Body, Model};
@@ -20,6 +21,11 @@ pub(crate) struct Dynamics {
     system: Mutex<System>,
 }
 
+/// The numbers of an array, copied if they do not lie one after the other.
+fn list<'a>(array: &'a Numbers<'_>) -> Cow<'a, [f64]> {
+    array.as_slice().map_or_else(|_| Cow::Owned(array.as_array().iter().copied().collect()), Cow::Borrowed)
+}
+
 /// What is wrong with a list of numbers.
 fn check(name: &str, numbers: &[f64], count: usize) -> PyResult<()> {
     if numbers.len() != count {
@@ -31,10 +37,10 @@ fn check(name: &str, numbers: &[f64], count: usize) -> PyResult<()> {
     }
 }
 
-fn matrix<'py>(py: Python<'py>, of: &Mat<f64>) -> Bound<'py, PyArray2<f64>> {
+pub(crate) fn matrix<'py>(py: Python<'py>, of: &Mat<f64>) -> Bound<'py, PyArray2<f64>> {
     let rows: Vec<Vec<f64>> = (0..of.nrows()).map(|i| (0..of.ncols()).map(|j| of[(i, j)]).collect()).collect();
-    match rows.is_empty() {
-        true => PyArray2::zeros(py, [0, 0], false),
+    match rows.is_empty() || of.ncols() == 0 {
+        true => PyArray2::zeros(py, [of.nrows(), of.ncols()], false),
         false => PyArray2::from_vec2(py, &rows).unwrap_or_else(|_| PyArray2::zeros(py, [0, 0], false)),
     }
 }
@@ -103,6 +109,20 @@ impl Dynamics {
         self.model.velocity_count()
     }
 
+    /// Names of the position coordinates, in the order of `q`.
+    #[getter]
+    fn coordinates(&self) -> Vec<String> {
+        let scene = stillpoint::simulate::scene(&self.model);
+        scene.positions.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+    }
+
+    /// Names of the velocity coordinates, in the order of `v`.
+    #[getter]
+    fn velocities(&self) -> Vec<String> {
+        let scene = stillpoint::simulate::scene(&self.model);
+        scene.velocities.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+    }
+
     /// q̈(q, v).
     fn acceleration<'py>(
         &self,
@@ -110,7 +130,7 @@ impl Dynamics {
         q: Numbers<'py>,
         v: Numbers<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (q, v) = (q.as_slice()?, v.as_slice()?);
+        let (q, v) = (&*list(&q), &*list(&v));
         self.check(q, Some(v), None)?;
         let a = PyArray1::zeros(py, self.model.velocity_count(), false);
         let mut out = a.readwrite();
@@ -118,7 +138,8 @@ impl Dynamics {
         Ok(a)
     }
 
-    /// The generalized forces that are needed beyond those of the scene for these accelerations.
+    /// The generalized forces that are needed beyond those of the scene for these accelerations. What loops, gears and drives push with
+    /// is no part of the scene's forces here.
     fn inverse<'py>(
         &self,
         py: Python<'py>,
@@ -126,7 +147,7 @@ impl Dynamics {
         v: Numbers<'py>,
         a: Numbers<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (q, v, a) = (q.as_slice()?, v.as_slice()?, a.as_slice()?);
+        let (q, v, a) = (&*list(&q), &*list(&v), &*list(&a));
         self.check(q, Some(v), Some(a))?;
         let force = PyArray1::zeros(py, self.model.velocity_count(), false);
         let mut out = force.readwrite();
@@ -139,7 +160,7 @@ impl Dynamics {
 
     /// M(q).
     fn mass<'py>(&self, py: Python<'py>, q: Numbers<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let q = q.as_slice()?;
+        let q = &*list(&q);
         self.check(q, None, None)?;
         let v = vec![0.0; self.model.velocity_count()];
         let mut system = self.system();
@@ -154,7 +175,7 @@ impl Dynamics {
         q: Numbers<'py>,
         v: Numbers<'py>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let (q, v) = (q.as_slice()?, v.as_slice()?);
+        let (q, v) = (&*list(&q), &*list(&v));
         self.check(q, Some(v), None)?;
         let (by_position, by_velocity) = self.system().at(0.0, q, v).acceleration_jacobians().map_err(fault)?;
         Ok((matrix(py, &by_position), matrix(py, &by_velocity)))
@@ -170,14 +191,22 @@ impl Dynamics {
         q: Numbers<'py>,
         angular: bool,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let q = q.as_slice()?;
+        let q = &*list(&q);
         self.check(q, None, None)?;
         let (link, at) = self.point(point)?;
         let n = self.model.velocity_count();
         let mut columns = Mat::zeros(if angular { 6 } else { 3 }, n);
         let mut unit = vec![0.0; n];
         let mut system = self.system();
-        for j in 0..n {
+        // The coordinates on the way to the ground: no other moves the point.
+        let mut way = Vec::new();
+        let mut on_way = link;
+        while on_way != 0 {
+            let moving = &self.model.links[on_way];
+            way.extend(moving.velocity..moving.velocity + moving.joint.counts().1);
+            on_way = moving.parent;
+        }
+        for j in way {
             unit[j] = 1.0;
             let place = system.at(0.0, q, &unit);
             let moving = &place.motion().links[link];

@@ -1,8 +1,10 @@
 //! Equilibria with their certificates.
 
+use crate::linear::Linear;
 use crate::run::{Run, run};
-use crate::scene::{Scene, by_hinge};
+use crate::scene::{Scene, by_hinge, frozen};
 use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
@@ -75,14 +77,14 @@ impl Equilibrium {
 impl Equilibrium {
     /// Hinge coordinates.
     #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.held.found.position)
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        frozen(py, &self.held.found.position)
     }
 
     /// Hinge velocities: zero, but for drives that move.
     #[getter]
-    fn v<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.held.found.velocity)
+    fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        frozen(py, &self.held.found.velocity)
     }
 
     /// `"stable"`, `"unstable"` or `"neutral"`.
@@ -175,6 +177,21 @@ impl Equilibrium {
     /// Everything that `stillpoint statics --json` prints.
     fn as_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?.call_method1("loads", (self.text(),))
+    }
+
+    /// The outputs of the scene (`[[output]]`): a number, or a list of several.
+    #[getter]
+    fn outputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.as_dict(py)?.call_method1("get", ("outputs", PyDict::new(py)))
+    }
+
+    /// The equations about the equilibrium, `ẋ = A x + B u`, `y = C x + D u`: from inputs by their addresses (all motors of type `input`
+    /// unless others are named) to outputs by name (all).
+    #[pyo3(signature = (inputs = None, outputs = None))]
+    fn linearize(&self, inputs: Option<Vec<String>>, outputs: Option<Vec<String>>) -> PyResult<Linear> {
+        let held = &self.held;
+        let linear = stillpoint::cli::linearize_about(&held.description, &held.model, &held.found, inputs, outputs);
+        linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))
     }
 
     /// A run from here: what is in equilibrium stays.

@@ -4,6 +4,7 @@
 mod dynamics;
 mod equilibrium;
 mod interrupt;
+mod linear;
 mod recorder;
 mod run;
 mod scene;
@@ -45,6 +46,7 @@ fn _stillpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<equilibrium::Equilibrium>()?;
     module.add_class::<equilibrium::Mode>()?;
+    module.add_class::<linear::Linear>()?;
     module.add_class::<run::Run>()?;
     module.add_class::<dynamics::Dynamics>()?;
     module.add_function(wrap_pyfunction!(scene::load, module)?)?;

@@ -11,10 +11,16 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
-    pub(crate) fn new(scene: &Scene) -> Self {
+    /// Room for as many samples; `None` if there is no such memory.
+    pub(crate) fn new(scene: &Scene, samples: usize) -> Option<Self> {
         let tables = Table::all(scene);
         let count = tables.iter().map(|table| table.columns.len()).sum();
-        Self { tables, row: Vec::new(), time: Vec::new(), columns: vec![Vec::new(); count] }
+        let room = || {
+            let mut column = Vec::new();
+            column.try_reserve_exact(samples).ok().map(|()| column)
+        };
+        let columns = (0..count).map(|_| room()).collect::<Option<_>>()?;
+        Some(Self { tables, row: Vec::new(), time: room()?, columns })
     }
 
     /// Names and units in the order of the columns.

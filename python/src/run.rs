@@ -5,7 +5,7 @@ use crate::interrupt::Interrupt;
 use crate::recorder::Columns;
 use crate::scene::by_hinge;
 use numpy::PyArray1;
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::{PyKeyError, PyMemoryError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::collections::HashMap;
@@ -25,6 +25,9 @@ pub(crate) struct Run {
     by_name: HashMap<String, usize>,
 }
 
+/// More samples than this are refused: each column would have 80 GB.
+const MOST_SAMPLES: f64 = 1e10;
+
 /// Runs a model and keeps its samples.
 pub(crate) fn run(py: Python<'_>, model: &Arc<Model>, settings: &Settings, rate: f64, start: State) -> PyResult<Run> {
     let interrupt = Interrupt::new();
@@ -33,11 +36,18 @@ pub(crate) fn run(py: Python<'_>, model: &Arc<Model>, settings: &Settings, rate:
     let of_run = Arc::clone(&model);
     let done = py.detach(move || {
         let scene = simulate::scene(&of_run);
-        let mut columns = Columns::new(&scene);
+        let samples = rate * settings.duration + 2.0;
+        let mut columns = (samples < MOST_SAMPLES).then(|| Columns::new(&scene, samples as usize)).flatten()?;
         let done = simulate::run(&of_run, &settings, rate, &start, &mut columns, &mut |_, _| asked.go_on());
-        done.map(|summary| (summary, columns))
+        Some(done.map(|summary| (summary, columns)))
     });
     interrupt.check()?;
+    let done = done.ok_or_else(|| {
+        let samples = rate * settings.duration;
+        PyMemoryError::new_err(format!(
+            "{samples:.0} samples do not fit into memory: take a smaller `rate` or `duration`"
+        ))
+    })?;
     let (summary, columns) = done.map_err(|error| RunError::new_err(error.to_string()))?;
     let names = columns.names();
     let by_name = names.iter().enumerate().map(|(at, (name, _))| (name.clone(), at)).collect();
@@ -95,7 +105,12 @@ impl Run {
     }
 
     fn __contains__(&self, name: &str) -> bool {
-        self.by_name.contains_key(name)
+        name == "time" || self.by_name.contains_key(name)
+    }
+
+    fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Py<PyAny>> {
+        let names = pyo3::types::PyList::new(slf.py(), slf.get().columns())?;
+        Ok(names.call_method0("__iter__")?.unbind())
     }
 
     fn keys(&self) -> Vec<&str> {

@@ -5,9 +5,11 @@ use crate::equilibrium::Equilibrium;
 use crate::interrupt::Interrupt;
 use crate::run::{Run, run};
 use crate::{NoEquilibrium, SceneError};
+use numpy::PyArray1;
+use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use stillpoint::constraint::assemble;
@@ -21,8 +23,9 @@ use stillpoint::statics;
 pub(crate) struct Scene {
     scenario: Scenario,
     model: Arc<Model>,
-    /// What it was made of, to be made again: a file or a text with its name, and what was set.
-    source: (Option<PathBuf>, String, String),
+    /// What it was made of, to be made again with other numbers whatever becomes of the file: its name, from whose folder models and
+    /// meshes are found, and what was set. The text is the scenario's.
+    name: String,
     set: Vec<String>,
 }
 
@@ -42,32 +45,30 @@ fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
 }
 
 impl Scene {
-    fn new(scenario: Scenario, source: (Option<PathBuf>, String, String), set: Vec<String>) -> PyResult<Self> {
+    fn new(scenario: Scenario, name: String, set: Vec<String>) -> PyResult<Self> {
         let model = Model::build(&scenario.description).map_err(listed)?;
         let (model, _) = assemble(model).map_err(listed)?;
-        Ok(Self { scenario, model, source, set })
+        Ok(Self { scenario, model, name, set })
     }
 
-    fn of_file(path: PathBuf, set: Vec<String>) -> PyResult<Self> {
-        let scenario = scenario::load_with(&path, &overrides(&set)?).map_err(|error| match error {
+    fn of_file(path: &Path, set: Vec<String>) -> PyResult<Self> {
+        let scenario = scenario::load_with(path, &overrides(&set)?).map_err(|error| match error {
             LoadError::Problems(problems) => SceneError::new_err(problems.render(false)),
-            other => pyo3::exceptions::PyOSError::new_err(other.to_string()),
+            other => PyOSError::new_err(other.to_string()),
         })?;
-        Self::new(scenario, (Some(path), String::new(), String::new()), set)
+        Self::new(scenario, absolute(path), set)
     }
 
-    fn of_text(name: String, text: String, set: Vec<String>) -> PyResult<Self> {
-        let scenario = scenario::parse(&name, &text, &overrides(&set)?)
+    fn of_text(name: &str, text: &str, set: Vec<String>) -> PyResult<Self> {
+        let scenario = scenario::parse(name, text, &overrides(&set)?)
             .map_err(|problems| SceneError::new_err(problems.render(false)))?;
-        Self::new(scenario, (None, name, text), set)
+        Self::new(scenario, absolute(Path::new(name)), set)
     }
+}
 
-    fn again(&self, set: Vec<String>) -> PyResult<Self> {
-        match &self.source {
-            (Some(path), ..) => Self::of_file(path.clone(), set),
-            (None, name, text) => Self::of_text(name.clone(), text.clone(), set),
-        }
-    }
+/// A name that means the same from every folder.
+fn absolute(path: &Path) -> String {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned()).display().to_string()
 }
 
 fn overrides(set: &[String]) -> PyResult<Vec<Override>> {
@@ -79,14 +80,21 @@ fn overrides(set: &[String]) -> PyResult<Vec<Override>> {
 #[pyfunction]
 #[pyo3(signature = (path, set = None))]
 pub(crate) fn load(path: PathBuf, set: Option<&Bound<'_, PyDict>>) -> PyResult<Scene> {
-    Scene::of_file(path, settings(set)?)
+    Scene::of_file(&path, settings(set)?)
 }
 
 /// Reads the text of a scenario.
 #[pyfunction]
 #[pyo3(signature = (text, set = None, name = "scene.toml"))]
-pub(crate) fn parse(text: String, set: Option<&Bound<'_, PyDict>>, name: &str) -> PyResult<Scene> {
-    Scene::of_text(name.to_owned(), text, settings(set)?)
+pub(crate) fn parse(text: &str, set: Option<&Bound<'_, PyDict>>, name: &str) -> PyResult<Scene> {
+    Scene::of_text(name, text, settings(set)?)
+}
+
+/// An array that nobody writes to.
+pub(crate) fn frozen<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let array = PyArray1::from_slice(py, numbers);
+    array.call_method1("setflags", (false,))?;
+    Ok(array)
 }
 
 /// The coordinates of each hinge that has any, by the body that it carries.
@@ -137,16 +145,23 @@ impl Scene {
         scene.positions.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
     }
 
+    /// Names of the velocity coordinates, in the order of `v`.
+    #[getter]
+    fn velocities(&self) -> Vec<String> {
+        let scene = stillpoint::simulate::scene(&self.model);
+        scene.velocities.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+    }
+
     /// The hinge coordinates of the file, closed loops included.
     #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, numpy::PyArray1<f64>> {
-        numpy::PyArray1::from_slice(py, &self.model.start_position)
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        frozen(py, &self.model.start_position)
     }
 
     /// The hinge velocities of the file.
     #[getter]
-    fn v<'py>(&self, py: Python<'py>) -> Bound<'py, numpy::PyArray1<f64>> {
-        numpy::PyArray1::from_slice(py, &self.model.start_velocity)
+    fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        frozen(py, &self.model.start_velocity)
     }
 
     /// What the reader would warn of.
@@ -158,7 +173,7 @@ impl Scene {
     /// The same scene with other numbers, by their addresses: `scene.with_set({"spring.stiffness": 900})`.
     fn with_set(&self, set: &Bound<'_, PyDict>) -> PyResult<Self> {
         let more = settings(Some(set))?;
-        self.again(self.set.iter().cloned().chain(more).collect())
+        Self::of_text(&self.name, &self.scenario.text, self.set.iter().cloned().chain(more).collect())
     }
 
     /// The equilibrium that statics finds.
@@ -202,7 +217,7 @@ impl Scene {
         settings.step = positive("step", step)?.or(settings.step);
         if let Some(name) = integrator {
             settings.integrator = Integrator::named(name)
-                .ok_or_else(|| pyo3::exceptions::PyValueError::new_err(format!("no integrator is called `{name}`")))?;
+                .ok_or_else(|| PyValueError::new_err(format!("no integrator is called `{name}`")))?;
         }
         let rate = positive("rate", rate)?.unwrap_or(this.scenario.record.rate);
         let (model, start) = match start {
@@ -220,7 +235,7 @@ impl Scene {
         let wrong = start.position.len() != model.position_count() || start.velocity.len() != model.velocity_count();
         if wrong {
             let (q, v) = (model.position_count(), model.velocity_count());
-            return Err(pyo3::exceptions::PyValueError::new_err(format!(
+            return Err(PyValueError::new_err(format!(
                 "`start` has {} positions and {} velocities, the scene {q} and {v}",
                 start.position.len(),
                 start.velocity.len()
@@ -241,21 +256,23 @@ impl Scene {
         format!("<Scene `{}`: {bodies}, {freedoms}>", self.model.title)
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Option<PathBuf>, String, String, Vec<String>))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, String, Vec<String>))> {
         let this = slf.get();
-        let (path, name, text) = this.source.clone();
         let again = slf.py().get_type::<Self>().getattr("_again")?;
-        Ok((again, (path, name, text, this.set.clone())))
+        Ok((again, (this.name.clone(), this.scenario.text.clone(), this.set.clone())))
     }
 
     #[staticmethod]
-    fn _again(path: Option<PathBuf>, name: String, text: String, set: Vec<String>) -> PyResult<Self> {
-        match path {
-            Some(path) => Self::of_file(path, set),
-            None => Self::of_text(name, text, set),
-        }
+    fn _again(name: &str, text: &str, set: Vec<String>) -> PyResult<Self> {
+        Self::of_text(name, text, set)
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 }
 
@@ -270,7 +287,7 @@ fn positive(name: &str, number: Option<f64>) -> PyResult<Option<f64>> {
     match number {
         Some(number) if !(number > 0.0 && number.is_finite()) => {
             let message = format!("`{name}` is {number}, allowed: above 0");
-            Err(pyo3::exceptions::PyValueError::new_err(message))
+            Err(PyValueError::new_err(message))
         }
         other => Ok(other),
     }

@@ -1,5 +1,6 @@
 """The package against the program, closed forms and differences."""
 
+import copy
 import json
 import math
 import os
@@ -145,6 +146,50 @@ def test_scenes_are_pickled_and_changed():
     heavier = pickle.loads(pickle.dumps(scene.with_set({"bob.mass": 3.0})))
     force, _ = heavier.equilibrium().reactions["bob"]
     assert abs(force[2] - 3 * 9.81) < 1e-9
+
+
+def test_a_scene_is_its_own_whatever_becomes_of_its_file(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text((SCENARIOS / "pendulum.toml").read_text(), encoding="utf-8")
+    scene = stillpoint.load(path)
+    path.write_text("", encoding="utf-8")
+    bodies = scene.bodies
+    assert scene.with_set({"simulate.duration": 1.0}).bodies == bodies == copy.deepcopy(scene).bodies
+    assert pickle.loads(pickle.dumps(scene)).bodies == bodies
+    error = pickle.loads(pickle.dumps(stillpoint.SceneError("x")))
+    assert isinstance(error, stillpoint.SceneError)
+
+
+def test_arrays_of_any_layout_are_taken():
+    dynamics = stillpoint.load(SCENARIOS / "spring_arm.toml").dynamics()
+    both = np.random.default_rng(2).uniform(-1, 1, (2 * dynamics.nv, 7))
+    q, v = both[: dynamics.nv, 3], both[dynamics.nv :, 3]
+    plain = dynamics.acceleration(q.copy(), v.copy())
+    assert (dynamics.acceleration(q, v) == plain).all()
+    assert (dynamics.acceleration(list(q), tuple(v)) == plain).all()
+    assert len(dynamics.coordinates) == dynamics.nq and len(dynamics.velocities) == dynamics.nv
+
+
+def test_samples_beyond_memory_are_refused():
+    with pytest.raises(MemoryError, match="samples"):
+        stillpoint.describe(PENDULUM).run(10.0, rate=1e15)
+
+
+def test_linear_equations_are_those_of_the_program_and_of_the_modes():
+    path = str(SCENARIOS / "double_wishbone.toml")
+    code, out, err = program("linearize", path, "--json", "--quiet", "--input", "bump")
+    assert code == 0, err
+    told = json.loads(out)
+    rest = stillpoint.load(path).equilibrium()
+    linear = rest.linearize(inputs=["bump"])
+    for name in "ABCD":
+        assert np.array_equal(getattr(linear, name), np.array(told[name]).reshape(getattr(linear, name).shape))
+    assert linear.states == told["states"] and set(linear.outputs) <= set(rest.outputs)
+    pendulum = stillpoint.describe(PENDULUM).equilibrium()
+    roots = np.linalg.eigvals(pendulum.linearize().A)
+    assert np.allclose(np.abs(roots.imag), 2 * math.pi * pendulum.modes[0].frequency, rtol=1e-9)
+    with pytest.raises(ValueError, match="did you mean"):
+        rest.linearize(outputs=["cambr"])
 
 
 def test_threads_share_dynamics():

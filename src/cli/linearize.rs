@@ -6,12 +6,13 @@ mod files;
 use super::inputs::Inputs;
 use super::{Common, Exit, json, output, scene, statics, text};
 use crate::linear::{self, Input, Mat, Place, Signal, StateSpace};
-use crate::model::{Model, StopLaw};
+use crate::model::{Description, Model, StopLaw};
 use crate::statics::Equilibrium;
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -73,16 +74,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             of_equilibrium(&model, &found)
         }
     };
-    let inputs = inputs(arguments, &scenario.description, &model)?;
-    for name in &arguments.output {
-        if !model.outputs.iter().any(|output| output.name == *name) {
-            let known = model.outputs.iter().map(|output| output.name.as_str());
-            let near = crate::suggest::closest(name, known).map(|near| format!("; did you mean `{near}`?"));
-            bail!("the scenario has no output `{name}`{}", near.unwrap_or_default());
-        }
-    }
-    let asked = (!arguments.output.is_empty()).then_some(&arguments.output[..]);
-    let found = linear::linearize(&model, &place, &inputs, asked).with_context(|| scenario.name.clone())?;
+    let inputs = inputs(&arguments.input, &scenario.description, &model)?;
+    let found = about(&model, &place, &inputs, &arguments.output).with_context(|| scenario.name.clone())?;
     if !found.left_out.is_empty() && !common.quiet {
         let list = found.left_out.join("`, `");
         output::note(&format!("left out: `{list}`: how they vary is not known, or they are inputs themselves"));
@@ -105,6 +98,32 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&report(&model, &scenario.name, &found))?;
     }
     Ok(Exit::Done)
+}
+
+/// The equations about an equilibrium, from inputs (all motors of type `input` if none is named) to outputs (all if none is named).
+///
+/// # Errors
+/// An input or output that is not known, or a scene that cannot be linearized.
+pub(super) fn about_equilibrium(
+    description: &Description,
+    model: &Arc<Model>,
+    found: &Equilibrium,
+    input: &[String],
+    output: &[String],
+) -> anyhow::Result<StateSpace> {
+    about(model, &of_equilibrium(model, found), &inputs(input, description, model)?, output)
+}
+
+fn about(model: &Arc<Model>, place: &Place, inputs: &[Input], output: &[String]) -> anyhow::Result<StateSpace> {
+    for name in output {
+        if !model.outputs.iter().any(|output| output.name == *name) {
+            let known = model.outputs.iter().map(|output| output.name.as_str());
+            let near = crate::suggest::closest(name, known).map(|near| format!("; did you mean `{near}`?"));
+            bail!("the scenario has no output `{name}`{}", near.unwrap_or_default());
+        }
+    }
+    let asked = (!output.is_empty()).then_some(output);
+    Ok(linear::linearize(model, place, inputs, asked)?)
 }
 
 /// What is held and what gives way at an equilibrium.
@@ -134,10 +153,10 @@ fn of_equilibrium(model: &Model, found: &Equilibrium) -> Place {
     }
 }
 
-fn inputs(arguments: &Arguments, description: &crate::model::Description, model: &Model) -> anyhow::Result<Vec<Input>> {
+fn inputs(named: &[String], description: &Description, model: &Model) -> anyhow::Result<Vec<Input>> {
     let motors = description.motors.iter().filter(|motor| motor.law == crate::model::motor::MotorLawDescription::Input);
     let own: Vec<String> = motors.map(|motor| motor.name.clone()).collect();
-    let names = if arguments.input.is_empty() { &own } else { &arguments.input };
+    let names = if named.is_empty() { &own[..] } else { named };
     let mut all: Vec<Input> = Vec::new();
     for name in names {
         let found = Input::find(description, model, name).map_err(|unfit| {

@@ -37,7 +37,8 @@ mod sweep;
 mod text;
 mod view;
 
-use crate::model::Model;
+use crate::linear::StateSpace;
+use crate::model::{Description, Model};
 use crate::statics::Equilibrium;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -182,6 +183,22 @@ pub struct Memory {
 /// What `statics --json` prints of an equilibrium that took so long (s).
 pub fn statics_answer(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64) -> serde_json::Value {
     json::statics(model, found, wall_seconds)
+}
+
+/// The equations about an equilibrium, as `linearize` has them: from inputs by their addresses (all motors of type `input` without) to
+/// outputs by their names (all without).
+///
+/// # Errors
+/// An input or output that is not known, or a scene that cannot be linearized.
+pub fn linearize_about(
+    description: &Description,
+    model: &Arc<Model>,
+    found: &Equilibrium,
+    inputs: Option<Vec<String>>,
+    outputs: Option<Vec<String>>,
+) -> anyhow::Result<StateSpace> {
+    let [inputs, outputs] = [inputs, outputs].map(Option::unwrap_or_default);
+    linearize::about_equilibrium(description, model, found, &inputs, &outputs)
 }
 
 /// Runs the program with the arguments it was called with; `memory` tells what it has asked of its allocator, if that is

@@ -13,6 +13,7 @@ _check()
 from ._stillpoint import (  # noqa: E402
     Dynamics,
     Equilibrium,
+    Linear,
     Mode,
     NoEquilibrium,
     Run,
@@ -28,6 +29,7 @@ from ._describe import describe  # noqa: E402
 __all__ = [
     "Dynamics",
     "Equilibrium",
+    "Linear",
     "Mode",
     "NoEquilibrium",
     "Run",
