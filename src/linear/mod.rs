@@ -152,9 +152,9 @@ pub fn linearize(
     let basis = Basis::new(model, &rows, &place.held, inputs);
     let mut motion = Equations::new(model, place, &linear, &basis, inputs)?;
     if place.multipliers.is_none() && tied {
-        // Rows that turn while the scene accelerates: by the Jacobians of the accelerations that they allow.
-        let (by_position, by_velocity) = at.acceleration_jacobians()?;
-        motion.accelerating(&basis, &by_position, &by_velocity);
+        // Rows that turn while the scene accelerates: by the Jacobian of the accelerations that they allow.
+        let (by_position, _) = at.acceleration_jacobians()?;
+        motion.accelerating(&basis, &by_position);
     }
     let told = tell(&mut system, place, &a, &basis, &motion, inputs, outputs)?;
     let signal = |name: String, unit: &str| Signal { name, unit: unit.to_owned() };
@@ -246,15 +246,14 @@ impl Equations {
         Ok(Self { a, b, answers })
     }
 
-    /// The answers to positions and velocities by the Jacobians of the accelerations.
-    fn accelerating(&mut self, basis: &Basis, by_position: &Mat<f64>, by_velocity: &Mat<f64>) {
+    /// The answers to positions by the Jacobian of the accelerations.
+    fn accelerating(&mut self, basis: &Basis, by_position: &Mat<f64>) {
         let count = basis.columns.ncols();
-        for (from, answer) in [(0, by_position * &basis.columns), (count, by_velocity * &basis.columns)] {
-            for j in 0..count {
-                (0..answer.nrows()).for_each(|i| self.answers[(i, from + j)] = answer[(i, j)]);
-                for (k, at) in basis.independent.iter().enumerate() {
-                    self.a[(count + k, from + j)] = answer[(*at, j)];
-                }
+        let answer = by_position * &basis.columns;
+        for j in 0..count {
+            (0..answer.nrows()).for_each(|i| self.answers[(i, j)] = answer[(i, j)]);
+            for (k, at) in basis.independent.iter().enumerate() {
+                self.a[(count + k, j)] = answer[(*at, j)];
             }
         }
     }
