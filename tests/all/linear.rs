@@ -97,11 +97,14 @@ fn answer(model: &Arc<Model>, found: &StateSpace, x: &[f64]) -> Answer {
         System::displace(model, &mut wanted, &step);
         let mut system = System::new(&Arc::new(model.clone()));
         let (mut q, mut v) = (wanted.clone(), rate.clone());
+        let is_given = |link: &&stillpoint::model::Link| {
+            (0..link.joint.counts().1).any(|i| independent.contains(&(link.velocity + i)))
+        };
         for _ in 0..8 {
             system.settle(0.0, &mut q, &mut v).unwrap();
             // What the independent coordinates have moved by, taken back along the closed positions.
             let mut back = vec![0.0; model.velocity_count()];
-            for link in model.links.iter().filter(|link| independent.contains(&link.velocity)) {
+            for link in model.links.iter().filter(|link| is_given(link)) {
                 let apart = stillpoint::motion::relative(link, &q, &wanted);
                 (0..link.joint.counts().1).for_each(|i| back[link.velocity + i] = apart[i]);
             }
@@ -144,13 +147,13 @@ fn label(model: &Model, velocity: usize) -> String {
 }
 
 /// `A` and `C` against central differences of order four on random scenes: moving trees, and rods, springs and drives at
-/// rest. Steps of 2e-3 leave step⁴ times the fifth derivative.
+/// rest. Steps of 5e-4 leave step⁴ times the fifth derivative, and 1e-12 of round-off.
 #[test]
 fn equations_are_those_of_differences() {
     let (mut scenes, mut worst): (usize, f64) = (0, 0.0);
-    let mut regular = 0;
     for (seed, tied) in (0..25).map(|seed| (seed, false)).chain((0..40).map(|seed| (seed, true))) {
-        let model = build(&scene(seed, tied));
+        // Rods may hold what a drive should move: no such scene is made.
+        let Ok((model, _)) = assemble(Model::build(&scene(seed, tied)).unwrap()) else { continue };
         let found = match linearize(&model, &start(&model), &[], None) {
             Ok(found) => found,
             Err(error) => panic!("{seed} {tied}: {error}"),
@@ -164,18 +167,13 @@ fn equations_are_those_of_differences() {
             })
             .collect();
         scenes += 1;
-        // Near a singular position rows lose digits with the square of their distance from it.
-        let (mut q, mut v) = (model.start_position.clone(), model.start_velocity.clone());
-        let clearance = System::new(&model).settle(0.0, &mut q, &mut v).unwrap().clearance;
-        let enough = 1e-7 / clearance.powi(2);
-        regular += usize::from(clearance > 0.1);
         for j in 0..n {
             let at = |h: f64| {
                 let mut x = vec![0.0; n];
                 x[j] = h;
                 answer(&model, &found, &x)
             };
-            const H: f64 = 2e-3;
+            const H: f64 = 5e-4;
             let [far_back, back, on, far_on] = [-2.0, -1.0, 1.0, 2.0].map(|k| at(k * H));
             let rate = |of: fn(&Answer) -> &Vec<f64>, i: usize| {
                 let of = |pair| of(pair)[i];
@@ -185,7 +183,7 @@ fn equations_are_those_of_differences() {
             for i in 0..count {
                 let error = (found.a[(count + i, j)] - rate(|pair| &pair.0, i)).abs() / size;
                 assert!(
-                    error < enough,
+                    error < 1e-7,
                     "{seed} {tied}: A[{i}, {j}] {} for {}",
                     found.a[(count + i, j)],
                     rate(|p| &p.0, i)
@@ -196,7 +194,7 @@ fn equations_are_those_of_differences() {
                 let expected = rate(|pair| &pair.1, *row);
                 let error = (found.c[(i, j)] - expected).abs() / size.max(expected.abs());
                 assert!(
-                    error < enough,
+                    error < 1e-7,
                     "{seed} {tied}: C of {} by {}: {} for {expected}",
                     found.outputs[i].name,
                     found.states[j].name,
@@ -206,7 +204,7 @@ fn equations_are_those_of_differences() {
             }
         }
     }
-    assert!(scenes == 65 && regular >= 50, "{scenes}, {regular}");
+    assert!(scenes >= 60, "{scenes}");
     println!("{scenes} scenes, worst {worst:.1e}");
 }
 
