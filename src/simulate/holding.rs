@@ -27,6 +27,10 @@ use nalgebra::Vector3;
 const NEARLY_TIED: f64 = 1e-9;
 /// Accelerations below this part of the scene's, or of the largest, are round-off.
 const DIRECTION: f64 = 1e-13;
+/// A direction that changes by less has not changed.
+const TURNED: f64 = 1e-9;
+/// Rounds in which directions are decided again.
+const MOST_TURNS: usize = 30;
 /// Rounds in search of a direction: it converges linearly.
 const MOST_ROUNDS: usize = 500;
 
@@ -74,7 +78,13 @@ impl Instant<'_> {
         self.accelerate(&mut a).map_err(|fault| RunError::Sample { time: self.time, fault })?;
         self.rate_rows(&mut rest, &a, turn);
         let mut found = self.solve_beside(&rest);
-        while self.give_way(&mut rest, &found) {
+        for _ in 0..MOST_TURNS {
+            while self.give_way(&mut rest, &found) {
+                found = self.solve_beside(&rest);
+            }
+            if !self.turn_back(&mut rest, &found) {
+                break;
+            }
             found = self.solve_beside(&rest);
         }
         for (at, one) in rest.iter().enumerate() {
@@ -223,6 +233,36 @@ impl Instant<'_> {
                 let along = self.coordinate(rest[at].row).1 * bound;
                 self.set_rubbing(index, Rubbing::Slides(Vector3::new(along, 0.0, 0.0)));
                 changed |= slide < stick;
+            }
+        }
+        changed
+    }
+
+    /// What has given way together with others may be taken along by them, against the direction in which it would have moved
+    /// alone: such a coordinate is decided again, and directions of spherical hinges are those beside all others. Whether any was
+    /// changed.
+    fn turn_back(&mut self, rest: &mut [Rest], found: &Solution) -> bool {
+        let mut changed = false;
+        for at in 0..rest.len() {
+            let (Some(index), Some(_)) = (rest[at].friction, rest[at].slides) else { continue };
+            let Some(Rubbing::Slides(before)) = self.rubbing(index) else { continue };
+            let law = self.motion.model().hinge_friction[index];
+            if law.count == 1 {
+                let along = -self.coordinate(rest[at].row).1 * found.rates[at] * before.x;
+                let is_back = along < -rest[at].noise;
+                if is_back && law.friction.slide == 0.0 {
+                    // Nothing opposes it either way.
+                    self.set_rubbing(index, Rubbing::Slides(-before));
+                } else if is_back {
+                    rest[at].slides = None;
+                    self.set_rubbing(index, Rubbing::Sticks);
+                    changed = true;
+                }
+            } else if matches!(self.rows[rest[at].row], Of::Friction(_, 0)) {
+                let now = self.direction(rest, at, before, law.friction.slide);
+                (0..3).for_each(|k| rest[at + k].slides = Some(-law.friction.slide * now[k]));
+                self.set_rubbing(index, Rubbing::Slides(now));
+                changed |= (now - before).norm() > TURNED;
             }
         }
         changed

@@ -285,10 +285,11 @@ impl Instant<'_> {
             let found = self.solve(&rows, &rates, &vec![ONE_SIDED; rows.len()], &floor);
             for (at, row) in rows.iter().enumerate().filter(|(at, row)| !found.active[*at] && approaches(**row)) {
                 let after = found.rates[at] - factors[at] * before[*row];
-                if found.violated[at] && after < -self.least(*row) {
-                    if let Of::Stop(side) = self.rows[*row] {
-                        return Err(self.jam(side));
-                    }
+                if let Of::Stop(side) = self.rows[*row]
+                    && found.violated[at]
+                    && after < -self.least(*row)
+                {
+                    return Err(self.jam(side));
                 }
                 // A drive that touches a stop at the speed of rounding.
                 unanswered[*row] = after < -noise[*row];

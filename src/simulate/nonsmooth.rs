@@ -14,7 +14,14 @@
 //!
 //! The range of λ in (2): a stop pushes and never pulls, dry friction holds up to its largest force at rest (the norm of the
 //! torque, in a spherical hinge), a coordinate that rests on a stop and has friction is held by both. In (5) `v` is one
-//! coordinate, whose sign is kept within a step, or the angular velocity of a spherical hinge.
+//! coordinate, whose sign is kept within a step, or the angular velocity of a spherical hinge. Its direction turns at a rate that grows
+//! without bound as it comes to rest or lets go: below a speed `v₀` that is a matter of the tolerance
+//!
+//! ```text
+//! (6)  u = v / v₀ + (1 − |v| / v₀) d,   d the direction at the end of the last step
+//! ```
+//!
+//! which is the same as long as the direction stays.
 //!
 //! Which stops push, what is held and what slides is the [`Phase`] of a run. It changes at events alone (`instant.rs`): within a
 //! step every law is smooth, so that no method has to step over a jump. `M⁻¹` of a unit force is one more right side of the
@@ -30,10 +37,6 @@ use crate::model::prescribed::Instant;
 use crate::model::{Model, Scalar, Stop, StopLaw};
 use nalgebra::Vector3;
 use std::sync::Arc;
-
-/// Spherical hinges that slide more slowly than this, in units of the scene's own time, have the stiffness of this speed in
-/// tangents.
-const SLOWEST: f64 = 1e-6;
 
 /// Which end of a stop's range: −1 the low one, 1 the high one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,6 +100,8 @@ pub(super) struct Nonsmooth {
     /// The held coordinates, in the order of the multipliers.
     coordinates: Vec<usize>,
     force: Vec<f64>,
+    /// `v₀` of (6) (rad/s); 0 for none.
+    pub(super) slow: f64,
 }
 
 /// What dry friction opposes: a coordinate, or the angular velocity of a spherical hinge.
@@ -154,6 +159,7 @@ impl Nonsmooth {
             multipliers: Vec::new(),
             coordinates: Vec::new(),
             force: vec![0.0; n],
+            slow: 0.0,
         })
     }
 
@@ -185,13 +191,22 @@ impl Nonsmooth {
                 Rubbing::Slides(direction) => {
                     let direction = match friction.count {
                         1 => direction,
-                        _ => rate_of(friction, v).try_normalize(f64::MIN_POSITIVE).unwrap_or(direction),
+                        _ => self.direction(&rate_of(friction, v), &direction),
                     };
                     for k in 0..friction.count {
                         tau[friction.velocity + k] -= friction.friction.slide * direction[k];
                     }
                 }
             }
+        }
+    }
+
+    /// `u` of (5) and (6).
+    fn direction(&self, rate: &Vector3<f64>, last: &Vector3<f64>) -> Vector3<f64> {
+        let speed = rate.norm();
+        match speed < self.slow {
+            true => rate / self.slow + (1.0 - speed / self.slow) * last,
+            false => rate.try_normalize(f64::MIN_POSITIVE).unwrap_or(*last),
         }
     }
 
@@ -283,8 +298,7 @@ impl Nonsmooth {
         }
         for (friction, rubbing) in self.model.hinge_friction.iter().zip(&self.phase.rubbing) {
             if let (Rubbing::Slides(_), 3) = (rubbing, friction.count) {
-                // What begins to slide does so in the direction of its force.
-                let speed = rate_of(friction, v).norm().max(SLOWEST / self.model.time_scale());
+                let speed = rate_of(friction, v).norm().max(self.slow).max(f64::MIN_POSITIVE.sqrt());
                 let range = friction.velocity..friction.velocity + 3;
                 self.force[range].iter_mut().for_each(|entry| *entry += c1 * friction.friction.slide / speed);
             }

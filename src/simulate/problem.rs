@@ -312,6 +312,14 @@ impl Motion {
         REST_SPEEDS * tolerance * self.velocity_scales[velocity]
     }
 
+    /// From which speed on spherical hinges slide in the direction of their own angular velocity.
+    pub(super) fn set_tolerance(&mut self, tolerance: f64) {
+        let slow = SLOW * REST_SPEEDS * tolerance / self.model().time_scale();
+        if let Some(nonsmooth) = &mut self.nonsmooth {
+            nonsmooth.slow = slow;
+        }
+    }
+
     /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
     fn size(&self, side: Side) -> f64 {
         let stop = &self.model().stops[side.stop];
@@ -341,6 +349,8 @@ const PASSED: f64 = 1e-9;
 pub(super) const TIMES: f64 = 8.0;
 /// What comes back from a blow with fewer than this many tolerances of a speed comes to rest.
 const REST_SPEEDS: f64 = 10.0;
+/// Spherical hinges that slide more slowly than so many speeds of rest have the direction of the last step.
+const SLOW: f64 = 100.0;
 /// A coordinate on its limit is known to this part.
 const ON_THE_LIMIT: f64 = 1e-12;
 

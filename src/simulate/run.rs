@@ -119,6 +119,7 @@ pub(super) fn run_with(
     check(model)?;
     let (begin, end) = (settings.begin(), end(model, settings));
     let mut motion = Motion::new(model);
+    motion.set_tolerance(settings.absolute_tolerance);
     let mut state = start.clone();
     motion
         .system

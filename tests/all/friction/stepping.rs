@@ -103,7 +103,8 @@ fn farthest(a: &[f64], b: &[f64]) -> f64 {
 /// A tree with every kind of hinge, dry friction in all of them; of half of the scenes some start at rest.
 fn scene(seed: u64) -> Description {
     let mut random = Random::new(seed ^ 0x5151);
-    let mut scene = random_scene(seed, &Options { bodies: 1 + random.below(4), springs: seed % 2 == 0, welds: false });
+    let mut scene =
+        random_scene(seed, &Options { bodies: 1 + random.below(4), springs: seed.is_multiple_of(2), welds: false });
     for body in &mut scene.bodies {
         let velocities = body.hinge.kind.counts().1;
         let most = [0.5, 3.0, 15.0][random.below(3)];
@@ -186,7 +187,7 @@ fn random_four_bars_slide_and_stick_as_time_stepping_says() {
             ("rocker", rocker, format!("at = [{d}, 0, 0], position = {rocker_angle}")),
         ] {
             let (mass, stick) = (random.between(0.3, 2.0), random.between(0.05, strongest));
-            let velocity = if name == "crank" && seed % 2 == 0 { random.between(-8.0, 8.0) } else { 0.0 };
+            let velocity = if name == "crank" && seed.is_multiple_of(2) { random.between(-8.0, 8.0) } else { 0.0 };
             let inertia = mass * length * length / 12.0;
             text += &format!(
                 "[[body]]\nname = \"{name}\"\nmass = {mass}\ncenter = [{}, 0, 0]\ninertia = [{}, {inertia}, {inertia}]\nmarkers = {{ end = \
