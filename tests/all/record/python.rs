@@ -16,8 +16,8 @@ fn python_reads_the_same_numbers() {
 fn javascript_reads_the_same_numbers() {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/javascript/read_recording.js");
     let read = is_read_back(Command::new("node").arg(script));
-    // The scene once, and five channels with every sample.
-    assert_eq!(read["messages"], 1 + 5 * 101);
+    // The scene once, and six channels with every sample.
+    assert_eq!(read["messages"], 1 + 6 * 101);
 }
 
 /// Gives a recording to a program that prints what it finds, and compares that with what was recorded.

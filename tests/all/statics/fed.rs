@@ -12,7 +12,10 @@ fn scene(motor: &str, around: &str) -> String {
         )
     };
     let more = match around {
-        "gear" => bar("wheel", "", ", at = [2, 0, 0]") + "[[gear]]\nbetween = [\"arm\", \"wheel\"]\nratio = 1.0\n",
+        "gear" => {
+            bar("wheel", "", ", at = [2, 0, 0]")
+                + "[[gear]]\ntype = \"ratio\"\nbetween = [\"arm\", \"wheel\"]\nratio = 1.0\n"
+        }
         "loop" => {
             bar("other", "", ", at = [1, 0, 0]")
                 + "[[loop]]\ntype = \"rod\"\nbetween = [\"arm.end\", \"other.end\"]\nlength = 1.0\n"
