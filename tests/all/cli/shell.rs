@@ -61,7 +61,7 @@ fn every_example_of_the_help_works() {
         for line in lines {
             // A viewer is not everywhere, and a build may be without Rerun or Parquet.
             let skipped = (line.contains(" view ") && (!line.contains("--save") || cfg!(not(feature = "view"))))
-                || ((line.contains("--parquet") || line.contains("mounts") && !line.contains("mounts.toml --over"))
+                || (["--parquet", "--out mounts", "study mounts"].iter().any(|words| line.contains(words))
                     && cfg!(not(feature = "parquet")));
             if !skipped {
                 let answer = shell(&bench, &line);
