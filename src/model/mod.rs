@@ -179,6 +179,7 @@ impl Model {
     }
 
     /// The model that starts in a state; what follows from the given positions stays.
+    #[cfg(feature = "cli")]
     pub(crate) fn starting_in(self: Arc<Self>, position: &[f64], velocity: &[f64]) -> Arc<Self> {
         let mut model = Arc::unwrap_or_clone(self);
         model.start_position.copy_from_slice(position);

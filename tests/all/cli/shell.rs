@@ -14,10 +14,17 @@ fn commands(bench: &Bench) -> Vec<String> {
     names.filter(|name| *name != "help").map(str::to_owned).collect()
 }
 
-/// The lines of `--help` that begin with the program's name.
+/// The lines of `--help` that begin with the program's name, long ones with what was wrapped.
 fn examples(help: &str) -> Vec<String> {
     let after = help.split("Examples:\n").nth(1).unwrap_or_default();
-    after.lines().filter_map(|line| line.strip_prefix("  stillpoint")).map(|rest| format!("stillpoint{rest}")).collect()
+    let mut all: Vec<String> = Vec::new();
+    for line in after.lines().map(str::trim).filter(|line| !line.is_empty()) {
+        match all.last_mut() {
+            Some(before) if !line.contains("stillpoint") => *before = format!("{before} {line}"),
+            _ => all.push(line.to_owned()),
+        }
+    }
+    all
 }
 
 /// Runs a line as a shell does, with the program on the path.
