@@ -2,7 +2,7 @@
 //!
 //! The free motions of hinge coordinates are `δq = Z s + Y d`: `s` are independent coordinates that rows of loops, drives,
 //! gears and what is held leave, `d` moves targets of drives that are inputs. With mass, damping and stiffness of the
-//! residual ([`Linearization`](crate::dynamics::Linearization)) and inputs that push with `F u`,
+//! residual ([`Linearization`]) and inputs that push with `F u`,
 //!
 //! ```text
 //! (1)  Zᵀ M (Z s̈ + Y d̈) + Zᵀ D (Z ṡ + Y ḋ) + Zᵀ K (Z s + Y d) = Zᵀ F u

@@ -1,4 +1,4 @@
-//! What a user asks of a scene, as numbers: one kind a file, each answers the questions of [`Measure`].
+//! What a user asks of a scene, as numbers: one kind a file, each answers the questions of `Measure`.
 //!
 //! [`crate::model::output`] has outputs as they are described and compiled. [`Outputs`] evaluates those of a model at one
 //! place, from a force balance there and from what the caller knows beside it ([`Given`]).

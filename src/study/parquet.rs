@@ -55,7 +55,7 @@ pub fn write(file: impl Write + Send, columns: &[Column], rows: &[Row]) -> Resul
 /// How many cases failed in a file.
 ///
 /// # Errors
-/// If it is no file of [`write`].
+/// If it is no file of [`write`](fn@write).
 pub fn failed(file: File) -> Result<u64, ParquetError> {
     let reader = SerializedFileReader::new(file)?;
     let pairs = reader.metadata().file_metadata().key_value_metadata();

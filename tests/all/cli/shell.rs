@@ -24,6 +24,7 @@ fn examples(help: &str) -> Vec<String> {
             _ => all.push(line.to_owned()),
         }
     }
+    all.retain(|line| line.starts_with("stillpoint"));
     all
 }
 
