@@ -16,14 +16,14 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 create_exception!(
-    _stillpoint,
+    stillpoint,
     SceneError,
     PyValueError,
     "A scene with problems: its text has them with line and caret."
 );
 create_exception!(stillpoint, RunError, PyRuntimeError, "A run that ended before its time.");
 create_exception!(
-    _stillpoint,
+    stillpoint,
     NoEquilibrium,
     PyRuntimeError,
     "Statics found no equilibrium; `answer` has what it found."

@@ -182,7 +182,11 @@ pub struct Memory {
 
 /// What `statics --json` prints of an equilibrium that took so long (s).
 pub fn statics_answer(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64) -> serde_json::Value {
-    json::statics(model, found, wall_seconds)
+    let mut answer = json::statics(model, found, wall_seconds);
+    if let Ok(asked) = crate::statics::outputs(model, found) {
+        answer["outputs"] = json::outputs(model, &asked);
+    }
+    answer
 }
 
 /// The equations about an equilibrium, as `linearize` has them: from inputs by their addresses (all motors of type `input` without) to
