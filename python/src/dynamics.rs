@@ -13,6 +13,9 @@ use stillpoint::suggest::closest;
 /// Anything that numpy takes as a list of numbers.
 type Numbers<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
 
+/// Two matrices, as numpy has them.
+type Pair<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
+
 /// Accelerations, forces and their derivatives of the smooth scene: gravity, springs, dampers, motors, loads, loops and drives;
 /// stops are open and dry friction is left out. Time is 0.
 #[pyclass(frozen, module = "stillpoint")]
@@ -169,12 +172,7 @@ impl Dynamics {
     }
 
     /// (∂q̈/∂q, ∂q̈/∂v) in velocity coordinates: of a ball's quaternion along a small turn about its own axes.
-    fn derivatives<'py>(
-        &self,
-        py: Python<'py>,
-        q: Numbers<'py>,
-        v: Numbers<'py>,
-    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+    fn derivatives<'py>(&self, py: Python<'py>, q: Numbers<'py>, v: Numbers<'py>) -> PyResult<Pair<'py>> {
         let (q, v) = (&*list(&q), &*list(&v));
         self.check(q, Some(v), None)?;
         let (by_position, by_velocity) = self.system().at(0.0, q, v).acceleration_jacobians().map_err(fault)?;

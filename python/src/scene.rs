@@ -29,6 +29,9 @@ pub(crate) struct Scene {
     set: Vec<String>,
 }
 
+/// What pickle keeps: what makes the scene again, and of what.
+type Pickled<'py> = (Bound<'py, PyAny>, (String, String, Vec<String>));
+
 fn listed(problems: Vec<Problem>) -> PyErr {
     SceneError::new_err(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
 }
@@ -256,7 +259,7 @@ impl Scene {
         format!("<Scene `{}`: {bodies}, {freedoms}>", self.model.title)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, String, Vec<String>))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
         let this = slf.get();
         let again = slf.py().get_type::<Self>().getattr("_again")?;
         Ok((again, (this.name.clone(), this.scenario.text.clone(), this.set.clone())))
