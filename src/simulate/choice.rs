@@ -113,10 +113,11 @@ impl Choice {
             false if reach.is_some_and(|reach| reach < 1.0) => {
                 format!("took steps at t = {time:.3e} s that an explicit method can take")
             }
-            _ => {
-                self.wait = REVIEW.max(2 * self.wait);
+            true => {
+                self.wait = REVIEW.max(self.wait.saturating_mul(2));
                 return false;
             }
+            false => return false,
         };
         let from = self.method.name();
         let before = if self.switches == 0 { String::new() } else { format!("{}; ", self.said) };

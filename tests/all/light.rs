@@ -158,8 +158,7 @@ fn chain(random: &mut Random, ratio: f64) -> Vec<Link> {
     let mut links: Vec<Link> = (0..light)
         .map(|index| Link {
             slides: index == 0 && random.below(3) == 0,
-            // Three axes are eliminated at once: beyond 10⁷ balls before a heavy point may be refused as singular.
-            ball: ratio < 1e7 && random.below(4) == 0,
+            ball: random.below(4) == 0,
             position: nearly(random),
             mass: random.between(0.3, 3.0),
             center: random.between(0.2, 1.0),
@@ -228,4 +227,142 @@ fn light_links_before_heavy_ones_keep_their_digits() {
         worst[decade] = worst[decade].max(error);
     }
     println!("largest errors at 1e6, 1e8, 1e9 and 1e12: {}", worst.map(|error| format!("{error:.1e}")).join(", "));
+}
+
+type Long3 = [Long; 3];
+
+fn cross(a: &Long3, b: &Long3) -> Long3 {
+    [a[1] * b[2] + -(a[2] * b[1]), a[2] * b[0] + -(a[0] * b[2]), a[0] * b[1] + -(a[1] * b[0])]
+}
+
+/// The rotation of a quaternion w, x, y, z of any length.
+fn rotation(q: &[f64]) -> [Long3; 3] {
+    let [w, x, y, z] = [q[0], q[1], q[2], q[3]].map(Long::from);
+    let two = Long::from(2.0) / (w * w + x * x + y * y + z * z);
+    let off = |a: Long, b: Long, sign: f64| two * (a + b * sign.into());
+    let on = |a: Long, b: Long| Long::from(1.0) - two * (a * a + b * b);
+    [
+        [on(y, z), off(x * y, w * z, -1.0), off(x * z, w * y, 1.0)],
+        [off(x * y, w * z, 1.0), on(x, z), off(y * z, w * x, -1.0)],
+        [off(x * z, w * y, -1.0), off(y * z, w * x, 1.0), on(x, y)],
+    ]
+}
+
+/// `A x = b` by elimination with partial pivoting.
+fn solved(mut a: Vec<Vec<Long>>) -> Vec<Long> {
+    let n = a.len();
+    for k in 0..n {
+        let best = (k..n).max_by(|i, j| a[*i][k].0.abs().total_cmp(&a[*j][k].0.abs())).unwrap();
+        a.swap(k, best);
+        for i in k + 1..n {
+            let part = a[i][k] / a[k][k];
+            for j in k..=n {
+                let taken = part * a[k][j];
+                a[i][j] = a[i][j] - taken;
+            }
+        }
+    }
+    let mut x = vec![Long::from(0.0); n];
+    for k in (0..n).rev() {
+        let known = (k + 1..n).fold(a[k][n], |sum, j| sum - a[k][j] * x[j]);
+        x[k] = known / a[k][k];
+    }
+    x
+}
+
+/// `q̈` of bodies on balls, each 1 m below the one before, at rest under gravity: momentum and moment of momentum of each body
+/// with the forces in the balls as unknowns, all in long numbers.
+fn hanging(quaternions: &[f64], masses: &[f64], inertia: [f64; 3]) -> Vec<f64> {
+    let (n, zero, gravity) = (masses.len(), Long::from(0.0), -9.81);
+    let mut turn = rotation(&[1.0, 0.0, 0.0, 0.0]);
+    let mut turns = Vec::new();
+    for q in quaternions.chunks(4) {
+        let own = rotation(q);
+        turn = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).fold(zero, |sum, k| sum + turn[i][k] * own[k][j])));
+        turns.push(turn);
+    }
+    // Per body its angular acceleration and the force in its ball.
+    let mut a = vec![vec![zero; 6 * n + 1]; 6 * n];
+    let units: [Long3; 3] = [0, 1, 2].map(|i| [0, 1, 2].map(|k| Long::from(if i == k { 1.0 } else { 0.0 })));
+    for (i, mass) in masses.iter().enumerate() {
+        let down = |body: usize, length: f64| turns[body].map(|row| row[2] * (-length).into());
+        let (own, mass) = (down(i, 0.5), Long::from(*mass));
+        let others = (0..i).map(|j| (j, down(j, 1.0)));
+        for (j, arm) in others.chain([(i, own)]) {
+            for (k, unit) in units.iter().enumerate() {
+                let moved = cross(unit, &arm);
+                (0..3).for_each(|r| a[6 * i + r][6 * j + k] = a[6 * i + r][6 * j + k] + mass * moved[r]);
+            }
+        }
+        let below = down(i, 0.5);
+        for (k, unit) in units.iter().enumerate() {
+            let (here, there) = (cross(&own, unit), cross(&below, unit));
+            for r in 0..3 {
+                let turned = (0..3).fold(zero, |sum, m| sum + turns[i][r][m] * Long::from(inertia[m]) * turns[i][k][m]);
+                a[6 * i + 3 + r][6 * i + k] = mass * turned;
+                // The ball is at `−own` from the centre of mass, the next one at `below`.
+                a[6 * i + 3 + r][6 * i + 3 + k] = here[r];
+                if i + 1 < n {
+                    a[6 * i + 3 + r][6 * i + 9 + k] = there[r];
+                }
+            }
+            a[6 * i + k][6 * i + 3 + k] = Long::from(-1.0);
+            if i + 1 < n {
+                a[6 * i + k][6 * i + 9 + k] = Long::from(1.0);
+            }
+        }
+        a[6 * i + 2][6 * n] = mass * gravity.into();
+    }
+    let found = solved(a);
+    let mut relative = Vec::new();
+    for i in 0..n {
+        for column in 0..3 {
+            let part = |k: usize| found[6 * i + k] - if i > 0 { found[6 * i - 6 + k] } else { zero };
+            relative.push((0..3).fold(zero, |sum, k| sum + turns[i][k][column] * part(k)).0);
+        }
+    }
+    relative
+}
+
+#[test]
+fn chains_of_balls_before_heavy_bodies_keep_their_digits() {
+    let mut worst = [0.0_f64; 4];
+    for seed in 0..200 {
+        let mut random = Random::new(1000 + seed);
+        let decade = random.below(4);
+        let count = 2 + random.below(5);
+        let inertia = [0.09, 0.08, 0.01];
+        let mut text = "gravity = [0.0, 0.0, -9.81]\n".to_owned();
+        let masses: Vec<f64> =
+            (1..=count).map(|i| if i == count { [1e6, 1e8, 1e9, 1e10][decade] } else { 1.0 }).collect();
+        for (index, mass) in masses.iter().enumerate() {
+            let on = if index == 0 { String::new() } else { format!(", parent = \"l{}\", at = [0, 0, -1]", index - 1) };
+            let q = [0; 4].map(|_| random.between(-1.0, 1.0));
+            let _ = write!(
+                text,
+                "[[body]]\nname = \"l{index}\"\nmass = {mass:?}\ncenter = [0, 0, -0.5]\ninertia = {:?}\n\
+                 hinge = {{ type = \"spherical\", position = {:?}{on} }}\n",
+                inertia.map(|moment| moment * mass),
+                q.map(|part| part / q.iter().map(|x| x * x).sum::<f64>().sqrt()),
+            );
+        }
+        let scenario =
+            scenario::parse("balls.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}\n{text}"));
+        let model = build(&scenario.description);
+        let still = vec![0.0; model.velocity_count()];
+        let mut found = still.clone();
+        System::new(&model).at(0.0, &model.start_position, &still).accelerations(&mut found).expect("a regular tree");
+        let expected = hanging(&model.start_position, &masses, inertia);
+        let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let error = found.iter().zip(&expected).map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max);
+        // The only light body before the heavy one carries its weight: with an arm one unit in the last place off, that turns it about
+        // its slender axis. Two light ones let the heavy one fall.
+        let allowed = match count {
+            2 => f64::EPSILON * masses[1] * 9.81 / inertia[2] / largest,
+            _ => 1e-9,
+        };
+        assert!(error < allowed.max(1e-9), "seed {seed}: {error:.1e}\n{text}");
+        worst[decade] = worst[decade].max(error);
+    }
+    println!("largest errors at 1e6, 1e8, 1e9 and 1e10: {}", worst.map(|error| format!("{error:.1e}")).join(", "));
 }

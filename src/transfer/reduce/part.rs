@@ -209,7 +209,7 @@ impl Outward<'_> {
                     }
                 }
                 Kind::Ball => {
-                    let relative = balls[place.ball as usize].solve(&model.links[index], at, &a);
+                    let relative = balls[place.ball as usize].solve(at, &a);
                     hinge[first..first + 3].copy_from_slice(relative.as_slice());
                     a.angular = times_add(&at.turn, &relative, &a.angular);
                 }
