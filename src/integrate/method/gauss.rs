@@ -120,8 +120,9 @@ impl<P: ImplicitProblem> Stepper<P> for Gauss {
                 return self.control.fail(trial, limit, &self.progress);
             }
         }
-        let Progress { state, dense, statistics, .. } = &mut self.progress;
+        let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
         dense.nested(trial.step, [state, &self.next], &self.stages.method.nested, &self.stages.rates);
+        dense.follow_velocities(problem, trial.step, [state, &self.next], *position_count);
         self.control.accept(trial, 0.0, statistics.steps == 0);
         self.stages.advance(trial.step);
         std::mem::swap(&mut self.lost, &mut self.next_lost);

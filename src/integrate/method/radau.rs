@@ -31,7 +31,7 @@
 //!
 //! of (2), with `|λ|` of `reach.rs`. Its sum over all steps is told, not asked for.
 //!
-//! **Between the ends**: the polynomial itself, error `O(h^{s+1})`.
+//! **Between the ends**: the polynomial itself, error `O(h^{s+1})`; that of positions with the velocities at both ends as slopes.
 //!
 //! **Why this method and not another** (`stillpoint precision` on a stiff chain, at an error of 10⁻⁹): singly diagonal
 //! methods have stage order 1 or 2 and need ten times the steps; the classical solution of (1) by one real and pairs of
@@ -209,6 +209,7 @@ impl Implicit for Radau {
             self.rate.copy_from_slice(&self.stages.rates[self.at_start.len() - 1]);
         }
         dense.nested(trial.step, [state, &self.next], &self.stages.method.nested, &self.stages.rates);
+        dense.follow_velocities(problem, trial.step, [state, &self.next], *position_count);
         self.control.accept(trial, error, statistics.steps == 0);
         self.stages.advance(trial.step);
         self.progress.advance(trial.time, &mut self.next);

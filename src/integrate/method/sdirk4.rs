@@ -19,7 +19,8 @@
 //! would force them to be resolved. It is filtered by `(I − h γ J)⁻¹` (see `filter.rs`).
 //!
 //! **Between the ends**: a cubic in the stage rates, error `O(h⁴)` like that of the steps (no weights of order 4 exist).
-//! Unlike a Hermite cubic it does not use the rate at the start, which is huge where a fast transient begins.
+//! Unlike a Hermite cubic it does not use the rate at the start, which is huge where a fast transient begins. Positions,
+//! whose rates are velocities, have a Hermite cubic.
 //!
 //! **Quaternions** are stepped as numbers in R⁴ and normalised after the step. Within a step the stages are off unit
 //! length by `O(h²)`.
@@ -148,6 +149,7 @@ impl Implicit for Sdirk4 {
         let Progress { state, position_count, dense, statistics, .. } = &mut self.progress;
         settle(problem, trial.time, &mut self.next, *position_count)?;
         dense.cubic(trial.step, [state, &self.next], &SQUARES, &CUBES, &self.rates);
+        dense.follow_velocities(problem, trial.step, [state, &self.next], *position_count);
         self.control.accept(trial, error, statistics.steps == 0);
         statistics.error_sum += error * self.norm.tolerance();
         self.predictor.advance(trial.step);

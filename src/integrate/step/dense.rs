@@ -9,6 +9,7 @@
 //!
 //! with `r₀ = x₀` and `r₁ = x₁ − x₀`, so that both ends are met whatever the rest is.
 
+use crate::integrate::problem::Problem;
 use crate::integrate::step::rates::weighted_sum;
 
 /// Coefficients of the last step's interpolant.
@@ -16,6 +17,8 @@ use crate::integrate::step::rates::weighted_sum;
 pub(crate) struct Dense {
     /// `r₀, r₁, …`, four or more, each as long as the state.
     coefficients: Vec<Vec<f64>>,
+    /// Scratch of [`Dense::follow_velocities`].
+    rate: Vec<f64>,
 }
 
 /// Terms of a cubic.
@@ -26,7 +29,7 @@ impl Dense {
     pub(crate) fn at_rest(state: &[f64]) -> Self {
         let mut coefficients = vec![vec![0.0; state.len()]; CUBIC];
         coefficients[0].copy_from_slice(state);
-        Self { coefficients }
+        Self { coefficients, rate: state.to_vec() }
     }
 
     /// Makes room for `count` terms above the cubic.
@@ -61,6 +64,33 @@ impl Dense {
             r1[i] = ends[1][i] - ends[0][i];
             r2[i] = step * rates[0][i] - r1[i];
             r3[i] = r1[i] - step * rates[1][i] - r2[i];
+        }
+    }
+
+    /// Gives the positions of a step from `ends[0]` to `ends[1]` the slopes at both ends that its velocities are, the rest of
+    /// their interpolant kept: what moves away from a limit at the start of a step does so between its ends. (Of the velocities
+    /// themselves the rates may be huge where a fast transient begins.) The change is of the order of the interpolant's error.
+    pub(crate) fn follow_velocities<P: Problem>(
+        &mut self,
+        problem: &P,
+        step: f64,
+        ends: [&[f64]; 2],
+        position_count: usize,
+    ) {
+        let Self { coefficients, rate } = self;
+        let [_, r1, r2, r3, ..] = &mut coefficients[..] else { return };
+        let rate = &mut rate[..position_count];
+        let rate_at = |end: &[f64], rate: &mut [f64]| {
+            let (q, v) = end.split_at(position_count);
+            problem.position_rate(q, v, rate);
+        };
+        rate_at(ends[0], rate);
+        for i in 0..position_count {
+            r2[i] = step * rate[i] - r1[i];
+        }
+        rate_at(ends[1], rate);
+        for i in 0..position_count {
+            r3[i] = r1[i] - step * rate[i] - r2[i];
         }
     }
 

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use stillpoint::model::{Model, StopLaw};
 use stillpoint::record::Memory;
 use stillpoint::scenario::Scenario;
-use stillpoint::simulate::Summary;
 use stillpoint::simulate::events::Kind;
+use stillpoint::simulate::{Integrator, Summary};
 
 /// A stop is kept to this (m or rad): the program's own bound, 10⁻⁹ of a radian or of the scene's length.
 const KEPT: f64 = 1e-9;
@@ -24,6 +24,8 @@ pub(super) fn cases(usual: u64) -> u64 {
 enum Between {
     Walls,
     Pads,
+    /// Some of each, the pads stiff.
+    Both,
 }
 
 /// A chain of links between limits ±0.2 rad, each with a coefficient of restitution of its own; some start on a limit.
@@ -34,12 +36,20 @@ fn chain(random: &mut Random, links: usize, between: Between, duration: f64) -> 
     let _ = writeln!(text, "integrator = \"{}\"\ntolerance = {tolerance}", methods[random.below(methods.len())]);
     for link in 0..links {
         let mass = random.between(0.3, 2.0);
+        let between = match between {
+            Between::Both if random.below(2) == 0 => Between::Walls,
+            between => between,
+        };
         let stop = match between {
             Between::Walls if random.below(4) == 0 => "restitution = 0.0".to_owned(),
             Between::Walls => format!("restitution = {}", random.between(0.0, 0.9)),
             Between::Pads => {
                 let (stiffness, damping) = (random.between(100.0, 1e4), random.between(0.0, 2.0));
                 format!("stiffness = {stiffness}, damping = {damping}")
+            }
+            Between::Both => {
+                let damping = [0.0, 10.0, 100.0][random.below(3)];
+                format!("stiffness = {}, damping = {damping}", 10_f64.powf(random.between(4.0, 7.0)))
             }
         };
         let position = match random.below(8) {
@@ -130,6 +140,32 @@ fn chains_between_pads_keep_their_account() {
         let links = 2 + random.below(4);
         chain(random, links, Between::Pads, 0.4)
     });
+}
+
+/// A rebound that is slower than the interpolant is exact between two points in time must not be taken for another blow.
+#[test]
+fn stiff_pads_beside_rebounds_make_no_storm_of_events() {
+    for seed in 0..cases(12) {
+        let mut random = Random::new(seed);
+        let links = 3 + random.below(2);
+        let text = chain(&mut random, links, Between::Both, 0.5);
+        let of = |method: &str| {
+            let (mut scenario, model) = read(&text);
+            scenario.simulate.integrator = Integrator::named(method).expect("a method");
+            scenario.simulate.tolerance = 1e-7;
+            let run =
+                go_watched(&scenario, &model).unwrap_or_else(|error| panic!("seed {seed}, {method}: {error}\n{text}"));
+            check(seed, &scenario, &model, &run);
+            run.0
+        };
+        // Explicit steps are the reference: their interpolant has the rates at both ends.
+        let expected = of("dopri5");
+        for method in ["radau5", "radau9", "sdirk4"] {
+            let found = of(method);
+            let (few, many) = (expected.events.len(), found.events.len());
+            assert!(many <= 2 * few + 20, "seed {seed}, {method}: {many} events, dopri5 has {few}\n{text}");
+        }
+    }
 }
 
 /// The other path: a gear ties two coordinates of a chain, whose blows go through both.
