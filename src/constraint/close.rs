@@ -29,8 +29,8 @@ const FIRST_DAMPING: f64 = 1e-3;
 const LEAST_DAMPING: f64 = 1e-11;
 const MOST_DAMPING: f64 = 1e6;
 const MOST_STEPS: usize = 300;
-/// A short way back in the metric of the inertia takes a handful of steps. One that takes more is about a light body that
-/// cannot close the gap by itself, and whips about before a heavy one gives way: all coordinates are bent then.
+/// A short way back in the metric of the inertia takes a handful of steps. With more of them a light body that cannot close the
+/// gap by itself swings to and fro while a heavy one hardly moves: all coordinates are bent then.
 const SHORT_WAY: usize = 30;
 /// Largest turn (rad), and part of the scene's length, of one step within a loop.
 const LONGEST_STEP: f64 = 0.3;

@@ -4,7 +4,7 @@
 //! is: steps that shrink, or loops that cannot be closed, only tell what follows from it.
 
 use super::RunError;
-use super::run::State;
+use super::state::State;
 use crate::dynamics::{Mode, System};
 use crate::model::Model;
 use std::sync::Arc;

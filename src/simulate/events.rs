@@ -19,8 +19,8 @@ use super::nonsmooth::{Rubbing, Side, rate_of};
 pub use super::occurrence::{Kind, Occurrence};
 use super::outputs::StateOutputs;
 use super::problem::{Motion, TIMES};
-use super::run::State;
 use super::search::Search;
+use super::state::State;
 use crate::dynamics::Boundary;
 use crate::integrate::Stepper;
 use crate::model::watch::Direction;
@@ -48,7 +48,7 @@ enum Function {
     /// slower it is.
     Speed(usize),
     /// The speed of what rests because it is tied to what is held.
-    Stir(usize),
+    Breakaway(usize),
     /// An event of the model.
     User(usize),
     /// Where a law changes that is smooth elsewhere.
@@ -102,7 +102,7 @@ pub(super) enum Turn {
     /// What slid against this dry friction is at rest.
     Still(usize),
     /// What rested in spite of this dry friction moves.
-    Stir(usize),
+    Breakaway(usize),
     /// A compliant stop pushes from now on, or no longer.
     Push(Side, bool),
     /// A compliant stop that pushes no longer is relaxed: the power of its damper has a kink there.
@@ -180,7 +180,7 @@ impl Events {
         functions.extend(phase.rubbing.iter().enumerate().filter_map(|(index, rubbing)| match rubbing {
             Rubbing::Sticks => None,
             Rubbing::Slides(_) => Some(Function::Speed(index)),
-            Rubbing::Shares(_) => Some(Function::Stir(index)),
+            Rubbing::Dependent(_) => Some(Function::Breakaway(index)),
         }));
         for side in sides(motion).into_iter().filter(|side| !rests(side)) {
             if !motion.pushes(side) {
@@ -206,7 +206,7 @@ impl Events {
                 },
                 Function::Reserve(_) => 0.0,
                 Function::Speed(index) => motion.still(model.hinge_friction[index].velocity),
-                Function::Stir(index) => 10.0 * motion.still(model.hinge_friction[index].velocity),
+                Function::Breakaway(index) => 10.0 * motion.still(model.hinge_friction[index].velocity),
                 Function::User(event) => ROUNDING * model.events[event].value.abs().max(1.0),
                 Function::Law(boundary) => {
                     let is_speed = motion.switch(time, boundary, &self.state).is_speed;
@@ -218,7 +218,7 @@ impl Events {
                 Function::Push(side) => motion.pushes(side) || last[0] > band,
                 Function::Speed(index) if model.hinge_friction[index].count != 1 => last[0] > 0.0,
                 Function::Reserve(_) | Function::Speed(_) => true,
-                Function::Stir(_) => false,
+                Function::Breakaway(_) => false,
                 Function::Law(boundary) => motion.system.side(boundary),
                 Function::User(_) => {
                     let old = before.iter().find(|watch| watch.function == function);
@@ -410,7 +410,7 @@ impl Events {
             }
             Function::Reserve(held) => motion.phase().map(|phase| Turn::Release(phase.held[held].velocity)),
             Function::Speed(index) => positive.then_some(Turn::Still(index)),
-            Function::Stir(index) => Some(Turn::Stir(index)),
+            Function::Breakaway(index) => Some(Turn::Breakaway(index)),
             Function::Law(boundary) => Some(Turn::Switch(boundary)),
             Function::User(event) => {
                 (self.counts(model, index) && model.events[event].stops).then_some(Turn::Stop(event))

@@ -2,7 +2,7 @@
 
 use super::couplings;
 use super::error::RunError;
-use super::run::State;
+use super::state::State;
 use crate::dynamics::Fault;
 use crate::model::Model;
 use crate::record::{Energy, Sample};

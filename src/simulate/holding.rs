@@ -7,8 +7,8 @@
 //!
 //! Every coordinate at rest is a row with a range for its multiplier: a stop pushes and never pulls, dry friction holds up to its
 //! largest force at rest, a coordinate that rests on a stop and has friction is held by both. The problem of all of them
-//! (`complementarity.rs`) says which of them hold; what presses is held up to the round-off of what presses, and a projection
-//! takes what is left of its speed.
+//! (`complementarity.rs`) says which of them hold. A row holds to within the round-off of its load, and a projection takes
+//! what is left of its speed.
 //!
 //! **Friction that gives way** opposes the motion that begins with its force in motion, `slide ≤ stick`. When it drops to that,
 //! others may have to give way, too: the problem of those that still hold is solved again, until none does. The direction in
@@ -50,7 +50,7 @@ struct Rest {
 }
 
 impl Instant<'_> {
-    /// What dry friction does after the blows: what moves slides, the rest is to be decided. What it did before.
+    /// What dry friction does after the impacts: what moves slides, the rest is to be decided. What it did before.
     pub(super) fn rub(&mut self, turn: Option<Turn>) -> Vec<Rubbing> {
         let model = self.motion.model().clone();
         let mut now = Vec::with_capacity(model.hinge_friction.len());
@@ -100,7 +100,7 @@ impl Instant<'_> {
         Ok(self.held(&rest, &found))
     }
 
-    /// The coordinates at rest: of stops those that no blow has lifted by more than the speed of rest.
+    /// The coordinates at rest: of stops those that no impact has lifted by more than the speed of rest.
     fn at_rest(&self) -> Vec<Rest> {
         let speeds = self.rates(&self.state.velocity);
         let new = |row: usize, friction: Option<usize>, bounds: [f64; 2]| Rest {
@@ -115,7 +115,7 @@ impl Instant<'_> {
         for row in 0..self.rows.len() {
             match self.rows[row] {
                 Of::Stop(_) => {
-                    // Blows below the speed of rest lift nothing: two stops would pass each other's blows to and fro for ever.
+                    // Impacts below the speed of rest lift nothing: two stops would pass each other's impacts to and fro for ever.
                     let lifted = self.parted[row] || speeds[row] > self.least(row);
                     let still = speeds[row] <= self.round_off(row, &self.state.velocity, 1.0);
                     if still || !lifted {
@@ -302,7 +302,7 @@ impl Instant<'_> {
             let Some(index) = one.friction.filter(|_| one.slides.is_none() && !found.active[at]) else { continue };
             if self.motion.model().hinge_friction[index].count == 1 && self.rubbing(index) == Some(Rubbing::Sticks) {
                 let force = -self.coordinate(one.row).1 * found.multipliers[at];
-                self.set_rubbing(index, Rubbing::Shares(force));
+                self.set_rubbing(index, Rubbing::Dependent(force));
             }
         }
     }
@@ -384,11 +384,11 @@ impl Instant<'_> {
         for (index, before) in rubbed.iter().enumerate() {
             if self.rubbing(index) == Some(Rubbing::Sticks) && !now.iter().any(|held| held.friction == Some(index)) {
                 // Its row depends on others: it is not known which part of their forces is its own.
-                self.set_rubbing(index, Rubbing::Shares(0.0));
+                self.set_rubbing(index, Rubbing::Dependent(0.0));
             }
             let along = |rubbing: &Rubbing| match rubbing {
                 Rubbing::Slides(direction) => Some(*direction),
-                Rubbing::Sticks | Rubbing::Shares(_) => None,
+                Rubbing::Sticks | Rubbing::Dependent(_) => None,
             };
             match (along(before), self.rubbing(index).and_then(|now| along(&now))) {
                 (Some(_), None) => self.note_friction(index, Kind::Stick),

@@ -1,44 +1,44 @@
-//! What follows from an event: blows, what comes to rest on stops and what leaves them, all at one instant.
+//! What follows from an event: impacts, what comes to rest on stops and what leaves them, all at one instant.
 //!
 //! ```text
-//! (1)  blow        v⁺ = v⁻ + M⁻¹ Hᵀ λ,   0 ≤ λ ⊥ u⁺ + e u⁻ ≥ 0,   u = H v
+//! (1)  impact        v⁺ = v⁻ + M⁻¹ Hᵀ λ,   0 ≤ λ ⊥ u⁺ + e u⁻ ≥ 0,   u = H v
 //! (2)  energy      T⁺ − T⁻ = ½ λ·(u⁺ + u⁻) + ν·ṡ,   the second the work of drives, ν their impulses
 //! ```
 //!
 //! `u` are the speeds at which coordinates part from the stops that they touch; `M⁻¹` is that beside loops, drives and gears.
 //!
-//! **Simultaneous blows are one problem**: (1) is Newton's law of restitution for all stops that are touched and not parting,
+//! **Simultaneous impacts are one problem**: (1) is Newton's law of restitution for all stops that are touched and not parting,
 //! each with its own coefficient, as a linear complementarity problem (`complementarity.rs`). A row with λ > 0 has u⁺ = −e u⁻
-//! and u⁻ ≤ 0, so that (2) never gains energy, whatever the coefficients. A blow that drives another coordinate onto a stop it
-//! touches is followed by the next one, at the same instant; after [`MOST_BLOWS`] of them all coefficients are zero, and one
+//! and u⁻ ≤ 0, so that (2) never gains energy, whatever the coefficients. An impact that drives another coordinate onto a stop it
+//! touches is followed by the next one, at the same instant; after [`MOST_IMPACTS`] of them all coefficients are zero, and one
 //! projection ends them.
 //!
-//! **Sequences of blows that accumulate** (Zeno's) lose the same part of their speed with each blow, and with an inward
+//! **Sequences of impacts that accumulate** (Zeno's) lose the same part of their speed with each impact, and with an inward
 //! acceleration a what is left of them from a speed u on takes 2 e u / (a (1 − e)). When what would come back is no more than
 //! the tolerance of a speed, or would rise by no more than rounding, the coefficient is zero and the coordinate at the limit of
 //! the sequence.
 //!
-//! **Dry friction** has no part in blows: its forces are bounded, and a blow takes no time. What a blow sets in motion slides.
+//! **Dry friction** has no part in impacts: its forces are bounded, and an impact takes no time. What an impact sets in motion slides.
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
 use super::error::RunError;
 use super::events::{Kind, Occurrence, Turn};
 use super::nonsmooth::{Held, Side};
 use super::problem::Motion;
-use super::run::State;
+use super::state::State;
 use crate::dynamics::Fault;
 use crate::integrate::Problem as _;
 use crate::model::StopLaw;
 
-/// So does what would rise by less than about this part of the scene's length (1 rad), some roundings of a coordinate: it would
-/// fall as fast by rounding alone.
+/// A rebound that would rise by less than about this part of the scene's length (1 rad), some roundings of a coordinate, counts as
+/// none: a fall by rounding alone is as fast.
 const ROUNDED_HEIGHT: f64 = 8.0 * f64::EPSILON;
 /// The same beside loops and gears, on which positions are settled to 10⁻¹⁴.
 const SETTLED_HEIGHT: f64 = 32e-14;
 /// Speeds and accelerations below this part of the scene's, or of the largest, are round-off.
 const ROUND_OFF: f64 = 1e-12;
-/// Blows at one instant; each lets all stops that are approached answer.
-const MOST_BLOWS: usize = 50;
+/// Impacts at one instant; each lets all stops that are approached answer.
+const MOST_IMPACTS: usize = 50;
 /// A row is answered when what is left of its rate is this part of the largest one.
 pub(super) const ANSWERED: f64 = 1e-10;
 
@@ -47,9 +47,9 @@ pub(super) const ANSWERED: f64 = 1e-10;
 pub(super) struct Outcome {
     /// What happened to stops.
     pub(super) happened: Vec<Occurrence>,
-    /// Energy that blows took out (J).
+    /// Energy that impacts took out (J).
     pub(super) lost: f64,
-    /// Work of drives in blows (J).
+    /// Work of drives in impacts (J).
     pub(super) work: f64,
 }
 
@@ -76,9 +76,9 @@ pub(super) struct Instant<'a> {
     pub(super) free: Vec<f64>,
     /// Accelerations towards the stops as nothing holds, ≥ 0 (m/s², rad/s²).
     inward: Vec<f64>,
-    /// Rows that parted from their stops before the blows.
+    /// Rows that parted from their stops before the impacts.
     pub(super) parted: Vec<bool>,
-    /// The last speed of each coordinate before a blow that left it none (m/s, rad/s).
+    /// The last speed of each coordinate before an impact that left it none (m/s, rad/s).
     pub(super) stopped: Vec<Option<f64>>,
     pub(super) outcome: Outcome,
 }
@@ -118,7 +118,7 @@ pub(super) fn resolve(
     instant.lift().map_err(fault)?;
     instant.motion.hold(time, instant.state, &[]).map_err(fault)?;
     instant.respond().map_err(fault)?;
-    instant.blows()?;
+    instant.impacts()?;
     let switched = instant.motion.switch_laws(time, instant.state, tolerance);
     instant.outcome.happened.extend(switched);
     instant.let_push(turn);
@@ -232,7 +232,7 @@ impl Instant<'_> {
         ROUND_OFF * largest * scales[self.coordinate(row).0]
     }
 
-    /// The speed below which nothing comes back from a blow: that of the tolerance, or of a rise `u² / (2 a)` by rounding.
+    /// The speed below which nothing comes back from an impact: that of the tolerance, or of a rise `u² / (2 a)` by rounding.
     pub(super) fn least(&self, row: usize) -> f64 {
         let (positions, velocities) = self.motion.scales();
         let model = self.motion.model();
@@ -259,14 +259,14 @@ impl Instant<'_> {
     }
 
     /// (1), until nothing approaches.
-    fn blows(&mut self) -> Result<(), RunError> {
+    fn impacts(&mut self) -> Result<(), RunError> {
         let m = self.sides().count();
         let mut unanswered = vec![false; m];
         let speeds = self.rates(&self.state.velocity);
         self.parted =
             (0..self.rows.len()).map(|row| speeds[row] > self.round_off(row, &self.state.velocity, 1.0)).collect();
-        for blow in 0..=MOST_BLOWS {
-            let last = blow == MOST_BLOWS;
+        for impact in 0..=MOST_IMPACTS {
+            let last = impact == MOST_IMPACTS;
             let before = self.rates(&self.state.velocity);
             let noise: Vec<f64> = (0..m).map(|row| self.round_off(row, &self.state.velocity, 1.0)).collect();
             let approaching: Vec<bool> = (0..m).map(|row| before[row] < -noise[row] && !unanswered[row]).collect();
@@ -346,7 +346,7 @@ impl Instant<'_> {
         }
     }
 
-    /// Which compliant stops push after the blows: what was found by the search, and what follows from new speeds.
+    /// Which compliant stops push after the impacts: what was found by the search, and what follows from new speeds.
     fn let_push(&mut self, turn: Option<Turn>) {
         let compliant = |side: &Side| match self.motion.model().stops[side.stop].law {
             StopLaw::Compliant { stiffness, .. } => Some((*side, stiffness * self.motion.touching(*side))),

@@ -5,7 +5,7 @@
 
 use super::error::{RunError, named};
 use super::problem::Motion;
-use super::run::State;
+use super::state::State;
 use crate::dynamics::{Energies, Powers};
 use crate::integrate::Stepper;
 use crate::model::{Model, StopLaw};
@@ -83,12 +83,12 @@ impl Ledger {
         Ok(())
     }
 
-    /// Energy that a blow takes out (J).
+    /// Energy that an impact takes out (J).
     pub(super) fn lose(&mut self, energy: f64) {
         self.dissipated += energy;
     }
 
-    /// Work of drives in a blow (J).
+    /// Work of drives in an impact (J).
     pub(super) fn put_in(&mut self, energy: f64) {
         self.work += energy;
     }

@@ -24,12 +24,14 @@ mod sampler;
 mod scene;
 mod search;
 pub mod settings;
+mod state;
 mod stiffness;
 mod switching;
 mod timetable;
 pub mod verify;
 
 pub use error::RunError;
-pub use run::{State, Summary, check, run};
+pub use run::{Summary, check, run};
 pub use scene::scene;
 pub use settings::{Grid, Integrator, Resume, Settings, Start};
+pub use state::State;

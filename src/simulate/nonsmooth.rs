@@ -71,7 +71,7 @@ pub(super) enum Rubbing {
     /// It opposes motion in this direction, of unit length; a turn or a slide has ±1 as the first component.
     Slides(Vector3<f64>),
     /// Its coordinate rests because others to which it is tied are held: it pushes with this (N or N m).
-    Shares(f64),
+    Dependent(f64),
 }
 
 /// The discrete state of a run, beside its positions and velocities.
@@ -187,7 +187,7 @@ impl Nonsmooth {
         for (friction, rubbing) in self.model.hinge_friction.iter().zip(&self.phase.rubbing) {
             match *rubbing {
                 Rubbing::Sticks => {}
-                Rubbing::Shares(force) => tau[friction.velocity] += force,
+                Rubbing::Dependent(force) => tau[friction.velocity] += force,
                 Rubbing::Slides(direction) => {
                     let direction = match friction.count {
                         1 => direction,
@@ -320,7 +320,7 @@ impl Nonsmooth {
     pub(super) fn dissipated(&self, q: &[f64], v: &[f64]) -> f64 {
         let of_friction = |(friction, rubbing): (&HingeFriction, &Rubbing)| match rubbing {
             Rubbing::Slides(_) => friction.friction.slide * rate_of(friction, v).norm(),
-            Rubbing::Sticks | Rubbing::Shares(_) => 0.0,
+            Rubbing::Sticks | Rubbing::Dependent(_) => 0.0,
         };
         let friction: f64 = self.model.hinge_friction.iter().zip(&self.phase.rubbing).map(of_friction).sum();
         let of_side = |(side, [k, d]): (Side, [f64; 2])| {

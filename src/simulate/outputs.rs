@@ -1,7 +1,7 @@
 //! Outputs of a run: at one state, and over the samples of a run.
 
 use super::problem::Motion;
-use super::run::State;
+use super::state::State;
 use crate::dynamics::{Fault, Powers};
 use crate::model::{Model, Output};
 use crate::output::{Given, Outputs, Varied};

@@ -11,7 +11,7 @@
 
 use super::error::{RunError, named};
 use super::problem::Motion;
-use super::run::State;
+use super::state::State;
 use super::stiffness::fastest;
 use crate::integrate::{Method, Options, Problem, Start, Statistics, StepError, Stepper};
 use crate::model::Model;

@@ -3,11 +3,11 @@
 use super::bordered::Bordered;
 use super::error::RunError;
 use super::passage::Passage;
+use super::state::State;
 use crate::dynamics::{Coefficients, DenseTangent, Energies, Evaluated, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Model, StopLaw};
 use crate::simulate::nonsmooth::{Held, Nonsmooth, Phase, Side, within};
-use crate::simulate::run::State;
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -347,7 +347,7 @@ const UNIT: f64 = 8.0 * f64::EPSILON;
 const PASSED: f64 = 1e-9;
 /// The time of an event is known to so many of its roundings.
 pub(super) const TIMES: f64 = 8.0;
-/// What comes back from a blow with fewer than this many tolerances of a speed comes to rest.
+/// What comes back from an impact with fewer than this many tolerances of a speed comes to rest.
 const REST_SPEEDS: f64 = 10.0;
 /// Spherical hinges that slide more slowly than so many speeds of rest have the direction of the last step.
 const SLOW: f64 = 100.0;

@@ -7,8 +7,9 @@
 //! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
 
 use super::error::RunError;
-use super::run::{State, run};
+use super::run::run;
 use super::settings::Settings;
+use super::state::State;
 use crate::model::Model;
 use crate::record::Recorder;
 use crate::statics::{Equilibrium, Verdict};

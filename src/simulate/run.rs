@@ -12,6 +12,7 @@ use super::problem::Motion;
 use super::sampler::Sampler;
 use super::search::Search;
 use super::settings::{Grid, Integrator, Resume, Settings};
+use super::state::State;
 use super::stiffness::fastest;
 use super::timetable::Timetable;
 use crate::integrate::{Method, Options, Start, Statistics, Stepper};
@@ -32,15 +33,6 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Rounding of a coordinate on its limit, of one and more.
 const ON_THE_LIMIT: f64 = 1e-12;
-
-/// A state to start from.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct State {
-    /// Hinge coordinates.
-    pub position: Vec<f64>,
-    /// Hinge velocities.
-    pub velocity: Vec<f64>,
-}
 
 /// What a run did.
 #[derive(Debug, Clone)]

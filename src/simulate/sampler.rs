@@ -6,7 +6,7 @@ use super::finite;
 use super::ledger::{Ledger, interpolate};
 use super::outputs::StateOutputs;
 use super::problem::Motion;
-use super::run::State;
+use super::state::State;
 use crate::integrate::Stepper;
 use crate::model::Model;
 use crate::record::{Recorder, Sample};

@@ -1,12 +1,12 @@
 //! Laws that are smooth in parts: which part holds is, like what stops do, a matter of the run and changes at events alone.
 //!
 //! Within a step every law is kept on its side of its boundaries (`dynamics::Boundary`), and is smooth beyond them, too. The
-//! search for events finds where one is crossed; the step ends there. A blow changes speeds, and so may put a state on the
+//! search for events finds where one is crossed; the step ends there. An impact changes speeds, and so may put a state on the
 //! other side of a boundary at once.
 
 use super::events::{Kind, Occurrence};
 use super::problem::Motion;
-use super::run::State;
+use super::state::State;
 use crate::dynamics::Boundary;
 use crate::force::{Act, Switch};
 
@@ -35,7 +35,7 @@ impl Motion {
         Some(Occurrence { time, kind, name, value: at, speed })
     }
 
-    /// Keeps laws where a blow has put the state; what is told of that.
+    /// Keeps laws where an impact has put the state; what is told of that.
     pub(super) fn switch_laws(&mut self, time: f64, state: &State, tolerance: f64) -> Vec<Occurrence> {
         let mut told = Vec::new();
         while let Some(boundary) = self.passed(time, state, tolerance) {

@@ -11,9 +11,10 @@
 
 use super::error::RunError;
 use super::events::{Kind, Occurrence};
-use super::run::{State, Summary, run_with};
+use super::run::{Summary, run_with};
 use super::search::Search;
 use super::settings::{Integrator, Settings};
+use super::state::State;
 use crate::integrate::Method;
 use crate::model::{Model, Stop, StopLaw};
 use crate::record::{Outcome, RecordError, Recorder, Sample};

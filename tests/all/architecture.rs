@@ -179,16 +179,38 @@ fn files() -> Vec<(String, PathBuf, String)> {
         .collect()
 }
 
+/// What stands between the commas of a list in braces, up to its end; lists within it belong to what precedes them.
+fn outer_parts(list: &str) -> Vec<String> {
+    let (mut parts, mut depth) = (vec![String::new()], 0);
+    for c in list.chars() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => break,
+            '}' => depth -= 1,
+            ',' if depth == 0 => parts.push(String::new()),
+            c if depth == 0 => parts.last_mut().expect("never empty").push(c),
+            _ => {}
+        }
+    }
+    parts
+}
+
+#[test]
+fn imports_after_a_nested_list_are_seen() {
+    let found = imports("use crate::{model::{Body, Model}, spatial::quad, transfer};");
+    assert_eq!(found.into_iter().collect::<Vec<_>>(), ["model", "spatial", "transfer"]);
+}
+
 /// The names that follow `crate::` in a text, also within `use crate::{…}`.
 fn imports(text: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for (at, _) in text.match_indices("crate::") {
         let rest = &text[at + "crate::".len()..];
-        let list = match rest.strip_prefix('{') {
-            Some(inner) => inner.split('}').next().unwrap_or(""),
-            None => rest.split(|c: char| !c.is_alphanumeric() && c != '_').next().unwrap_or(""),
+        let parts = match rest.strip_prefix('{') {
+            Some(inner) => outer_parts(inner),
+            None => vec![rest.to_owned()],
         };
-        for part in list.split(',') {
+        for part in parts {
             let name: String = part.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
             if name.chars().next().is_some_and(char::is_lowercase) {
                 names.insert(name);

@@ -2,7 +2,7 @@
 
 use super::super::nonsmooth::{Rubbing, rate_of};
 use super::super::problem::Motion;
-use super::super::run::State;
+use super::super::state::State;
 use super::{Events, Function};
 use crate::model::Watched;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ impl Events {
         }
         match function {
             Function::Depth(side) => side.sign * self.state.velocity[model.stops[side.stop].velocity],
-            Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Stir(_) => 0.0,
+            Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Breakaway(_) => 0.0,
             Function::User(event) => {
                 Some(self.speed(motion, event, time)).filter(|speed| !speed.is_nan()).unwrap_or(0.0)
             }
@@ -75,7 +75,7 @@ impl Events {
                 let rest = if friction.count == 1 { 0.0 } else { motion.rest_speed(friction.velocity, self.tolerance) };
                 self.along(motion, index, velocity) - rest
             }
-            Function::Stir(index) => rate_of(&model.hinge_friction[index], velocity).norm(),
+            Function::Breakaway(index) => rate_of(&model.hinge_friction[index], velocity).norm(),
             Function::User(event) => {
                 let event = &model.events[event];
                 let number = match &event.of {

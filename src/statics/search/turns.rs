@@ -103,7 +103,9 @@ fn give_up(found: &mut Equilibrium, ended: Option<String>) {
     found.converged = false;
     found.balanced = false;
     found.stability = None;
-    let none = || "no set of stops bears this scene: each that was tried lets go or is passed".to_owned();
+    let none = || {
+        "no combination of stops that bear balances the loads: in each that was tried one would have to pull, or another is passed".to_owned()
+    };
     found.notes.push(ended.unwrap_or_else(none));
 }
 
