@@ -37,6 +37,7 @@ mod event;
 mod findings;
 mod force;
 mod hinge;
+mod lint;
 mod lower;
 mod mass;
 mod model;
@@ -171,6 +172,7 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
         let (mut description, spans) = checked(document, folder(name), findings);
         description.named = named(numbers, (name, text, overrides));
         report(document, &description, &spans, findings);
+        lint::check(document, numbers, findings);
         read(name, document, description, models, numbers, findings)
     })
 }

@@ -203,6 +203,11 @@ impl Numbers {
         }
     }
 
+    /// Whether the number here is written as a text: with a unit, or as a formula.
+    pub(super) fn is_text(&self, span: &Range<usize>) -> bool {
+        self.texts.contains_key(&(span.start, span.end))
+    }
+
     /// What the quantity or formula that is written here measures, if the format leaves that open.
     pub(super) fn measure(&self, span: &Range<usize>) -> Option<Measure> {
         self.open.get(&(span.start, span.end)).copied()

@@ -26,6 +26,7 @@ mod instructions;
 mod integrators;
 mod light;
 mod linear;
+mod lint;
 mod loops;
 mod measures;
 mod mjcf;

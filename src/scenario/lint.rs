@@ -1,0 +1,140 @@
+//! Numbers that are allowed and hardly meant: slips of the unit. Each is a warning with its place, the reason and the likely conversion; nothing
+//! is changed. A number whose unit is written beside it (`"720 deg"`) is taken at its word.
+
+use super::findings::{Finding, Findings};
+use super::quantities::Numbers;
+use super::spans::walk;
+use std::f64::consts::TAU;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Hinges all of whose coordinates are angles.
+const TURNING: [&str; 3] = ["revolute", "universal", "screw"];
+/// Keys of a hinge that hold such angles.
+const ANGLES: [&str; 3] = ["position", "rest", "limits"];
+/// Stronger than on any planet (m/s²): Jupiter's is 25.
+const STRONGEST: f64 = 100.0;
+/// A length is out of line if it is so many times the median of all...
+const APART: f64 = 200.0;
+/// ... and in line, within this factor, if it is taken as millimetres.
+const ALIKE: f64 = 5.0;
+
+type Place<'a> = &'a Spanned<DeValue<'a>>;
+
+/// A number, and where it is written.
+type Written = (Range<usize>, f64);
+
+/// Judges the numbers of a scene.
+pub(super) fn check(document: &DeTable<'_>, numbers: &Numbers, findings: &Findings) {
+    let plain = |place: Place<'_>| -> Vec<Written> {
+        let mut all = Vec::new();
+        collect(place, &mut all);
+        all.retain(|(span, _)| !numbers.is_text(span));
+        all
+    };
+    if let Some(gravity) = document.get("gravity") {
+        let (span, parts) = (gravity.span(), plain(gravity));
+        if let [(_, x), (_, y), (_, z)] = parts[..] {
+            check_gravity(&span, [x, y, z], findings);
+        }
+    }
+    let mut lengths = Vec::new();
+    for body in tables(document, "body") {
+        let kind = walk(body, "hinge.type").and_then(|kind| kind.get_ref().as_str());
+        let angles = ANGLES.iter().filter(|_| kind.is_some_and(|kind| TURNING.contains(&kind)));
+        let paths = angles.map(|key| format!("hinge.{key}")).chain(["hinge.rpy".to_owned(), "shape.rpy".to_owned()]);
+        for path in paths {
+            let Some(place) = exactly(body, &path) else { continue };
+            plain(place).iter().for_each(|written| check_angle(&path, written, findings));
+        }
+        for path in ["hinge.at", "center"] {
+            if let Some(place) = exactly(body, path) {
+                lengths.extend(plain(place).into_iter().filter(|(_, x)| *x != 0.0));
+            }
+        }
+    }
+    for (list, key) in [("loop", "rpy"), ("force", "rpy")] {
+        for place in tables(document, list).filter_map(|table| table.get(key)) {
+            plain(place).iter().for_each(|written| check_angle(key, written, findings));
+        }
+    }
+    check_lengths(&lengths, findings);
+}
+
+/// The tables of a list such as `[[body]]`.
+fn tables<'a>(document: &'a DeTable<'a>, list: &str) -> impl Iterator<Item = &'a DeTable<'a>> {
+    let list = document.get(list).and_then(|list| list.get_ref().as_array());
+    list.into_iter().flat_map(|list| list.iter().filter_map(|item| item.get_ref().as_table()))
+}
+
+/// The value on a path, if all of its keys are there.
+fn exactly<'a>(table: &'a DeTable<'a>, path: &str) -> Option<Place<'a>> {
+    match path.split_once('.') {
+        Some((key, rest)) => exactly(table.get(key)?.get_ref().as_table()?, rest),
+        None => table.get(path),
+    }
+}
+
+/// All numbers of lists within lists.
+fn collect(place: Place<'_>, found: &mut Vec<Written>) {
+    let number = |text: &str| text.replace('_', "").parse::<f64>().ok().filter(|x| x.is_finite());
+    let value = match place.get_ref() {
+        DeValue::Integer(text) => number(text.as_str()),
+        DeValue::Float(text) => number(text.as_str()),
+        DeValue::Array(items) => {
+            items.iter().for_each(|item| collect(item, found));
+            None
+        }
+        _ => None,
+    };
+    found.extend(value.map(|value| (place.span(), value)));
+}
+
+fn check_angle(path: &str, (span, angle): &Written, findings: &Findings) {
+    if angle.abs() <= TAU * (1.0 + 1e-6) {
+        return;
+    }
+    let message = format!("`{path}`: {angle} rad is more than a turn");
+    let help = format!(
+        "angles are radians: {angle}° are {:.6}; write \"{angle} deg\" for degrees, or \"{angle} rad\" if it is meant",
+        angle.to_radians()
+    );
+    findings.push(Finding::warning(span.clone(), message).help(help));
+}
+
+fn check_gravity(span: &Range<usize>, gravity: [f64; 3], findings: &Findings) {
+    let size = gravity.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if size > STRONGEST {
+        let message = format!("gravity is {size} m/s², {:.0} times that of the earth", size / 9.80665);
+        let shown = gravity.map(|x| format!("{}", x / 1000.0)).join(", ");
+        let help = format!("lengths are metres: if these are mm/s², write [{shown}], and all lengths in metres");
+        findings.push(Finding::warning(span.clone(), message).help(help));
+    } else if gravity[2] > 0.5 * size {
+        let [x, y, z] = gravity;
+        let message = format!("gravity points upward: z is {z} m/s²");
+        let help =
+            format!("if z is up, write [{x}, {y}, {}]; if z is down in this scene, pictures show it upside down", -z);
+        findings.push(Finding::warning(span.clone(), message).help(help));
+    }
+}
+
+fn check_lengths(lengths: &[Written], findings: &Findings) {
+    let mut sizes: Vec<f64> = lengths.iter().map(|(_, x)| x.abs()).collect();
+    if sizes.len() < 3 {
+        return;
+    }
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    for (span, length) in lengths {
+        let (times, in_line) = (length.abs() / *median, length.abs() / 1000.0 / *median);
+        if times >= APART && (1.0 / ALIKE..=ALIKE).contains(&in_line) {
+            let message = format!("{length} m is {times:.0} times the median of the scene's lengths, {median} m");
+            let help = format!(
+                "lengths are metres: {length} mm are {}; write \"{length} mm\", or \"{length} m\" if it is meant",
+                length / 1000.0
+            );
+            findings.push(Finding::warning(span.clone(), message).help(help));
+        }
+    }
+}
