@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Renders every picture of docs/gallery.md anew, or those that are named: docs/gallery.sh [NAME...]. See picture.sh for
-# what it needs. The plots are those that the commands in gallery.md write.
+# Renders every picture of docs/gallery.md anew, or those that are named: docs/gallery.sh [NAME...]. Needs stillpoint on the path.
+# The plots are those that the commands in gallery.md write.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 mkdir -p docs/gallery
