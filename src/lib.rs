@@ -132,7 +132,7 @@ pub mod hinge;
 pub mod import;
 pub mod integrate;
 pub mod linear;
-#[cfg(feature = "scenario")]
+#[cfg(any(feature = "record", feature = "scenario"))]
 pub mod mesh;
 pub mod model;
 pub mod motion;

@@ -135,7 +135,7 @@ fn package(text: &str) -> anyhow::Result<(String, PathBuf)> {
 }
 
 /// `robot.urdf:12: ignored: limit of joint `elbow`: …`
-fn line(note: &Note) -> String {
+pub(super) fn line(note: &Note) -> String {
     format!("{}:{}: {}: {}: {}", note.file.display(), note.line, note.verdict.word(), note.element, note.what)
 }
 

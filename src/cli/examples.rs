@@ -51,8 +51,30 @@ Examples:
 
 pub(super) const VIEW: &str = "\
 Examples:
+  stillpoint view pendulum.mcap --save pendulum.glb
   stillpoint view pendulum.mcap --save pendulum.rrd
   stillpoint view pendulum.mcap";
+
+pub(super) const PICTURE: &str = "\
+Examples:
+  stillpoint picture pendulum.mcap --at 1.5 -o pendulum.svg
+  stillpoint picture pendulum.mcap --camera front --size 800x600 --reactions -o forces.svg";
+
+#[cfg(feature = "picture")]
+pub(super) const VIDEO: &str = "\
+Examples:
+  stillpoint video pendulum.mcap -o pendulum.gif --size 320x240 --rate 10";
+
+pub(super) const REPORT: &str = "\
+Examples:
+  stillpoint report scenarios/double_wishbone.toml --statics -o wishbone.html
+  stillpoint report scenarios/pendulum.toml --verify -o pendulum.html
+  stillpoint report pendulum.mcap -o pendulum.html";
+
+pub(super) const WATCH: &str = "\
+Examples:
+  stillpoint watch scenarios/double_wishbone.toml --times 1
+  stillpoint watch scenarios/pendulum.toml --run --report pendulum.html --times 1";
 
 pub(super) const INFO: &str = "\
 Examples:
@@ -73,6 +95,7 @@ Examples:
 pub(super) const PLOT: &str = "\
 Examples:
   stillpoint plot pendulum.mcap rod.angle rod.rate
+  stillpoint plot pendulum.mcap rod.rate --x rod.angle -o phase.svg
   stillpoint plot pendulum.mcap double_pendulum.mcap energy -o energies.svg";
 
 pub(super) const COMPARE: &str = "\

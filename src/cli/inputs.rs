@@ -6,6 +6,7 @@ use crate::scenario::Scenario;
 use crate::whole_file;
 use anyhow::bail;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// Every file that a command reads.
 #[derive(Debug, Default)]
@@ -30,6 +31,15 @@ impl Inputs {
         all.sort_unstable();
         all.dedup();
         Self(all)
+    }
+
+    /// When each of them was last written, and how long it is; `None` of one that is not there.
+    pub(super) fn stamps(&self) -> Vec<Option<(SystemTime, u64)>> {
+        let stamp = |path: &PathBuf| {
+            let about = std::fs::metadata(path).ok()?;
+            Some((about.modified().ok()?, about.len()))
+        };
+        self.0.iter().map(stamp).collect()
     }
 
     /// Refuses an output that is one of these files, by whatever name or link.

@@ -20,10 +20,13 @@ mod new;
 mod output;
 mod palette;
 mod path;
+mod picture;
+mod pixels;
 mod plot;
 mod poses;
 mod precision;
 mod recover;
+mod report;
 mod rest;
 mod run;
 mod samples;
@@ -35,7 +38,10 @@ mod stopwatch;
 mod study;
 mod sweep;
 mod text;
+#[cfg(feature = "picture")]
+mod video;
 mod view;
+mod watch;
 
 use crate::linear::StateSpace;
 use crate::model::{Description, Model};
@@ -113,9 +119,22 @@ enum Command {
     /// Measure what this scene's own routines cost: acceleration, Jacobian, tangent, statics, memory
     #[command(after_help = examples::BENCH)]
     Bench(bench::Arguments),
-    /// Show a recording in the Rerun viewer
+    /// Show a recording in the Rerun viewer, or save it as glTF
     #[command(after_help = examples::VIEW)]
     View(view::Arguments),
+    /// Draw one instant of a recording (SVG, PNG)
+    #[command(after_help = examples::PICTURE)]
+    Picture(picture::Arguments),
+    /// Make a film of a recording (GIF, MP4)
+    #[cfg(feature = "picture")]
+    #[command(after_help = examples::VIDEO)]
+    Video(video::Arguments),
+    /// Write one page (HTML) that opens anywhere: picture that moves, verdict, modes, reactions, curves, data
+    #[command(after_help = examples::REPORT)]
+    Report(report::Arguments),
+    /// Find the equilibrium again whenever the file is saved, and say what changed; Ctrl-C ends it
+    #[command(after_help = examples::WATCH)]
+    Watch(watch::Arguments),
     /// Say what is in a recording: samples, channels and units, statics, whether it is whole
     #[command(after_help = examples::INFO)]
     Info(info::Arguments),
@@ -125,7 +144,7 @@ enum Command {
     /// Write a recording's numbers as CSV or Parquet
     #[command(after_help = examples::EXPORT)]
     Export(export::Arguments),
-    /// Plot numbers of recordings over time (SVG)
+    /// Plot numbers of recordings over time, or over each other (SVG, PNG)
     #[command(after_help = examples::PLOT)]
     Plot(plot::Arguments),
     /// Say how far two recordings are apart; exit code 1 when further than the tolerance
@@ -237,6 +256,11 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<f
         Command::Linearize(arguments) => linearize::main(&arguments),
         Command::Bench(arguments) => bench::main(&arguments, memory),
         Command::View(arguments) => view::main(&arguments),
+        Command::Picture(arguments) => picture::main(&arguments),
+        #[cfg(feature = "picture")]
+        Command::Video(arguments) => video::main(&arguments),
+        Command::Report(arguments) => report::main(&arguments),
+        Command::Watch(arguments) => watch::main(&arguments),
         Command::Info(arguments) => info::main(&arguments),
         Command::Recover(arguments) => recover::main(&arguments),
         Command::Export(arguments) => export::main(&arguments),

@@ -1,11 +1,11 @@
 //! `plot`: numbers of recordings over time, as a quick picture.
 
-mod draw;
+pub(super) mod draw;
 
 use super::inputs::Inputs;
 use super::samples::{self, Place, Rows};
 use super::text::count;
-use super::{Exit, output};
+use super::{Exit, output, pixels};
 use crate::record::{Recording, Table};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -17,9 +17,12 @@ pub(super) struct Arguments {
     /// Recordings, then the columns to plot: `upper.angle`, `kinetic`, or a whole channel (hinges, energy, reactions, couplings, outputs, tf)
     #[arg(value_name = "FILE... CHANNEL", required = true)]
     what: Vec<String>,
-    /// Where the picture goes (SVG); default: the first recording's name with .svg in this folder
-    #[arg(long, short = 'o', value_name = "FILE.svg")]
+    /// Where the picture goes: its name ends in .svg or .png; default: the first recording's name with .svg in this folder
+    #[arg(long, short = 'o', value_name = "FILE.svg|png")]
     out: Option<PathBuf>,
+    /// The column along x, in place of the time
+    #[arg(long, value_name = "COLUMN")]
+    x: Option<String>,
     /// Print one JSON object on standard output and nothing else there
     #[arg(long)]
     json: bool,
@@ -32,14 +35,14 @@ pub(super) struct Arguments {
 const MOST_LINES: usize = 32;
 
 /// One column of one recording.
-struct Line {
-    label: String,
-    unit: String,
+pub(super) struct Line {
+    pub(super) label: String,
+    pub(super) unit: String,
     /// Which of the recordings, which of its columns: the dashes and the colour.
-    file: usize,
-    color: usize,
-    /// Time (s) and value.
-    points: Vec<(f64, f64)>,
+    pub(super) file: usize,
+    pub(super) color: usize,
+    /// Time (s), or what stands along x, and value.
+    pub(super) points: Vec<(f64, f64)>,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
@@ -54,7 +57,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let mut lines = Vec::new();
     for (index, (file, recording)) in files.iter().zip(&recordings).enumerate() {
         let before = (recordings.len() > 1).then_some(file.as_str());
-        lines.extend(read(recording, &names, index, before)?);
+        lines.extend(read(recording, &names, arguments.x.as_deref(), index, before)?);
     }
     if lines.len() > MOST_LINES {
         bail!("these are {} lines, and more than {MOST_LINES} cannot be told apart: name fewer columns", lines.len());
@@ -71,9 +74,15 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     };
     let inputs = Inputs::new(recordings.iter().map(|recording| recording.path.as_path()));
     let title = &recordings[0].scene.title;
-    let picture = draw::draw(&lines, if title.is_empty() { first } else { title })?;
+    let across = match &arguments.x {
+        Some(name) => format!("{name} ({})", along(&recordings[0], name)?.column.unit),
+        None => "time (s)".to_owned(),
+    };
     inputs.spare(&out)?;
-    output::save(&out, picture.as_bytes())?;
+    let is_png = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+    let png = is_png.then(pixels::png).transpose()?;
+    let picture = draw::draw(&lines, if title.is_empty() { first } else { title }, &across)?;
+    output::save(&out, &png.map_or_else(|| Ok(picture.clone().into_bytes()), |png| png(picture.clone()))?)?;
     if arguments.json {
         let line = |line: &Line| json!({ "label": line.label, "unit": line.unit, "points": line.points.len() });
         let lines: Vec<_> = lines.iter().map(line).collect();
@@ -89,7 +98,23 @@ fn is_recording(text: &str) -> bool {
     path.is_file() || path.extension().is_some_and(|extension| extension == "mcap" || extension == "partial")
 }
 
-fn read(recording: &Recording, names: &[&String], file: usize, before: Option<&str>) -> anyhow::Result<Vec<Line>> {
+/// The column along x.
+fn along(recording: &Recording, name: &str) -> anyhow::Result<Place> {
+    let found = samples::columns(&Table::all(&recording.scene), name)
+        .with_context(|| format!("nothing can be plotted of `{}`", recording.path.display()))?;
+    match &found[..] {
+        [one] => Ok(one.clone()),
+        _ => bail!("`--x {name}` are {} columns: name one of them", found.len()),
+    }
+}
+
+fn read(
+    recording: &Recording,
+    names: &[&String],
+    x: Option<&str>,
+    file: usize,
+    before: Option<&str>,
+) -> anyhow::Result<Vec<Line>> {
     let tables = Table::all(&recording.scene);
     let mut places: Vec<Place> = Vec::new();
     for name in names {
@@ -111,10 +136,15 @@ fn read(recording: &Recording, names: &[&String], file: usize, before: Option<&s
             points: Vec::new(),
         })
         .collect();
+    places.extend(x.map(|name| along(recording, name)).transpose()?);
     let mut rows = Rows::new(&tables, &places);
+    let mut row = Vec::new();
     samples::each(recording, |sample| {
-        for (line, value) in lines.iter_mut().zip(rows.read(sample)) {
-            line.points.push((sample.time, value));
+        row.clear();
+        row.extend(rows.read(sample));
+        let across = if x.is_some() { row.pop() } else { None }.unwrap_or(sample.time);
+        for (line, value) in lines.iter_mut().zip(&row) {
+            line.points.push((across, *value));
         }
         Ok(())
     })?;

@@ -3,11 +3,12 @@
 use super::{Common, json, run};
 use crate::dynamics::System;
 use crate::model::Model;
+use crate::record::gltf::Clip;
 use crate::record::view::Sink;
-use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, Sample, Scene};
+use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, Sample, Scene, mode_name};
 use crate::scenario::Scenario;
 use crate::simulate;
-use crate::statics::Equilibrium;
+use crate::statics::{Equilibrium, Mode};
 use anyhow::Context;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -100,31 +101,58 @@ pub(super) fn modes(
     found: &Equilibrium,
     path: &Path,
 ) -> anyhow::Result<usize> {
-    let modes = found.stability.as_ref().map_or(&[][..], |stability| &stability.modes);
-    let shown = modes.len().min(MOST_MODES);
-    let free: Vec<usize> = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock).collect();
-    let length = model.length_scale();
-    let mut unit = vec![1.0; model.velocity_count()];
-    for link in model.links.iter().filter(|link| link.joint.is_slide()) {
-        unit[link.velocity] = length;
-    }
-    let frames_each = (SHOWN * RATE) as usize;
     let (mut frames, mut told) = (Vec::new(), Vec::new());
-    for (index, mode) in modes.iter().take(shown).enumerate() {
-        let largest = free.iter().zip(&mode.shape).map(|(i, x)| (x / unit[*i]).abs()).fold(0.0, f64::max);
+    for (index, mode) in shown(found).iter().enumerate() {
         let start = SHOWN * index as f64;
         told.push(json!({ "from": start, "to": start + SHOWN, "frequency_hz": mode.frequency_hz, "growth_rate": mode.growth_rate }));
-        for frame in 0..frames_each {
-            let part = frame as f64 / frames_each as f64;
-            let swing = AMPLITUDE / largest * (SWINGS * std::f64::consts::TAU * part).sin();
-            let mut step = vec![0.0; model.velocity_count()];
-            free.iter().zip(&mode.shape).for_each(|(i, x)| step[*i] = swing * x);
-            let mut q = found.position.clone();
-            System::displace(model, &mut q, &step);
-            frames.push((start + SHOWN * part, q));
-        }
+        frames.extend(swing(model, found, mode).into_iter().map(|(time, q)| (start + time, q)));
     }
+    let shown = told.len();
     let summary = json!({ "modes": told });
     film(common, scenario, model, found, &frames, (Some(path), &[]), &summary)?;
     Ok(shown)
+}
+
+/// The modes that are shown.
+fn shown(found: &Equilibrium) -> &[Mode] {
+    let modes = found.stability.as_ref().map_or(&[][..], |stability| &stability.modes);
+    &modes[..modes.len().min(MOST_MODES)]
+}
+
+/// A mode as it swings about the equilibrium, from time zero.
+fn swing(model: &Model, found: &Equilibrium, mode: &Mode) -> Vec<Frame> {
+    let free: Vec<usize> = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock).collect();
+    let mut unit = vec![1.0; model.velocity_count()];
+    for link in model.links.iter().filter(|link| link.joint.is_slide()) {
+        unit[link.velocity] = model.length_scale();
+    }
+    let largest = free.iter().zip(&mode.shape).map(|(i, x)| (x / unit[*i]).abs()).fold(0.0, f64::max);
+    let frames = (SHOWN * RATE) as usize;
+    let frame = |frame: usize| {
+        let part = frame as f64 / frames as f64;
+        let swing = AMPLITUDE / largest * (SWINGS * std::f64::consts::TAU * part).sin();
+        let mut step = vec![0.0; model.velocity_count()];
+        free.iter().zip(&mode.shape).for_each(|(i, x)| step[*i] = swing * x);
+        let mut q = found.position.clone();
+        System::displace(model, &mut q, &step);
+        (SHOWN * part, q)
+    };
+    (0..frames).map(frame).collect()
+}
+
+/// The modes as motions.
+pub(super) fn mode_clips(model: &Arc<Model>, found: &Equilibrium) -> Vec<Clip> {
+    let mut system = System::new(model);
+    let rest = vec![0.0; model.velocity_count()];
+    let mut clip = |(index, mode): (usize, &Mode)| {
+        let mut clip = Clip { name: mode_name(index, mode.frequency_hz, mode.growth_rate), ..Clip::default() };
+        for (time, q) in swing(model, found, mode) {
+            let mut poses = Vec::new();
+            system.at(0.0, &q, &rest).poses(&mut poses);
+            clip.times.push(time);
+            clip.poses.push(poses);
+        }
+        clip
+    };
+    shown(found).iter().enumerate().map(&mut clip).collect()
 }

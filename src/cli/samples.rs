@@ -10,10 +10,15 @@ use std::path::Path;
 /// A recording; that it was not finished is said.
 pub(super) fn open(path: &Path, quiet: bool) -> anyhow::Result<Recording> {
     let recording = Recording::open(path)?;
-    if !recording.complete && !quiet {
-        output::warning(&format!("`{}` was not finished: this is what was kept of it", path.display()));
-    }
+    warn_if_cut(&recording, quiet);
     Ok(recording)
+}
+
+/// Says that a recording was not finished.
+pub(super) fn warn_if_cut(recording: &Recording, quiet: bool) {
+    if !recording.complete && !quiet {
+        output::warning(&format!("`{}` was not finished: this is what was kept of it", recording.path.display()));
+    }
 }
 
 /// Calls `take` with every sample.

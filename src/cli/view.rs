@@ -1,9 +1,11 @@
-//! `view`: a recording in the Rerun viewer.
+//! `view`: a recording in the Rerun viewer, or as glTF.
 
 use super::inputs::Inputs;
-use super::{Exit, output, text};
-use crate::record::RecordError;
+use super::{Exit, output, picture, samples, text};
+use crate::record::drawing::Extras;
+use crate::record::gltf::glb;
 use crate::record::view::{Shown, Sink, Wishes, view};
+use crate::record::{Footage, RecordError};
 use crate::whole_file::WholeFile;
 use anyhow::Context;
 use clap::Args;
@@ -13,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     /// The recording, an MCAP file
     recording: PathBuf,
-    /// Write an .rrd file instead of opening the viewer
+    /// Write a file instead of opening the viewer: .glb (animated glTF, for browsers, Blender and office programs) or .rrd (Rerun)
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
     /// Send it to a running viewer
@@ -34,6 +36,10 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let is_gltf = |file: &Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
+    if let Some(file) = arguments.save.as_deref().filter(|file| is_gltf(file)) {
+        return save_gltf(arguments, file);
+    }
     let sink = arguments.connect.clone().map_or(Sink::Spawn, Sink::Connect);
     let wishes = Wishes { at: arguments.at, reactions: arguments.reactions, meshes: arguments.meshes };
     let shown = match &arguments.save {
@@ -50,6 +56,31 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             Some(file) => format!("{samples} written; to see them: rerun {}", file.display()),
             None => format!("{samples} shown"),
         })?;
+    }
+    Ok(Exit::Done)
+}
+
+/// Saves all that moves as glTF; in the order of the command's options, what has no place there is refused.
+fn save_gltf(arguments: &Arguments, file: &Path) -> anyhow::Result<Exit> {
+    Inputs::new([arguments.recording.as_path()]).spare(file)?;
+    if arguments.reactions {
+        anyhow::bail!(
+            "`--reactions` cannot be saved as glTF: arrows that change are drawn by `picture` and by the viewer"
+        );
+    }
+    let footage = Footage::open(&arguments.recording, arguments.meshes)?;
+    samples::warn_if_cut(&footage.recording, false);
+    let first = picture::sample(&footage, arguments.at)?;
+    let drawing = footage.drawing(&first.bodies, Extras::default());
+    let clips = if arguments.at.is_some() { Vec::new() } else { footage.clips()? };
+    let content = glb(&drawing, &footage.recording.scene.title, &first.bodies, &clips);
+    output::save(file, &content)?;
+    if !arguments.quiet {
+        footage.notes.iter().chain(&drawing.notes).for_each(|note| output::warning(note));
+        let frames = clips.iter().map(|clip| clip.times.len()).sum::<usize>().max(1);
+        let (samples, motions) =
+            (text::count(frames, "sample", "samples"), text::count(clips.len(), "animation", "animations"));
+        output::print(&format!("{}: {samples}, {motions}", file.display()))?;
     }
     Ok(Exit::Done)
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Takes the mesh files out of a scene that do not lie in the folder of its recording or below, links followed. What is
 /// left out is said; a stand-in is drawn for it.
-#[cfg_attr(not(any(feature = "view", test)), expect(dead_code, reason = "only the viewer draws recordings"))]
+#[cfg_attr(not(any(feature = "record", test)), expect(dead_code, reason = "only recordings are drawn"))]
 pub(super) fn keep_own(scene: &mut Scene, recording: &Path) -> Vec<String> {
     let folder = recording.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = folder.canonicalize();

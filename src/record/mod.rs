@@ -13,13 +13,21 @@
 //!
 //! Nothing here knows how a simulation works, and nothing outside `file` and `view` knows MCAP or Rerun.
 
+#[cfg(feature = "record")]
+pub mod drawing;
 mod error;
 mod event;
 mod fanout;
 #[cfg(feature = "record")]
 pub mod file;
+#[cfg(feature = "record")]
+mod footage;
+#[cfg(feature = "record")]
+pub mod gltf;
 mod memory;
 mod meshes;
+#[cfg(feature = "record")]
+pub mod picture;
 pub mod sample;
 pub mod scene;
 #[cfg(feature = "record")]
@@ -34,6 +42,8 @@ pub use event::Event;
 pub use fanout::Fanout;
 #[cfg(feature = "record")]
 pub use file::{FileWriter, Recording, RecordingFile, Samples};
+#[cfg(feature = "record")]
+pub use footage::{Footage, mode_name};
 pub use memory::Memory;
 pub use sample::{Energy, OwnedSample, Sample};
 pub use scene::Scene;

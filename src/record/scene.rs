@@ -68,9 +68,9 @@ pub struct BodyPicture {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "record", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShapePicture {
-    /// `box`, `sphere`, `cylinder`, `capsule` or `mesh`.
+    /// `box`, `sphere`, `cylinder`, `capsule`, `mesh`, or `plane`: a thin box whose upper face is a part of it.
     pub kind: String,
-    /// Edge lengths; radius; radius and length; scale.
+    /// Edge lengths (box, plane); radius; radius and length; scale.
     pub size: Vec<f64>,
     /// Mesh file.
     pub file: Option<String>,

@@ -15,6 +15,8 @@ pub(super) struct Solid {
     pub(super) color: [f64; 4],
     /// Whether the scenario chose the colour.
     pub(super) own_color: bool,
+    /// Whether it is the part of a plane that is drawn.
+    pub(super) unbounded: bool,
 }
 
 /// The forms of solids (m).
@@ -73,7 +75,7 @@ pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
 
 fn from_shape(shape: &ShapePicture, color: [f64; 4]) -> Option<Solid> {
     let form = match (shape.kind.as_str(), shape.size.as_slice()) {
-        ("box", &[x, y, z]) => Form::Box([x, y, z]),
+        ("box" | "plane", &[x, y, z]) => Form::Box([x, y, z]),
         ("sphere", &[radius]) => Form::Ball(radius),
         ("cylinder", &[radius, length]) => Form::Cylinder { radius, length },
         ("capsule", &[radius, length]) => Form::Capsule { radius, length },
@@ -84,7 +86,13 @@ fn from_shape(shape: &ShapePicture, color: [f64; 4]) -> Option<Solid> {
     let [w, x, y, z] = shape.quaternion;
     let turn = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.0).unwrap_or_default();
     let pose = Isometry3::from_parts(Translation3::from(shape.position), turn);
-    Some(Solid { form, pose, color: shape.color.unwrap_or(color), own_color: shape.color.is_some() })
+    Some(Solid {
+        form,
+        pose,
+        color: shape.color.unwrap_or(color),
+        own_color: shape.color.is_some(),
+        unbounded: shape.kind == "plane",
+    })
 }
 
 fn mesh(file: &str, scale: [f64; 3]) -> Option<Form> {
@@ -102,7 +110,7 @@ fn mesh(file: &str, scale: [f64; 3]) -> Option<Form> {
 
 /// `longest` is the length of all stand-ins in a row.
 fn stand_in(body: &BodyPicture, points: &[[f64; 3]], longest: f64, color: [f64; 4]) -> Vec<Solid> {
-    let solid = |form, pose| Solid { form, pose, color, own_color: false };
+    let solid = |form, pose| Solid { form, pose, color, own_color: false, unbounded: false };
     let rods: Vec<Solid> =
         points.iter().filter_map(|&end| rod(end.into(), longest)).map(|(form, pose)| solid(form, pose)).collect();
     if !rods.is_empty() {

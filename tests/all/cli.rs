@@ -10,6 +10,7 @@ mod models;
 mod output;
 mod outputs;
 mod path;
+mod pictures;
 mod poses;
 mod precision;
 mod python;

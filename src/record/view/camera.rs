@@ -1,6 +1,7 @@
 //! Where to look from.
 
-use super::bounds::Bounds;
+use crate::record::drawing::bounds::Bounds;
+use crate::record::drawing::ground::{Ground, back};
 use nalgebra::Vector3;
 
 /// Vertical field of view of the viewer's eye (rad).
@@ -24,10 +25,7 @@ pub(super) struct Camera {
 pub(super) fn camera(bounds: &Bounds) -> Camera {
     let (size, target) = (bounds.size(), bounds.center());
     let largest = size.max().max(1e-6);
-    // 25° beside that direction, 15° above the horizon.
-    let turn = if size.x < size.y { -25f64 } else { -65f64 }.to_radians();
-    let rise = 15f64.to_radians();
-    let back = Vector3::new(rise.cos() * turn.cos(), rise.cos() * turn.sin(), rise.sin());
+    let back = back(bounds);
     let right = Vector3::z().cross(&back).normalize();
     let up = back.cross(&right);
     let slope = (0.5 * FIELD).tan();
@@ -36,19 +34,8 @@ pub(super) fn camera(bounds: &Bounds) -> Camera {
         offset.dot(&back) + MARGIN * offset.dot(&right).abs().max(offset.dot(&up).abs()) / slope
     };
     let distance = bounds.corners().iter().map(far).fold(0.1 * largest, f64::max);
-    let below = bounds.min.z < -0.01 * largest || bounds.min.z > largest;
-    Camera {
-        eye: target + distance * back,
-        target,
-        floor: if below && bounds.min.z.is_finite() { bounds.min.z } else { 0.0 },
-        spacing: round_down(largest / 8.0),
-    }
-}
-
-/// 1, 2 or 5 times a power of ten.
-fn round_down(length: f64) -> f64 {
-    let decade = 10f64.powf(length.log10().floor());
-    [5.0, 2.0].into_iter().map(|step| step * decade).find(|step| *step <= length).unwrap_or(decade)
+    let Ground { floor, spacing } = Ground::under(bounds);
+    Camera { eye: target + distance * back, target, floor, spacing }
 }
 
 #[cfg(test)]
@@ -72,11 +59,5 @@ mod tests {
                 assert!(aside <= 2f64.sqrt() * depth * (0.5 * FIELD).tan() / MARGIN * (1.0 + 1e-12), "{corner}");
             }
         }
-    }
-
-    #[test]
-    fn grid_lines_stand_at_round_distances() {
-        let round = [0.13, 0.2, 0.49, 7.0, 1000.0].map(round_down);
-        assert_eq!(round, [0.1, 0.2, 0.2, 5.0, 1000.0]);
     }
 }

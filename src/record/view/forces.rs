@@ -21,8 +21,6 @@ const TURNS: usize = 7;
 const POINTS_PER_TURN: usize = 8;
 /// Part of a spring on both ends that is straight.
 const STRAIGHT: f64 = 0.12;
-/// More springs than this are drawn as plain lines.
-const MOST_COILS: usize = 32;
 
 /// The looks that depend on the whole scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,18 +60,6 @@ pub(super) fn spring_color(tension: Option<f64>, full: f64) -> Color {
     let goal = if part > 0.0 { PULLED } else { PUSHED };
     let mix = |k: usize| RELAXED[k] + part.abs() * (goal[k] - RELAXED[k]);
     color([mix(0), mix(1), mix(2), 1.0])
-}
-
-/// Radius of the coils of each spring (m); `None` for what is drawn as a line.
-pub(super) fn coil_radii(scene: &Scene, size: f64) -> Vec<Option<f64>> {
-    let coiled = |line: &LinePicture| line.spring.filter(|_| !line.pulls_only);
-    let springs = scene.lines.iter().filter(|line| coiled(line).is_some()).count();
-    let radius = |line: &LinePicture| {
-        let [_, length] = coiled(line)?;
-        let length = if length > 0.0 { length } else { 0.2 * size };
-        (springs <= MOST_COILS).then(|| (0.05 * length).min(0.02 * size))
-    };
-    scene.lines.iter().map(radius).collect()
 }
 
 /// A line through points; between two of them with a radius as a coil.

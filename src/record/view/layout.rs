@@ -2,7 +2,6 @@
 //!
 //! Written as records of the viewer's own blueprint store: its builders have no word for the eye.
 
-use super::bounds::Bounds;
 use super::camera::camera;
 use super::columns::TIMELINE;
 use super::curves::Plot;
@@ -19,6 +18,7 @@ use super::sdk::blueprint::components::{
 use super::sdk::blueprint::datatypes::{TextLogColumn, TextLogColumnKind};
 use super::sdk::datatypes::Uuid;
 use super::sdk::{Color, EntityPath, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, components};
+use crate::record::drawing::bounds::Bounds;
 
 /// Shares of the window's width: the bodies, the plots.
 const SHARES: [f32; 2] = [3.0, 2.0];

@@ -1,16 +1,17 @@
 //! What does not change while the picture moves: solids, hinge axes, text, the looks of what moves.
 
-use super::bounds::Outline;
 use super::columns::{TIMELINE, quaternion};
 use super::crowd::Crowd;
 use super::curves::Plot;
-use super::forces::{self, Scales, coil_radii};
+use super::forces::{self, Scales};
 use super::sdk::{
     Arrows3D, Asset3D, Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, EntityPathPart, FillMode,
     InstancePoses3D, LineStrips3D, MediaType, Points3D, Radius, RecordingStream, RecordingStreamResult, SeriesLines,
     TextDocument, ViewCoordinates,
 };
 use crate::record::Scene;
+use crate::record::drawing::bounds::Outline;
+use crate::record::drawing::lines::coil_radii;
 use crate::record::solids::{Form, Solid, palette, solids};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 

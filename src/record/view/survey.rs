@@ -1,7 +1,7 @@
 //! What is learnt of a recording before it is drawn: how much room the motion takes, what moves, what pulls.
 
-use super::bounds::{Bounds, Outline};
 use super::forces::tension;
+use crate::record::drawing::bounds::{Bounds, Outline};
 use crate::record::{Sample, Scene};
 use crate::spatial::Pose;
 use nalgebra::{Point3, Vector3};

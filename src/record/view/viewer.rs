@@ -1,6 +1,6 @@
 //! The recorder that draws, and the playing of recordings.
 
-use super::bounds::{Bounds, Outline, expected};
+use super::bounds::expected;
 use super::columns::Columns;
 use super::connect::{self, failed};
 use super::curves::plots;
@@ -11,6 +11,7 @@ use super::picture::{Picture, point};
 use super::sdk::{RecordingStream, RecordingStreamBuilder};
 use super::survey::{Survey, Trace, center_of_mass};
 use super::{Shown, Sink, Wishes, marks, text};
+use crate::record::drawing::bounds::{Bounds, Outline};
 use crate::record::meshes;
 use crate::record::solids::solids;
 use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};

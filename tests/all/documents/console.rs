@@ -55,8 +55,14 @@ fn words(command: &str) -> Vec<String> {
 fn callable(words: &[String]) -> bool {
     let plain = |word: &String| !word.contains(['|', '>', '…', '$']) && !word.starts_with("FILE") && word != "SCENARIO";
     let window = words.get(1).is_some_and(|word| word == "view")
-        && !(cfg!(feature = "view") && words.contains(&"--save".to_owned()));
-    words[0] == "stillpoint" && words.iter().all(plain) && !window && (cfg!(feature = "parquet") || !of_dataset(words))
+        && !(cfg!(feature = "view") && words.contains(&"--save".to_owned()))
+        && !words.iter().any(|word| word.ends_with(".glb"));
+    let painted = words.iter().any(|word| word == "video" || word.ends_with(".png")) && cfg!(not(feature = "picture"));
+    words[0] == "stillpoint"
+        && words.iter().all(plain)
+        && !window
+        && !painted
+        && (cfg!(feature = "parquet") || !of_dataset(words))
 }
 
 /// Whether it writes or reads a dataset.

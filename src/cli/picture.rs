@@ -1,0 +1,133 @@
+//! `picture`: one instant of a recording, without a window.
+
+use super::inputs::Inputs;
+use super::{Exit, output, pixels, samples};
+use crate::record::drawing::{Drawing, Extras};
+use crate::record::picture::{Eye, Frame, svg};
+use crate::record::{Footage, OwnedSample};
+use anyhow::{bail, ensure};
+use clap::Args;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The recording, an MCAP file, finished or not
+    recording: PathBuf,
+    /// Where the picture goes: its name ends in .svg or .png
+    #[arg(long, short = 'o', value_name = "FILE.png|svg")]
+    out: PathBuf,
+    /// Show the sample nearest to this time; default: the first
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true)]
+    at: Option<f64>,
+    #[command(flatten)]
+    looks: Looks,
+    /// Draw what the hinges pass to the bodies as arrows
+    #[arg(long)]
+    reactions: bool,
+    /// Print one JSON object on standard output and nothing else there
+    #[arg(long)]
+    json: bool,
+    /// Print errors only
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// How recordings are drawn.
+#[derive(Debug, Args)]
+pub(super) struct Looks {
+    /// Where to look from: auto, front, back, left, right, top, iso, or azimuth and elevation in degrees, as `--camera=-60,20`
+    #[arg(long, value_name = "CAMERA", default_value = "auto", value_parser = Eye::parse, allow_hyphen_values = true)]
+    camera: Eye,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1200x800", value_parser = size)]
+    size: [u32; 2],
+    /// Draw constant loads as arrows
+    #[arg(long)]
+    loads: bool,
+    /// Draw the axes of the hinges as arrows
+    #[arg(long)]
+    hinges: bool,
+    /// Read mesh files wherever the recording says that they are, not only in its own folder
+    #[arg(long)]
+    meshes: bool,
+}
+
+/// Edges that a picture may have (pixels).
+const EDGES: std::ops::RangeInclusive<u32> = 64..=8192;
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let edges = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let allowed = edges.filter(|edges: &[u32; 2]| edges.iter().all(|edge| EDGES.contains(edge)));
+    allowed.ok_or_else(|| {
+        format!("`{text}` is no size: width and height from {} to {} pixels, as 1200x800", EDGES.start(), EDGES.end())
+    })
+}
+
+impl Looks {
+    /// Opens the recording; what is not drawn of it is said.
+    pub(super) fn footage(&self, recording: &Path, quiet: bool) -> anyhow::Result<Footage> {
+        let footage = Footage::open(recording, self.meshes)?;
+        samples::warn_if_cut(&footage.recording, quiet);
+        if !quiet {
+            footage.notes.iter().for_each(|note| output::warning(note));
+        }
+        Ok(footage)
+    }
+
+    /// What is drawn; what cannot be is said.
+    pub(super) fn drawing(&self, footage: &Footage, first: &OwnedSample, quiet: bool) -> Drawing {
+        let extras = Extras { loads: self.loads, hinges: self.hinges };
+        let drawing = footage.drawing(&first.bodies, extras);
+        if !quiet {
+            drawing.notes.iter().for_each(|note| output::warning(note));
+        }
+        drawing
+    }
+
+    pub(super) fn camera(&self) -> Eye {
+        self.camera
+    }
+
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+}
+
+/// The first sample, or the one nearest to a time.
+pub(super) fn sample(footage: &Footage, at: Option<f64>) -> anyhow::Result<OwnedSample> {
+    if let Some(at) = at {
+        ensure!(at.is_finite(), "`--at {at}` is no time");
+    }
+    match footage.sample(at)? {
+        Some(sample) => Ok(sample),
+        None => bail!("nothing can be drawn of `{}`: there are no samples in it", footage.recording.path.display()),
+    }
+}
+
+pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
+    let kind = arguments.out.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
+    let encode: pixels::Encode = match kind.as_deref() {
+        Some("svg") => |svg| Ok(svg.into_bytes()),
+        Some("png") => pixels::png()?,
+        _ => bail!("`{}`: the name of a picture ends in .svg or .png", arguments.out.display()),
+    };
+    Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
+    let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
+    let shown = sample(&footage, arguments.at)?;
+    let mut drawing = arguments.looks.drawing(&footage, &shown, arguments.quiet);
+    if arguments.reactions {
+        drawing = drawing.with_reactions(&shown.bodies, &shown.reactions);
+    }
+    let [width, height] = arguments.looks.size();
+    let frame = Frame::new(&drawing, [&shown.bodies[..]], arguments.looks.camera(), [width, height]);
+    output::save(&arguments.out, &encode(svg(&drawing, &shown.bodies, &frame))?)?;
+    let file = arguments.out.display();
+    if arguments.json {
+        let said = json!({ "picture": file.to_string(), "time": shown.time, "width": width, "height": height, "parts": drawing.parts.len() });
+        output::print(&said.to_string())?;
+    } else if !arguments.quiet {
+        output::print(&format!("{file}: at {} s", super::text::number(shown.time)))?;
+    }
+    Ok(Exit::Done)
+}

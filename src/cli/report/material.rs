@@ -1,0 +1,198 @@
+//! What a report is made of: from a recording, or from a scenario that is run.
+
+use super::super::inputs::Inputs;
+use super::super::output::{Interrupt, Progress};
+use super::super::samples;
+use super::super::{Common, Exit, json, output, poses, scene, statics};
+use crate::import::Taken;
+use crate::model::Model;
+use crate::record::gltf::Clip;
+use crate::record::{Event, Footage, Memory, Opening, OwnedSample, Scene};
+use crate::scenario::Scenario;
+use crate::simulate::verify::verify;
+use crate::simulate::{self, RunError, Start, State};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Everything that a report says.
+pub(in crate::cli) struct Material {
+    /// Name of the source, without folder and extension.
+    pub(in crate::cli) name: String,
+    pub(in crate::cli) scene: Scene,
+    /// The scenario, word for word.
+    pub(in crate::cli) scenario: String,
+    /// Version of the program that computed it.
+    pub(in crate::cli) version: String,
+    /// What `statics --json` says; null if nothing was looked for.
+    pub(in crate::cli) statics: Value,
+    /// What `run --json` says; null without a run.
+    pub(in crate::cli) outcome: Value,
+    /// Of the run.
+    pub(in crate::cli) samples: Vec<OwnedSample>,
+    pub(in crate::cli) events: Vec<Event>,
+    /// Modes, and motions of recordings that hold no run.
+    pub(in crate::cli) clips: Vec<Clip>,
+    /// What importers ignored or approximated, one line each.
+    pub(in crate::cli) ignored: Vec<String>,
+    /// What is left out, in words.
+    pub(in crate::cli) notes: Vec<String>,
+    pub(in crate::cli) exit: Exit,
+    /// The files that it was made of.
+    pub(in crate::cli) inputs: Inputs,
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().filter(|stem| *stem != "-").unwrap_or("report".as_ref()).to_string_lossy().into_owned()
+}
+
+impl Material {
+    pub(in crate::cli) fn of_recording(path: &Path, meshes: bool, quiet: bool) -> anyhow::Result<Self> {
+        let footage = Footage::open(path, meshes)?;
+        samples::warn_if_cut(&footage.recording, quiet);
+        let parse = |text: &Option<String>| -> Value {
+            text.as_deref().and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
+        };
+        let recording = &footage.recording;
+        let (statics, outcome) = (parse(&recording.statics), parse(&recording.outcome));
+        let is_run = outcome["modes"].is_null() && outcome["iterates"].is_null();
+        let mut kept = Vec::new();
+        let mut notes = footage.notes.clone();
+        if is_run {
+            samples::each(recording, |sample| {
+                kept.push(sample.clone());
+                Ok(())
+            })?;
+        }
+        if !recording.complete {
+            notes.push(format!("the recording is {}: this is what was kept of it", recording.ending().name()));
+        }
+        Ok(Self {
+            name: stem(path),
+            scene: recording.scene.clone(),
+            scenario: recording.scenario.clone(),
+            version: recording.version.clone(),
+            clips: if is_run { Vec::new() } else { footage.clips()? },
+            events: recording.events()?,
+            statics,
+            outcome,
+            samples: kept,
+            ignored: Vec::new(),
+            notes,
+            exit: Exit::Done,
+            inputs: Inputs::new([path]),
+        })
+    }
+
+    pub(in crate::cli) fn of_scenario(
+        common: &Common,
+        only_statics: bool,
+        verified: bool,
+        interrupt: &Interrupt,
+    ) -> anyhow::Result<Result<Self, Exit>> {
+        let (mut scenario, mut model) = match scene::load(common)? {
+            Ok(loaded) => loaded,
+            Err(exit) => return Ok(Err(exit)),
+        };
+        if !only_statics {
+            simulate::check(&model)?;
+        }
+        let given = scenario.simulate.start == Start::Given && !only_statics;
+        let found = if given { None } else { Some(statics::find(&mut scenario, &mut model)?) };
+        let told = found.as_ref().map(|(found, wall)| statics::told(&scenario, &model, found, *wall)).transpose()?;
+        let state = match &found {
+            None => Some(State { position: model.start_position.clone(), velocity: model.start_velocity.clone() }),
+            Some((found, _)) if found.converged => {
+                Some(State { position: found.position.clone(), velocity: found.velocity.clone() })
+            }
+            Some(_) => None,
+        };
+        let mut material = Self {
+            name: stem(&common.scenario),
+            scene: simulate::scene(&model),
+            scenario: scenario.text.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            statics: told.map_or(Value::Null, |(value, _)| value),
+            outcome: Value::Null,
+            samples: Vec::new(),
+            events: Vec::new(),
+            clips: found
+                .as_ref()
+                .filter(|(found, _)| found.balanced)
+                .map_or(Vec::new(), |(found, _)| poses::mode_clips(&model, found)),
+            ignored: ignored(&scenario),
+            notes: Vec::new(),
+            inputs: Inputs::of_scenario(common, &scenario, None),
+            exit: if state.is_some() { Exit::Done } else { Exit::No },
+        };
+        match state {
+            Some(state) if !only_statics => material.run(common, &scenario, &model, &state, verified, interrupt)?,
+            _ => {
+                let q = found.as_ref().map_or(&model.start_position, |(found, _)| &found.position);
+                material.stand(&model, q);
+            }
+        }
+        Ok(Ok(material))
+    }
+
+    /// The run and its samples.
+    fn run(
+        &mut self,
+        common: &Common,
+        scenario: &Scenario,
+        model: &Arc<Model>,
+        start: &State,
+        verified: bool,
+        interrupt: &Interrupt,
+    ) -> anyhow::Result<()> {
+        let settings = &scenario.simulate;
+        let mut memory = Memory::new(&Opening { scene: &self.scene, scenario: &scenario.text, statics: None });
+        let shown = || Progress::new(settings.begin() + settings.duration, common.quiet || common.json);
+        let mut progress = shown();
+        let mut go_on = |time: f64, _: &State| {
+            progress.at(time);
+            !interrupt.requested()
+        };
+        let ran = simulate::run(model, settings, scenario.record.rate, start, &mut memory, &mut go_on);
+        drop(progress);
+        (self.samples, self.events) = (memory.samples, memory.events);
+        let summary = match ran {
+            Ok(summary) => summary,
+            Err(RunError::Record(error)) => return Err(error.into()),
+            Err(error) => {
+                self.outcome = json!({ "error": error.to_string() });
+                self.exit = Exit::No;
+                output::error(&anyhow::Error::new(error));
+                return Ok(());
+            }
+        };
+        self.outcome = json::run(model, &scenario.name, "", Value::Null, &summary);
+        if verified && !summary.interrupted {
+            let mut progress = shown();
+            let mut go_on = |time: f64| {
+                progress.at(time);
+                !interrupt.requested()
+            };
+            match verify(model, settings, start, &summary, &mut go_on) {
+                Ok(Some(found)) => self.outcome["verified"] = json::verified(&found),
+                Ok(None) => {}
+                Err(error) => self.notes.push(format!("the run could not be verified: {error}")),
+            }
+        }
+        Ok(())
+    }
+
+    /// One pose alone, so that there is something to draw.
+    fn stand(&mut self, model: &Arc<Model>, q: &[f64]) {
+        let mut bodies = Vec::new();
+        let rest = vec![0.0; model.velocity_count()];
+        crate::dynamics::System::new(model).at(0.0, q, &rest).poses(&mut bodies);
+        self.clips.insert(0, Clip { name: "pose".to_owned(), times: vec![0.0], poses: vec![bodies] });
+    }
+}
+
+fn ignored(scenario: &Scenario) -> Vec<String> {
+    let notes = scenario.models.iter().flat_map(|model| &model.notes);
+    let told = |note: &crate::import::Note| (note.verdict != Taken::Used).then(|| super::super::convert::line(note));
+    notes.filter_map(told).collect()
+}

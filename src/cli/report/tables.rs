@@ -1,0 +1,181 @@
+//! Tables: modes, pose, reactions, what couplings bear, energies, events.
+
+use super::super::text::{number, small, without_noise};
+use super::material::Material;
+use super::page::escape;
+use serde_json::Value;
+use std::fmt::Write;
+
+/// Rows of one table that are shown; the data have all.
+const MOST_ROWS: usize = 60;
+
+/// A table under a heading; nothing without rows. Cells are HTML.
+fn table(out: &mut String, title: &str, heads: &[&str], rows: Vec<Vec<String>>) {
+    if rows.is_empty() {
+        return;
+    }
+    let is_number = |cell: &str| cell.trim_start_matches(['-', '−']).starts_with(|c: char| c.is_ascii_digit());
+    let class = |column: usize| {
+        let numbers = rows.iter().all(|row| row[column].is_empty() || is_number(&row[column]));
+        if numbers && column > 0 { " class=\"number\"" } else { "" }
+    };
+    // Writing to a `String` cannot fail.
+    let _ = write!(out, "<h2>{}</h2><div class=\"scroll\"><table><tr>", escape(title));
+    for (column, head) in heads.iter().enumerate() {
+        let _ = write!(out, "<th{}>{}</th>", class(column), escape(head));
+    }
+    out.push_str("</tr>\n");
+    for row in rows.iter().take(MOST_ROWS) {
+        out.push_str("<tr>");
+        for (column, cell) in row.iter().enumerate() {
+            let _ = write!(out, "<td{}>{cell}</td>", class(column));
+        }
+        out.push_str("</tr>\n");
+    }
+    out.push_str("</table></div>\n");
+    if rows.len() > MOST_ROWS {
+        let _ = writeln!(out, "<p>… and {} more rows; the saved JSON has all.</p>", rows.len() - MOST_ROWS);
+    }
+}
+
+fn list<'v>(value: &'v Value, key: &str) -> impl Iterator<Item = &'v Value> {
+    value[key].as_array().into_iter().flatten()
+}
+
+fn map<'v>(value: &'v Value, key: &str) -> impl Iterator<Item = (&'v String, &'v Value)> {
+    value[key].as_object().into_iter().flatten()
+}
+
+/// The hinges that carry a motion, and how much of it.
+fn carriers(mode: &Value) -> String {
+    let share = |share: &Value| {
+        let part = share["share"].as_f64().filter(|part| *part >= 0.005)?;
+        Some(format!("{} {:.0} %", escape(share["hinge"].as_str()?), 100.0 * part))
+    };
+    list(mode, "hinges").take(3).filter_map(share).collect::<Vec<_>>().join(", ")
+}
+
+pub(super) fn modes(out: &mut String, statics: &Value) {
+    let row = |(index, mode): (usize, &Value)| {
+        let rate = match mode["growth_rate"].as_f64().unwrap_or_default() {
+            growth if growth > 0.0 => format!("grows {} per second", number(growth)),
+            _ => format!("{} Hz", number(mode["frequency_hz"].as_f64().unwrap_or_default())),
+        };
+        let play = format!("<button data-clip=\"mode {}:\">play</button>", index + 1);
+        vec![(index + 1).to_string(), rate, carriers(mode), play]
+    };
+    let rows = list(statics, "modes").enumerate().map(row).collect();
+    table(out, "Modes", &["mode", "frequency", "carried by", ""], rows);
+    let damped = |mode: &Value| {
+        let [decay, hz, ratio] =
+            ["decay_rate", "frequency_hz", "damping_ratio"].map(|key| mode[key].as_f64().unwrap_or_default());
+        vec![carriers(mode), number(hz), number(decay), number(without_noise(ratio, 1.0))]
+    };
+    let rows = list(statics, "damped_modes").map(damped).collect();
+    table(out, "Modes with damping", &["carried by", "frequency (Hz)", "decay rate (1/s)", "damping ratio ζ"], rows);
+}
+
+pub(super) fn pose(out: &mut String, material: &Material) {
+    let unit = |body: &str, index: usize| {
+        let channels = material.scene.positions.iter().filter(|channel| channel.body == body);
+        channels.skip(index).map(|channel| (channel.name.as_str(), channel.unit.as_str())).next().unwrap_or_default()
+    };
+    let mut rows = Vec::new();
+    for (body, values) in map(&material.statics, "positions") {
+        for (index, value) in values.as_array().into_iter().flatten().enumerate() {
+            let (name, unit) = unit(body, index);
+            rows.push(vec![escape(body), escape(name), value.as_f64().map_or(String::new(), number), escape(unit)]);
+        }
+    }
+    table(out, "Pose", &["hinge of", "coordinate", "value", "unit"], rows);
+    let rows = map(&material.statics, "outputs").map(|(name, value)| vec![escape(name), numbers(value)]).collect();
+    table(out, "Outputs at the equilibrium", &["output", "value"], rows);
+    let rows = map(&material.statics, "unknowns").map(|(name, value)| vec![escape(name), numbers(value)]).collect();
+    table(out, "Inputs that were found", &["address", "value"], rows);
+}
+
+/// One number, or several.
+fn numbers(value: &Value) -> String {
+    match value.as_array() {
+        Some(list) => list.iter().filter_map(Value::as_f64).map(number).collect::<Vec<_>>().join(", "),
+        None => value.as_f64().map_or(String::new(), number),
+    }
+}
+
+/// Force and moment, with zero for round-off beside the largest of all.
+fn wrench(value: &Value, largest: [f64; 2]) -> Vec<String> {
+    let part = |(key, largest): (&str, f64)| {
+        let parts = list(value, key).filter_map(Value::as_f64);
+        parts.map(|x| number(without_noise(x, largest))).collect::<Vec<_>>()
+    };
+    [("force", largest[0]), ("moment", largest[1])].into_iter().flat_map(part).collect()
+}
+
+fn largest(values: &[&Value]) -> [f64; 2] {
+    ["force", "moment"].map(|key| {
+        let parts = values.iter().flat_map(|value| list(value, key)).filter_map(Value::as_f64);
+        parts.fold(0.0_f64, |largest, x| largest.max(x.abs()))
+    })
+}
+
+const AXES: [&str; 7] = ["", "Fx (N)", "Fy (N)", "Fz (N)", "Mx (N m)", "My (N m)", "Mz (N m)"];
+
+pub(super) fn reactions(out: &mut String, statics: &Value) {
+    for (key, title, head) in [
+        ("reactions", "Reactions of the hinges, at the root markers, inertial axes", "hinge of"),
+        ("loop_reactions", "Reactions of the loops, inertial axes", "loop"),
+    ] {
+        let all: Vec<&Value> = map(statics, key).map(|(_, value)| value).collect();
+        let largest = largest(&all);
+        let row = |(name, value): (&String, &Value)| {
+            let mark = if value["unique"] == false { " (not unique)" } else { "" };
+            [vec![format!("{}{mark}", escape(name))], wrench(value, largest)].concat()
+        };
+        let mut heads = AXES;
+        heads[0] = head;
+        let rows = map(statics, key).map(row).filter(|row| row.len() == heads.len()).collect();
+        table(out, title, &heads, rows);
+    }
+    let mut rows = Vec::new();
+    for (key, what) in [("drives", "drive"), ("motors", "motor"), ("pulls", "rope or curve")] {
+        let row = |(name, value): (&String, &Value)| vec![escape(name), what.to_owned(), numbers(value)];
+        rows.extend(map(statics, key).map(row));
+    }
+    let held = |held: &Value| {
+        vec![escape(held["hinge"].as_str().unwrap_or_default()), "lock".to_owned(), numbers(&held["force"])]
+    };
+    rows.extend(list(statics, "holding").map(held));
+    let stop = |stop: &Value| {
+        let side = format!("stop ({})", stop["side"].as_str().unwrap_or_default());
+        vec![escape(stop["hinge"].as_str().unwrap_or_default()), side, numbers(&stop["load"])]
+    };
+    rows.extend(list(statics, "stops").map(stop));
+    table(out, "Couplings: forces (N) along slides, torques (N m) about axes", &["of", "kind", "bears"], rows);
+}
+
+pub(super) fn run(out: &mut String, outcome: &Value) {
+    let rows: Vec<(&str, &str)> = vec![
+        ("kinetic and potential at the start", "energy_start"),
+        ("kinetic and potential at the end", "energy_end"),
+        ("put in by motors, drives and loads", "energy_work"),
+        ("taken out by dampers, friction and impacts", "energy_dissipated"),
+    ];
+    let scale = rows.iter().filter_map(|(_, key)| outcome[*key].as_f64()).fold(0.0_f64, |m, x| m.max(x.abs()));
+    let mut ledger: Vec<Vec<String>> = rows
+        .iter()
+        .filter_map(|(what, key)| Some(vec![(*what).to_owned(), number(without_noise(outcome[*key].as_f64()?, scale))]))
+        .collect();
+    if let Some(drift) = outcome["energy_drift"].as_f64() {
+        ledger.push(vec!["not accounted for, at most".to_owned(), small(drift)]);
+    }
+    table(out, "Energy ledger", &["", "J"], ledger);
+    let row = |event: &Value| {
+        let text = |key: &str| escape(event[key].as_str().unwrap_or_default());
+        let value = |key: &str| event[key].as_f64().map_or(String::new(), number);
+        vec![value("time"), text("kind"), text("name"), value("value"), value("speed")]
+    };
+    let rows = list(outcome, "events").map(row).collect();
+    table(out, "Events", &["time (s)", "what", "of", "at", "speed"], rows);
+    let rows = map(outcome, "outputs").map(|(name, value)| vec![escape(name), numbers(value)]).collect();
+    table(out, "Outputs at the end", &["output", "value"], rows);
+}

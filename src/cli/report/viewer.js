@@ -1,0 +1,287 @@
+"use strict";
+// Shows the glTF file of the page: turn, move, zoom, play. No library, nothing from a network.
+(() => {
+  const $ = (id) => document.getElementById(id);
+  const bytes = (id) => Uint8Array.from(atob($(id).textContent.trim()), (c) => c.charCodeAt(0));
+  const file = bytes("glb");
+  const look = JSON.parse($("look").textContent);
+  const data = JSON.parse($("data").textContent);
+
+  // --- What can be saved -------------------------------------------------------------------------------------------
+  const save = (button, name, type, content) => {
+    if (!$(button)) return;
+    $(button).onclick = () => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([content()], { type }));
+      link.download = name;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    };
+  };
+  const csv = () => {
+    const raw = bytes("numbers");
+    const numbers = new Float32Array(raw.buffer, 0, raw.length / 4);
+    const width = data.columns.length;
+    const quote = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const lines = [data.columns.map(quote).join(",")];
+    for (let at = 0; at < numbers.length; at += width) {
+      lines.push(Array.from(numbers.subarray(at, at + width), (x) => Number(x.toPrecision(7)).toString()).join(","));
+    }
+    return lines.join("\n") + "\n";
+  };
+  save("save-scenario", data.name + ".toml", "text/plain", () => $("scenario").textContent);
+  save("save-glb", data.name + ".glb", "model/gltf-binary", () => file);
+  save("save-csv", data.name + ".csv", "text/csv", csv);
+  save("save-json", data.name + ".json", "application/json", () => JSON.stringify(data.answer, null, 2));
+
+  // --- The file ----------------------------------------------------------------------------------------------------
+  const view = new DataView(file.buffer);
+  const textLength = view.getUint32(12, true);
+  const gltf = JSON.parse(new TextDecoder().decode(file.subarray(20, 20 + textLength)));
+  const binary = 20 + textLength + 8;
+  const read = (number) => {
+    const accessor = gltf.accessors[number];
+    const at = binary + (gltf.bufferViews[accessor.bufferView].byteOffset || 0) + (accessor.byteOffset || 0);
+    const width = { SCALAR: 1, VEC3: 3, VEC4: 4 }[accessor.type];
+    const part = file.slice(at, at + 4 * width * accessor.count).buffer;
+    return accessor.componentType === 5126 ? new Float32Array(part) : new Uint32Array(part);
+  };
+  const clips = (gltf.animations || []).map((animation) => ({
+    name: animation.name,
+    channels: animation.channels.map(({ sampler, target }) => ({
+      node: target.node,
+      path: target.path,
+      times: read(animation.samplers[sampler].input),
+      values: read(animation.samplers[sampler].output),
+    })),
+  }));
+  clips.forEach((clip) => (clip.end = Math.max(...clip.channels.map(({ times }) => times[times.length - 1]))));
+
+  // --- Places at a time --------------------------------------------------------------------------------------------
+  // Columns of a 4 × 4 matrix from translation, rotation (x, y, z, w) and scale.
+  const compose = ([tx, ty, tz], [x, y, z, w], [sx, sy, sz]) => [
+    sx * (1 - 2 * (y * y + z * z)), sx * 2 * (x * y + z * w), sx * 2 * (x * z - y * w), 0,
+    sy * 2 * (x * y - z * w), sy * (1 - 2 * (x * x + z * z)), sy * 2 * (y * z + x * w), 0,
+    sz * 2 * (x * z + y * w), sz * 2 * (y * z - x * w), sz * (1 - 2 * (x * x + y * y)), 0,
+    tx, ty, tz, 1,
+  ];
+  const multiply = (a, b) => {
+    const c = new Array(16).fill(0);
+    for (let i = 0; i < 4; i++) for (let j = 0; j < 4; j++) for (let k = 0; k < 4; k++) c[4 * j + i] += a[4 * k + i] * b[4 * j + k];
+    return c;
+  };
+  const at = ({ times, values, path }, time) => {
+    const width = path === "rotation" ? 4 : 3;
+    let low = 0, high = times.length - 1;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (times[middle] <= time) low = middle; else high = middle;
+    }
+    const part = Math.min(Math.max((time - times[low]) / (times[high] - times[low] || 1), 0), 1);
+    const mixed = [];
+    for (let k = 0; k < width; k++) mixed.push(values[low * width + k] * (1 - part) + values[high * width + k] * part);
+    const length = path === "rotation" ? Math.hypot(...mixed) || 1 : 1;
+    return mixed.map((x) => x / length);
+  };
+  const places = (clip, time) => {
+    const local = gltf.nodes.map((node) => ({
+      translation: node.translation || [0, 0, 0], rotation: node.rotation || [0, 0, 0, 1], scale: node.scale || [1, 1, 1],
+    }));
+    if (clip) clip.channels.forEach((channel) => (local[channel.node][channel.path] = at(channel, time)));
+    // The root turns z up into glTF's y up; here z stays up.
+    local[0] = { translation: [0, 0, 0], rotation: [0, 0, 0, 1], scale: [1, 1, 1] };
+    const matrices = [];
+    const visit = (node, parent) => {
+      const { translation, rotation, scale } = local[node];
+      matrices[node] = multiply(parent, compose(translation, rotation, scale));
+      (gltf.nodes[node].children || []).forEach((child) => visit(child, matrices[node]));
+    };
+    visit(0, compose([0, 0, 0], [0, 0, 0, 1], [1, 1, 1]));
+    return matrices;
+  };
+
+  // --- Drawing -----------------------------------------------------------------------------------------------------
+  const canvas = $("canvas");
+  const gl = canvas.getContext("webgl", { antialias: true, preserveDrawingBuffer: true });
+  if (!gl) return void ($("still-note").hidden = false);
+  const shader = (type, source) => {
+    const one = gl.createShader(type);
+    gl.shaderSource(one, source);
+    gl.compileShader(one);
+    return one;
+  };
+  const program = gl.createProgram();
+  gl.attachShader(program, shader(gl.VERTEX_SHADER, `
+    attribute vec3 position; attribute vec3 normal;
+    uniform mat4 eye; uniform mat4 model; uniform mat3 turn; varying vec3 direction;
+    void main() { direction = turn * normal; gl_Position = eye * model * vec4(position, 1.0); }`));
+  gl.attachShader(program, shader(gl.FRAGMENT_SHADER, `
+    precision mediump float; uniform vec4 color; uniform float lit; varying vec3 direction;
+    void main() {
+      vec3 n = normalize(direction); float side = n.z < 0.0 ? -1.0 : 1.0;
+      float light = 0.52 + 0.53 * max(0.0, side * dot(n, normalize(vec3(-0.40, 0.62, 0.68))));
+      gl_FragColor = vec4(color.rgb * mix(1.0, light, lit), color.a);
+    }`));
+  gl.linkProgram(program);
+  gl.useProgram(program);
+  gl.enable(gl.DEPTH_TEST);
+  gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+  const uniform = (name) => gl.getUniformLocation(program, name);
+  const [eyeAt, modelAt, turnAt, colorAt, litAt] = ["eye", "model", "turn", "color", "lit"].map(uniform);
+  const [positionAt, normalAt] = ["position", "normal"].map((name) => gl.getAttribLocation(program, name));
+  const buffer = (values) => {
+    const one = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, one);
+    gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+    return one;
+  };
+  // Corners one after the other: numbers of more than 16 bits are no part of the standard.
+  const meshes = (gltf.meshes || []).map(({ primitives: [{ attributes, indices, material }] }) => {
+    const corners = read(indices);
+    const spread = (values) => {
+      const out = new Float32Array(3 * corners.length);
+      corners.forEach((corner, k) => out.set(values.subarray(3 * corner, 3 * corner + 3), 3 * k));
+      return buffer(out);
+    };
+    const screen = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+    const [r, g, b, a] = gltf.materials[material].pbrMetallicRoughness.baseColorFactor;
+    return {
+      count: corners.length, color: [screen(r), screen(g), screen(b), a],
+      position: spread(read(attributes.POSITION)), normal: spread(read(attributes.NORMAL)),
+    };
+  });
+  const grid = [];
+  const [[x0, y0], [x1, y1]] = look.floor;
+  for (let x = x0; x <= x1 + look.spacing / 2; x += look.spacing) grid.push(x, y0, look.height, x, y1, look.height);
+  for (let y = y0; y <= y1 + look.spacing / 2; y += look.spacing) grid.push(x0, y, look.height, x1, y, look.height);
+  const floor = { position: buffer(new Float32Array(grid)), count: grid.length / 3 };
+
+  const state = { azimuth: look.azimuth, elevation: look.elevation, zoom: 1, shift: [0, 0], clip: 0, time: 0, playing: false };
+  const draw = () => {
+    const sharp = window.devicePixelRatio || 1;
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+    [canvas.width, canvas.height] = [width * sharp, height * sharp];
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clearColor(1, 1, 1, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const [ca, sa, ce, se] = [Math.cos(state.azimuth), Math.sin(state.azimuth), Math.cos(state.elevation), Math.sin(state.elevation)];
+    const [right, up, back] = [[-sa, ca, 0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]];
+    const half = (0.46 * look.extent) / state.zoom;
+    const [sx, sy, sz] = [1 / half * Math.min(1, height / width), 1 / half * Math.min(1, width / height), -1 / (4 * look.extent)];
+    const offset = (axis) => -(axis[0] * look.center[0] + axis[1] * look.center[1] + axis[2] * look.center[2]);
+    const eye = [
+      sx * right[0], sy * up[0], sz * back[0], 0, sx * right[1], sy * up[1], sz * back[1], 0,
+      sx * right[2], sy * up[2], sz * back[2], 0,
+      sx * (offset(right) + state.shift[0]), sy * (offset(up) + state.shift[1]), sz * offset(back), 1,
+    ];
+    gl.uniformMatrix4fv(eyeAt, false, eye);
+    gl.uniformMatrix4fv(modelAt, false, compose([0, 0, 0], [0, 0, 0, 1], [1, 1, 1]));
+    gl.uniform4f(colorAt, 0.82, 0.84, 0.87, 1);
+    gl.uniform1f(litAt, 0);
+    gl.disableVertexAttribArray(normalAt);
+    gl.vertexAttrib3f(normalAt, 0, 0, 1);
+    gl.enableVertexAttribArray(positionAt);
+    gl.bindBuffer(gl.ARRAY_BUFFER, floor.position);
+    gl.vertexAttribPointer(positionAt, 3, gl.FLOAT, false, 0, 0);
+    gl.drawArrays(gl.LINES, 0, floor.count);
+    gl.uniform1f(litAt, 1);
+    gl.enableVertexAttribArray(normalAt);
+    const matrices = places(clips[state.clip], state.time);
+    for (const blended of [false, true]) {
+      gl.depthMask(!blended);
+      if (blended) gl.enable(gl.BLEND); else gl.disable(gl.BLEND);
+      gltf.nodes.forEach((node, k) => {
+        if (node.mesh === undefined || meshes[node.mesh].color[3] < 1 !== blended) return;
+        const mesh = meshes[node.mesh], m = matrices[k];
+        // Normals turn as the columns do, divided by the squares of their lengths.
+        const columns = [0, 4, 8].map((c) => {
+          const column = [m[c], m[c + 1], m[c + 2]];
+          const square = column[0] ** 2 + column[1] ** 2 + column[2] ** 2 || 1;
+          return [right, up, back].map((axis) => (axis[0] * column[0] + axis[1] * column[1] + axis[2] * column[2]) / square);
+        });
+        gl.uniformMatrix4fv(modelAt, false, m);
+        gl.uniformMatrix3fv(turnAt, false, columns.flat());
+        gl.uniform4fv(colorAt, mesh.color);
+        gl.bindBuffer(gl.ARRAY_BUFFER, mesh.position);
+        gl.vertexAttribPointer(positionAt, 3, gl.FLOAT, false, 0, 0);
+        gl.bindBuffer(gl.ARRAY_BUFFER, mesh.normal);
+        gl.vertexAttribPointer(normalAt, 3, gl.FLOAT, false, 0, 0);
+        gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
+      });
+    }
+    gl.depthMask(true);
+    if (clips.length) {
+      $("time").textContent = state.time.toFixed(2) + " s";
+      $("slider").value = state.time / clips[state.clip].end;
+    }
+  };
+
+  // --- What a person does ------------------------------------------------------------------------------------------
+  let last = 0;
+  const tick = (now) => {
+    if (!state.playing) return;
+    state.time += Math.min((now - last) / 1000, 0.1);
+    last = now;
+    if (state.time > clips[state.clip].end) state.time = 0;
+    draw();
+    requestAnimationFrame(tick);
+  };
+  const play = (playing) => {
+    state.playing = playing;
+    $("play").textContent = playing ? "❚❚" : "▶";
+    if (playing) requestAnimationFrame((now) => ((last = now), tick(now)));
+  };
+  const show = (clip, playing) => {
+    state.clip = clip;
+    state.time = 0;
+    $("clip").value = clip;
+    play(playing);
+    draw();
+  };
+  $("still").hidden = true;
+  canvas.hidden = false;
+  canvas.onpointerdown = (event) => canvas.setPointerCapture(event.pointerId);
+  canvas.onpointermove = (event) => {
+    if (!event.buttons) return;
+    if (event.shiftKey || event.buttons !== 1) {
+      const metres = (0.92 * look.extent) / state.zoom / Math.min(canvas.clientWidth, canvas.clientHeight);
+      state.shift = [state.shift[0] + metres * event.movementX, state.shift[1] - metres * event.movementY];
+    } else {
+      state.azimuth -= 0.008 * event.movementX;
+      state.elevation = Math.min(Math.max(state.elevation + 0.008 * event.movementY, -1.5), 1.5);
+    }
+    draw();
+  };
+  canvas.onwheel = (event) => {
+    event.preventDefault();
+    state.zoom = Math.min(Math.max(state.zoom * Math.exp(-0.001 * event.deltaY), 0.1), 100);
+    draw();
+  };
+  canvas.ondblclick = () => {
+    Object.assign(state, { azimuth: look.azimuth, elevation: look.elevation, zoom: 1, shift: [0, 0] });
+    draw();
+  };
+  canvas.oncontextmenu = (event) => event.preventDefault();
+  if (clips.length) {
+    $("controls").hidden = false;
+    clips.forEach((clip, k) => $("clip").add(new Option(clip.name, k)));
+    $("clip").onchange = () => show(Number($("clip").value), state.playing);
+    $("play").onclick = () => play(!state.playing);
+    $("slider").oninput = () => {
+      play(false);
+      state.time = $("slider").value * clips[state.clip].end;
+      draw();
+    };
+    document.querySelectorAll("button[data-clip]").forEach((button) => {
+      const number = clips.findIndex((clip) => clip.name.startsWith(button.dataset.clip));
+      if (number < 0) return void (button.hidden = true);
+      button.onclick = () => {
+        canvas.scrollIntoView({ behavior: "smooth", block: "center" });
+        show(number, true);
+      };
+    });
+  }
+  window.onresize = draw;
+  draw();
+  document.documentElement.dataset.shown = "yes";
+})();

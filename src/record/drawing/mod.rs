@@ -1,0 +1,117 @@
+//! What is drawn of a scene: a list of parts, each with triangles that never change and a place at every instant.
+//!
+//! Pictures, films, glTF files and reports are made of this one list, so that they show the same. The Rerun viewer has solids and lines of
+//! its own; it shares the [`solids`](super::solids) of bodies, the room that they take and the radii of coils.
+//!
+//! - Bodies are their shapes. A body without any is drawn as rods to its points, or as the box of its inertia; if other bodies have shapes, a
+//!   body without shape, points and inertia is not drawn.
+//! - Springs are coils, ropes and rods are thin cylinders between their points.
+//! - What is hinged to the ground gets a pin along the axis of its hinge, or a small cube, and so do lines that end on the ground.
+//! - Loads, hinge axes and reactions are arrows, if they are asked for.
+
+pub(super) mod bounds;
+pub(super) mod ground;
+pub(super) mod lines;
+mod parts;
+mod place;
+mod triangles;
+
+pub use place::{Part, Placement};
+pub use triangles::Triangles;
+
+use super::scene::Scene;
+use super::solids::{Form, Solid, solids};
+use crate::spatial::{Pose, Wrench};
+use bounds::{Bounds, Outline};
+use nalgebra::Point3;
+
+/// What is drawn beside bodies and lines.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Extras {
+    /// Constant loads as arrows.
+    pub loads: bool,
+    /// Axes of the hinges as arrows.
+    pub hinges: bool,
+}
+
+/// Everything that is drawn of a scene.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    /// In the order of the scene: bodies, lines, the ground's marks, then what was asked for.
+    pub parts: Vec<Part>,
+    /// What cannot be drawn, in words.
+    pub notes: Vec<String>,
+    outlines: Vec<Outline>,
+    scene: Scene,
+    /// Extent of the scene (m).
+    size: f64,
+}
+
+impl Drawing {
+    /// Of a scene; `start` has the poses of its bodies at some instant, by which the sizes of marks are chosen.
+    pub fn new(scene: &Scene, start: &[Pose], extras: Extras) -> Self {
+        let mut solids = solids(scene);
+        drop_stand_ins(scene, &mut solids);
+        let outlines: Vec<Outline> = solids.iter().map(|solids| Outline::new(solids)).collect();
+        let mut drawing = Self { parts: Vec::new(), notes: Vec::new(), outlines, scene: scene.clone(), size: 1.0 };
+        drawing.measure(start);
+        drawing.add_bodies(&solids);
+        // Meshes are known now.
+        drawing.measure(start);
+        drawing.add_lines();
+        drawing.add_ground();
+        if extras.loads {
+            drawing.add_loads();
+        }
+        if extras.hinges {
+            drawing.add_hinges();
+        }
+        drawing
+    }
+
+    /// Adds what the hinges pass to the bodies at one instant, as arrows that stay where they are.
+    pub fn with_reactions(mut self, poses: &[Pose], reactions: &[Wrench]) -> Self {
+        self.add_reactions(poses, reactions);
+        self
+    }
+
+    pub(super) fn body_name(&self, body: usize) -> &str {
+        self.scene.bodies.get(body).map_or("", |body| body.name.as_str())
+    }
+
+    pub(super) fn bounds<'p>(&self, poses: impl IntoIterator<Item = &'p [Pose]>) -> Bounds {
+        let mut bounds = Bounds::default();
+        for poses in poses {
+            bounds.include_bodies(&self.outlines, poses);
+            bounds.include_lines(&self.scene.lines, poses);
+        }
+        // Where nothing has a size, the places of hinges have.
+        if bounds.is_empty() || !(bounds.size().max() > 0.0) {
+            self.scene.bodies.iter().for_each(|body| bounds.include(&body.hinge_at.into(), 0.5));
+        }
+        bounds
+    }
+
+    fn measure(&mut self, start: &[Pose]) {
+        self.size = self.bounds([start]).size().norm().max(f64::MIN_POSITIVE);
+    }
+
+    /// Replaces the outline of a mesh, which is known once it is read.
+    fn outline(&mut self, body: usize, triangles: &Triangles, pose: &Pose) {
+        let corners = triangles.positions.iter().map(|at| pose * Point3::from(at.map(f64::from)));
+        self.outlines[body].include(corners);
+    }
+}
+
+/// Balls that stand for bodies of which nothing is known, beside bodies with shapes of their own.
+fn drop_stand_ins(scene: &Scene, solids: &mut [Vec<Solid>]) {
+    if scene.bodies.iter().all(|body| body.shapes.is_empty()) {
+        return;
+    }
+    for (body, solids) in scene.bodies.iter().zip(solids) {
+        let is_ball = |solid: &Solid| matches!(solid.form, Form::Ball(_));
+        if body.shapes.is_empty() && solids.iter().all(is_ball) {
+            solids.clear();
+        }
+    }
+}

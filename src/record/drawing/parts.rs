@@ -1,0 +1,204 @@
+//! The parts of a drawing, from its scene.
+
+use super::lines::coil_radii;
+use super::place::{Anchor, Part, Place, toward};
+use super::{Drawing, Triangles};
+use crate::record::scene::{BodyPicture, LinePicture, LoadPicture};
+use crate::record::solids::{Form, Solid};
+use crate::spatial::{Pose, Wrench};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+const SPRING: [f64; 4] = [0.36, 0.40, 0.44, 1.0];
+const ROPE: [f64; 4] = [0.48, 0.38, 0.24, 1.0];
+const ROD: [f64; 4] = [0.45, 0.47, 0.50, 1.0];
+const GROUND: [f64; 4] = [0.30, 0.31, 0.33, 1.0];
+const FORCE: [f64; 4] = [0.78, 0.24, 0.16, 1.0];
+const TORQUE: [f64; 4] = [0.51, 0.27, 0.67, 1.0];
+const REACTION: [f64; 4] = [0.16, 0.43, 0.24, 1.0];
+const HINGE: [f64; 4] = [0.84, 0.63, 0.19, 1.0];
+
+/// Radii of ropes and of rods against the scene.
+const ROPE_RADIUS: f64 = 0.0025;
+const ROD_RADIUS: f64 = 0.005;
+/// Round forms of a larger radius against the scene have all their sides.
+const FINE: f64 = 0.01;
+/// The ground's pins and cubes against the scene.
+const MARK: f64 = 0.014;
+/// The longest arrow against the scene, and the shortest against the longest.
+const ARROW: f64 = 0.2;
+const SHORTEST: f64 = 0.2;
+/// The length of a hinge's axis against the scene.
+const AXIS: f64 = 0.12;
+
+impl Drawing {
+    pub(super) fn add_bodies(&mut self, solids: &[Vec<Solid>]) {
+        let mut known: HashMap<String, Arc<Triangles>> = HashMap::new();
+        for (body, solids) in solids.iter().enumerate() {
+            for solid in solids {
+                let name = self.scene.bodies[body].name.clone();
+                let key = key(&solid.form);
+                let triangles = match known.get(&key) {
+                    Some(triangles) => Ok(triangles.clone()),
+                    None => Triangles::of(&solid.form, FINE * self.size).map(Arc::new),
+                };
+                match triangles {
+                    Ok(triangles) => {
+                        if let Form::Mesh { .. } = solid.form {
+                            self.outline(body, &triangles, &solid.pose);
+                        }
+                        known.insert(key, triangles.clone());
+                        let place = Place::Body { body: Some(body), pose: solid.pose, scale: [1.0; 3] };
+                        let (color, unbounded) = (solid.color, solid.unbounded);
+                        self.parts.push(Part { name, triangles, color, unbounded, place });
+                    }
+                    Err(error) => self.notes.push(format!("{name}: {error}; it is not drawn")),
+                }
+            }
+        }
+    }
+
+    /// Springs as coils, ropes and rods as cylinders from point to point.
+    pub(super) fn add_lines(&mut self) {
+        let coils = coil_radii(&self.scene, self.size);
+        let rod = Arc::new(Triangles::rod());
+        for (line, coil) in self.scene.lines.iter().zip(coils) {
+            let (color, thin) = match line {
+                LinePicture { pulls_only: true, .. } => (ROPE, ROPE_RADIUS),
+                LinePicture { spring: Some(_), .. } => (SPRING, ROPE_RADIUS),
+                _ => (ROD, ROD_RADIUS),
+            };
+            let (triangles, radius) = match (coil, line.spring) {
+                (Some(radius), Some([_, length])) => {
+                    let slenderness = (length / radius).clamp(4.0, 40.0);
+                    (Arc::new(Triangles::coil(slenderness)), radius)
+                }
+                _ => (rod.clone(), thin * self.size),
+            };
+            let spans = line.ends.windows(2).map(|pair| Place::Span { ends: [pair[0], pair[1]], radius });
+            let part =
+                |place| Part { name: line.name.clone(), triangles: triangles.clone(), color, unbounded: false, place };
+            self.parts.extend(spans.map(part));
+        }
+    }
+
+    /// Marks of what is fixed to the ground.
+    pub(super) fn add_ground(&mut self) {
+        let edge = MARK * self.size;
+        let rod = Arc::new(Triangles::rod());
+        let cube = |at: [f64; 3], name: &str, parts: &mut Vec<Part>| {
+            let Ok(triangles) = Triangles::of(&Form::Box([edge; 3]), 0.0) else { return };
+            let place = Place::Body { body: None, pose: Pose::translation(at[0], at[1], at[2]), scale: [1.0; 3] };
+            parts.push(Part {
+                name: name.to_owned(),
+                triangles: triangles.into(),
+                color: GROUND,
+                unbounded: false,
+                place,
+            });
+        };
+        for body in self.scene.bodies.iter().filter(|body| body.parent.is_none()) {
+            match (body.hinge.as_str(), axes(body).first()) {
+                ("revolute", Some(axis)) => {
+                    let start = Vector3::from(body.hinge_at) - 2.0 * edge * axis;
+                    let pose = Isometry3::from_parts(Translation3::from(start), toward(axis));
+                    let place = Place::Body { body: None, pose, scale: [0.5 * edge, 0.5 * edge, 4.0 * edge] };
+                    let (name, triangles) = (body.name.clone(), rod.clone());
+                    self.parts.push(Part { name, triangles, color: GROUND, unbounded: false, place });
+                }
+                ("universal" | "spherical", _) => cube(body.hinge_at, &body.name, &mut self.parts),
+                // Other hinges let the body leave the point that they begin at.
+                _ => {}
+            }
+        }
+        for line in &self.scene.lines {
+            for (_, at) in line.ends.iter().filter(|(body, _)| body.is_none()) {
+                cube(*at, &line.name, &mut self.parts);
+            }
+        }
+    }
+
+    /// Constant loads: arrows that end at their points.
+    pub(super) fn add_loads(&mut self) {
+        let arrow = Arc::new(Triangles::arrow());
+        let largest = |of: fn(&LoadPicture) -> [f64; 3]| {
+            self.scene.loads.iter().map(|load| Vector3::from(of(load)).norm()).fold(0.0, f64::max)
+        };
+        let (force, torque) = (largest(|load| load.force), largest(|load| load.torque));
+        for load in &self.scene.loads {
+            for (of, full, color) in [(load.force, force, FORCE), (load.torque, torque, TORQUE)] {
+                let Some((turn, length)) = self.arrow(&of.into(), full) else { continue };
+                let at = load.at;
+                let place = match load.turns {
+                    true => Place::Body {
+                        body: Some(load.body),
+                        pose: Isometry3::from_parts(Translation3::from(at), turn),
+                        scale: [length; 3],
+                    },
+                    false => Place::Point { at: (Some(load.body), at), turn, scale: length },
+                };
+                self.parts.push(Part {
+                    name: load.name.clone(),
+                    triangles: arrow.clone(),
+                    color,
+                    unbounded: false,
+                    place,
+                });
+            }
+        }
+    }
+
+    /// Axes of the hinges, carried by the parents.
+    pub(super) fn add_hinges(&mut self) {
+        let arrow = Arc::new(Triangles::arrow());
+        let length = AXIS * self.size;
+        for body in &self.scene.bodies {
+            for axis in axes(body) {
+                let start = Vector3::from(body.hinge_at) - 0.5 * length * axis;
+                let pose = Isometry3::from_parts(Translation3::from(start), toward(&axis));
+                let place = Place::Body { body: body.parent, pose, scale: [length; 3] };
+                let name = body.name.clone();
+                self.parts.push(Part { name, triangles: arrow.clone(), color: HINGE, unbounded: false, place });
+            }
+        }
+    }
+
+    /// What the hinges pass to the bodies, at the root markers.
+    pub(super) fn add_reactions(&mut self, poses: &[Pose], reactions: &[Wrench]) {
+        let arrow = Arc::new(Triangles::arrow());
+        let full = reactions.iter().map(|one| one.force.norm()).filter(|x| x.is_finite()).fold(0.0, f64::max);
+        for ((body, pose), reaction) in self.scene.bodies.iter().zip(poses).zip(reactions) {
+            let Some((turn, length)) = self.arrow(&reaction.force, full) else { continue };
+            let at: Anchor = (None, (pose * Point3::origin()).coords.into());
+            let place = Place::Point { at, turn, scale: length };
+            self.parts.push(Part {
+                name: body.name.clone(),
+                triangles: arrow.clone(),
+                color: REACTION,
+                unbounded: false,
+                place,
+            });
+        }
+    }
+
+    /// Direction and length of an arrow (m); `None` for zero.
+    fn arrow(&self, vector: &Vector3<f64>, full: f64) -> Option<(UnitQuaternion<f64>, f64)> {
+        let length = vector.norm();
+        let drawn = full > 0.0 && length > 0.0 && length.is_finite();
+        drawn.then(|| (toward(vector), ARROW * self.size * (length / full).clamp(SHORTEST, 1.0)))
+    }
+}
+
+/// Unit vectors along the axes of a hinge, in the parent's axes.
+fn axes(body: &BodyPicture) -> Vec<Vector3<f64>> {
+    body.hinge_axes.iter().filter_map(|axis| Vector3::from(*axis).try_normalize(0.0)).collect()
+}
+
+/// The same for equal forms.
+fn key(form: &Form) -> String {
+    match form {
+        Form::Mesh { file, scale, .. } => format!("{file} {scale:?}"),
+        form => format!("{form:?}"),
+    }
+}

@@ -1,0 +1,89 @@
+//! Where a part is.
+
+use super::Triangles;
+use crate::spatial::Pose;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use std::sync::Arc;
+
+/// Something that is drawn: triangles in axes of their own, and where these axes are.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// Name of the body, line, load or hinge.
+    pub name: String,
+    /// In the part's axes. Parts of one form share them.
+    pub triangles: Arc<Triangles>,
+    /// Red, green, blue, opacity, 0…1.
+    pub color: [f64; 4],
+    /// Whether it stands for something without bounds, which no frame holds.
+    pub unbounded: bool,
+    pub(super) place: Place,
+}
+
+/// A point of a body (`None`: the ground), in its axes.
+pub(super) type Anchor = (Option<usize>, [f64; 3]);
+
+/// What a part moves with.
+#[derive(Debug, Clone)]
+pub(super) enum Place {
+    /// A body (`None`: the ground): the pose in its axes, and the scale.
+    Body { body: Option<usize>, pose: Pose, scale: [f64; 3] },
+    /// Two points: the part's z goes from the first to the second and is as long as they are apart.
+    Span { ends: [Anchor; 2], radius: f64 },
+    /// A point of a body: the direction in space stays.
+    Point { at: Anchor, turn: UnitQuaternion<f64>, scale: f64 },
+}
+
+/// Where a part's axes are at one instant: `world_from_part = pose · diag(scale)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// Of the part's axes.
+    pub pose: Pose,
+    /// Along the part's axes; zero of a part that cannot be seen.
+    pub scale: [f64; 3],
+}
+
+impl Part {
+    /// Where it is when the bodies are in these poses.
+    pub fn place(&self, poses: &[Pose]) -> Placement {
+        match &self.place {
+            Place::Body { body, pose, scale } => Placement { pose: of(*body, poses) * pose, scale: *scale },
+            Place::Point { at, turn, scale } => {
+                let pose = Isometry3::from_parts(Translation3::from(point(at, poses)), *turn);
+                Placement { pose, scale: [*scale; 3] }
+            }
+            Place::Span { ends, radius } => {
+                let [a, b] = ends.map(|end| point(&end, poses));
+                let along = b - a;
+                // Points at one place have no direction between them.
+                let scale = if along.norm() > 1e-9 * radius { [*radius, *radius, along.norm()] } else { [0.0; 3] };
+                Placement { pose: Isometry3::from_parts(a.into(), toward(&along)), scale }
+            }
+        }
+    }
+
+    /// The body that it moves with as one piece, and its place in that body's axes; `None` if it moves otherwise. Of the ground the
+    /// body is `None`.
+    pub fn rigid(&self) -> Option<(Option<usize>, Placement)> {
+        match &self.place {
+            Place::Body { body, pose, scale } => Some((*body, Placement { pose: *pose, scale: *scale })),
+            _ => None,
+        }
+    }
+}
+
+/// The turn that takes z along a direction; none for a direction without length.
+pub(super) fn toward(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let down = || UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
+    match direction.try_normalize(0.0) {
+        Some(along) => UnitQuaternion::rotation_between(&Vector3::z(), &along).unwrap_or_else(down),
+        None => UnitQuaternion::identity(),
+    }
+}
+
+fn of(body: Option<usize>, poses: &[Pose]) -> Pose {
+    body.and_then(|body| poses.get(body)).copied().unwrap_or_default()
+}
+
+pub(super) fn point((body, at): &Anchor, poses: &[Pose]) -> Vector3<f64> {
+    (of(*body, poses) * Point3::from(*at)).coords
+}

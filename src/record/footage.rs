@@ -1,0 +1,101 @@
+//! The motion of a recording, as far as it is drawn: which sample is when, and the poses of all.
+
+use super::drawing::{Drawing, Extras};
+use super::gltf::Clip;
+use super::{OwnedSample, RecordError, Recording, meshes};
+use crate::spatial::Pose;
+use serde_json::Value;
+use std::path::Path;
+
+/// A recording that is about to be drawn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Footage {
+    /// What it says beside its samples; mesh files that are not read are taken out of its scene.
+    pub recording: Recording,
+    /// What is not drawn, in words.
+    pub notes: Vec<String>,
+}
+
+impl Footage {
+    /// Opens a recording. A recording of somebody else may name any file: unless `meshes` says otherwise, only mesh files in the
+    /// recording's folder are read.
+    ///
+    /// # Errors
+    /// If the recording cannot be read.
+    pub fn open(path: &Path, meshes: bool) -> Result<Self, RecordError> {
+        let mut recording = Recording::open(path)?;
+        let notes = if meshes { Vec::new() } else { meshes::keep_own(&mut recording.scene, path) };
+        Ok(Self { recording, notes })
+    }
+
+    /// The sample whose time is nearest to `at` (s), the first without; `None` of a recording without samples.
+    ///
+    /// # Errors
+    /// If the samples cannot be read.
+    pub fn sample(&self, at: Option<f64>) -> Result<Option<OwnedSample>, RecordError> {
+        let at = at.unwrap_or(f64::NEG_INFINITY);
+        let mut nearest: Option<OwnedSample> = None;
+        for sample in self.recording.samples()? {
+            let sample = sample?;
+            match &nearest {
+                Some(before) if (before.time - at).abs() <= (sample.time - at).abs() => break,
+                _ => nearest = Some(sample),
+            }
+        }
+        Ok(nearest)
+    }
+
+    /// Its motions: the run, or one for each mode of a recording of modes.
+    ///
+    /// # Errors
+    /// If the samples cannot be read.
+    pub fn clips(&self) -> Result<Vec<Clip>, RecordError> {
+        let outcome = self.recording.outcome.as_deref();
+        let mut parts = parts(outcome);
+        for sample in self.recording.samples()? {
+            let sample = sample?;
+            let part = parts.iter_mut().find(|part| part.from <= sample.time && sample.time < part.to);
+            if let Some(Part { clip, .. }) = part {
+                clip.times.push(sample.time);
+                clip.poses.push(sample.bodies);
+            }
+        }
+        Ok(parts.into_iter().map(|part| part.clip).filter(|clip| !clip.times.is_empty()).collect())
+    }
+
+    /// What is drawn of it, sized by these poses.
+    pub fn drawing(&self, poses: &[Pose], extras: Extras) -> Drawing {
+        Drawing::new(&self.recording.scene, poses, extras)
+    }
+}
+
+/// `mode 1: 1.2500 Hz`: what the motion of a mode is called, from its index, frequency (Hz) and growth rate (1/s).
+pub fn mode_name(index: usize, hz: f64, growth: f64) -> String {
+    match growth > 0.0 {
+        true => format!("mode {}: grows {growth:.4} per second", index + 1),
+        false => format!("mode {}: {hz:.4} Hz", index + 1),
+    }
+}
+
+/// A stretch of the recording's time.
+struct Part {
+    from: f64,
+    to: f64,
+    clip: Clip,
+}
+
+/// All of it, or its modes by the summary at its end.
+fn parts(outcome: Option<&str>) -> Vec<Part> {
+    let outcome: Value = outcome.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
+    let clip = |name: String| Clip { name, ..Clip::default() };
+    let mode = |(index, mode): (usize, &Value)| {
+        let [hz, growth] = ["frequency_hz", "growth_rate"].map(|key| mode[key].as_f64().unwrap_or_default());
+        let name = mode_name(index, hz, growth);
+        Some(Part { from: mode["from"].as_f64()?, to: mode["to"].as_f64()?, clip: clip(name) })
+    };
+    let modes: Vec<Part> = outcome["modes"].as_array().into_iter().flatten().enumerate().filter_map(mode).collect();
+    match modes.is_empty() {
+        true => vec![Part { from: f64::NEG_INFINITY, to: f64::INFINITY, clip: clip("run".to_owned()) }],
+        false => modes,
+    }
+}

@@ -1,0 +1,92 @@
+//! The numbers of a glTF file: one buffer, three views of it, accessors.
+
+use serde_json::{Map, Value, json};
+
+/// What numbers are for: each purpose has a view of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    Vertices,
+    Corners,
+    Keys,
+}
+
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+
+#[derive(Debug, Default)]
+pub(super) struct Bytes {
+    views: [Vec<u8>; 3],
+    accessors: Vec<Value>,
+}
+
+impl Bytes {
+    /// Numbers in groups of 1, 3 or 4, with their range if `ranged`; returns the accessor's number.
+    pub(super) fn floats(&mut self, purpose: Purpose, values: &[f32], width: usize, ranged: bool) -> usize {
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][width - 1];
+        let mut accessor = self.accessor(purpose, FLOAT, kind, values.len() / width);
+        if ranged {
+            let end = |pick: fn(f32, f32) -> f32, start: f32| -> Vec<f32> {
+                (0..width).map(|k| values.iter().skip(k).step_by(width).copied().fold(start, pick)).collect()
+            };
+            accessor["min"] = json!(end(f32::min, f32::INFINITY));
+            accessor["max"] = json!(end(f32::max, f32::NEG_INFINITY));
+        }
+        self.views[purpose as usize].extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        self.push(accessor)
+    }
+
+    /// Numbers of corners.
+    pub(super) fn corners(&mut self, corners: &[u32]) -> usize {
+        let accessor = self.accessor(Purpose::Corners, UNSIGNED_INT, "SCALAR", corners.len());
+        self.views[Purpose::Corners as usize].extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
+        self.push(accessor)
+    }
+
+    fn accessor(&self, purpose: Purpose, component: u32, kind: &str, count: usize) -> Value {
+        let offset = self.views[purpose as usize].len();
+        json!({ "bufferView": purpose as usize, "byteOffset": offset, "componentType": component, "type": kind, "count": count })
+    }
+
+    fn push(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    /// The file: header, JSON, binary.
+    pub(super) fn finish(mut self, mut root: Map<String, Value>) -> Vec<u8> {
+        let mut views = Vec::new();
+        let mut numbers = [0; 3];
+        let mut buffer = Vec::new();
+        for (purpose, view) in self.views.iter().enumerate().filter(|(_, view)| !view.is_empty()) {
+            let mut entry = json!({ "buffer": 0, "byteOffset": buffer.len(), "byteLength": view.len() });
+            // Drawing programs are told what vertices and corners are; keys are neither.
+            match purpose {
+                0 => (entry["target"], entry["byteStride"]) = (json!(34962), json!(12)),
+                1 => entry["target"] = json!(34963),
+                _ => {}
+            }
+            numbers[purpose] = views.len();
+            views.push(entry);
+            buffer.extend(view);
+        }
+        for accessor in &mut self.accessors {
+            let purpose = accessor["bufferView"].as_u64().unwrap_or_default() as usize;
+            accessor["bufferView"] = json!(numbers[purpose]);
+        }
+        if !buffer.is_empty() {
+            root.insert("buffers".into(), json!([{ "byteLength": buffer.len() }]));
+            root.insert("bufferViews".into(), json!(views));
+            root.insert("accessors".into(), json!(self.accessors));
+        }
+        let mut text = Value::Object(root).to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let chunk =
+            |kind: &[u8; 4], content: &[u8]| [&(content.len() as u32).to_le_bytes()[..], kind, content].concat();
+        let mut body = chunk(b"JSON", &text);
+        if !buffer.is_empty() {
+            body.extend(chunk(b"BIN\0", &buffer));
+        }
+        let length = (12 + body.len()) as u32;
+        [&b"glTF"[..], &2u32.to_le_bytes(), &length.to_le_bytes(), &body].concat()
+    }
+}

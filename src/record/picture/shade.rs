@@ -1,0 +1,102 @@
+//! The faces of a drawing that the eye sees, with their colours, and the shadow on the floor.
+
+use super::eye::Frame;
+use super::order::Face;
+use crate::record::drawing::{Drawing, Part};
+use crate::spatial::Pose;
+use nalgebra::{Point3, Vector3};
+
+/// Light that comes from everywhere.
+const AMBIENT: f64 = 0.52;
+/// Towards the light, in axes of the eye: over the left shoulder.
+const LIGHT: [f64; 3] = [-0.40, 0.62, 0.68];
+
+/// Every triangle that faces the eye.
+pub(super) fn faces(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> Vec<Face> {
+    let mut faces = Vec::new();
+    for part in &drawing.parts {
+        add(part, poses, frame, &mut faces);
+    }
+    faces
+}
+
+fn add(part: &Part, poses: &[Pose], frame: &Frame, faces: &mut Vec<Face>) {
+    let placement = part.place(poses);
+    let scale = Vector3::from(placement.scale);
+    if !(scale.product() > 0.0) || !placement.pose.translation.vector.iter().all(|x| x.is_finite()) {
+        return;
+    }
+    let light = Vector3::from(LIGHT).normalize();
+    let [r, g, b, opacity] = part.color;
+    for corners in &part.triangles.corners {
+        let at = |corner: u32| {
+            let local = Vector3::from(part.triangles.positions[corner as usize]).cast::<f64>();
+            frame.turned(&(placement.pose * Point3::from(local.component_mul(&scale))).coords)
+        };
+        let points = corners.map(at);
+        let faces_eye = (points[1] - points[0]).cross(&(points[2] - points[0])).z;
+        if faces_eye <= 0.0 && part.triangles.closed || faces_eye == 0.0 {
+            continue;
+        }
+        let normal: Vector3<f64> = corners
+            .iter()
+            .map(|corner| Vector3::from(part.triangles.normals[*corner as usize]).cast::<f64>().component_div(&scale))
+            .sum();
+        let normal = frame.turned(&(placement.pose.rotation * normal)).try_normalize(0.0).unwrap_or_else(Vector3::z);
+        // The inside of an open mesh is lit as its outside.
+        let lit = if normal.z < 0.0 { -normal.dot(&light) } else { normal.dot(&light) };
+        let brightness = AMBIENT + (1.05 - AMBIENT) * lit.max(0.0);
+        let color = [r, g, b].map(|part| (255.0 * (part * brightness).clamp(0.0, 1.0)).round() as u8);
+        faces.push(Face { points: points.into(), color, opacity });
+    }
+}
+
+/// Outlines of the parts' shadows on the floor under a light from above, in axes of the eye; all turn the same way.
+pub(super) fn shadows(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> Vec<Vec<Vector3<f64>>> {
+    let height = frame.ground.floor;
+    let shadow = |part: &Part| {
+        let placement = part.place(poses);
+        let scale = Vector3::from(placement.scale);
+        let on_floor = |at: &[f32; 3]| {
+            let point = placement.pose * Point3::from(Vector3::from(*at).cast::<f64>().component_mul(&scale));
+            [point.x, point.y]
+        };
+        let outline = hull(part.triangles.positions.iter().map(on_floor).collect());
+        outline.into_iter().map(|[x, y]| frame.turned(&Vector3::new(x, y, height))).collect::<Vec<_>>()
+    };
+    let seen = drawing.parts.iter().filter(|part| !part.unbounded && part.place(poses).scale[2] > 0.0);
+    seen.map(shadow).filter(|outline| outline.len() > 2).collect()
+}
+
+/// The convex hull of points, counter-clockwise (Andrew, 1979).
+fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.retain(|point| point.iter().all(|x| x.is_finite()));
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let half = |points: &mut dyn Iterator<Item = &[f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && (b[0] - a[0]) * (point[1] - a[1]) <= (b[1] - a[1]) * (point[0] - a[0])
+            {
+                chain.pop();
+            }
+            chain.push(*point);
+        }
+        chain.pop();
+        chain
+    };
+    let mut outline = half(&mut points.iter());
+    outline.extend(half(&mut points.iter().rev()));
+    outline
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hull;
+
+    #[test]
+    fn a_hull_has_the_corners_and_nothing_within() {
+        let square = vec![[0.0, 0.0], [1.0, 1.0], [0.5, 0.5], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0]];
+        assert_eq!(hull(square), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]);
+    }
+}
