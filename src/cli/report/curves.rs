@@ -57,7 +57,7 @@ pub(super) struct Numbers {
     pub(super) columns: Vec<String>,
     /// Row by row.
     pub(super) values: Vec<f32>,
-    /// Every so manieth sample is there.
+    /// Every `stride`-th sample is there.
     pub(super) stride: usize,
 }
 

@@ -85,7 +85,7 @@ impl Drawing {
             bounds.include_bodies(&self.outlines, poses);
             bounds.include_lines(&self.scene.lines, poses);
         }
-        // Where nothing has a size, the places of hinges have.
+        // If nothing has a size, the places of hinges have.
         if bounds.is_empty() || !(bounds.size().max() > 0.0) {
             self.scene.bodies.iter().for_each(|body| bounds.include(&body.hinge_at.into(), 0.5));
         }
