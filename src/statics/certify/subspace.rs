@@ -34,6 +34,8 @@ const ROUND_OFF: f64 = 1e-14;
 const NEW: f64 = 1e-12;
 /// How closely above the last wanted mode modes are counted.
 const ABOVE: f64 = 1e-6;
+/// A matrix that is singular is shifted by so many times as much.
+const AGAIN: [f64; 3] = [1.0, 1.0 + 1e-8, 1.0 + 1e-7];
 /// The eigenvalues of T are looked at again after so many vectors.
 const BETWEEN: usize = 4;
 
@@ -98,22 +100,27 @@ pub(in crate::statics) fn lowest(
 impl Sweeps<'_> {
     /// Negative eigenvalues of `K + part · diag(magnitude)`.
     fn negative(&mut self, magnitude: &[f64], part: f64) -> Result<usize, Fault> {
-        for (i, size) in self.free.iter().zip(magnitude) {
-            self.shift[*i] = part * size;
+        for times in AGAIN {
+            for (i, size) in self.free.iter().zip(magnitude) {
+                self.shift[*i] = times * part * size;
+            }
+            let negative = self.negatives_with(0.0);
+            for i in self.free {
+                self.shift[*i] = 0.0;
+            }
+            if let Some(negative) = negative? {
+                return Ok(negative);
+            }
         }
-        let negative = self.negatives_with(0.0);
-        for i in self.free {
-            self.shift[*i] = 0.0;
-        }
-        negative
+        Err(Fault::Undecided { part })
     }
 
-    /// Negative directions of `K + c₂ M + diag(shift)`.
-    fn negatives_with(&mut self, c2: f64) -> Result<usize, Fault> {
+    /// Negative directions of `K + c₂ M + diag(shift)`; `None` if that is singular.
+    fn negatives_with(&mut self, c2: f64) -> Result<Option<usize>, Fault> {
         let with = Coefficients { c2, shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
-        self.border();
-        Ok(self.solver.negatives().saturating_sub(self.rows.negatives()))
+        let mut at = self.system.at(0.0, self.q, &self.rest);
+        let regular = at.factorize_tangent(&mut self.solver, &self.rest, &with)? && self.border();
+        Ok(regular.then(|| self.solver.negatives().saturating_sub(self.rows.negatives())))
     }
 
     /// The rows after a factorization of the sweep; false where they make it singular.
@@ -125,7 +132,7 @@ impl Sweeps<'_> {
     /// Factorizes `K + sM`; false where it is not definite.
     fn factorize(&mut self, s: f64) -> Result<bool, Fault> {
         // Beside rows and forces that reach far the sweep alone need not be definite.
-        let definite = self.rows.is_empty() && TangentSolver::further_sides(self.system.model()) == 0;
+        let definite = self.rows.is_empty() && !self.solver.is_bordered();
         let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
         let regular = self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
         Ok(regular && (definite || (self.border() && self.solver.negatives() == self.rows.negatives())))
@@ -229,7 +236,12 @@ impl Sweeps<'_> {
 
     /// Modes below `limit`: the negative pivots of `K − limit M`.
     fn below(&mut self, limit: f64) -> Result<usize, Fault> {
-        self.negatives_with(-limit)
+        for times in AGAIN {
+            if let Some(count) = self.negatives_with(-times * limit)? {
+                return Ok(count);
+            }
+        }
+        Err(Fault::Undecided { part: limit })
     }
 
     /// Another vector with a bit of everything.

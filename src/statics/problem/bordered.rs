@@ -108,23 +108,28 @@ impl Bordered {
         q: &[f64],
         rows: Vec<Vec<f64>>,
     ) -> Result<(), crate::dynamics::Fault> {
-        let with = Coefficients { shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        system.at(0.0, q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
+        let with = Coefficients { symmetric: true, ..Coefficients::default() };
+        system.at(0.0, q, &self.rest).gather_tangent(&mut self.solver, &self.rest, &with)?;
         self.rows = Rows::new(rows);
         Ok(())
     }
 
-    /// `K + diag(by)`: its negative directions along the rows, or `None` where it is singular.
-    pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64]) -> Option<usize> {
+    /// `K + diag(by)`: its negative directions along the rows; `None` if it is singular, or not definite and that is wanted.
+    pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64], definite: bool) -> Option<usize> {
         for (i, by) in self.free.iter().zip(by) {
             self.shift[*i] = *by;
         }
-        let with = Coefficients { shift: &self.shift, ..Coefficients::default() };
+        // Beside rows and a border the sweep alone need not be definite.
+        let definite = definite && self.rows.is_empty() && !self.solver.is_bordered();
+        let with = Coefficients { shift: &self.shift, definite, ..Coefficients::default() };
         let factorized = system.factorize_shifted(&mut self.solver, &self.rest, &with);
         self.free.iter().for_each(|i| self.shift[*i] = 0.0);
         factorized.ok()?;
         let Self { solver, free, full, rows, .. } = self;
         rows.factorize(&mut |rhs| solved(solver, free, full, rhs)).then_some(())?;
+        if definite {
+            return Some(0);
+        }
         Some(self.solver.negatives().saturating_sub(self.rows.negatives()))
     }
 
@@ -138,7 +143,7 @@ impl Bordered {
 
     /// Where `K + diag(by)` is negative along the rows, a direction with a bit of everything to look for that from; else none.
     pub(in crate::statics) fn negative_direction(&mut self, system: &System, by: &[f64]) -> Option<Vec<f64>> {
-        let some = self.factorize(system, by)? > 0;
+        let some = self.factorize(system, by, false)? > 0;
         some.then(|| (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect())
     }
 }

@@ -87,14 +87,12 @@ impl Stiffness {
         rest: &[f64],
         symmetric: bool,
     ) -> Result<(), Fault> {
-        let (solver, shift) = match self {
-            Self::Sweep { solver, shift, .. } => (solver, shift),
+        let solver = match self {
+            Self::Sweep { solver, .. } => solver,
             Self::Bordered(bordered) => return bordered.look(system, q, Vec::new()),
             Self::Closed { .. } | Self::Dense { .. } => return Ok(()),
         };
-        let with = Coefficients { shift, symmetric, ..Coefficients::default() };
-        system.at(0.0, q, rest).factorize_tangent(solver, rest, &with)?;
-        Ok(())
+        system.at(0.0, q, rest).gather_tangent(solver, rest, &Coefficients { symmetric, ..Coefficients::default() })
     }
 
     /// Negative directions of `K + diag(by)`, where sweeps can tell.
@@ -106,7 +104,7 @@ impl Stiffness {
         }
         match self {
             Self::Sweep { solver, .. } => Some(solver.negatives()),
-            Self::Bordered(bordered) => bordered.factorize(system, by),
+            Self::Bordered(bordered) => bordered.factorize(system, by, false),
             Self::Closed { .. } | Self::Dense { .. } => None,
         }
     }
@@ -116,7 +114,7 @@ impl Stiffness {
         match self {
             Self::Sweep { .. } => self.sweep(system, by, definite).is_ok(),
             Self::Bordered(bordered) => {
-                bordered.factorize(system, by).is_some_and(|negative| negative == 0 || !definite)
+                bordered.factorize(system, by, definite).is_some_and(|negative| negative == 0 || !definite)
             }
             Self::Closed { tangent, matrix, factor } => {
                 *factor = Factor::of(&shifted_along(tangent, matrix, by), &[], definite);
