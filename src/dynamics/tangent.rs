@@ -2,7 +2,7 @@
 
 use super::applied;
 use super::border::{Border, PER_LINK};
-use super::sparse::Sparse;
+use super::sparse::{Sparse, SparseRows};
 use super::{Evaluated, Fault, System};
 use crate::force::Act;
 use crate::model::{End, Model};
@@ -163,7 +163,7 @@ impl TangentSolver {
     }
 
     /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way.
-    fn is_sparse(model: &Model) -> bool {
+    pub fn is_sparse(model: &Model) -> bool {
         let (n, sides) = (model.velocity_count(), bordering_sides(model));
         if n <= SMALL || sides == 0 {
             return false;
@@ -197,18 +197,26 @@ impl TangentSolver {
         if Self::is_sparse(model) { 0 } else { bordering_sides(model) }
     }
 
+    /// Holds what these rows hold from the next factorization on: then solutions are those along the motions that they
+    /// leave, and negative eigenvalues those of these motions. Only of a tangent that is a sparse matrix.
+    pub fn set_rows(&mut self, rows: &SparseRows) {
+        if let Some(sparse) = &mut self.sparse {
+            sparse.set_rows(rows);
+        }
+    }
+
     /// Whether far elements border the sweep: then a pivot of it says nothing of the whole.
     pub fn is_bordered(&self) -> bool {
         !self.border.is_empty()
     }
 
     /// Negative eigenvalues of the matrix that was factorized last, where that is symmetric; elements that reach far
-    /// count. Not after a factorization for a definite matrix.
-    pub fn negatives(&self) -> usize {
-        if let Some(sparse) = &self.sparse {
-            return sparse.negatives();
+    /// count. `None` if they could not be counted. Not after a factorization for a definite matrix.
+    pub fn negatives(&self) -> Option<usize> {
+        match &self.sparse {
+            Some(sparse) => sparse.negatives(),
+            None => Some(self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())),
         }
-        self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())
     }
 }
 

@@ -6,6 +6,7 @@ use faer::{Mat, Side};
 use std::sync::Arc;
 use stillpoint::dynamics::{Coefficients, System, TangentSolver};
 use stillpoint::model::Model;
+use stillpoint::model::couplings::{Closure, LoopDescription};
 use stillpoint::model::description::*;
 
 /// A random tree of every kind of hinge with springs and bushings between random bodies, or a body and the ground.
@@ -53,7 +54,7 @@ fn is_sparse(model: &Model) -> bool {
 #[test]
 fn sparse_tangent_solves_the_dense_tangent() {
     let mut sparse = 0;
-    for seed in 0..40 {
+    for seed in 0..20 {
         let model = build(&tangled(seed, 60));
         sparse += usize::from(is_sparse(&model));
         let n = model.velocity_count();
@@ -82,14 +83,14 @@ fn sparse_tangent_solves_the_dense_tangent() {
             assert!(error < 1e-6 && residual < 1e-9, "seed {seed} c1 {c1} c2 {c2}: {error} {residual}");
         }
     }
-    assert!(sparse > 30, "only {sparse} of 40");
+    assert!(sparse > 15, "only {sparse} of 20");
 }
 
 /// Of the symmetric tangent, with shifts of random signs and some coordinates held, the negative eigenvalues; the solution is
 /// that of the rest, and zero where it is held.
 #[test]
 fn sparse_tangent_counts_negative_eigenvalues() {
-    for seed in 0..40 {
+    for seed in 0..20 {
         let mut description = tangled(seed, 60);
         description.forces.retain(|force| matches!(force.kind, ForceKind::Spring(_)));
         let model = build(&description);
@@ -119,7 +120,7 @@ fn sparse_tangent_counts_negative_eigenvalues() {
         let negative = values.iter().filter(|x| **x < 0.0).count();
         let with = Coefficients { shift: &shift, symmetric: true, ..Coefficients::default() };
         assert!(system.at(0.0, q, &zero).factorize_tangent(&mut solver, &zero, &with).unwrap());
-        assert_eq!(solver.negatives(), negative, "seed {seed}");
+        assert_eq!(solver.negatives(), Some(negative), "seed {seed}");
         let mut x = rhs.clone();
         solver.solve(&mut x);
         let b = Mat::from_fn(free.len(), 1, |i, _| rhs[free[i]]);
@@ -184,4 +185,123 @@ fn a_net_hangs_and_swings_as_the_dense_matrices_say() {
     let frequencies: Vec<f64> = stability.frequencies().take(8).collect();
     let error = relative_difference(&frequencies, &lowest);
     assert!(error < 1e-10, "{error}: {frequencies:?} {lowest:?}");
+}
+
+/// Bars of random lengths that stand on the ground, springs at their tips, and between each two tips two rods with an elbow:
+/// loops whose revolute hinges have redundant rows. With `arches` some elbows point upward.
+fn frame(seed: u64, bars: usize, arches: bool) -> Description {
+    let mut random = Random::new(seed + 73_000);
+    let axis = [0.0, -1.0, 0.0];
+    let rod = |name: &str, hinge: HingeDescription, length: f64| {
+        let across = length * length / 12.0;
+        let rod = BodyDescription::new(name, hinge).mass(length).center([0.5 * length, 0.0, 0.0]);
+        rod.inertia([1e-3, length * across + 1e-3, length * across + 1e-3])
+    };
+    let mut frame = Description::new("frame").gravity([0.0, 0.0, -9.81]);
+    let mut tips = Vec::new();
+    for index in 0..bars {
+        let (foot, length, angle) = (2.0 * index as f64, random.between(0.7, 1.3), random.between(1.2, 1.9));
+        let (name, hinge) = (format!("bar{index}"), HingeDescription::revolute(axis));
+        frame = frame.body(rod(&name, hinge.on(GROUND, [foot, 0.0, 0.0]).position([angle]), length));
+        let tip = [foot + length * angle.cos(), length * angle.sin()];
+        let stiffness = random.between(20.0, 60.0);
+        let end = Attachment::from((name.as_str(), [length, 0.0, 0.0]));
+        let post = Attachment::from((GROUND, [foot - 1.0, random.between(-0.2, 0.2), 1.2]));
+        frame = frame.force(ForceDescription::spring(&format!("spring{index}"), end, post, stiffness, 0.6, 0.0));
+        tips.push((tip, length, angle));
+    }
+    for index in 0..bars - 1 {
+        let ((from, length, angle), (to, other, _)) = (tips[index], tips[index + 1]);
+        let (dx, dz) = (to[0] - from[0], to[1] - from[1]);
+        let distance = dx.hypot(dz);
+        // Two rods of the same length that sag.
+        let half = 0.5 * distance * random.between(1.05, 1.3);
+        let upward = arches && random.below(3) == 0;
+        let sag = (0.5 * distance / half).acos() * if upward { -1.0 } else { 1.0 };
+        let straight = dz.atan2(dx);
+        let names = [format!("left{index}"), format!("right{index}")];
+        let first = HingeDescription::revolute(axis).on(&format!("bar{index}"), [length, 0.0, 0.0]);
+        frame = frame.body(rod(&names[0], first.position([straight - sag - angle]), half));
+        let second = HingeDescription::revolute(axis).on(&names[0], [half, 0.0, 0.0]);
+        frame = frame.body(rod(&names[1], second.position([2.0 * sag]), half));
+        let between = [
+            Attachment::from((names[1].as_str(), [half, 0.0, 0.0])),
+            Attachment::from((format!("bar{}", index + 1).as_str(), [other, 0.0, 0.0])),
+        ];
+        frame = frame.closure(LoopDescription {
+            name: format!("knot{index}"),
+            closure: Closure::Hinge(HingeKind::Revolute { axis: [0.0, 1.0, 0.0].into() }),
+            between,
+            frame: nalgebra::UnitQuaternion::identity(),
+            second_frame: None,
+        });
+    }
+    frame
+}
+
+/// What the dense matrices say of a closed position with its multipliers: the part of the forces that the rows leave, and the
+/// eigenvalues of `K x = λ M x` on the motions, ascending.
+fn along_rows(model: &Arc<Model>, q: &[f64], multipliers: &[f64]) -> (f64, Vec<f64>) {
+    let (n, zero) = (model.velocity_count(), vec![0.0; model.velocity_count()]);
+    let mut system = System::new(model);
+    system.set_multipliers(multipliers);
+    let mut residual = zero.clone();
+    system.at(0.0, q, &zero).residual(&zero, &mut residual).unwrap();
+    let dense = system.at(0.0, q, &zero).linearize(&zero).unwrap();
+    let rows = system.at(0.0, q, &zero).constraint_matrix();
+    let svd = rows.transpose().svd().unwrap();
+    let z = svd.U().subcols(rows.nrows(), n - rows.nrows()).to_owned();
+    let reduced = |m: &Mat<f64>| z.transpose() * m * &z;
+    let (k, m) = (reduced(&dense.stiffness), reduced(&dense.mass));
+    let (k, m) = (&k + k.transpose(), &m + m.transpose());
+    let lower = m.llt(Side::Lower).unwrap().L().to_owned();
+    let inverse = lower.partial_piv_lu().solve(&Mat::<f64>::identity(m.nrows(), m.nrows()));
+    let product = &inverse * &k * inverse.transpose();
+    let values = (&product + product.transpose()).self_adjoint_eigenvalues(Side::Lower).unwrap();
+    let left = z.transpose() * Mat::from_fn(n, 1, |i, _| residual[i]);
+    let left = (0..left.nrows()).map(|i| left[(i, 0)].abs()).fold(0.0, f64::max);
+    (left, values.into_iter().map(|value| 0.5 * value).collect())
+}
+
+/// Frames of many loops come to rest by sparse matrices; residual, verdict and lowest modes are those of dense ones.
+#[test]
+fn many_loops_rest_and_swing_as_the_dense_matrices_say() {
+    use stillpoint::statics::{Settings, Verdict, equilibrium};
+    for seed in 0..6 {
+        let model = build(&frame(seed, 30, false));
+        assert!(is_sparse(&model));
+        let found = equilibrium(&model, &Settings::default(), &model.start_position).unwrap();
+        assert!(found.converged, "seed {seed}: {:?}", found.notes);
+        assert!(found.stages.iter().all(|stage| stage.factorizations < 200), "seed {seed}: {:?}", found.stages);
+        let (left, values) = along_rows(&model, &found.position, &found.multipliers);
+        assert!(left < 1e-8, "seed {seed}: {left}");
+        let stability = found.stability.unwrap();
+        assert_eq!(stability.verdict, Verdict::Stable, "seed {seed}");
+        assert!(values[0] > 0.0, "seed {seed}: {}", values[0]);
+        let lowest: Vec<f64> = values.iter().take(8).map(|value| value.sqrt() / std::f64::consts::TAU).collect();
+        let frequencies: Vec<f64> = stability.frequencies().take(8).collect();
+        let error = relative_difference(&frequencies, &lowest);
+        assert!(error < 1e-8, "seed {seed}: {error}: {frequencies:?} {lowest:?}");
+    }
+}
+
+/// The nearest equilibrium of frames with arches is unstable in as many directions as the dense matrices have negative
+/// eigenvalues.
+#[test]
+fn many_loops_count_their_directions_of_negative_curvature() {
+    use stillpoint::statics::{Settings, Want, equilibrium};
+    let (mut found_some, mut unstable) = (0, 0);
+    for seed in 20..30 {
+        let model = build(&frame(seed, 30, true));
+        let settings = Settings { want: Want::Any, ..Settings::default() };
+        let found = equilibrium(&model, &settings, &model.start_position).unwrap();
+        if !found.balanced {
+            continue;
+        }
+        let (_, values) = along_rows(&model, &found.position, &found.multipliers);
+        let negative = values.iter().filter(|value| **value < 0.0).count();
+        assert_eq!(found.stability.unwrap().unstable_directions, negative, "seed {seed}: {values:?}");
+        (found_some, unstable) = (found_some + 1, unstable + usize::from(negative > 0));
+    }
+    assert!(found_some >= 5 && unstable >= 3, "{found_some} {unstable}");
 }

@@ -112,8 +112,21 @@ impl Cholesky {
 
     /// `x ← A⁻¹ x` with the last factorization, which was `L Lᵀ` or `L D Lᵀ`.
     pub(super) fn solve(&mut self, x: &mut [f64]) {
+        // The workspace is the only part that changes.
+        let mut workspace = std::mem::replace(&mut self.workspace, Workspace::new(StackReq::EMPTY));
+        self.solve_in(&mut workspace, x);
+        self.workspace = workspace;
+    }
+
+    /// Memory for [`Cholesky::solve_in`].
+    pub(super) fn another_workspace(&self) -> Workspace {
+        self.workspace.clone()
+    }
+
+    /// The same in other memory.
+    pub(super) fn solve_in(&self, workspace: &mut Workspace, x: &mut [f64]) {
         let n = x.len();
-        let (x, stack) = (MatMut::from_column_major_slice_mut(x, n, 1), MemStack::new(&mut self.workspace.1));
+        let (x, stack) = (MatMut::from_column_major_slice_mut(x, n, 1), MemStack::new(&mut workspace.1));
         match self.is_llt {
             true => LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack),
             false => LdltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack),

@@ -68,7 +68,8 @@ pub(super) struct Sparse {
     cholesky: Cholesky,
     general: Option<Box<General>>,
     by_pivoting: bool,
-    negatives: usize,
+    /// `None` if they could not be counted.
+    negatives: Option<usize>,
     /// Refinements that a solution takes.
     refinements: usize,
     rhs: Vec<f64>,
@@ -88,14 +89,14 @@ impl Sparse {
             symmetric: true,
             upper: vec![0.0; indices.len()],
             held: vec![false; n],
-            rows: SparseRows { starts: vec![0], ..SparseRows::default() },
+            rows: SparseRows::default(),
             scales: Vec::new(),
             scaled: Vec::new(),
             tau: 0.0,
             cholesky: Cholesky::new((&starts, &indices)),
             general: None,
             by_pivoting: false,
-            negatives: 0,
+            negatives: None,
             refinements: 0,
             rhs: zeros(),
             x: zeros(),
@@ -160,28 +161,22 @@ impl Sparse {
     /// that is singular, or not definite on what the rows leave and that is wanted.
     pub(super) fn factorize(&mut self, shift: &[f64], definite: bool) -> bool {
         self.fill(shift);
-        (self.negatives, self.refinements, self.by_pivoting) = (0, 0, false);
+        (self.negatives, self.refinements, self.by_pivoting) = (None, 0, false);
         if !self.symmetric {
             return self.factorize_by_pivoting();
         }
         let pattern = (&*self.starts, &*self.indices);
         if self.rows.is_empty() && definite {
+            self.negatives = Some(0);
             return self.cholesky.llt(pattern, &self.upper);
         }
         let count = match self.rows.is_empty() {
             true => self.cholesky.ldlt(pattern, &self.upper).filter(|_| self.contracts()),
             false => self.factorize_regularized(),
         };
-        let rows = self.rows.len();
-        let count = match count {
-            Some(count) => Some(count),
-            None => self.count_densely().filter(|_| self.factorize_by_pivoting()),
-        };
-        match count.and_then(|count| count.checked_sub(rows)) {
-            Some(negatives) => self.negatives = negatives,
-            None => return false,
-        }
-        self.negatives == 0 || !definite
+        let (rows, is_counted) = (self.rows.len(), count.is_some());
+        self.negatives = count.or_else(|| self.count_densely()).and_then(|count| count.checked_sub(rows));
+        (is_counted || self.factorize_by_pivoting()) && (!definite || self.negatives == Some(0))
     }
 
     /// Entries with the shift, and of the rows.
@@ -343,8 +338,9 @@ impl Sparse {
         x.copy_from_slice(&self.x[..n]);
     }
 
-    /// Negative eigenvalues of what was factorized last, if that is symmetric: of what the rows leave.
-    pub(super) fn negatives(&self) -> usize {
+    /// Negative eigenvalues of what was factorized last, if that is symmetric: of what the rows leave. `None` if they could not
+    /// be counted.
+    pub(super) fn negatives(&self) -> Option<usize> {
         self.negatives
     }
 }

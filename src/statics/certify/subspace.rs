@@ -13,7 +13,8 @@
 //! motions that they leave.
 
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
-use crate::statics::problem::bordered::{Rows, solved};
+use crate::statics::problem::Across;
+use crate::statics::problem::bordered::{Rows, hold, solved};
 use crate::statics::problem::sizes::{NEUTRAL, comparable};
 use faer::{Mat, Side};
 use std::sync::Arc;
@@ -71,6 +72,8 @@ struct Sweeps<'s> {
     product: Vec<f64>,
     mass: MassAction,
     rows: Rows,
+    /// Whether rows hold something, those or the tangent's own.
+    is_held: bool,
 }
 
 /// Counts and lowest modes at `q` across `rows`, with the multipliers that are in the system.
@@ -79,16 +82,18 @@ pub(in crate::statics) fn lowest(
     q: &[f64],
     free: &[usize],
     magnitude: &[f64],
-    rows: Vec<Vec<f64>>,
+    rows: Across,
 ) -> Result<Lowest, Fault> {
     let model = &Arc::clone(system.model());
     let n = model.velocity_count();
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
-    let solver = TangentSolver::new(model);
+    let mut solver = TangentSolver::new(model);
+    let is_held = !matches!(&rows, Across::Full(rows) if rows.is_empty());
+    let rows = hold(&mut solver, free, rows);
     let (zero, mass) = (vec![0.0; n], MassAction::new(model));
-    let (rest, full, rows) = (zero.clone(), zero.clone(), Rows::new(rows));
-    let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows };
+    let (rest, full) = (zero.clone(), zero.clone());
+    let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows, is_held };
     let magnitude = &comparable(magnitude);
     let unstable = sweeps.negative(magnitude, NEUTRAL)?;
     let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
@@ -120,7 +125,8 @@ impl Sweeps<'_> {
         let with = Coefficients { c2, shift: &self.shift, symmetric: true, ..Coefficients::default() };
         let mut at = self.system.at(0.0, self.q, &self.rest);
         let regular = at.factorize_tangent(&mut self.solver, &self.rest, &with)? && self.border();
-        Ok(regular.then(|| self.solver.negatives().saturating_sub(self.rows.negatives())))
+        let negatives = self.solver.negatives().filter(|_| regular);
+        Ok(negatives.map(|negatives| negatives.saturating_sub(self.rows.negatives())))
     }
 
     /// The rows after a factorization of the sweep; false where they make it singular.
@@ -135,7 +141,7 @@ impl Sweeps<'_> {
         let definite = self.rows.is_empty() && !self.solver.is_bordered();
         let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
         let regular = self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
-        Ok(regular && (definite || (self.border() && self.solver.negatives() == self.rows.negatives())))
+        Ok(regular && (definite || (self.border() && self.solver.negatives() == Some(self.rows.negatives()))))
     }
 
     fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
@@ -248,7 +254,7 @@ impl Sweeps<'_> {
     fn let_in(&mut self, space: &mut Space) {
         let mut vector = start(self.free.len(), space.starts);
         space.starts += 1;
-        if !self.rows.is_empty() {
+        if self.is_held {
             let momentum = self.mass_times(&vector);
             vector = self.solve(&momentum);
         }

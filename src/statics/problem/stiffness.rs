@@ -3,6 +3,7 @@
 
 use super::bordered::Bordered;
 use super::linear::{self, Definite};
+use super::split::Across;
 use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
 use crate::model::Model;
 use crate::transfer::tangent::Breakdown;
@@ -89,7 +90,7 @@ impl Stiffness {
     ) -> Result<(), Fault> {
         let solver = match self {
             Self::Sweep { solver, .. } => solver,
-            Self::Bordered(bordered) => return bordered.look(system, q, Vec::new()),
+            Self::Bordered(bordered) => return bordered.look(system, q, Across::Full(Vec::new())),
             Self::Closed { .. } | Self::Dense { .. } => return Ok(()),
         };
         system.at(0.0, q, rest).gather_tangent(solver, rest, &Coefficients { symmetric, ..Coefficients::default() })
@@ -103,8 +104,8 @@ impl Stiffness {
             return None;
         }
         match self {
-            Self::Sweep { solver, .. } => Some(solver.negatives()),
-            Self::Bordered(bordered) => bordered.factorize(system, by, false),
+            Self::Sweep { solver, .. } => solver.negatives(),
+            Self::Bordered(bordered) => bordered.factorize(system, by, false).then(|| bordered.negatives())?,
             Self::Closed { .. } | Self::Dense { .. } => None,
         }
     }
@@ -113,9 +114,7 @@ impl Stiffness {
     pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64], definite: bool) -> bool {
         match self {
             Self::Sweep { .. } => self.sweep(system, by, definite).is_ok(),
-            Self::Bordered(bordered) => {
-                bordered.factorize(system, by, definite).is_some_and(|negative| negative == 0 || !definite)
-            }
+            Self::Bordered(bordered) => bordered.factorize(system, by, definite),
             Self::Closed { tangent, matrix, factor } => {
                 *factor = Factor::of(&shifted_along(tangent, matrix, by), &[], definite);
                 factor.is_some()
