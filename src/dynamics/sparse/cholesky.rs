@@ -11,8 +11,8 @@ use faer::sparse::linalg::cholesky::{
 use faer::{Conj, MatMut, Par, Side};
 use std::sync::Arc;
 
-/// Supernodes pay from a third of the work per entry that the library waits for: of nets of 10 × 10 to 100 × 100 balls they are
-/// 1.4 to 5 times faster, of ladders the columns by themselves.
+/// Supernodes are taken from a third of the operations per entry that the library would wait for: nets have larger ones than
+/// chains of loops, whose columns are faster by themselves.
 const SUPERNODAL: SupernodalThreshold = SupernodalThreshold(0.3);
 
 /// Memory that a factorization works in.

@@ -52,11 +52,13 @@ impl General {
 
     /// `[upper, lower]` by the places of the upper triangle; rows and columns that are held are those of the identity.
     pub(super) fn factorize(&mut self, (_, rows): Pattern<'_>, [upper, lower]: [&[f64]; 2], held: &[bool]) -> bool {
-        for j in 0..held.len() {
+        // Rows beside the coordinates are not held.
+        let is_held = |i: usize| held.get(i).copied().unwrap_or(false);
+        for j in 0..self.starts.len() - 1 {
             for at in self.starts[j]..self.starts[j + 1] {
                 let (place, below) = self.places[at];
                 self.values[at] = match below {
-                    true if held[j] || held[self.rows[at]] => 0.0,
+                    true if is_held(j) || is_held(self.rows[at]) => 0.0,
                     true => lower[place],
                     false => upper[place],
                 };

@@ -9,9 +9,11 @@
 //! | any other | L U with pivoting | not asked for |
 //!
 //! ```text
-//! [ K  Gᵀ ] [ x ]   [ f ]       (1)  L D Lᵀ of the equilibrated matrix (Ruiz) with −τ on the diagonal of its rows,
-//! [ G  0  ] [ λ ] = [ 0 ]            refined against the matrix with 0 there;   n₋(whole) = m + n₋(K on G x = 0)
+//! [ K  Gᵀ ] [ x ]   [ f ]
+//! [ G  0  ] [ λ ] = [ 0 ],     n₋(whole) = m + n₋(K on G x = 0)                                      (1)
 //! ```
+//!
+//! (1) is equilibrated (Ruiz), factorized with −τ on the diagonal of its m rows, and refined against the matrix with zeros there.
 //!
 //! Without pivoting L D Lᵀ is the exact factorization of a matrix `A₁` near the `A₀` that was meant. If their inertias
 //! differ, `A₀ + t (A₁ − A₀)` is singular at a `t` within (0, 1) and `1 − A₁⁻¹ A₀` has the eigenvalue `1/(1 − t)`
@@ -38,10 +40,10 @@ const EXACT: f64 = 1e-13;
 const MIRRORED: f64 = 1e-12;
 /// Negative eigenvalues of a matrix of up to so many unknowns can be counted by its dense factorization.
 const MOST_DENSE: usize = 3000;
-/// `τ` of eq. (1), tried in this order. Of ladders, bridges and nets of rods the first one contracts; compliances of the rows
-/// add up along chains of loops, and then it takes a smaller one.
+/// `τ` of eq. (1), tried in this order. It is a compliance of the rows that adds up along chains of loops, where it has to be
+/// smaller; entries grow by `1/τ`, and where bodies are light it has to be larger.
 const REGULARIZED: [f64; 3] = [1e-9, 1e-11, 1e-7];
-/// Sweeps of the equilibration: after these the largest entries of all rows are within a few percent of one.
+/// Sweeps of the equilibration: each halves the logarithm of how far the largest entry of a row is from one.
 const SWEEPS: usize = 5;
 
 /// Where each column of an upper triangle begins, and its rows, ascending.
