@@ -75,14 +75,13 @@ impl Closer {
 pub(super) enum Metric {
     /// Little kinetic energy.
     Inertia,
-    /// Little change of the hinge coordinates (rad; m as part of the scene's length). Dense in the rows.
+    /// Little change of the hinge coordinates (rad; m as part of the scene's length). Dense in the rows, as is the other one
+    /// where loops are long.
     Coordinates,
 }
 
-/// A loop over so many links is long,
+/// A loop over so many links is long.
 const LONG: usize = 32;
-/// and rows are few where there are so many times more coordinates.
-const FEW: usize = 4;
 
 /// A model's rows, and the tree they push on.
 pub(super) struct Closing {
@@ -139,8 +138,7 @@ impl Closing {
     /// The metric for a short way back onto the rows.
     pub(super) fn nearby(&self) -> Metric {
         let longest = self.rows.elements.iter().map(|element| element.branches.iter().map(Vec::len).sum::<usize>());
-        let is_long = longest.max().is_some_and(|longest| longest >= LONG);
-        match is_long && FEW * self.rows.rank() <= self.rest.len() {
+        match longest.max().is_some_and(|longest| longest >= LONG) {
             true => Metric::Coordinates,
             false => Metric::Inertia,
         }

@@ -93,6 +93,33 @@ impl Constraints {
         kept
     }
 
+    /// Of every element the velocities of the hinges between its ends, ascending.
+    fn between_ends(&self, model: &Model) -> Vec<Vec<usize>> {
+        let velocities = |link: usize| {
+            let link = &model.links[link];
+            link.velocity..link.velocity + link.joint.counts().1
+        };
+        let of = |element| {
+            let mut inner: Vec<usize> = between_ends(element).into_iter().flat_map(velocities).collect();
+            inner.sort_unstable();
+            inner
+        };
+        self.elements.iter().map(of).collect()
+    }
+
+    /// Velocities and entries of every row that is solved for, as placed last; those of hinges between its ends, the others
+    /// carry nothing of it.
+    pub(crate) fn sparse_rows(&mut self, model: &Model, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
+        let (inner, mut rows) = (self.between_ends(model), vec![Vec::new(); self.rank()]);
+        let of_row: Vec<usize> = self.plan.groups.iter().flat_map(|g| g.rows.iter().map(|_| g.element)).collect();
+        self.gradient(model, motion, |row, velocity, entry| {
+            if inner[of_row[row]].binary_search(&velocity).is_ok() {
+                rows[row].push((velocity, entry));
+            }
+        });
+        rows
+    }
+
     /// Eq. (1): velocities and entries of every row that is solved for; none of one that is nearly nothing beside the largest
     /// of its element.
     fn unit_rows(&mut self, model: &Model, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
@@ -102,15 +129,7 @@ impl Constraints {
         for link in model.links.iter().filter(|link| link.joint.is_slide()) {
             slides[link.velocity] = true;
         }
-        let mut inner = vec![Vec::new(); self.elements.len()];
-        for (inner, element) in inner.iter_mut().zip(&self.elements) {
-            let velocities = |link: usize| {
-                let link = &model.links[link];
-                link.velocity..link.velocity + link.joint.counts().1
-            };
-            *inner = between_ends(element).into_iter().flat_map(velocities).collect::<Vec<usize>>();
-            inner.sort_unstable();
-        }
+        let inner = self.between_ends(model);
         let mut entries: Vec<Vec<(usize, f64)>> = vec![Vec::new(); of_unknown.len()];
         self.gradient(model, motion, |unknown, velocity, entry| {
             // Hinges that both ends of a loop stand on carry nothing of it.

@@ -10,10 +10,19 @@ use crate::motion::Motion;
 use nalgebra::Vector3;
 
 impl Constraints {
-    /// What each loop, drive and gear puts into a sum over the rows solved for: terms of its own cancel first.
-    pub(crate) fn sum_of_elements(&self, term: impl Fn(usize) -> f64) -> f64 {
-        let rows = self.plan.groups.iter().map(|group| group.first..group.first + group.rows.len());
-        rows.map(|rows| rows.map(&term).sum::<f64>().abs()).sum()
+    /// What each loop, drive and gear puts into a sum over the rows solved for, given by row and term, ascending: terms of its
+    /// own cancel first.
+    pub(crate) fn sum_of_elements(&self, terms: impl Iterator<Item = (usize, f64)>) -> f64 {
+        let (mut sum, mut own, mut last) = (0.0, 0.0_f64, 0);
+        for (row, term) in terms {
+            let element = self.plan.groups.partition_point(|group| group.first <= row);
+            if element != last {
+                sum += own.abs();
+                (own, last) = (0.0, element);
+            }
+            own += term;
+        }
+        sum + own.abs()
     }
 
     /// Adds, for every velocity coordinate, the squares of what the rows solved for contribute with their last multipliers

@@ -1,6 +1,6 @@
 //! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
 
-use super::{Evaluated, Fault, System};
+use super::{Evaluated, Fault, SparseRows, System};
 use crate::constraint::{Constraints, Held, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
@@ -310,6 +310,13 @@ impl Evaluated<'_> {
             .rows
             .gradient(&self.system.model, &self.system.motion, |row, column, entry| matrix[(row, column)] += entry);
         matrix
+    }
+
+    /// The same row by row, without the hinges that both ends of a loop stand on: they carry nothing of it.
+    pub fn constraint_rows(&mut self) -> SparseRows {
+        let Some(constrained) = &mut self.system.constraints else { return SparseRows::default() };
+        constrained.rows.place(&self.system.model, &self.system.motion, self.q, false);
+        SparseRows::of(constrained.rows.sparse_rows(&self.system.model, &self.system.motion))
     }
 
     /// Of all multipliers that balance a state as the last ones do, takes the smallest for residuals, reactions and loops

@@ -11,6 +11,7 @@ mod jacobian;
 mod linearize;
 mod magnitudes;
 mod reactions;
+mod sparse;
 mod tangent;
 
 pub use constrained::Settled;
@@ -19,6 +20,7 @@ pub use evaluated::{Balanced, Evaluated, Factorized};
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
+pub use sparse::{Gram, SparseRows};
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::constraint::Constraints;
@@ -110,6 +112,12 @@ pub enum Fault {
         text: String,
         /// (s)
         time: f64,
+    },
+    /// Directions of negative curvature that cannot be counted.
+    #[error("stable or not cannot be decided: the stiffness with a shift of {part:e} is singular to working precision")]
+    Undecided {
+        /// Part of the size of the stiffness terms that it was shifted by, or the eigenvalue below which was counted (1/s²).
+        part: f64,
     },
     /// A number that is not finite.
     #[error("{what} of `{element}` is not a finite number")]

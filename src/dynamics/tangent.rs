@@ -2,18 +2,27 @@
 
 use super::applied;
 use super::border::{Border, PER_LINK};
+use super::sparse::{Sparse, SparseRows};
 use super::{Evaluated, Fault, System};
 use crate::force::Act;
 use crate::model::{End, Model};
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
-use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Tangent};
+use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Pair, Tangent, TangentMatrix};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::AddAssign;
 
-/// A factorized tangent: solves `(c₂ M + c₁ C + K) x = rhs` in O(n). Valid until the next factorization, whatever the
-/// system evaluates in between.
+/// A factorized tangent: solves `(c₂ M + c₁ C + K) x = rhs`. Valid until the next factorization, whatever the system evaluates
+/// in between.
+///
+/// | elements that act on links further apart than a link and its parent | factorization |
+/// |---|---|
+/// | none | the sweep, O(n) |
+/// | few | the sweep, bordered by six unknowns for each link that they act on |
+/// | many | a sparse matrix in hinge coordinates |
+///
+/// Which of the last two it is follows from the estimated number of operations.
 #[derive(Debug, Clone)]
 pub struct TangentSolver {
     tangent: Tangent,
@@ -31,7 +40,20 @@ pub struct TangentSolver {
     /// What the links of one element feel when one of them moves.
     blocks: Vec<Applied>,
     border: Border,
+    /// Instead of the sweep and the border.
+    sparse: Option<Box<Sparse>>,
 }
+
+/// Up to so many coordinates the border or a dense matrix is the simplest.
+const SMALL: usize = 64;
+/// Operations of a solution of the sweep for each coordinate and right side, of the border's elimination and eigenvalues for
+/// the cube of its size, and of writing down an entry of the sparse matrix; its factorization takes about the square of its
+/// entries over its size.
+const PER_SOLUTION: f64 = 50.0;
+const PER_BORDER: f64 = 100.0;
+const PER_ENTRY: f64 = 60.0;
+/// A gigabyte for pattern and values.
+const MOST_ENTRIES: usize = 20_000_000;
 
 /// The links that an element acts on.
 #[derive(Debug, Clone)]
@@ -40,7 +62,8 @@ struct Reach {
     links: Vec<usize>,
     /// Of each end its place among them; none for the ground.
     places: Vec<Option<usize>>,
-    /// Of an element that reaches further than from a link to its parent its index in the border.
+    /// Of an element that reaches further than from a link to its parent its index in the border; with a sparse matrix of
+    /// every element between links the index of its first pair.
     far: Option<usize>,
 }
 
@@ -65,6 +88,13 @@ impl Reach {
             _ => false,
         }
     }
+
+    /// The pairs of its links: of the one that moves first, of the ones that feel it in their order.
+    fn pairs(&self) -> impl Iterator<Item = Pair> {
+        let links = &self.links;
+        let feel = |moves: usize| links.iter().filter(move |feels| **feels != moves).map(move |feels| (*feels, moves));
+        links.iter().flat_map(move |moves| feel(*moves)).map(|(feels, moves)| Pair { feels, moves })
+    }
 }
 
 /// Coefficients of a tangent.
@@ -86,10 +116,16 @@ impl TangentSolver {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
         let mut elements: Vec<Reach> = reaches(model).collect();
-        let mut further = Vec::new();
-        for element in elements.iter_mut().filter(|element| !element.is_near(model)) {
-            element.far = Some(further.len());
-            further.push(element.links.clone());
+        let (mut further, mut pairs) = (Vec::new(), Vec::new());
+        let is_sparse = Self::is_sparse(model);
+        for element in &mut elements {
+            if is_sparse && element.links.len() > 1 {
+                element.far = Some(pairs.len());
+                pairs.extend(element.pairs());
+            } else if !is_sparse && !element.is_near(model) {
+                element.far = Some(further.len());
+                further.push(element.links.clone());
+            }
         }
         let most = elements.iter().map(|element| element.links.len()).max().unwrap_or(0);
         let moved = elements.iter().map(|element| element.links.len()).sum();
@@ -110,6 +146,7 @@ impl TangentSolver {
             elements,
             blocks: vec![Applied::default(); most],
             border: Border::new(model, &further),
+            sparse: is_sparse.then(|| Box::new(Sparse::new(model, &pairs))),
         }
     }
 
@@ -120,13 +157,30 @@ impl TangentSolver {
         !model.is_constrained() && reaches(model).all(|element| element.is_near(model))
     }
 
-    /// Whether the dense tangent has to do: far elements, loops among them, bring more unknowns than the scene has.
+    /// Whether the dense tangent has to do: in a small scene far elements, loops among them, bring more unknowns than it has.
     pub fn is_for_dense(model: &Model) -> bool {
         Self::further_sides(model) > model.velocity_count()
     }
 
+    /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way.
+    pub fn is_sparse(model: &Model) -> bool {
+        let (n, sides) = (model.velocity_count(), bordering_sides(model));
+        if n <= SMALL || sides == 0 {
+            return false;
+        }
+        let pairs: Vec<Pair> = reaches(model).flat_map(|element| element.pairs().collect::<Vec<_>>()).collect();
+        let entries = TangentMatrix::most_entries(model, &pairs);
+        let (n, sides, size) = (n as f64, sides as f64, entries as f64);
+        let border = PER_SOLUTION * n * sides + PER_BORDER * sides.powi(3);
+        let matrix = PER_ENTRY * size + size * size / n;
+        entries <= MOST_ENTRIES && matrix < border
+    }
+
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
     pub fn solve(&mut self, x: &mut [f64]) {
+        if let Some(sparse) = &mut self.sparse {
+            return sparse.solve(x);
+        }
         self.tangent.solve(x);
         if !self.border.is_empty() {
             self.border.complete(&self.tangent, x);
@@ -138,16 +192,31 @@ impl TangentSolver {
         self.tangent.negative_direction(model, breakdown, x);
     }
 
-    /// Number of right sides that elements which reach far cost a factorization.
+    /// Number of right sides that elements which reach far take at each factorization: none beside a sparse matrix.
     pub fn further_sides(model: &Model) -> usize {
-        let far = reaches(model).filter(|element| !element.is_near(model));
-        PER_LINK * far.map(|element| element.links.len()).sum::<usize>()
+        if Self::is_sparse(model) { 0 } else { bordering_sides(model) }
+    }
+
+    /// Holds what these rows hold from the next factorization on: then solutions are those along the motions that they
+    /// leave, and negative eigenvalues those of these motions. Only of a tangent that is a sparse matrix.
+    pub fn set_rows(&mut self, rows: &SparseRows) {
+        if let Some(sparse) = &mut self.sparse {
+            sparse.set_rows(rows);
+        }
+    }
+
+    /// Whether far elements border the sweep: then a pivot of it says nothing of the whole.
+    pub fn is_bordered(&self) -> bool {
+        !self.border.is_empty()
     }
 
     /// Negative eigenvalues of the matrix that was factorized last, where that is symmetric; elements that reach far
-    /// count. Not after a factorization for a definite matrix.
-    pub fn negatives(&self) -> usize {
-        self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())
+    /// count. `None` if they could not be counted. Not after a factorization for a definite matrix.
+    pub fn negatives(&self) -> Option<usize> {
+        match &self.sparse {
+            Some(sparse) => sparse.negatives(),
+            None => Some(self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())),
+        }
     }
 }
 
@@ -162,6 +231,20 @@ impl Evaluated<'_> {
         a: &[f64],
         with: &Coefficients<'_>,
     ) -> Result<bool, Fault> {
+        self.gather_tangent(solver, a, with)?;
+        Ok(self.system.factorize_shifted(solver, a, with).is_ok())
+    }
+
+    /// Gathers what [`System::factorize_shifted`] needs, with hinge accelerations `a`; the shift is left to it.
+    ///
+    /// # Errors
+    /// The element whose numbers are not finite.
+    pub fn gather_tangent(
+        &mut self,
+        solver: &mut TangentSolver,
+        a: &[f64],
+        with: &Coefficients<'_>,
+    ) -> Result<(), Fault> {
         self.balance(a)?;
         let model = &*self.system.model;
         for (i, coordinate) in model.coordinates.iter().enumerate() {
@@ -171,8 +254,24 @@ impl Evaluated<'_> {
             solver.diagonal[coordinate.velocity] -= push.by_position + with.c1 * push.by_velocity;
         }
         self.gather_springs(solver, with.symmetric);
-        self.gather_forces(solver);
-        Ok(self.system.factorize_shifted(solver, a, with).is_ok())
+        self.gather_forces(solver, !self.system.motion.still || with.c1 != 0.0);
+        if let Some(mut sparse) = solver.sparse.take() {
+            let at = At {
+                motion: &self.system.motion,
+                balance: &self.system.balance,
+                hinge: a,
+                c1: with.c1,
+                c2: with.c2,
+                diagonal: &solver.diagonal,
+                applied: &solver.applied,
+                wrenches: &self.system.applied,
+                coupled: &[],
+                ball_springs: &solver.ball_springs,
+            };
+            sparse.assemble(model, &at, with.symmetric);
+            solver.sparse = Some(sparse);
+        }
+        Ok(())
     }
 
     /// Springs of balls. With `symmetric`, off equilibrium, their stiffness is rid of its connection term: the residual of
@@ -193,18 +292,24 @@ impl Evaluated<'_> {
     }
 
     /// Force elements, and loops at fixed multipliers, column by column: the links they act on are moved one way at a
-    /// time.
-    fn gather_forces(&self, solver: &mut TangentSolver) {
+    /// time. Velocities count if `rated`.
+    fn gather_forces(&self, solver: &mut TangentSolver, rated: bool) {
         solver.applied.clear();
         solver.coupled.clear();
         for (index, element) in solver.elements.iter().enumerate() {
             for (moved, link) in element.links.iter().copied().enumerate() {
                 let blocks = &mut solver.blocks[..element.links.len()];
-                self.blocks(index, element, link, &mut solver.unit, blocks);
+                self.blocks((index, rated), element, link, &mut solver.unit, blocks);
                 for (felt, (at, block)) in element.links.iter().copied().zip(blocks).enumerate() {
                     match element.far {
                         _ if felt == moved => solver.applied.push((link, *block)),
-                        Some(far) => *solver.border.felt(far, felt, moved) = *block,
+                        Some(far) => match &mut solver.sparse {
+                            Some(sparse) => {
+                                let others = element.links.len() - 1;
+                                *sparse.felt(far + moved * others + felt - usize::from(felt > moved)) = *block;
+                            }
+                            None => *solver.border.felt(far, felt, moved) = *block,
+                        },
                         None if at < link => {
                             solver.coupled.push((link, Coupling { on_parent: *block, ..Coupling::default() }));
                         }
@@ -226,9 +331,16 @@ impl Evaluated<'_> {
     }
 
     /// What the links of an element feel when one link moves.
-    fn blocks(&self, index: usize, element: &Reach, link: usize, unit: &mut [LinkVariation], blocks: &mut [Applied]) {
+    fn blocks(
+        &self,
+        (index, rated): (usize, bool),
+        element: &Reach,
+        link: usize,
+        unit: &mut [LinkVariation],
+        blocks: &mut [Applied],
+    ) {
         blocks.fill(Applied::default());
-        for block in 0..4 {
+        for block in 0..if rated { 4 } else { 2 } {
             for axis in 0..3 {
                 unit[link] = unit_variation(block, axis, &self.system.motion.links[link]);
                 self.vary_element(index, unit, &mut |end, wrench| {
@@ -256,7 +368,7 @@ impl Evaluated<'_> {
 }
 
 impl System {
-    /// Factorizes the tangent of the last [`Evaluated::factorize_tangent`] again with another shift; accelerations, `c₁` and
+    /// Factorizes the tangent of the last [`Evaluated::gather_tangent`] with a shift; accelerations, `c₁` and
     /// `c₂` as there.
     ///
     /// # Errors
@@ -267,6 +379,10 @@ impl System {
         a: &[f64],
         with: &Coefficients<'_>,
     ) -> Result<(), Breakdown> {
+        if let Some(sparse) = &mut solver.sparse {
+            let regular = sparse.factorize(with.shift, with.definite);
+            return if regular { Ok(()) } else { Err(Breakdown { link: 0, axis: None }) };
+        }
         solver.shifted.copy_from_slice(&solver.diagonal);
         for (diagonal, shift) in solver.shifted.iter_mut().zip(with.shift) {
             *diagonal += shift;
@@ -295,6 +411,12 @@ fn add(sum: &mut Applied, more: &Applied) {
         sum.force += more.force;
         sum.moment += more.moment;
     }
+}
+
+/// Unknowns of a border for the elements that reach far.
+fn bordering_sides(model: &Model) -> usize {
+    let far = reaches(model).filter(|element| !element.is_near(model));
+    PER_LINK * far.map(|element| element.links.len()).sum::<usize>()
 }
 
 /// What every element that pushes on links acts on: forces, then loops.

@@ -26,10 +26,12 @@
 mod applied;
 mod eliminate;
 mod hinge;
+mod matrix;
 mod parts;
 mod weight;
 
 pub use applied::{Applied, Column, Coupling};
+pub use matrix::{Pair, TangentMatrix};
 
 use super::balance::Balance;
 use super::plan::{Kind, Place, To, plan};

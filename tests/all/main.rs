@@ -31,6 +31,7 @@ mod loops;
 mod measures;
 mod mjcf;
 mod named;
+mod nets;
 mod no_allocation;
 mod oracle;
 mod outputs;

@@ -946,3 +946,37 @@ fn quarter_car_sinks_by_its_curves() {
     // It meets the bump stop, and not its end.
     assert!(deepest < -0.2 && deepest > -0.3, "{deepest}");
 }
+
+/// Every rod carries the weight of one plank, and the cable pulls along the bridge as a parabola does; with one plank four times
+/// heavier it takes another pose, and towers and banks carry all weights.
+#[test]
+fn the_suspension_bridge_hangs_on_a_parabola() {
+    let (scenario, model) = shipped("suspension_bridge", &[]);
+    let rest = found(&scenario, &model);
+    assert_eq!(rest.stability.as_ref().expect("an equilibrium").verdict, Verdict::Stable);
+    let (plank, link, span, sag, distance) = (50.0 * G, 2.0 * G, 36.0, 4.5, 1.0);
+    let pulls = |rest: &Equilibrium| -> Vec<f64> {
+        let hangers = rest.loops.iter().filter(|one| one.name.starts_with("hanger"));
+        hangers.map(|one| one.pull.expect("of a rod")).collect()
+    };
+    let along = (plank + link) * span * span / (8.0 * sag * distance);
+    // The certificate says what rounding may leave of the balance; what a node carries is a second difference (weights 1, −2, 1)
+    // of moments that add up along 36 links.
+    let round_off = 4.0 * 36.0 * rest.round_off * along;
+    assert!(round_off < 1e-7 * plank, "{round_off}");
+    assert_eq!(pulls(&rest).len(), 35);
+    pulls(&rest).iter().for_each(|pull| near(*pull, plank, round_off));
+    let tower = rest.loops.iter().find(|one| one.name == "far tower").expect("the loop");
+    near(tower.force.x.abs(), along, round_off);
+    // Half of all weights on either side: half a plank at the bank is held by its support.
+    near(tower.force.z.abs(), 0.5 * (35.0 * plank + 36.0 * link), round_off);
+    // A load on one plank: all that hangs on the cable is still carried, and statics has to move.
+    let (scenario, model) = shipped("suspension_bridge", &["deck[9].mass=200"]);
+    let loaded = found(&scenario, &model);
+    assert!(loaded.iterations > 0, "it moves");
+    assert_eq!(loaded.stability.as_ref().expect("an equilibrium").verdict, Verdict::Stable);
+    let upward: f64 = loaded.reactions[0].force.z + loaded.reactions[36].force.z;
+    let far: f64 = loaded.loops.iter().filter(|one| one.name.starts_with("far")).map(|one| one.force.z).sum();
+    let weights = (35.0 * 50.0 + 200.0 + 36.0 * 2.0) * G;
+    near((upward - far).abs(), weights, round_off);
+}

@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::statics::problem::bordered::Rows;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::sizes::{sizes, symmetric};
-use crate::statics::problem::{Landscape, Prestress};
+use crate::statics::problem::{Across, Landscape, Prestress};
 use faer::Mat;
 use std::sync::Arc;
 
@@ -21,6 +21,7 @@ pub(in crate::statics) fn examine(
     place: &Place,
 ) -> Result<(f64, Option<Stability>), Fault> {
     let count = landscape.free.len();
+    landscape.take_view(&place.q)?;
     landscape.heed_prestress(&place.q)?;
     if landscape.ties.as_ref().is_some_and(|ties| ties.sweeps) && !by_matrices(landscape.model(), count) {
         return examine_by_sweeps(landscape, place);
@@ -94,8 +95,40 @@ pub(in crate::statics) fn prestress_note(landscape: &Landscape<'_>) -> Option<St
 
 /// The same by sweeps, which take time in proportion to the size of the scene.
 fn examine_by_sweeps(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
-    let (free, n) = (landscape.free.clone(), landscape.steady.len());
+    let free = landscape.free.clone();
+    let largest = largest_acceleration(landscape, place)?;
+    if !place.is_balanced() {
+        return Ok((largest, None));
+    }
+    // Accelerations have multipliers of their own.
     let rows = landscape.rows_across(&place.q)?;
+    let stability = classify_by_sweeps(landscape.system(), &place.q, &free, &place.scales.stiffness, rows)?;
+    Ok((largest, Some(stability)))
+}
+
+/// Of the accelerations that unbalanced forces make along the loops, locked hinges held.
+fn largest_acceleration(landscape: &mut Landscape<'_>, place: &Place) -> Result<f64, Fault> {
+    let (free, n) = (landscape.free.clone(), landscape.steady.len());
+    let largest = |a: &[f64]| a.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
+    let (rest, mut force, mut acceleration) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    free.iter().zip(&place.force).for_each(|(i, f)| force[*i] = *f);
+    let rows = match landscape.rows_across(&place.q)? {
+        // At rest these are the accelerations that the rows allow.
+        Across::Sparse(_) if free.len() == n => {
+            landscape.system().at(0.0, &place.q, &rest).accelerations(&mut acceleration)?;
+            return Ok(largest(&acceleration));
+        }
+        Across::Sparse(held) => {
+            let rows = held.rows();
+            let full = |row: usize| {
+                let mut full = vec![0.0; free.len()];
+                rows.row(row).for_each(|(j, value)| full[j] = value);
+                full
+            };
+            (0..rows.len()).map(full).collect()
+        }
+        Across::Full(rows) => rows,
+    };
     // What the rows hold, and locked coordinates.
     let mut spread: Vec<Vec<f64>> = Vec::with_capacity(rows.len() + n - free.len());
     for row in &rows {
@@ -106,10 +139,7 @@ fn examine_by_sweeps(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f6
     let mut locked = vec![true; n];
     free.iter().for_each(|i| locked[*i] = false);
     spread.extend((0..n).filter(|i| locked[*i]).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()));
-    let (rest, mut force, mut acceleration) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    free.iter().zip(&place.force).for_each(|(i, f)| force[*i] = *f);
-    let system = landscape.system();
-    let mut at = system.at(0.0, &place.q, &rest);
+    let mut at = landscape.system().at(0.0, &place.q, &rest);
     let mut mass = at.accelerations(&mut acceleration)?;
     let mut solve = |rhs: &[f64]| {
         let mut x = vec![0.0; n];
@@ -120,14 +150,7 @@ fn examine_by_sweeps(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f6
     across.factorize(&mut solve);
     let mut acceleration = solve(&force);
     across.correct(&mut acceleration);
-    let largest = acceleration.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
-    if !place.is_balanced() {
-        return Ok((largest, None));
-    }
-    // Accelerations have multipliers of their own.
-    let rows = landscape.rows_across(&place.q)?;
-    let stability = classify_by_sweeps(landscape.system(), &place.q, &free, &place.scales.stiffness, rows)?;
-    Ok((largest, Some(stability)))
+    Ok(largest(&acceleration))
 }
 
 /// What a person should know of the loops at the end of a search.

@@ -9,7 +9,7 @@ use super::modes::{Mode, momentum, rates_of, scaled, shares};
 use crate::dynamics::{Fault, Linearization, System, TangentSolver};
 use crate::model::Model;
 use crate::statics::problem::sizes::{NEUTRAL, relative, symmetric};
-use crate::statics::problem::{MOST_MODES, by_sweeps};
+use crate::statics::problem::{Across, MOST_MODES, by_sweeps};
 use faer::{Mat, Side};
 use std::sync::Arc;
 
@@ -81,7 +81,7 @@ pub(in crate::statics) fn classify(
     let model = &Arc::clone(system.model());
     let sweeps = || TangentSolver::covers(model) || (!model.is_constrained() && by_sweeps(model, free, &[]));
     if !by_matrices(model, free.len()) && conservative && sweeps() {
-        return classify_by_sweeps(system, q, free, magnitude, Vec::new());
+        return classify_by_sweeps(system, q, free, magnitude, Across::Full(Vec::new()));
     }
     let rest = vec![0.0; model.velocity_count()];
     let full = system.at(0.0, q, &rest).linearize(&rest)?;
@@ -119,7 +119,7 @@ pub(in crate::statics) fn classify_by_sweeps(
     q: &[f64],
     free: &[usize],
     magnitude: &[f64],
-    rows: Vec<Vec<f64>>,
+    rows: Across,
 ) -> Result<Stability, Fault> {
     let model = &Arc::clone(system.model());
     let found = super::subspace::lowest(system, q, free, magnitude, rows)?;

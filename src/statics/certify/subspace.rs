@@ -13,7 +13,8 @@
 //! motions that they leave.
 
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
-use crate::statics::problem::bordered::{Rows, solved};
+use crate::statics::problem::Across;
+use crate::statics::problem::bordered::{Rows, hold, solved};
 use crate::statics::problem::sizes::{NEUTRAL, comparable};
 use faer::{Mat, Side};
 use std::sync::Arc;
@@ -34,6 +35,8 @@ const ROUND_OFF: f64 = 1e-14;
 const NEW: f64 = 1e-12;
 /// How closely above the last wanted mode modes are counted.
 const ABOVE: f64 = 1e-6;
+/// A matrix that is singular is shifted by so many times as much.
+const AGAIN: [f64; 3] = [1.0, 1.0 + 1e-8, 1.0 + 1e-7];
 /// The eigenvalues of T are looked at again after so many vectors.
 const BETWEEN: usize = 4;
 
@@ -69,6 +72,8 @@ struct Sweeps<'s> {
     product: Vec<f64>,
     mass: MassAction,
     rows: Rows,
+    /// Whether rows hold something, those or the tangent's own.
+    is_held: bool,
 }
 
 /// Counts and lowest modes at `q` across `rows`, with the multipliers that are in the system.
@@ -77,16 +82,18 @@ pub(in crate::statics) fn lowest(
     q: &[f64],
     free: &[usize],
     magnitude: &[f64],
-    rows: Vec<Vec<f64>>,
+    rows: Across,
 ) -> Result<Lowest, Fault> {
     let model = &Arc::clone(system.model());
     let n = model.velocity_count();
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
-    let solver = TangentSolver::new(model);
+    let mut solver = TangentSolver::new(model);
+    let is_held = !matches!(&rows, Across::Full(rows) if rows.is_empty());
+    let rows = hold(&mut solver, free, rows);
     let (zero, mass) = (vec![0.0; n], MassAction::new(model));
-    let (rest, full, rows) = (zero.clone(), zero.clone(), Rows::new(rows));
-    let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows };
+    let (rest, full) = (zero.clone(), zero.clone());
+    let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows, is_held };
     let magnitude = &comparable(magnitude);
     let unstable = sweeps.negative(magnitude, NEUTRAL)?;
     let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
@@ -98,22 +105,28 @@ pub(in crate::statics) fn lowest(
 impl Sweeps<'_> {
     /// Negative eigenvalues of `K + part · diag(magnitude)`.
     fn negative(&mut self, magnitude: &[f64], part: f64) -> Result<usize, Fault> {
-        for (i, size) in self.free.iter().zip(magnitude) {
-            self.shift[*i] = part * size;
+        for times in AGAIN {
+            for (i, size) in self.free.iter().zip(magnitude) {
+                self.shift[*i] = times * part * size;
+            }
+            let negative = self.negatives_with(0.0);
+            for i in self.free {
+                self.shift[*i] = 0.0;
+            }
+            if let Some(negative) = negative? {
+                return Ok(negative);
+            }
         }
-        let negative = self.negatives_with(0.0);
-        for i in self.free {
-            self.shift[*i] = 0.0;
-        }
-        negative
+        Err(Fault::Undecided { part })
     }
 
-    /// Negative directions of `K + c₂ M + diag(shift)`.
-    fn negatives_with(&mut self, c2: f64) -> Result<usize, Fault> {
+    /// Negative directions of `K + c₂ M + diag(shift)`; `None` if that is singular.
+    fn negatives_with(&mut self, c2: f64) -> Result<Option<usize>, Fault> {
         let with = Coefficients { c2, shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
-        self.border();
-        Ok(self.solver.negatives().saturating_sub(self.rows.negatives()))
+        let mut at = self.system.at(0.0, self.q, &self.rest);
+        let regular = at.factorize_tangent(&mut self.solver, &self.rest, &with)? && self.border();
+        let negatives = self.solver.negatives().filter(|_| regular);
+        Ok(negatives.map(|negatives| negatives.saturating_sub(self.rows.negatives())))
     }
 
     /// The rows after a factorization of the sweep; false where they make it singular.
@@ -125,10 +138,10 @@ impl Sweeps<'_> {
     /// Factorizes `K + sM`; false where it is not definite.
     fn factorize(&mut self, s: f64) -> Result<bool, Fault> {
         // Beside rows and forces that reach far the sweep alone need not be definite.
-        let definite = self.rows.is_empty() && TangentSolver::further_sides(self.system.model()) == 0;
+        let definite = self.rows.is_empty() && !self.solver.is_bordered();
         let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
         let regular = self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
-        Ok(regular && (definite || (self.border() && self.solver.negatives() == self.rows.negatives())))
+        Ok(regular && (definite || (self.border() && self.solver.negatives() == Some(self.rows.negatives()))))
     }
 
     fn solve(&mut self, rhs: &[f64]) -> Vec<f64> {
@@ -229,14 +242,19 @@ impl Sweeps<'_> {
 
     /// Modes below `limit`: the negative pivots of `K − limit M`.
     fn below(&mut self, limit: f64) -> Result<usize, Fault> {
-        self.negatives_with(-limit)
+        for times in AGAIN {
+            if let Some(count) = self.negatives_with(-times * limit)? {
+                return Ok(count);
+            }
+        }
+        Err(Fault::Undecided { part: limit })
     }
 
     /// Another vector with a bit of everything.
     fn let_in(&mut self, space: &mut Space) {
         let mut vector = start(self.free.len(), space.starts);
         space.starts += 1;
-        if !self.rows.is_empty() {
+        if self.is_held {
             let momentum = self.mass_times(&vector);
             vector = self.solve(&momentum);
         }

@@ -10,7 +10,8 @@
 //! (2) counts the negative directions of the bordered matrix twice: by the elimination of `x` (Haynsworth), and by that of
 //! the rows, each of which makes one positive and one negative.
 
-use crate::dynamics::{Coefficients, System, TangentSolver};
+use super::split::Across;
+use crate::dynamics::{Coefficients, SparseRows, System, TangentSolver};
 use crate::model::Model;
 use faer::{Mat, Side};
 
@@ -106,26 +107,33 @@ impl Bordered {
         &mut self,
         system: &mut System,
         q: &[f64],
-        rows: Vec<Vec<f64>>,
+        rows: Across,
     ) -> Result<(), crate::dynamics::Fault> {
-        let with = Coefficients { shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        system.at(0.0, q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
-        self.rows = Rows::new(rows);
+        let with = Coefficients { symmetric: true, ..Coefficients::default() };
+        system.at(0.0, q, &self.rest).gather_tangent(&mut self.solver, &self.rest, &with)?;
+        self.rows = hold(&mut self.solver, &self.free, rows);
         Ok(())
     }
 
-    /// `K + diag(by)`: its negative directions along the rows, or `None` where it is singular.
-    pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64]) -> Option<usize> {
+    /// `K + diag(by)`; false if it is singular, or not definite along the rows and that is wanted.
+    pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64], definite: bool) -> bool {
         for (i, by) in self.free.iter().zip(by) {
             self.shift[*i] = *by;
         }
-        let with = Coefficients { shift: &self.shift, ..Coefficients::default() };
+        // Beside rows and a border the sweep alone need not be definite.
+        let whole = self.rows.is_empty() && !self.solver.is_bordered();
+        let with = Coefficients { shift: &self.shift, definite: definite && whole, ..Coefficients::default() };
         let factorized = system.factorize_shifted(&mut self.solver, &self.rest, &with);
         self.free.iter().for_each(|i| self.shift[*i] = 0.0);
-        factorized.ok()?;
         let Self { solver, free, full, rows, .. } = self;
-        rows.factorize(&mut |rhs| solved(solver, free, full, rhs)).then_some(())?;
-        Some(self.solver.negatives().saturating_sub(self.rows.negatives()))
+        factorized.is_ok()
+            && rows.factorize(&mut |rhs| solved(solver, free, full, rhs))
+            && (!definite || whole || self.negatives() == Some(0))
+    }
+
+    /// Negative directions along the rows of what was factorized last; `None` if they could not be counted.
+    pub(in crate::statics) fn negatives(&self) -> Option<usize> {
+        Some(self.solver.negatives()?.saturating_sub(self.rows.negatives()))
     }
 
     /// (1) with the last factorization.
@@ -138,8 +146,24 @@ impl Bordered {
 
     /// Where `K + diag(by)` is negative along the rows, a direction with a bit of everything to look for that from; else none.
     pub(in crate::statics) fn negative_direction(&mut self, system: &System, by: &[f64]) -> Option<Vec<f64>> {
-        let some = self.factorize(system, by)? > 0;
+        let some = self.factorize(system, by, false) && self.negatives()? > 0;
         some.then(|| (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect())
+    }
+}
+
+/// Gives sparse rows to the tangent; the others are what borders it.
+pub(in crate::statics) fn hold(solver: &mut TangentSolver, free: &[usize], rows: Across) -> Rows {
+    match rows {
+        Across::Full(rows) => {
+            solver.set_rows(&SparseRows::default());
+            Rows::new(rows)
+        }
+        Across::Sparse(held) => {
+            let mut rows: SparseRows = held.rows().clone();
+            rows.columns.iter_mut().for_each(|column| *column = free[*column]);
+            solver.set_rows(&rows);
+            Rows::new(Vec::new())
+        }
     }
 }
 

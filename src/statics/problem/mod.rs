@@ -2,6 +2,7 @@
 
 pub(in crate::statics) mod assembled;
 pub(in crate::statics) mod bordered;
+mod held;
 mod limits;
 pub(in crate::statics) mod linear;
 pub(in crate::statics) mod place;
@@ -20,12 +21,12 @@ use limits::Limits;
 pub(in crate::statics) use limits::{Weak, within_limits};
 use place::{BALANCED, Place, SHIFT};
 pub(in crate::statics) use prestress::Prestress;
-pub(in crate::statics) use split::Branch;
+pub(in crate::statics) use split::{Across, Branch};
 use std::borrow::Cow;
 use std::sync::Arc;
 use stiffness::Stiffness;
-use ties::Ties;
 pub(in crate::statics) use ties::{MOST_MODES, by_sweeps};
+use ties::{Ties, by_sparse_rows};
 
 /// Least part of the largest inertia of a ball's three turns that any of them counts with.
 const ROUND: f64 = 0.1;
@@ -109,8 +110,9 @@ impl<'s> Landscape<'s> {
             false => (rest.clone(), None),
             true => {
                 let (steady, frozen) = ties::steady(system, q);
-                let sweeps = conservative && by_sweeps(model, &free, &steady);
-                (steady, Some(Box::new(Ties::new(model, frozen, sweeps))))
+                let sparse = conservative && by_sparse_rows(model, &free, &steady);
+                let sweeps = sparse || (conservative && by_sweeps(model, &free, &steady));
+                (steady, Some(Box::new(Ties::new(model, frozen, [sweeps, sparse]))))
             }
         };
         let bordered = conservative && ties.is_none() && by_sweeps(model, &free, &steady);
@@ -230,6 +232,8 @@ impl<'s> Landscape<'s> {
             limits.look(q, &self.free);
         }
         if self.ties.is_some() {
+            // Which way it is may follow from what is seen here.
+            self.take_view(q)?;
             self.heed_prestress(q)?;
             let sweeps = self.ties.as_ref().is_some_and(|ties| ties.sweeps);
             return if sweeps { self.look_along(q) } else { self.look_densely(q) };

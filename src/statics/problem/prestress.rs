@@ -59,7 +59,7 @@ impl Landscape<'_> {
         if self.share_prestress(q, &samples)?
             && let Some(ties) = &mut self.ties
         {
-            (ties.sweeps, ties.view, ties.branch) = (false, None, None);
+            ties.go_densely();
         }
         Ok(())
     }

@@ -14,8 +14,10 @@
 //! instead of `n × (n − m)`. Where rows are linearly dependent the branch decides what is held beside `V₁`: of what was held
 //! before, the part that no row feels here, `Q y` with `V₁ᵀ Q y = 0`.
 
+use super::held::Held;
 use faer::linalg::solvers::Qr;
 use faer::{Mat, Par};
+use std::sync::Arc;
 
 /// A singular value below this part of the largest belongs to a linearly dependent row.
 pub(in crate::statics) const DEPENDENT: f64 = 1e-10;
@@ -38,6 +40,8 @@ pub(in crate::statics) enum Motions {
     Spanned(Mat<f64>),
     /// By rows `C` that hold everything else, `Cᵀ B⁻¹ C = 1`.
     Across(Mat<f64>),
+    /// By sparse rows that hold everything else.
+    Held(Arc<Held>),
 }
 
 impl Motions {
@@ -57,6 +61,7 @@ impl Motions {
             (0..n).map(|i| columns[(i, j)] * x(i)).sum::<f64>()
         };
         match self {
+            Self::Held(held) => held.felt(force, metric),
             Self::Spanned(z) => {
                 let along: Vec<f64> = (0..z.ncols()).map(|j| times(z, j, &|i| force[i])).collect();
                 let part = |i: usize| metric[i] * along.iter().enumerate().map(|(j, a)| z[(i, j)] * a).sum::<f64>();
@@ -78,7 +83,10 @@ impl Motions {
     /// How large [`Motions::felt`] is of forces whose squares are expected to be these, independently of each other:
     /// the roots of `Σ_j (B Z Zᵀ)ᵢⱼ² sⱼ`.
     pub(in crate::statics) fn felt_size(&self, squares: &[f64], metric: &[f64]) -> Vec<f64> {
-        let (Self::Spanned(columns) | Self::Across(columns)) = self;
+        let columns = match self {
+            Self::Held(held) => return held.felt_size(squares, metric),
+            Self::Spanned(columns) | Self::Across(columns) => columns,
+        };
         let held = matches!(self, Self::Across(_));
         let weight = |j: usize| squares[j].sqrt() / if held { metric[j] } else { 1.0 };
         let weighted = Mat::from_fn(columns.nrows(), columns.ncols(), |j, k| weight(j) * columns[(j, k)]);
@@ -93,20 +101,43 @@ impl Motions {
     pub(in crate::statics) fn basis(&self, metric: &[f64]) -> Mat<f64> {
         match self {
             Self::Spanned(z) => z.clone(),
-            Self::Across(c) => {
-                let (n, m) = (c.nrows(), c.ncols());
-                let held = Mat::from_fn(n, m, |i, j| c[(i, j)] / metric[i].sqrt());
-                let q = Qr::new(held.as_ref()).compute_Q();
-                Mat::from_fn(n, n - m, |i, j| q[(i, m + j)] / metric[i].sqrt())
+            Self::Across(c) => left(c.as_ref(), metric),
+            Self::Held(held) => {
+                let rows = held.rows();
+                let mut c = Mat::zeros(metric.len(), rows.len());
+                (0..rows.len()).for_each(|j| rows.row(j).for_each(|(i, value)| c[(i, j)] = value));
+                left(c.as_ref(), metric)
             }
         }
     }
 
-    /// The rows of [`Motions::Across`], one list each; none of a basis.
-    pub(in crate::statics) fn rows(&self) -> Vec<Vec<f64>> {
-        let Self::Across(c) = self else { return Vec::new() };
-        (0..c.ncols()).map(|j| (0..c.nrows()).map(|i| c[(i, j)]).collect()).collect()
+    /// The rows that hold everything else; none of a basis.
+    pub(in crate::statics) fn rows(&self) -> Across {
+        match self {
+            Self::Spanned(_) => Across::Full(Vec::new()),
+            Self::Across(c) => {
+                Across::Full((0..c.ncols()).map(|j| (0..c.nrows()).map(|i| c[(i, j)]).collect()).collect())
+            }
+            Self::Held(held) => Across::Sparse(Arc::clone(held)),
+        }
     }
+}
+
+/// Rows that hold what is not a motion, over the free coordinates.
+#[derive(Debug, Clone)]
+pub(in crate::statics) enum Across {
+    /// One list for each row.
+    Full(Vec<Vec<f64>>),
+    /// For a tangent that is a sparse matrix.
+    Sparse(Arc<Held>),
+}
+
+/// `Z` of what rows, the columns of `c`, leave.
+fn left(c: faer::MatRef<'_, f64>, metric: &[f64]) -> Mat<f64> {
+    let (n, m) = (c.nrows(), c.ncols());
+    let held = Mat::from_fn(n, m, |i, j| c[(i, j)] / metric[i].sqrt());
+    let q = Qr::new(held.as_ref()).compute_Q();
+    Mat::from_fn(n, n - m, |i, j| q[(i, m + j)] / metric[i].sqrt())
 }
 
 /// Motions and multipliers.

@@ -3,6 +3,7 @@
 
 use super::bordered::Bordered;
 use super::linear::{self, Definite};
+use super::split::Across;
 use crate::dynamics::{Coefficients, Fault, System, TangentSolver};
 use crate::model::Model;
 use crate::transfer::tangent::Breakdown;
@@ -87,14 +88,12 @@ impl Stiffness {
         rest: &[f64],
         symmetric: bool,
     ) -> Result<(), Fault> {
-        let (solver, shift) = match self {
-            Self::Sweep { solver, shift, .. } => (solver, shift),
-            Self::Bordered(bordered) => return bordered.look(system, q, Vec::new()),
+        let solver = match self {
+            Self::Sweep { solver, .. } => solver,
+            Self::Bordered(bordered) => return bordered.look(system, q, Across::Full(Vec::new())),
             Self::Closed { .. } | Self::Dense { .. } => return Ok(()),
         };
-        let with = Coefficients { shift, symmetric, ..Coefficients::default() };
-        system.at(0.0, q, rest).factorize_tangent(solver, rest, &with)?;
-        Ok(())
+        system.at(0.0, q, rest).gather_tangent(solver, rest, &Coefficients { symmetric, ..Coefficients::default() })
     }
 
     /// Negative directions of `K + diag(by)`, where sweeps can tell.
@@ -105,8 +104,8 @@ impl Stiffness {
             return None;
         }
         match self {
-            Self::Sweep { solver, .. } => Some(solver.negatives()),
-            Self::Bordered(bordered) => bordered.factorize(system, by),
+            Self::Sweep { solver, .. } => solver.negatives(),
+            Self::Bordered(bordered) => bordered.factorize(system, by, false).then(|| bordered.negatives())?,
             Self::Closed { .. } | Self::Dense { .. } => None,
         }
     }
@@ -115,9 +114,7 @@ impl Stiffness {
     pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64], definite: bool) -> bool {
         match self {
             Self::Sweep { .. } => self.sweep(system, by, definite).is_ok(),
-            Self::Bordered(bordered) => {
-                bordered.factorize(system, by).is_some_and(|negative| negative == 0 || !definite)
-            }
+            Self::Bordered(bordered) => bordered.factorize(system, by, definite),
             Self::Closed { tangent, matrix, factor } => {
                 *factor = Factor::of(&shifted_along(tangent, matrix, by), &[], definite);
                 factor.is_some()

@@ -23,12 +23,13 @@
 //! with the rest (see `prestress`).
 
 use super::bordered::Bordered;
+use super::held::{SparseGiven, split_clearly};
 use super::prestress::Prestress;
-use super::split::{Branch, Given, Motions, NEARLY, Split, split};
+use super::split::{Across, Branch, Given, Motions, NEARLY, Split, split};
 use super::stiffness::Stiffness;
 use super::{Landscape, Scales};
 use crate::constraint::{Closer, Constraints};
-use crate::dynamics::{Fault, Magnitudes, System, TangentSolver};
+use crate::dynamics::{Fault, Magnitudes, SparseRows, System, TangentSolver};
 use crate::model::Model;
 use faer::Mat;
 use std::sync::Arc;
@@ -52,6 +53,8 @@ pub(in crate::statics) struct Ties {
     closer: Closer,
     /// Whether rows border a sweep; else matrices are dense.
     pub(in crate::statics) sweeps: bool,
+    /// Whether the tangent is a sparse matrix with all of them.
+    sparse: bool,
     /// Drives whose velocity cannot be kept.
     pub(in crate::statics) frozen: Vec<String>,
     /// The problem at the last position.
@@ -78,9 +81,14 @@ pub(in crate::statics) struct View {
 }
 
 impl Ties {
-    pub(in crate::statics) fn new(model: &Model, frozen: Vec<String>, sweeps: bool) -> Self {
+    pub(in crate::statics) fn new(model: &Model, frozen: Vec<String>, [sweeps, sparse]: [bool; 2]) -> Self {
         let (view, branch, stiffens, prestress) = (None, None, None, Prestress::None);
-        Self { closer: Closer::new(model), sweeps, frozen, view, branch, stiffens, prestress }
+        Self { closer: Closer::new(model), sweeps, sparse, frozen, view, branch, stiffens, prestress }
+    }
+
+    /// Takes matrices from now on: what was seen by other ways is forgotten.
+    pub(in crate::statics) fn go_densely(&mut self) {
+        (self.sweeps, self.sparse, self.view, self.branch) = (false, false, None, None);
     }
 }
 
@@ -143,10 +151,10 @@ impl Landscape<'_> {
 
     /// The rows that hold what is not a motion at a closed position, where sweeps are the way; and its multipliers in the
     /// system.
-    pub(in crate::statics) fn rows_across(&mut self, q: &[f64]) -> Result<Vec<Vec<f64>>, Fault> {
+    pub(in crate::statics) fn rows_across(&mut self, q: &[f64]) -> Result<Across, Fault> {
         self.take_view(q)?;
         let view = self.ties.as_ref().and_then(|ties| ties.view.as_ref());
-        Ok(view.map_or_else(Vec::new, |view| view.motions.rows()))
+        Ok(view.map_or_else(|| Across::Full(Vec::new()), |view| view.motions.rows()))
     }
 
     /// Takes the stiffness along the closed positions for solutions by sweeps.
@@ -201,22 +209,28 @@ impl Landscape<'_> {
     }
 
     fn view(&mut self, q: &[f64]) -> Result<View, Fault> {
+        if self.ties.as_ref().is_some_and(|ties| ties.sparse) {
+            if let Some(view) = self.sparse_view(q)? {
+                return Ok(view);
+            }
+            // Rows are nearly dependent here: singular values decide.
+            self.ties.iter_mut().for_each(|ties| ties.go_densely());
+        }
         let free = self.free.clone();
         let n = free.len();
-        let rows = self.system.constraints().map_or(0, |rows| rows.rank());
-        self.system.set_multipliers(&vec![0.0; rows]);
-        let mut at = self.system.at(0.0, q, &self.steady);
-        let magnitudes = at.residual(&self.rest, &mut self.full)?.magnitudes();
-        let of_rows = at.constraint_matrix();
-        let force: Vec<f64> = free.iter().map(|i| self.full[*i]).collect();
+        let (magnitudes, force) = self.unheld(q)?;
+        let of_rows = self.system.at(0.0, q, &self.steady).constraint_matrix();
+        let rows = of_rows.nrows();
         let all = Mat::from_fn(rows, n, |i, j| of_rows[(i, free[j])]);
         let root: Vec<f64> = self.metric.iter().map(|b| b.sqrt()).collect();
-        let (of_row, of_velocity) = self.system.row_units();
-        let per: Vec<f64> =
-            free.iter().map(|i| 1.0 / if of_velocity[*i] > 0.0 { of_velocity[*i] } else { 1.0 }).collect();
+        let (of_row, per) = self.units();
         let geometric = Mat::from_fn(rows, n, |i, j| all[(i, j)] / of_row[i]);
-        let sizes = row_sizes(&all, &root);
-        let plain: Vec<f64> = row_sizes(&geometric, &per).iter().zip(&of_row).map(|(size, unit)| size * unit).collect();
+        let squares = |rows: &Mat<f64>, units: &[f64]| {
+            let square = |i: usize| units.iter().enumerate().map(|(j, unit)| (rows[(i, j)] / unit).powi(2)).sum();
+            row_sizes((0..rows.nrows()).map(square).collect())
+        };
+        let sizes = squares(&all, &root);
+        let plain: Vec<f64> = squares(&geometric, &per).iter().zip(&of_row).map(|(size, unit)| size * unit).collect();
         let given = Given {
             rows: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (root[j] * sizes[i])),
             plain: Mat::from_fn(rows, n, |i, j| all[(i, j)] / (per[j] * plain[i])),
@@ -226,19 +240,77 @@ impl Landscape<'_> {
         };
         let branch = self.ties.as_ref().and_then(|ties| ties.branch.as_ref());
         let sweeps = self.ties.as_ref().is_some_and(|ties| ties.sweeps);
-        let Split { motions, multipliers, singular, regular } = split(&given, branch, sweeps);
-        let multipliers: Vec<f64> = multipliers.iter().zip(&sizes).map(|(x, size)| x / size).collect();
-        let left = motions.felt(&force, &self.metric);
-        let scales = self.scales(&all, &multipliers, &motions, (q, magnitudes));
-        let force = left.iter().map(|r| -r).collect();
-        Ok(View { q: q.to_vec(), motions, multipliers, singular, force, scales, regular })
+        let split = split(&given, branch, sweeps);
+        let entries = |j: usize| (0..rows).map(|i| (i, all[(i, j)])).filter(|entry| entry.1 != 0.0).collect();
+        Ok(self.seen(split, &sizes, (0..n).map(entries).collect(), (q, magnitudes), &force))
     }
 
-    /// Sizes of what cancels in the forces that are left to the motions, with `rows` over the free coordinates, and its
+    /// The same with sparse rows; `None` where they are not clearly independent.
+    fn sparse_view(&mut self, q: &[f64]) -> Result<Option<View>, Fault> {
+        let (magnitudes, force) = self.unheld(q)?;
+        let of_rows = self.system.at(0.0, q, &self.steady).constraint_rows();
+        let mut place = vec![usize::MAX; self.steady.len()];
+        self.free.iter().enumerate().for_each(|(j, i)| place[*i] = j);
+        let entries = |row: usize| of_rows.row(row).map(|(i, value)| (place[i], value));
+        let free = |row: usize| entries(row).filter(|(j, _)| *j != usize::MAX).collect();
+        let all = SparseRows::of((0..of_rows.len()).map(free).collect());
+        let (of_row, per) = self.units();
+        let metric = &self.metric;
+        let square = |row: usize| all.row(row).map(|(j, value)| value * value / metric[j]).sum();
+        let sizes = row_sizes((0..all.len()).map(square).collect());
+        let square = |row: usize| all.row(row).map(|(j, value)| (value / (of_row[row] * per[j])).powi(2)).sum();
+        let plain = row_sizes((0..all.len()).map(square).collect());
+        let given = SparseGiven {
+            rows: all.map(|row, _, value| value / sizes[row]),
+            plain: all.map(|row, j, value| value / (per[j] * plain[row] * of_row[row])),
+            force: &force,
+            metric,
+        };
+        let branch = self.ties.as_ref().and_then(|ties| ties.branch.as_ref());
+        let Some(split) = split_clearly(given, branch.map(|branch| branch.regular)) else { return Ok(None) };
+        let mut columns = vec![Vec::new(); self.free.len()];
+        for row in 0..all.len() {
+            all.row(row).for_each(|(j, value)| columns[j].push((row, value)));
+        }
+        Ok(Some(self.seen(split, &sizes, columns, (q, magnitudes), &force)))
+    }
+
+    /// Sizes of all terms, and the residual of the free coordinates, without multipliers.
+    fn unheld(&mut self, q: &[f64]) -> Result<(Magnitudes, Vec<f64>), Fault> {
+        let rows = self.system.constraints().map_or(0, |rows| rows.rank());
+        self.system.set_multipliers(&vec![0.0; rows]);
+        let magnitudes = self.system.at(0.0, q, &self.steady).residual(&self.rest, &mut self.full)?.magnitudes();
+        Ok((magnitudes, self.free.iter().map(|i| self.full[*i]).collect()))
+    }
+
+    /// Units of the rows, and of the free coordinates.
+    fn units(&self) -> (Vec<f64>, Vec<f64>) {
+        let (of_row, of_velocity) = self.system.row_units();
+        let per = |i: &usize| 1.0 / if of_velocity[*i] > 0.0 { of_velocity[*i] } else { 1.0 };
+        (of_row, self.free.iter().map(per).collect())
+    }
+
+    /// The view of a split of rows of these sizes, with the entries of the rows column by column.
+    fn seen(
+        &mut self,
+        Split { motions, multipliers, singular, regular }: Split,
+        sizes: &[f64],
+        columns: Vec<Vec<(usize, f64)>>,
+        (q, magnitudes): (&[f64], Magnitudes),
+        force: &[f64],
+    ) -> View {
+        let multipliers: Vec<f64> = multipliers.iter().zip(sizes).map(|(x, size)| x / size).collect();
+        let left = motions.felt(force, &self.metric);
+        let scales = self.scales(&columns, &multipliers, &motions, (q, magnitudes));
+        let force = left.iter().map(|r| -r).collect();
+        View { q: q.to_vec(), motions, multipliers, singular, force, scales, regular }
+    }
+
+    /// Sizes of what cancels in the forces that are left to the motions, with the rows column by column, and its
     /// round-off. Each motion feels the terms of all coordinates that work on it, and their errors.
     fn scales(
         &mut self,
-        rows: &Mat<f64>,
+        columns: &[Vec<(usize, f64)>],
         multipliers: &[f64],
         motions: &Motions,
         (q, magnitudes): (&[f64], Magnitudes),
@@ -248,12 +320,12 @@ impl Landscape<'_> {
         let mut squares = magnitudes.squares;
         self.system.at(0.0, q, &self.steady).add_multiplier_squares(&mut squares);
         let errors: Vec<f64> = free.iter().map(|i| squares[*i]).collect();
-        let push = |row: usize, i: usize| rows[(row, i)] * multipliers[row];
-        let held = |i: usize| self.system.constraints().map_or(0.0, |of| of.sum_of_elements(|row| push(row, i)));
+        let pushes = |i: usize| columns[i].iter().map(|(row, value)| (*row, value * multipliers[*row]));
+        let held = |i: usize| self.system.constraints().map_or(0.0, |of| of.sum_of_elements(pushes(i)));
         let sizes: Vec<f64> = (0..n).map(|i| (magnitudes.force[free[i]] + held(i)).powi(2)).collect();
         let stiffness = |i: usize| {
             let per_move = if self.slides[free[i]] { self.length } else { 1.0 };
-            let pushes = (0..multipliers.len()).map(|row| push(row, i).abs()).sum::<f64>();
+            let pushes = pushes(i).map(|(_, push)| push.abs()).sum::<f64>();
             (magnitudes.force[free[i]] + pushes) / per_move + magnitudes.stiffness[free[i]]
         };
         let noise = motions.felt_size(&errors, &self.metric);
@@ -279,12 +351,17 @@ impl Landscape<'_> {
     }
 }
 
-/// What makes rows over coordinates in these units of one size (a turn's beside a slide's); nearly nothing stays that.
-fn row_sizes(rows: &Mat<f64>, units: &[f64]) -> Vec<f64> {
-    let size = |i: usize| units.iter().enumerate().map(|(j, unit)| (rows[(i, j)] / unit).powi(2)).sum::<f64>().sqrt();
-    let sizes: Vec<f64> = (0..rows.nrows()).map(|i| size(i).max(f64::MIN_POSITIVE)).collect();
+/// What makes rows of one size (a turn's beside a slide's), from the sums of the squares of their entries in equal units; nearly
+/// nothing stays that.
+fn row_sizes(squares: Vec<f64>) -> Vec<f64> {
+    let sizes: Vec<f64> = squares.into_iter().map(|square: f64| square.sqrt().max(f64::MIN_POSITIVE)).collect();
     let largest = sizes.iter().fold(0.0_f64, |m, s| m.max(*s));
     sizes.into_iter().map(|size| if size > NEARLY * largest { size } else { largest }).collect()
+}
+
+/// Whether the tangent of a scene that is at rest is a sparse matrix with its rows.
+pub(in crate::statics) fn by_sparse_rows(model: &Model, free: &[usize], steady: &[f64]) -> bool {
+    free.len() > MOST_MODES && steady.iter().all(|v| *v == 0.0) && TangentSolver::is_sparse(model)
 }
 
 /// Whether the rows of a scene and its forces that reach far border the sweep of its tree: few of them across a large

@@ -57,6 +57,16 @@ impl Varied {
         }
     }
 
+    /// A row `ρ T` of eq. (2): on the parent's state, `d` away; `s = ω_P × d + slip`.
+    #[inline]
+    pub(super) fn compose(&mut self, d: &Vector3<f64>, s: &Vector3<f64>) {
+        let (d, s) = (Quad::of(d), Quad::of(s));
+        // −ρ [d]× = d × ρ
+        self.rate = d.cross_add(self.speed, (s + s).cross_add(self.linear, self.rate));
+        self.angular = d.cross_add(self.linear, self.angular);
+        self.turn = s.cross_add(self.speed, d.cross_add(self.place, self.turn));
+    }
+
     /// `self · other`.
     #[inline(always)]
     pub(super) fn dot<const PARTS: u8>(&self, other: &Self) -> f64 {

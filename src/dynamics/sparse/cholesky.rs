@@ -1,0 +1,135 @@
+//! L Lᵀ and L D Lᵀ of a sparse symmetric matrix, with the order of approximate minimum degree.
+
+use super::{Pattern, square};
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::sparse::SparseColMatRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::{Conj, MatMut, Par, Side};
+use std::sync::Arc;
+
+/// Supernodes are taken from a third of the operations per entry that the library would wait for: nets have larger ones than
+/// chains of loops, whose columns are faster by themselves.
+const SUPERNODAL: SupernodalThreshold = SupernodalThreshold(0.3);
+
+/// Memory that a factorization works in.
+pub(super) struct Workspace(StackReq, pub(super) MemBuffer);
+
+impl std::fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Workspace").field(&self.0).finish()
+    }
+}
+
+impl Workspace {
+    pub(super) fn new(size: StackReq) -> Self {
+        Self(size, MemBuffer::new(size))
+    }
+}
+
+impl Clone for Workspace {
+    fn clone(&self) -> Self {
+        Self::new(self.0)
+    }
+}
+
+/// L Lᵀ or L D Lᵀ of a symmetric matrix.
+#[derive(Debug, Clone)]
+pub(super) struct Cholesky {
+    symbolic: Arc<SymbolicCholesky<usize>>,
+    values: Vec<f64>,
+    workspace: Workspace,
+    is_llt: bool,
+}
+
+impl Cholesky {
+    pub(super) fn new(pattern: Pattern<'_>) -> Self {
+        let parameters =
+            CholeskySymbolicParams { supernodal_flop_ratio_threshold: SUPERNODAL, ..CholeskySymbolicParams::default() };
+        let symbolic = factorize_symbolic_cholesky(square(pattern), Side::Upper, SymmetricOrdering::Amd, parameters)
+            .expect("memory for the pattern of the tangent");
+        let sizes = [
+            symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()),
+            symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default()),
+            symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
+        ];
+        let values = vec![0.0; symbolic.len_val()];
+        Self {
+            symbolic: Arc::new(symbolic),
+            values,
+            workspace: Workspace::new(StackReq::any_of(&sizes)),
+            is_llt: false,
+        }
+    }
+
+    pub(super) fn llt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> bool {
+        let (matrix, none) = (SparseColMatRef::new(square(pattern), upper), Default::default());
+        let stack = MemStack::new(&mut self.workspace.1);
+        self.values.fill(0.0);
+        self.is_llt = true;
+        self.symbolic
+            .factorize_numeric_llt(&mut self.values, matrix, Side::Upper, none, Par::Seq, stack, Default::default())
+            .is_ok()
+    }
+
+    /// Returns the number of negative pivots; `None` if one is zero or not finite.
+    pub(super) fn ldlt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> Option<usize> {
+        let (matrix, none) = (SparseColMatRef::new(square(pattern), upper), Default::default());
+        let stack = MemStack::new(&mut self.workspace.1);
+        self.values.fill(0.0);
+        self.is_llt = false;
+        self.symbolic
+            .factorize_numeric_ldlt(&mut self.values, matrix, Side::Upper, none, Par::Seq, stack, Default::default())
+            .ok()?;
+        let mut negatives = 0;
+        let mut regular = true;
+        self.pivots(|pivot| {
+            regular &= pivot != 0.0 && pivot.is_finite();
+            negatives += usize::from(pivot < 0.0);
+        });
+        regular.then_some(negatives)
+    }
+
+    /// D of L D Lᵀ.
+    fn pivots(&self, mut each: impl FnMut(f64)) {
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Simplicial(columns) => {
+                columns.col_ptr()[..self.symbolic.nrows()].iter().for_each(|first| each(self.values[*first]));
+            }
+            SymbolicCholeskyRaw::Supernodal(nodes) => {
+                for node in 0..nodes.n_supernodes() {
+                    let first = nodes.col_ptr_for_val()[node];
+                    let columns = nodes.supernode_end()[node] - nodes.supernode_begin()[node];
+                    let rows = (nodes.col_ptr_for_val()[node + 1] - first) / columns.max(1);
+                    (0..columns).for_each(|k| each(self.values[first + k * rows + k]));
+                }
+            }
+        }
+    }
+
+    /// `x ← A⁻¹ x` with the last factorization, which was `L Lᵀ` or `L D Lᵀ`.
+    pub(super) fn solve(&mut self, x: &mut [f64]) {
+        // The workspace is the only part that changes.
+        let mut workspace = std::mem::replace(&mut self.workspace, Workspace::new(StackReq::EMPTY));
+        self.solve_in(&mut workspace, x);
+        self.workspace = workspace;
+    }
+
+    /// Memory for [`Cholesky::solve_in`].
+    pub(super) fn another_workspace(&self) -> Workspace {
+        self.workspace.clone()
+    }
+
+    /// The same in other memory.
+    pub(super) fn solve_in(&self, workspace: &mut Workspace, x: &mut [f64]) {
+        let n = x.len();
+        let (x, stack) = (MatMut::from_column_major_slice_mut(x, n, 1), MemStack::new(&mut workspace.1));
+        match self.is_llt {
+            true => LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack),
+            false => LdltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack),
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What many rows hold, by sparse matrices.
+//!
+//! ```text
+//! A = G B⁻¹ Gᵀ                    the rows in the metric, sparse where loops are local
+//! felt(f) = f − Gᵀ A⁻¹ G B⁻¹ f     the part of a force that does work on the motions               (1)
+//! λ = A⁻¹ G B⁻¹ f                  the multipliers that take the rest                              (2)
+//! ```
+//!
+//! For rows that are clearly independent: the smallest singular value of the rows over turns and levers says so, as in
+//! [`super::split`], which has the general case by dense matrices.
+
+use super::split::{Motions, NEARLY, Split};
+use crate::dynamics::{Gram, SparseRows};
+use std::sync::Arc;
+
+/// Rows whose smallest singular value is below this have squares, in `A`, that lose half of their digits.
+const CLEAR: f64 = 1e-6;
+/// Vectors of Hutchinson's estimate: its relative deviation is `√(2/8)`.
+const PROBES: usize = 8;
+
+/// Clearly independent rows.
+#[derive(Debug, Clone)]
+pub(in crate::statics) struct Held {
+    /// Over the free coordinates, of unit size in the metric.
+    rows: SparseRows,
+    gram: Gram,
+}
+
+impl Held {
+    /// Rows of unit size in the metric; `None` if they are linearly dependent to working precision.
+    fn of(rows: SparseRows, metric: &[f64]) -> Option<Self> {
+        let weights: Vec<f64> = metric.iter().map(|b| 1.0 / b).collect();
+        Some(Self { gram: Gram::of(&rows, &weights)?, rows })
+    }
+
+    /// Over the free coordinates.
+    pub(in crate::statics) fn rows(&self) -> &SparseRows {
+        &self.rows
+    }
+
+    /// Eq. (2).
+    fn multipliers(&self, force: &[f64], metric: &[f64]) -> Vec<f64> {
+        let weighted: Vec<f64> = force.iter().zip(metric).map(|(f, b)| f / b).collect();
+        let mut multipliers = self.rows.times(&weighted);
+        self.gram.solve(&mut multipliers);
+        multipliers
+    }
+
+    /// Eq. (1), twice: what is left is small beside what is taken.
+    pub(in crate::statics) fn felt(&self, force: &[f64], metric: &[f64]) -> Vec<f64> {
+        let mut left = force.to_vec();
+        for _ in 0..2 {
+            let multipliers = self.multipliers(&left, metric);
+            self.rows.add_transposed(-1.0, &multipliers, &mut left);
+        }
+        left
+    }
+
+    /// How large (1) is of forces whose squares are expected to be these, independently of each other: what rows take is
+    /// estimated from vectors of random signs (Hutchinson 1989), and the round-off of the whole force stays.
+    pub(in crate::statics) fn felt_size(&self, squares: &[f64], metric: &[f64]) -> Vec<f64> {
+        let mut sums = squares.to_vec();
+        let mut taken = vec![0.0; squares.len()];
+        for probe in 0..PROBES {
+            let force: Vec<f64> = squares.iter().enumerate().map(|(i, s)| sign(i, probe) * s.sqrt()).collect();
+            let multipliers = self.multipliers(&force, metric);
+            taken.fill(0.0);
+            self.rows.add_transposed(1.0, &multipliers, &mut taken);
+            sums.iter_mut().zip(&taken).for_each(|(sum, x)| *sum += x * x / PROBES as f64);
+        }
+        sums.into_iter().map(f64::sqrt).collect()
+    }
+}
+
+/// A random sign, the same every time (splitmix64).
+fn sign(i: usize, probe: usize) -> f64 {
+    let mut z = ((i * PROBES + probe) as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    if (z ^ (z >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
+}
+
+/// Rows at one position, as in [`super::split::Given`].
+pub(super) struct SparseGiven<'a> {
+    /// Over the free coordinates, of unit size in the metric.
+    pub(super) rows: SparseRows,
+    /// The same over turns and levers.
+    pub(super) plain: SparseRows,
+    pub(super) force: &'a [f64],
+    pub(super) metric: &'a [f64],
+}
+
+/// Splits at a position where rows are clearly independent, also beside the largest of the smallest singular values `met` so
+/// far; else `None`.
+pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>) -> Option<Split> {
+    let SparseGiven { rows, plain, force, metric } = given;
+    let ones = vec![1.0; metric.len()];
+    let least = Gram::of(&plain, &ones)?.smallest_singular_value();
+    // Not a number is not clear. A long chain of loops has small values everywhere: only beside those met before do they mean
+    // that this position is singular.
+    if !(least >= met.map_or(CLEAR, |met| CLEAR.max(NEARLY * met))) {
+        return None;
+    }
+    let held = Held::of(rows, metric)?;
+    let multipliers = held.multipliers(force, metric);
+    let regular = met.map_or(least, |met| met.max(least));
+    Some(Split { motions: Motions::Held(Arc::new(held)), multipliers, singular: false, regular })
+}
