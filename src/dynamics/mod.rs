@@ -101,6 +101,12 @@ pub enum Fault {
         /// Its name.
         method: &'static str,
     },
+    /// Something that knows rigid bodies only.
+    #[error("`{method}` knows no flexible beams")]
+    Flexible {
+        /// Its name.
+        method: &'static str,
+    },
     /// A formula of a drive or motor without a finite value or derivative.
     #[error("the formula `{text}` of {element} has no finite value or derivative at t = {time} s")]
     Formula {

@@ -1,11 +1,13 @@
 //! The compiled tree: hinges taken apart into elementary ones, welds merged.
 
+use super::beam::{Beam, BeamElement, Bodies, Expanded};
 use super::build::Place;
 use super::couple::couple;
 use super::description::{Description, MassProperties};
 use super::link::Link;
 use super::problem::{Element, Problem};
 use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, hinge_curve, output, watch};
+use crate::element::Rod;
 use crate::force::{Carrier, Describe};
 use crate::hinge::Joint;
 use crate::hinge::joint::quaternion;
@@ -18,6 +20,8 @@ const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// The compiled tree while it grows.
 pub(super) struct Tree<'a> {
     description: &'a Description,
+    whole: Option<&'a Expanded>,
+    rods: Vec<Rod>,
     links: Vec<Link>,
     bodies: Vec<Option<Body>>,
     coordinates: Vec<Coordinate>,
@@ -26,9 +30,11 @@ pub(super) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    pub(super) fn new(description: &'a Description) -> Self {
+    pub(super) fn new(description: &'a Description, whole: Option<&'a Expanded>) -> Self {
         Self {
             description,
+            whole,
+            rods: Vec::new(),
             links: vec![Link::ground()],
             bodies: vec![None; description.bodies.len()],
             coordinates: Vec::new(),
@@ -58,7 +64,12 @@ impl<'a> Tree<'a> {
             velocity: self.start_velocity.len(),
             lock: given.hinge.lock,
         };
-        let joints = given.hinge.kind.elementary(&given.hinge.rest);
+        let rod = self.whole.and_then(|whole| whole.rods.get(&index));
+        let joints = match rod {
+            Some(rod) => vec![(Joint::Flex { rod: self.rods.len(), count: rod.count() }, UnitQuaternion::identity())],
+            None => given.hinge.kind.elementary(&given.hinge.rest),
+        };
+        self.rods.extend(rod.cloned());
         let (link, link_from_body) = match joints.last() {
             None => (carrier, base),
             Some((_, hinge_from_link)) => {
@@ -118,7 +129,8 @@ impl<'a> Tree<'a> {
 
     fn add_coordinates(&mut self, body: usize) {
         let hinge = &self.description.bodies[body].hinge;
-        let (positions, velocities) = hinge.kind.counts();
+        let flexible = self.whole.and_then(|whole| whole.rods.get(&body)).map(|rod| (rod.count(), rod.count()));
+        let (positions, velocities) = flexible.unwrap_or_else(|| hinge.kind.counts());
         let value = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);
         // A list of rest positions of a hinge with a quaternion is longer than its velocities; the quaternion itself
         // is kept in the ball's joint.
@@ -251,7 +263,9 @@ impl<'a> Tree<'a> {
             events: Vec::new(),
             outputs: Vec::new(),
             bodies,
-            halves: Halves::of(&self.links),
+            halves: if self.rods.is_empty() { Halves::of(&self.links) } else { None },
+            beams: self.beams(),
+            rods: self.rods.clone(),
             links: self.links.iter().cloned().collect(),
             coordinates: self.coordinates.clone(),
             start_position: self.start_position.clone(),
@@ -266,6 +280,24 @@ impl<'a> Tree<'a> {
             problems = watch::events(self.description, end, watched, &mut model);
         }
         if problems.is_empty() { Ok(model) } else { Err(problems) }
+    }
+}
+
+impl Tree<'_> {
+    /// The beams, with the links of their elements.
+    fn beams(&self) -> Vec<Beam> {
+        let link = |body: usize| self.bodies[body].as_ref().map_or(0, |body| body.link);
+        let element = |(body, ends): &(usize, [f64; 2])| {
+            let link = link(*body);
+            self.links[link].joint.rod().map(|rod| BeamElement { from: ends[0], rod, link, body: *body })
+        };
+        let beam = |of: &Bodies| Beam {
+            name: of.name.clone(),
+            root: of.root,
+            elements: of.tips.iter().filter_map(element).collect(),
+            length: of.length,
+        };
+        self.whole.map_or(Vec::new(), |whole| whole.beams.iter().map(beam).collect())
     }
 }
 

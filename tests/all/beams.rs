@@ -1,0 +1,3 @@
+//! Flexible beams.
+
+mod sweeps;
