@@ -2,6 +2,7 @@
 //! [`applied`] forces and `transfer` meet.
 
 pub mod applied;
+mod beams;
 mod border;
 mod boundaries;
 mod constrained;
@@ -13,6 +14,7 @@ mod magnitudes;
 mod reactions;
 mod tangent;
 
+pub use beams::{BeamState, SectionForces};
 pub use constrained::Settled;
 pub use dense::{Dense, DenseTangent};
 pub use evaluated::{Balanced, Evaluated, Factorized};

@@ -75,6 +75,8 @@ pub struct Rod {
     pub load: Vector3<f64>,
     /// Whether the load follows the section's axes.
     pub follows: bool,
+    /// `C` at the stations.
+    pub sections: Vec<Matrix6<f64>>,
     /// The stations, `K + 1` of them. The slices of the first and the last belong to the links there.
     pub slices: Vec<Slice>,
     steps: Vec<Step>,
@@ -118,6 +120,7 @@ impl Rod {
             damping: 0.0,
             load: Vector3::zeros(),
             follows: false,
+            sections: stations.iter().map(|(t, _)| section(at(*t)).stiffness).collect(),
             slices: stations.iter().map(slice).collect(),
             steps: stations.windows(2).map(|ends| Step::new(length, [ends[0].0, ends[1].0], reference)).collect(),
             free: free.to_vec(),
@@ -140,6 +143,11 @@ impl Rod {
     /// The strain that a coordinate belongs to.
     pub fn strain_of(&self, coordinate: usize) -> usize {
         self.free[coordinate % self.free.len()]
+    }
+
+    /// The strains that are free.
+    pub fn free_strains(&self) -> impl Iterator<Item = usize> + '_ {
+        self.free.iter().copied()
     }
 
     /// The load at a station with this weight of the quadrature, in inertial axes.

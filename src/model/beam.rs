@@ -260,8 +260,8 @@ impl BeamDescription {
         }
     }
 
-    /// What the section has per length at a distance from the root (m). Without a rotary inertia, twist has that of a homogeneous
-    /// section with this stiffness: with none at all its acceleration would be undetermined.
+    /// What the section has per length at a distance from the root (m). Without a rotary inertia, sections that twist
+    /// or shear have that of a homogeneous one with this stiffness: with none at all their acceleration would be undetermined.
     pub(super) fn section_per_length(&self, s: f64) -> crate::element::RodSection {
         let mut of = self.section_at(s).of(self.material.as_ref());
         if let Some(mass) = self.mass_per_length {
@@ -270,9 +270,11 @@ impl BeamDescription {
         }
         if let Some(rotary) = self.rotary {
             of.rotary = rotary;
-        } else if of.rotary.x == 0.0 && self.free.twist {
+        } else if of.rotary == Vector3::zeros() {
             let c = &of.stiffness;
-            of.rotary.x = of.mass * (c[(4, 4)] + c[(5, 5)]) / c[(0, 0)];
+            let (y, z) = (of.mass * c[(4, 4)] / c[(0, 0)], of.mass * c[(5, 5)] / c[(0, 0)]);
+            let [twist, shear] = [self.free.twist, self.free.shear].map(|free| f64::from(u8::from(free)));
+            of.rotary = Vector3::new(twist * (y + z), shear * y, shear * z);
         }
         of
     }

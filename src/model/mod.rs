@@ -112,6 +112,8 @@ pub struct Body {
     pub link: usize,
     /// Where its root marker stands on that link.
     pub link_from_body: Pose,
+    /// Whether it is the tip of an element of a beam, which no description names.
+    pub is_element: bool,
     /// Mass, centre and inertia, body axes.
     pub mass: MassProperties,
     /// Named points, body axes.
@@ -279,7 +281,8 @@ impl Model {
 
     /// Total mass of what moves and what is welded to the ground (kg).
     pub fn total_mass(&self) -> f64 {
-        self.bodies.iter().map(|body| body.mass.mass).sum()
+        let inner = |rod: &Rod| rod.slices[1..rod.steps()].iter().map(|slice| slice.mass).sum::<f64>();
+        self.bodies.iter().map(|body| body.mass.mass).sum::<f64>() + self.rods.iter().map(inner).sum::<f64>()
     }
 
     /// Whether every load has a potential: no follower loads, no torques fixed in space, no motors about balls or by

@@ -1,3 +1,4 @@
 //! Flexible beams.
 
+mod statics;
 mod sweeps;

@@ -40,7 +40,7 @@ pub const BEAM: Table = Table {
         Key::new(
             "rotary",
             Kind::List(&NOT_NEGATIVE, &[3]),
-            "Rotary inertia per length about x, y and z. Default: that of the material; with `stiffness` none about y and z, and about x, if twist is free, that of a homogeneous section.",
+            "Rotary inertia per length about x, y and z. Default: that of the material; with `stiffness` none, but that of a homogeneous section about x if twist is free and about y and z if shear is.",
         )
         .unit("kg m")
         .example("[6e-4, 3e-4, 3e-4]"),
