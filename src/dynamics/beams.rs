@@ -1,7 +1,7 @@
 //! What flexible beams bear: section forces along them, from the balance and from their strains.
 
 use super::evaluated::Balanced;
-use crate::element::{Rod, RodMotion};
+use crate::element::{Rod, RodMotion, joined};
 use crate::model::Beam;
 use crate::spatial::{Pose, Wrench};
 use crate::transfer::flexible::RodBalance;
@@ -85,5 +85,5 @@ fn section(rod: &Rod, at: &RodMotion, felt: &RodBalance, k: usize, gravity: &Vec
     let mut f = felt.forces[k];
     f.add_times(if k == 0 { 1.0 } else { beyond - 1.0 }, &own);
     let (force, moment) = (link.turn.tr_mul(&f.force), link.turn.tr_mul(&f.moment));
-    -Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
+    -joined(&force, &moment)
 }

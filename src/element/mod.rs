@@ -18,13 +18,15 @@
 //! The coordinates are lengths (stretch, shear; m) and angles (twist, bend; rad) over one element. Across a step a station
 //! moves as a link does across a hinge whose motion subspace is `Z`; [`RodMotion`] has that in inertial axes.
 
-pub mod exponential;
+mod exponential;
 mod motion;
 pub mod pivot;
 mod rod;
 pub mod section;
 mod variation;
 
+pub(crate) use exponential::{bracket, halves, joined};
+pub(crate) use motion::row;
 pub use motion::{RodMotion, Station};
 pub use rod::{Local, Rod, RodSection, Slice};
 pub use variation::{RodDirection, RodPoint};

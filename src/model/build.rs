@@ -301,6 +301,12 @@ fn event_places(description: &Description, places: &mut Places<'_>) -> Vec<Optio
 fn output_places(description: &Description, places: &mut Places<'_>) -> Vec<Vec<Place>> {
     let of_output = |(index, output): (usize, &output::OutputDescription)| {
         let named = output::attachments(&output.of).into_iter();
+        // A beam's reaction is at its root, not at its tip.
+        if let output::QuantityDescription::Reaction { body, .. } = &output.of
+            && let Some(index) = places.names.get(body.as_str())
+        {
+            return vec![(Some(*index), Vector3::zeros())];
+        }
         named.map(|(key, on)| places.resolve(&on, Element::Output(index), key)).collect()
     };
     description.outputs.iter().enumerate().map(of_output).collect()

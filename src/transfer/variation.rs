@@ -10,14 +10,13 @@
 //! ```
 
 use super::balance::Balance;
-use super::flexible::row;
-use crate::element::{Rod, RodPoint};
+use crate::element::{Rod, RodPoint, joined, row};
 use crate::model::{Joint, Link, Model};
 use crate::motion::variation::{Direction, LinkAcceleration, LinkVariation, outward, rod_direction};
 use crate::motion::{LinkMotion, Motion};
 use crate::pages::Pages;
 use crate::spatial::Wrench;
-use nalgebra::{Vector3, Vector6};
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// Scratch for the action of the tangent.
@@ -196,7 +195,7 @@ impl Variation {
             let local = at.local(given, k, second);
             let own = station.turn.transpose();
             let (force, moment) = (own * f.force, own * f.moment);
-            let gradient = local.gradient(&Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z));
+            let gradient = local.gradient(&joined(&force, &moment));
             for (i, out) in rows.iter_mut().enumerate() {
                 *out += row(&at.subspace(k)[i], &turned);
                 for (j, step) in direction.position.iter().enumerate().filter(|(_, step)| **step != 0.0) {

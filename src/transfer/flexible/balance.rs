@@ -1,7 +1,7 @@
 //! Inverse dynamics of an element: eqs. (1) and (2) with given accelerations.
 
-use super::{follow, row, velocity_terms};
-use crate::element::{Rod, RodMotion};
+use super::{follow, velocity_terms};
+use crate::element::{Rod, RodMotion, row};
 use crate::spatial::Wrench;
 use crate::transfer::LinkAcceleration;
 use nalgebra::Vector3;

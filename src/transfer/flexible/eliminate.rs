@@ -1,8 +1,8 @@
 //! The elimination of an element: eqs. (1) to (3).
 
-use super::{row, velocity_terms};
+use super::velocity_terms;
 use crate::element::pivot::Pivot;
-use crate::element::{Rod, RodMotion};
+use crate::element::{Rod, RodMotion, halves, joined, row};
 use crate::spatial::Wrench;
 use crate::transfer::LinkAcceleration;
 use crate::transfer::element::Reduced;
@@ -21,12 +21,11 @@ pub(in crate::transfer) struct RodPivot {
 }
 
 fn twist_of(a: &LinkAcceleration) -> Vector6<f64> {
-    let (v, w) = (a.linear, a.angular);
-    Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
+    joined(&a.linear, &a.angular)
 }
 
 fn acceleration_of(twist: &Vector6<f64>) -> LinkAcceleration {
-    let (linear, angular) = super::halves(twist);
+    let (linear, angular) = halves(twist);
     LinkAcceleration { linear, angular }
 }
 

@@ -19,21 +19,9 @@ pub use balance::RodBalance;
 pub(super) use eliminate::RodPivot;
 
 use super::LinkAcceleration;
-use crate::element::{Rod, RodMotion};
+use crate::element::{Rod, RodMotion, halves};
 use crate::spatial::{Sym3, Wrench};
-use nalgebra::{Vector3, Vector6};
-
-/// The two halves of a twist.
-pub(super) fn halves(x: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    (x.fixed_rows::<3>(0).into_owned(), x.fixed_rows::<3>(3).into_owned())
-}
-
-/// The work of a wrench along a twist.
-#[inline]
-pub(super) fn row(twist: &Vector6<f64>, wrench: &Wrench) -> f64 {
-    let (linear, angular) = halves(twist);
-    linear.dot(&wrench.force) + angular.dot(&wrench.moment)
-}
+use nalgebra::Vector3;
 
 /// Adds `H q̈` of an element as one hinge.
 #[inline(never)]

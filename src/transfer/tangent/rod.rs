@@ -14,12 +14,11 @@
 use super::At;
 use super::parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
 use crate::element::pivot::Pivot;
-use crate::element::{Local, Rod, RodMotion};
+use crate::element::{Local, Rod, RodMotion, bracket, halves, joined, row};
 use crate::model::Model;
 use crate::spatial::Wrench;
 use crate::spatial::quad::{Quad, wrench};
 use crate::transfer::LinkAcceleration;
-use crate::transfer::flexible::{halves, row};
 use nalgebra::{Vector3, Vector6};
 
 /// An element, eliminated.
@@ -57,15 +56,6 @@ struct Step<'a> {
     c2: f64,
 }
 
-fn bracket(x: &Vector6<f64>, y: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let ((v, w), (a, b)) = (halves(x), halves(y));
-    (w.cross(&a) + v.cross(&b), w.cross(&b))
-}
-
-fn joined((linear, angular): (Vector3<f64>, Vector3<f64>)) -> Vector6<f64> {
-    Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
-}
-
 impl Step<'_> {
     /// A column of eq. (7).
     fn column(&self, local: &Local<'_>, i: usize) -> Varied {
@@ -73,9 +63,9 @@ impl Step<'_> {
         let (last, station) = (&self.at.stations[self.station - 1].link, &self.at.stations[self.station]);
         let twist = &station.twist;
         let rated = zd + self.c1 * z;
-        let y = rated + joined(bracket(twist, &z));
+        let y = rated + bracket(twist, &z);
         let second = zdd + 2.0 * self.c1 * zd + self.c2 * z;
-        let y_rate = second + joined(bracket(&self.twist_rate, &z)) + joined(bracket(twist, &rated));
+        let y_rate = second + bracket(&self.twist_rate, &z) + bracket(twist, &rated);
         let ((shift, spin), (slip, roll)) = (halves(&z), halves(twist));
         let ((y_v, y_w), (y_v_rate, y_w_rate)) = (halves(&y), halves(&y_rate));
         let (w, dw, d) = (last.angular_velocity, self.a.angular, station.link.arm);
@@ -188,7 +178,7 @@ impl RodTangent {
     /// Eq. (8) at one station.
     fn across<const PARTS: u8>(&mut self, local: &Local<'_>, own: &RodMotion, k: usize, f: &Wrench, S: &mut Carried) {
         let (turn, subspace) = (own.stations[k].link.turn, own.subspace(k));
-        let in_its_axes = joined((turn.tr_mul(&f.force), turn.tr_mul(&f.moment)));
+        let in_its_axes = joined(&turn.tr_mul(&f.force), &turn.tr_mul(&f.moment));
         let gradient = local.gradient(&in_its_axes);
         for j in 0..subspace.len() {
             let (force, moment) = S.times::<PARTS>(&self.step[j]);

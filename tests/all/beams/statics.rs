@@ -204,6 +204,7 @@ fn section_forces_are_what_is_beyond() {
         assert!((force - 50.0 * (1.0 - section.s)).abs() < 1e-11, "{force} at {}", section.s);
     }
     let root = &beam.sections[0].forces;
+    assert_eq!(model.bodies[0].name, "rod");
     assert!((found.reactions[0].force - Vector3::new(0.0, 0.0, 50.0)).norm() < 1e-11, "{}", found.reactions[0].force);
     assert!((found.reactions[0].moment.norm() - root.fixed_rows::<3>(3).norm()).abs() < 1e-10);
 }
