@@ -119,7 +119,7 @@ fn table(model: &Model, accelerations: &[f64]) -> String {
         _ => list.iter().map(|x| text::number(*x)).collect::<Vec<_>>().join(" "),
     };
     let mut rows = vec![["body", "hinge", "parent", "position", "velocity", "acceleration"].map(str::to_owned)];
-    for body in &model.bodies {
+    for body in model.bodies.iter().filter(|body| !body.is_element) {
         let hinge = &body.hinge;
         let (positions, velocities) = hinge.kind.counts();
         let rates = hinge.velocity..hinge.velocity + velocities;

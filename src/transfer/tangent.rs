@@ -235,16 +235,7 @@ impl Tangent {
                     self.negative += negative.len();
                 }
                 Kind::Flex => {
-                    let eliminated = &mut self.rods[place.ball as usize];
-                    let negative = eliminated
-                        .eliminate::<PARTS>(model, at, (place.ball as usize, index), &mut S)
-                        .filter(|negative| !definite || *negative == 0)
-                        .ok_or(Breakdown { link: index, axis: None })?;
-                    left.swing = eliminated.swing;
-                    self.negative += negative;
-                    if let To::Join(join) = place.to {
-                        self.joins[join as usize].add::<PARTS>(&S);
-                    }
+                    self.flexible::<PARTS>(model, at, index, definite, &mut S)?;
                     continue;
                 }
             }
@@ -258,6 +249,29 @@ impl Tangent {
             }
         }
         self.broken = false;
+        Ok(())
+    }
+
+    /// Eqs. (4) and (6) across a flexible element: `S` of its tip in, that of its parent out.
+    fn flexible<const PARTS: u8>(
+        &mut self,
+        model: &Model,
+        at: &At<'_>,
+        index: usize,
+        definite: bool,
+        S: &mut Carried,
+    ) -> Result<(), Breakdown> {
+        let place = self.plan[index];
+        let eliminated = &mut self.rods[place.ball as usize];
+        let negative = eliminated
+            .eliminate::<PARTS>(model, at, (place.ball as usize, index), S)
+            .filter(|negative| !definite || *negative == 0)
+            .ok_or(Breakdown { link: index, axis: None })?;
+        self.left[index].swing = eliminated.swing;
+        self.negative += negative;
+        if let To::Join(join) = place.to {
+            self.joins[join as usize].add::<PARTS>(S);
+        }
         Ok(())
     }
 

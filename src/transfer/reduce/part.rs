@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::motion::Motion;
 use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
 use crate::transfer::element::moment_in_link_axes;
-use crate::transfer::flexible::{self, RodPivot};
+use crate::transfer::flexible::{RodPivot, accelerate};
 use crate::transfer::plan::{Kind, Place, To};
 use crate::transfer::{LinkAcceleration, inboard};
 use nalgebra::Vector3;
@@ -158,22 +158,27 @@ impl<'a> Part<'a> {
                     }
                     Carried::of(&across, &passed).shifted(at)
                 }
-                Kind::Flex => {
-                    let rod = place.ball as usize;
-                    let own = &load.tau[velocity..];
-                    let given = (&model.rods[rod], &motion.rods[rod]);
-                    let tip = (here.matrix(), here.vector());
-                    let (S, e) = rods[rod].eliminate(given, &model.gravity, own, tip).map_err(failed)?;
-                    if to_ground {
-                        continue;
-                    }
-                    Carried::of(&S, &e)
-                }
+                Kind::Flex => flexible(scene, place, load.tau, &here, rods).map_err(failed)?,
             };
             meet(place.to, joins, &carried);
         }
         Ok(Passed { first: carried, others, lost })
     }
+}
+
+/// Eqs. (5) to (7) across a flexible element; on failure the pivot.
+fn flexible(
+    scene: &Scene<'_>,
+    place: &Place,
+    tau: &[f64],
+    here: &Carried,
+    rods: &mut [RodPivot],
+) -> Result<Carried, f64> {
+    let rod = place.ball as usize;
+    let given = (&scene.model.rods[rod], &scene.motion.rods[rod]);
+    let (tau, tip) = (&tau[place.velocity as usize..], (here.matrix(), here.vector()));
+    let (S, e) = rods[rod].eliminate(given, &scene.model.gravity, tau, tip)?;
+    Ok(Carried::of(&S, &e))
 }
 
 /// What the sweep to the root left, and where that to the tips writes: `a` begins with link `base`, `hinge` with velocity
@@ -232,7 +237,7 @@ impl Outward<'_> {
                     let rod = place.ball as usize;
                     let second = &mut hinge[first..first + motion.rods[rod].tip.len()];
                     rods[rod].solve(&parent, second);
-                    flexible::accelerate(&motion.rods[rod], second, &mut a);
+                    accelerate(&motion.rods[rod], second, &mut a);
                 }
             }
             found[index - base] = a;
