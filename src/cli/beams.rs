@@ -3,6 +3,7 @@
 use crate::dynamics::{BeamState, Fault, SectionForces, System};
 use crate::model::Model;
 use crate::model::problem::number;
+use crate::statics::Equilibrium;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -40,8 +41,13 @@ pub(super) fn json(beams: &[BeamState]) -> Value {
     Value::Object(beams.iter().map(beam).collect::<Map<_, _>>())
 }
 
-/// Tip, largest moment and where, and the discretization error; none without beams.
-pub(super) fn text(beams: &[BeamState]) -> String {
+/// The beams of an equilibrium as text; empty without beams.
+pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<String, Fault> {
+    states(model, &found.position, &found.velocity, true).map(|beams| text(&beams))
+}
+
+/// Tip, largest moment and where, and the discretization error.
+fn text(beams: &[BeamState]) -> String {
     let mut out = String::new();
     for beam in beams {
         let p = beam.tip.translation.vector;

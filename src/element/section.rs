@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 
 /// The shape of a cross section in the section's y and z, or its stiffness.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "few of them, copied while a scene is built")]
 pub enum Section {
     /// A disc.
     Circle {

@@ -149,10 +149,9 @@ impl<'a> Part<'a> {
                         ball::eliminate(model, (link, at), &here.matrix(), (pivot, place.least), &mut lost)
                             .map_err(failed)?;
                     *ball = eliminated;
-                    let tau = three(load.tau, velocity);
                     let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
                     let own = || moment_in_link_axes(link, &model.gravity, at) - at.turn.tr_mul(&applied);
-                    let passed = ball.load(at, &tau, &here.vector(), own);
+                    let passed = ball.load(at, &three(load.tau, velocity), &here.vector(), own);
                     if to_ground {
                         continue;
                     }

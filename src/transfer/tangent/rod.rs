@@ -195,8 +195,8 @@ impl RodTangent {
             self.rows[i].add_times::<PARTS>(1.0, &S.row::<PARTS>(Quad::of(&shift), true));
             self.rows[i].add_times::<PARTS>(1.0, &S.row::<PARTS>(Quad::of(&spin), false));
             let (force, moment) = (spin.cross(&f.force), spin.cross(&f.moment) + shift.cross(&f.force));
-            self.columns[i].0 = self.columns[i].0 + Quad::of(&force);
-            self.columns[i].1 = self.columns[i].1 + Quad::of(&moment);
+            self.columns[i].0 += Quad::of(&force);
+            self.columns[i].1 += Quad::of(&moment);
         }
     }
 
