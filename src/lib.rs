@@ -124,6 +124,7 @@ pub mod cli;
 pub mod constraint;
 pub mod contact;
 pub mod dynamics;
+pub mod element;
 pub mod force;
 pub mod foreign;
 pub mod formula;

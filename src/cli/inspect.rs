@@ -3,6 +3,7 @@
 use super::{Common, Exit, conditioning, json, output, scene, text};
 use crate::constraint;
 use crate::dynamics::{Evaluated, System};
+use crate::element::{Rod, RodMotion};
 use crate::model::Model;
 use crate::simulate;
 use anyhow::{Context, anyhow};
@@ -100,6 +101,11 @@ fn center_of_mass(model: &Model, at: &Evaluated<'_>) -> Vector3<f64> {
         .zip(&poses)
         .map(|(body, pose)| body.mass.mass * (pose * nalgebra::Point3::from(body.mass.center)).coords)
         .sum();
+    let slices = |(rod, at): (&Rod, &RodMotion)| {
+        let inner = rod.slices.iter().zip(&at.stations).skip(1).take(rod.steps() - 1);
+        inner.map(|(slice, station)| slice.mass * station.link.position).sum::<Vector3<f64>>()
+    };
+    let moment = moment + model.rods.iter().zip(&at.motion().rods).map(slices).sum::<Vector3<f64>>();
     moment / model.total_mass().max(f64::MIN_POSITIVE)
 }
 
@@ -113,7 +119,7 @@ fn table(model: &Model, accelerations: &[f64]) -> String {
         _ => list.iter().map(|x| text::number(*x)).collect::<Vec<_>>().join(" "),
     };
     let mut rows = vec![["body", "hinge", "parent", "position", "velocity", "acceleration"].map(str::to_owned)];
-    for body in &model.bodies {
+    for body in model.bodies.iter().filter(|body| !body.is_element) {
         let hinge = &body.hinge;
         let (positions, velocities) = hinge.kind.counts();
         let rates = hinge.velocity..hinge.velocity + velocities;

@@ -1,5 +1,6 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
+use super::beams;
 use crate::constraint::LoopReaction;
 use crate::dynamics::System;
 use crate::model::{Model, Output};
@@ -83,7 +84,15 @@ pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
         let (p, q) = (pose.translation.vector, pose.rotation);
         (body.name.clone(), json!({ "position": [p.x, p.y, p.z], "quaternion": [q.w, q.i, q.j, q.k] }))
     };
-    Value::Object(model.bodies.iter().zip(poses).map(of_body).collect())
+    let mut all: Map<_, _> = model.bodies.iter().zip(poses).filter(|(body, _)| !body.is_element).map(of_body).collect();
+    for beam in &model.beams {
+        // A beam's name stands for its tip.
+        if let Some(last) = beam.elements.last() {
+            let (_, tip) = of_body((&model.bodies[last.body], &poses[last.body]));
+            all.insert(beam.name.clone(), tip);
+        }
+    }
+    Value::Object(all)
 }
 
 fn reactions(model: &Model, reactions: &[Wrench]) -> Value {
@@ -91,13 +100,16 @@ fn reactions(model: &Model, reactions: &[Wrench]) -> Value {
         let (f, m) = (wrench.force, wrench.moment);
         (body.name.clone(), json!({ "force": [f.x, f.y, f.z], "moment": [m.x, m.y, m.z] }))
     };
-    Value::Object(model.bodies.iter().zip(reactions).map(of_body).collect())
+    let bodies = model.bodies.iter().zip(reactions).filter(|(body, _)| !body.is_element);
+    Value::Object(bodies.map(of_body).collect())
 }
 
 pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64) -> Value {
     let stability = found.stability.as_ref();
     let modes: Vec<Value> = stability.map_or(Vec::new(), |s| s.modes.iter().map(mode).collect());
     let frequencies: Vec<f64> = stability.map_or(Vec::new(), |stability| stability.frequencies().collect());
+    let beams = beams::states(model, &found.position, &found.velocity, true);
+    let beams = beams.map_or(Value::Null, |beams| beams::json(&beams));
     let mut value = json!({
         "converged": found.converged,
         "balanced": found.balanced,
@@ -122,6 +134,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "modes": modes,
         "damped_modes": stability.map_or(Vec::new(), |s| s.damped.iter().map(damped).collect::<Vec<_>>()),
         "reactions": reactions(model, &found.reactions),
+        "beams": beams,
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
         "stops": found.stops.iter().map(bearing).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
@@ -207,10 +220,12 @@ fn event(event: &Occurrence) -> Value {
     event
 }
 
-pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
+pub(super) fn run(model: &Arc<Model>, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
     let State { position, velocity } = &summary.state;
     let integrators: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
+    let beams = beams::states(model, position, velocity, false);
+    let beams = beams.map_or(Value::Null, |beams| beams::json(&beams));
     json!({
         "scenario": scenario,
         "recording": recording,
@@ -240,6 +255,7 @@ pub(super) fn run(model: &Model, scenario: &str, recording: &str, start: Value, 
             "velocities": by_hinge(model, velocity, false),
             "bodies": poses(model, &summary.poses),
         },
+        "beams": beams,
         "outputs": outputs(model, &summary.outputs),
         "wall_seconds": summary.wall.as_secs_f64(),
     })

@@ -1,6 +1,7 @@
 //! The command line: the only place that prints.
 
 mod baselines;
+mod beams;
 mod bench;
 mod check;
 mod compare;

@@ -430,7 +430,7 @@ impl Constraints {
                 }
                 for link in way {
                     let (given, at, w) = (&model.links[*link], &motion.links[*link], passed[*link]);
-                    crate::motion::project(given, at, &w, |velocity, value| put(unknown, velocity, value));
+                    crate::motion::project(motion, given, *link, &w, |velocity, value| put(unknown, velocity, value));
                     passed[given.parent] += w.shifted(at.arm);
                 }
             }

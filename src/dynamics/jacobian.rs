@@ -74,7 +74,8 @@ impl Evaluated<'_> {
         if self.system.constraints.is_some() {
             return self.jacobians_with_rows(out);
         }
-        match self.system.model.forces.is_empty() && self.system.pushes.is_empty() {
+        let model = &self.system.model;
+        match model.forces.is_empty() && self.system.pushes.is_empty() && model.rods.is_empty() {
             true => self.jacobians_by_sweeps(out),
             false => {
                 self.jacobians_by_columns(out);

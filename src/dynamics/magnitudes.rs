@@ -3,6 +3,7 @@
 
 use super::Balanced;
 use crate::force::Act;
+use crate::model::Link;
 
 /// Magnitudes per velocity coordinate.
 #[derive(Debug, Clone)]
@@ -72,12 +73,16 @@ impl Balanced<'_> {
         let mut out = Magnitudes { force: none.clone(), noise: none.clone(), squares: none.clone(), stiffness: none };
         for index in (1..model.links.len()).rev() {
             let link = &model.links[index];
+            if let Some(rod) = link.joint.rod() {
+                self.size_of_rod(link, rod, &mut sizes[index], &mut out);
+            }
             let size = sizes[index];
             let (slide, pitch) = (link.joint.is_slide(), link.joint.pitch().abs());
             // Of a coordinate of this link: along a slide, about the axis of a turn, or both.
             let pick = |along: f64, about: f64, pitch: f64| if slide { along } else { about + pitch * along };
             let (_, count) = link.joint.counts();
-            for i in link.velocity..link.velocity + count {
+            let rigid = if link.joint.is_flex() { 0 } else { count };
+            for i in link.velocity..link.velocity + rigid {
                 let coordinate = &model.coordinates[i];
                 let extent = if count == 1 { q[link.position].abs() + coordinate.rest.abs() } else { 1.0 };
                 let spring = coordinate.stiffness.abs() * extent + coordinate.force.abs();
@@ -107,5 +112,36 @@ impl Balanced<'_> {
             out.stiffness[i] += push.by_position.abs();
         }
         out
+    }
+
+    /// Of a flexible element: its own coordinates, and what its slices add to the link of its tip.
+    fn size_of_rod(&self, link: &Link, rod: usize, size: &mut Size, out: &mut Magnitudes) {
+        let (given, at) = (&self.system.model.rods[rod], &self.system.motion.rods[rod]);
+        let (gravity, felt) = (self.system.model.gravity.norm(), &self.system.balance.rods[rod]);
+        for k in 1..given.steps() {
+            let (slice, a) = (&given.slices[k], &felt.accelerations[k]);
+            let force = slice.mass * (gravity + a.linear.norm()) + slice.length * given.load.norm();
+            let moment = force * (given.length - slice.at) + slice.inertia.trace() * a.angular.norm();
+            size.force += force;
+            size.moment += moment;
+            size.noise += force;
+            size.noise_moment += moment;
+            size.square += force * force;
+            size.square_moment += moment * moment;
+        }
+        for (j, tip) in at.tip.iter().enumerate() {
+            let i = link.velocity + j;
+            let (along, about) = (tip.fixed_rows::<3>(0).norm(), tip.fixed_rows::<3>(3).norm());
+            // Terms that cancel within the element do not show at its tip.
+            let about = about.max(if given.strain_of(j) >= 3 { 1.0 } else { 0.0 });
+            let row = given.stiffness_row(j);
+            let elastic: f64 = row.iter().zip(&at.q).map(|(k, q)| (k * q).abs()).sum();
+            out.force[i] = elastic + along * size.force + about * size.moment;
+            out.noise[i] = elastic + along * size.noise + about * size.noise_moment;
+            out.squares[i] = elastic * elastic + along * along * size.square + about * about * size.square_moment;
+            let geometric = about * about * (size.moment + given.length * size.force);
+            let springs = along * along * size.stiffness + about * about * size.turn_stiffness;
+            out.stiffness[i] = row[j] + geometric + springs;
+        }
     }
 }

@@ -2,6 +2,7 @@
 //! [`applied`] forces and `transfer` meet.
 
 pub mod applied;
+mod beams;
 mod border;
 mod boundaries;
 mod constrained;
@@ -14,6 +15,7 @@ mod reactions;
 mod sparse;
 mod tangent;
 
+pub use beams::{BeamState, SectionForces};
 pub use constrained::Settled;
 pub use dense::{Dense, DenseTangent};
 pub use evaluated::{Balanced, Evaluated, Factorized};
@@ -100,6 +102,12 @@ pub enum Fault {
     /// Something that knows trees only.
     #[error("`{method}` knows no loops, drives or gears yet")]
     Tied {
+        /// Its name.
+        method: &'static str,
+    },
+    /// Something that knows rigid bodies only.
+    #[error("`{method}` knows no flexible beams")]
+    Flexible {
         /// Its name.
         method: &'static str,
     },

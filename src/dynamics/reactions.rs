@@ -66,8 +66,16 @@ impl Balanced<'_> {
             }
             let body = &self.system.model.bodies[index];
             if let Some(parent) = body.parent {
-                let arm = self.root_marker(index) - self.root_marker(parent);
-                carried[parent] += out[index].shifted(arm);
+                let rod = self.system.model.links[body.link].joint.rod().filter(|_| body.is_element);
+                let (passed, at) = match rod {
+                    // What a flexible element passes at its root.
+                    Some(rod) => {
+                        let root = &self.system.motion.rods[rod].stations[0].link;
+                        (self.system.balance.rods[rod].forces[0], root.position)
+                    }
+                    None => (out[index], self.root_marker(index)),
+                };
+                carried[parent] += passed.shifted(at - self.root_marker(parent));
             }
         }
     }

@@ -84,6 +84,8 @@ impl Reach {
         let parent = |link: usize| model.links[link].parent;
         match self.links[..] {
             [] | [_] => true,
+            // The tip of a flexible element is coupled to its root through stations.
+            [a, b] if model.links[a].joint.is_flex() || model.links[b].joint.is_flex() => false,
             [a, b] => parent(a) == b || parent(b) == a,
             _ => false,
         }
@@ -162,10 +164,11 @@ impl TangentSolver {
         Self::further_sides(model) > model.velocity_count()
     }
 
-    /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way.
+    /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way, and that
+    /// has no flexible elements.
     pub fn is_sparse(model: &Model) -> bool {
         let (n, sides) = (model.velocity_count(), bordering_sides(model));
-        if n <= SMALL || sides == 0 {
+        if n <= SMALL || sides == 0 || !model.rods.is_empty() {
             return false;
         }
         let pairs: Vec<Pair> = reaches(model).flat_map(|element| element.pairs().collect::<Vec<_>>()).collect();

@@ -25,6 +25,14 @@ pub enum Joint {
         /// Where its torsion spring is relaxed.
         rest: UnitQuaternion<f64>,
     },
+    /// A flexible element: its link's root marker is the element's tip. As many coordinates as velocities, lengths (m) and
+    /// angles (rad) over the element.
+    Flex {
+        /// Index of the element.
+        rod: usize,
+        /// Number of its coordinates.
+        count: usize,
+    },
 }
 
 impl Joint {
@@ -35,6 +43,7 @@ impl Joint {
             Self::None => (0, 0),
             Self::Turn | Self::Slide { .. } | Self::Screw { .. } => (1, 1),
             Self::Ball { .. } => (4, 3),
+            Self::Flex { count, .. } => (*count, *count),
         }
     }
 
@@ -77,7 +86,19 @@ impl Joint {
     /// Whether it lets the link turn.
     #[inline]
     pub fn turns(&self) -> bool {
-        self.is_angle() || self.is_ball()
+        self.is_angle() || self.is_ball() || self.is_flex()
+    }
+
+    /// Whether it is a flexible element.
+    #[inline]
+    pub fn is_flex(&self) -> bool {
+        matches!(self, Self::Flex { .. })
+    }
+
+    /// The index of its element, if it is flexible.
+    #[inline]
+    pub fn rod(&self) -> Option<usize> {
+        if let Self::Flex { rod, .. } = self { Some(*rod) } else { None }
     }
 
     /// Where the torsion spring of a ball is relaxed; `None` for others, whose springs belong to their coordinate.
@@ -89,7 +110,7 @@ impl Joint {
     /// Whether it has one coordinate, an angle or a distance.
     #[inline]
     pub fn is_scalar(&self) -> bool {
-        self.counts().0 == 1
+        matches!(self, Self::Turn | Self::Slide { .. } | Self::Screw { .. })
     }
 
     /// The size of a displacement that counts as one: `length` (m) for a slide, 1 rad for angles.

@@ -1,5 +1,6 @@
 //! From a description to a model: names resolved, every problem collected.
 
+use super::beam::{self, Expanded};
 use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, GROUND, Point};
 use super::problem::{Element, Problem};
@@ -10,7 +11,28 @@ use crate::suggest;
 use nalgebra::Vector3;
 use std::collections::HashMap;
 
-pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
+pub(super) fn build(given: &Description) -> Result<Model, Vec<Problem>> {
+    let problems = beam::check(given);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let whole = (!given.beams.is_empty()).then(|| beam::expand(given));
+    let built = build_expanded(whole.as_ref().map_or(given, |whole| &whole.description), whole.as_ref());
+    built.map_err(|mut problems| {
+        // A beam's own body stands in for it.
+        let of_body = |body: usize| whole.as_ref()?.beams.iter().rposition(|beam| beam.root <= body);
+        for problem in &mut problems {
+            if let Element::Body(body) = problem.element
+                && body >= given.bodies.len()
+            {
+                problem.element = of_body(body).map_or(problem.element, Element::Beam);
+            }
+        }
+        problems
+    })
+}
+
+fn build_expanded(description: &Description, whole: Option<&Expanded>) -> Result<Model, Vec<Problem>> {
     let mut problems = check::check(description);
     couple::check(description, &mut problems);
     motor::check(description, &mut problems);
@@ -19,15 +41,15 @@ pub(super) fn build(description: &Description) -> Result<Model, Vec<Problem>> {
     problems.extend(hinge_curve::check(description));
     let names = index_names(description, &mut problems);
     let parents = resolve_parents(description, &names, &mut problems);
+    let (parents, hinge_points) = hinge_points(description, whole, parents, &mut problems);
     let order = depth_first(description, &parents, &mut problems);
-    let hinge_points = hinge_points(description, &parents, &mut problems);
-    let mut places = Places { description, names: &names, problems: &mut problems };
+    let mut places = Places { description, names: &names, whole, problems: &mut problems };
     let (force_places, loop_places) = (force_places(description, &mut places), loop_places(description, &mut places));
     let (watched, asked) = (event_places(description, &mut places), output_places(description, &mut places));
     if !problems.is_empty() {
         return Err(problems);
     }
-    let mut tree = Tree::new(description);
+    let mut tree = Tree::new(description, whole);
     for body in order {
         tree.grow(body, parents[body], hinge_points[body]);
     }
@@ -179,22 +201,31 @@ fn point_on(
     Err(Problem { element, field: field.to_owned(), message, help: Some(help) })
 }
 
+/// The bodies that carry the hinges, of a beam the right one of its bodies, and where these are on them.
 fn hinge_points(
     description: &Description,
-    parents: &[Option<usize>],
+    whole: Option<&Expanded>,
+    parents: Vec<Option<usize>>,
     problems: &mut Vec<Problem>,
-) -> Vec<Vector3<f64>> {
+) -> (Vec<Option<usize>>, Vec<Vector3<f64>>) {
     let resolve = |(index, body): (usize, &BodyDescription)| {
         if parents[index].is_none() && body.hinge.parent != GROUND {
-            return Vector3::zeros();
+            return (None, Vector3::zeros());
+        }
+        // An element's own hinge is at the root of a beam.
+        let is_element = whole.is_some_and(|whole| whole.rods.contains_key(&index));
+        let on_beam = whole.filter(|_| !is_element).and_then(|whole| whole.place(&body.hinge.parent, &body.hinge.at));
+        if let Some((parent, at)) = on_beam {
+            return (Some(parent), at);
         }
         let parent = parents[index].map(|parent| &description.bodies[parent]);
-        point_on(parent, &body.hinge.at, Element::Body(index), "hinge.at").unwrap_or_else(|problem| {
+        let at = point_on(parent, &body.hinge.at, Element::Body(index), "hinge.at").unwrap_or_else(|problem| {
             problems.push(problem);
             Vector3::zeros()
-        })
+        });
+        (parents[index], at)
     };
-    description.bodies.iter().enumerate().map(resolve).collect()
+    description.bodies.iter().enumerate().map(resolve).unzip()
 }
 
 /// A point on a body (`None`: the ground).
@@ -204,12 +235,18 @@ pub(super) type Place = (Option<usize>, Vector3<f64>);
 pub(super) struct Places<'a> {
     description: &'a Description,
     names: &'a HashMap<&'a str, usize>,
+    whole: Option<&'a Expanded>,
     problems: &'a mut Vec<Problem>,
 }
 
 impl Places<'_> {
     pub(super) fn resolve(&mut self, attachment: &Attachment, element: Element, field: &str) -> Place {
         let nowhere = (None, Vector3::zeros());
+        if let Some((body, at)) = self.whole.and_then(|whole| whole.place(&attachment.body, &attachment.point))
+            && at.iter().all(|x| x.is_finite())
+        {
+            return (Some(body), at);
+        }
         let body = match attachment.body.as_str() {
             GROUND => None,
             name => match self.names.get(name) {
@@ -264,6 +301,12 @@ fn event_places(description: &Description, places: &mut Places<'_>) -> Vec<Optio
 fn output_places(description: &Description, places: &mut Places<'_>) -> Vec<Vec<Place>> {
     let of_output = |(index, output): (usize, &output::OutputDescription)| {
         let named = output::attachments(&output.of).into_iter();
+        // A beam's reaction is at its root, not at its tip.
+        if let output::QuantityDescription::Reaction { body, .. } = &output.of
+            && let Some(index) = places.names.get(body.as_str())
+        {
+            return vec![(Some(*index), Vector3::zeros())];
+        }
         named.map(|(key, on)| places.resolve(&on, Element::Output(index), key)).collect()
     };
     description.outputs.iter().enumerate().map(of_output).collect()

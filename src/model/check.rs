@@ -14,7 +14,7 @@ const QUATERNION_SLACK: f64 = 1e-6;
 /// All problems of single elements.
 pub(super) fn check(description: &Description) -> Vec<Problem> {
     let mut found = Findings { problems: Vec::new() };
-    if description.bodies.is_empty() {
+    if description.bodies.is_empty() && description.beams.is_empty() {
         found.add(Element::Scene, "body", "the scene has no bodies".to_owned(), "add at least one [[body]]");
     }
     if !finite(&description.gravity) {

@@ -24,6 +24,12 @@ impl Description {
         self
     }
 
+    /// Adds a flexible beam.
+    pub fn beam(mut self, beam: BeamDescription) -> Self {
+        self.beams.push(beam);
+        self
+    }
+
     /// Adds a spring, a bushing or a load.
     pub fn force(mut self, force: ForceDescription) -> Self {
         self.forces.push(force);

@@ -25,6 +25,7 @@
 //! assert_eq!((model.bodies.len(), model.degrees_of_freedom()), (2, 2));
 //! ```
 
+pub use super::beam::{BeamDescription, BeamShape, FreeStrains, LineLoad, Material, Section};
 pub use super::contact::{ContactDescription, DryFriction};
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 pub use super::hinge_curve::{CurveOver, HingeCurveDescription};
@@ -51,6 +52,8 @@ pub struct Description {
     pub gravity: Vector3<f64>,
     /// The bodies in any order: a child may stand before its parent.
     pub bodies: Vec<BodyDescription>,
+    /// Flexible beams.
+    pub beams: Vec<BeamDescription>,
     /// Names of bodies whose inertia is taken though no body can have it: models of other programs have such.
     pub unphysical: HashSet<String>,
     /// Springs, bushings and loads.
@@ -79,6 +82,7 @@ impl Default for Description {
             title: String::new(),
             gravity: Vector3::new(0.0, 0.0, -9.80665),
             bodies: Vec::new(),
+            beams: Vec::new(),
             unphysical: HashSet::new(),
             forces: Vec::new(),
             loops: Vec::new(),

@@ -6,6 +6,7 @@
 //! link that carries them. Link 0 is the ground.
 
 pub mod address;
+pub mod beam;
 mod build;
 mod check;
 pub mod contact;
@@ -28,6 +29,7 @@ pub mod watch;
 
 pub use crate::force::{End, Force};
 pub use crate::hinge::Joint;
+pub use beam::Beam;
 pub use contact::{ContactRule, HingeFriction};
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
@@ -40,6 +42,7 @@ pub use parameter::Parameter;
 pub use problem::{Element, Problem};
 pub use watch::{Event, Stop, StopLaw, Watched};
 
+use crate::element::Rod;
 use crate::force::Act;
 use crate::pages::Pages;
 use crate::spatial::Pose;
@@ -59,6 +62,10 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// The tree: link 0 is the ground, parents stand before children, and every subtree is contiguous.
     pub links: Pages<Link>,
+    /// The flexible elements.
+    pub rods: Vec<Rod>,
+    /// The beams that they belong to.
+    pub beams: Vec<Beam>,
     /// Where the tree falls into two halves, in large ones.
     pub halves: Option<Halves>,
     /// What acts in each velocity coordinate.
@@ -105,6 +112,8 @@ pub struct Body {
     pub link: usize,
     /// Where its root marker stands on that link.
     pub link_from_body: Pose,
+    /// Whether it is the tip of an element of a beam, which no description names.
+    pub is_element: bool,
     /// Mass, centre and inertia, body axes.
     pub mass: MassProperties,
     /// Named points, body axes.
@@ -264,14 +273,16 @@ impl Model {
         let body = &self.bodies[self.coordinates[velocity].body];
         let names = body.hinge.kind.velocities();
         match names.len() {
-            1 => format!("`{}`", body.name),
+            // Of a flexible element.
+            0 | 1 => format!("`{}`", body.name),
             _ => format!("`{}` ({})", body.name, names[velocity - body.hinge.velocity].0),
         }
     }
 
     /// Total mass of what moves and what is welded to the ground (kg).
     pub fn total_mass(&self) -> f64 {
-        self.bodies.iter().map(|body| body.mass.mass).sum()
+        let inner = |rod: &Rod| rod.slices[1..rod.steps()].iter().map(|slice| slice.mass).sum::<f64>();
+        self.bodies.iter().map(|body| body.mass.mass).sum::<f64>() + self.rods.iter().map(inner).sum::<f64>()
     }
 
     /// Whether every load has a potential: no follower loads, no torques fixed in space, no motors about balls or by

@@ -8,6 +8,7 @@
 //! | `strut.length`, `strut.stiffness` | a spring's or rope's free length and stiffness; of a curve its length |
 //! | `mount.stiffness[3]`, `mount.preload[2]` | one stiffness of a bushing, one part of what it is preloaded with |
 //! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
+//! | `blade.length`, `blade.young` | a straight beam's length, Young's modulus of a beam |
 //! | `left link.length`, `engine.rate` | a rod's length, the rate of a drive |
 //! | `servo.force`, `servo.stiffness` | the force of a motor, its gain |
 //! | `force[2].length`, `drive[0].rate` | of what stands there in the file, whatever its name |
@@ -22,6 +23,7 @@ mod value;
 pub use named::{NamedNumber, NamedNumbers};
 
 use super::address::{Entry, resolve, split_component};
+use super::beam::{BeamDescription, BeamShape};
 use super::couplings::{Closure, CoordinateName, MotionDescription};
 use super::description::{BodyDescription, Description, ForceDescription};
 use super::motor::{MotorDescription, MotorLawDescription};
@@ -111,7 +113,9 @@ pub enum Field {
     Force,
     /// Torque of a load.
     Torque,
-    /// Free length of a spring, rope or curve, length of a rod.
+    /// Young's modulus of a beam.
+    Young,
+    /// Free length of a spring, rope or curve, length of a rod or a straight beam.
     Length,
     /// What a bushing pushes with where its frames coincide.
     Preload,
@@ -123,9 +127,10 @@ pub enum Field {
 
 impl Field {
     /// Those of elements.
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 11] = [
         Self::Gravity,
         Self::Mass,
+        Self::Young,
         Self::Position,
         Self::Rest,
         Self::Stiffness,
@@ -141,6 +146,7 @@ impl Field {
         match self {
             Self::Gravity => "gravity",
             Self::Mass => "mass",
+            Self::Young => "young",
             Self::Position => "position",
             Self::Rest => "rest",
             Self::Stiffness => "stiffness",
@@ -257,6 +263,7 @@ fn entries(description: &Description) -> impl Iterator<Item = Entry<'_, Element>
     }
     // Copies of a template are bodies of their own here: no body has a place in the file that is known.
     of(&description.bodies, None, Element::Body, |body| &body.name)
+        .chain(of(&description.beams, Some("beam"), Element::Beam, |beam| &beam.name))
         .chain(of(&description.forces, Some("force"), Element::Force, |force| &force.name))
         .chain(of(&description.loops, Some("loop"), Element::Loop, |one| &one.name))
         .chain(of(&description.drives, Some("drive"), Element::Drive, |drive| &drive.name))
@@ -312,6 +319,10 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
             let body = &description.bodies[index];
             (&body.name, of_body(body, field))
         }
+        Element::Beam(index) => {
+            let beam = &description.beams[index];
+            (&beam.name, of_beam(beam, field).into_iter().collect())
+        }
         Element::Force(index) => {
             let force = &description.forces[index];
             (&force.name, of_force(force, field))
@@ -366,7 +377,17 @@ fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
             let count = if positions == velocities { positions } else { positions - 4 };
             pick(Quantity::Length, Quantity::Angle).take(count).collect()
         }
-        Field::Gravity | Field::Torque | Field::Length | Field::Preload | Field::Rate | Field::Named => Vec::new(),
+        Field::Gravity | Field::Young | Field::Torque | Field::Length | Field::Preload | Field::Rate | Field::Named => {
+            Vec::new()
+        }
+    }
+}
+
+fn of_beam(beam: &BeamDescription, field: Field) -> Option<Quantity> {
+    match (field, &beam.shape) {
+        (Field::Length, BeamShape::Straight { .. }) => Some(Quantity::Length),
+        (Field::Young, _) => beam.material.map(|_| Quantity::Plain),
+        _ => None,
     }
 }
 

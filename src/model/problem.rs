@@ -44,6 +44,8 @@ pub enum Element {
     Event(usize),
     /// Index into `Description::contacts`.
     Contact(usize),
+    /// Index into `Description::beams`.
+    Beam(usize),
     /// Index into `Description::outputs`.
     Output(usize),
 }

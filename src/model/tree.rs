@@ -1,11 +1,13 @@
 //! The compiled tree: hinges taken apart into elementary ones, welds merged.
 
+use super::beam::{Beam, BeamElement, Bodies, Expanded};
 use super::build::Place;
 use super::couple::couple;
 use super::description::{Description, MassProperties};
 use super::link::Link;
 use super::problem::{Element, Problem};
 use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, hinge_curve, output, watch};
+use crate::element::Rod;
 use crate::force::{Carrier, Describe};
 use crate::hinge::Joint;
 use crate::hinge::joint::quaternion;
@@ -18,6 +20,8 @@ const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
 /// The compiled tree while it grows.
 pub(super) struct Tree<'a> {
     description: &'a Description,
+    whole: Option<&'a Expanded>,
+    rods: Vec<Rod>,
     links: Vec<Link>,
     bodies: Vec<Option<Body>>,
     coordinates: Vec<Coordinate>,
@@ -26,9 +30,11 @@ pub(super) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    pub(super) fn new(description: &'a Description) -> Self {
+    pub(super) fn new(description: &'a Description, whole: Option<&'a Expanded>) -> Self {
         Self {
             description,
+            whole,
+            rods: Vec::new(),
             links: vec![Link::ground()],
             bodies: vec![None; description.bodies.len()],
             coordinates: Vec::new(),
@@ -58,7 +64,12 @@ impl<'a> Tree<'a> {
             velocity: self.start_velocity.len(),
             lock: given.hinge.lock,
         };
-        let joints = given.hinge.kind.elementary(&given.hinge.rest);
+        let rod = self.whole.and_then(|whole| whole.rods.get(&index));
+        let joints = match rod {
+            Some(rod) => vec![(Joint::Flex { rod: self.rods.len(), count: rod.count() }, UnitQuaternion::identity())],
+            None => given.hinge.kind.elementary(&given.hinge.rest),
+        };
+        self.rods.extend(rod.cloned());
         let (link, link_from_body) = match joints.last() {
             None => (carrier, base),
             Some((_, hinge_from_link)) => {
@@ -75,6 +86,7 @@ impl<'a> Tree<'a> {
             parent,
             link,
             link_from_body,
+            is_element: rod.is_some(),
             mass: given.mass,
             markers: given.markers.clone(),
             shapes: given.shapes.clone(),
@@ -118,7 +130,8 @@ impl<'a> Tree<'a> {
 
     fn add_coordinates(&mut self, body: usize) {
         let hinge = &self.description.bodies[body].hinge;
-        let (positions, velocities) = hinge.kind.counts();
+        let flexible = self.whole.and_then(|whole| whole.rods.get(&body)).map(|rod| (rod.count(), rod.count()));
+        let (positions, velocities) = flexible.unwrap_or_else(|| hinge.kind.counts());
         let value = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);
         // A list of rest positions of a hinge with a quaternion is longer than its velocities; the quaternion itself
         // is kept in the ball's joint.
@@ -251,7 +264,9 @@ impl<'a> Tree<'a> {
             events: Vec::new(),
             outputs: Vec::new(),
             bodies,
-            halves: Halves::of(&self.links),
+            halves: if self.rods.is_empty() { Halves::of(&self.links) } else { None },
+            beams: self.beams(),
+            rods: self.rods.clone(),
             links: self.links.iter().cloned().collect(),
             coordinates: self.coordinates.clone(),
             start_position: self.start_position.clone(),
@@ -259,6 +274,7 @@ impl<'a> Tree<'a> {
         };
         let carrier = |place: &Place| (end(place), turn(place));
         let mut problems = couple(self.description, loops, &carrier, &mut model);
+        problems.extend(beyond_beams(&model));
         if problems.is_empty() {
             problems = output::compile(self.description, asked, &carrier, &mut model);
         }
@@ -266,6 +282,70 @@ impl<'a> Tree<'a> {
             problems = watch::events(self.description, end, watched, &mut model);
         }
         if problems.is_empty() { Ok(model) } else { Err(problems) }
+    }
+}
+
+/// Rows and stops that reach through flexible beams, which the sweeps do not pass loads through yet.
+fn beyond_beams(model: &Model) -> Vec<Problem> {
+    let flexible = |link: usize| {
+        let mut at = link;
+        while at != 0 && !model.links[at].joint.is_flex() {
+            at = model.links[at].parent;
+        }
+        at != 0
+    };
+    let of_velocity = |velocity: usize| {
+        let owns = |link: &Link| (link.velocity..link.velocity + link.joint.counts().1).contains(&velocity);
+        model.links.iter().skip(1).position(owns).is_some_and(|at| flexible(at + 1))
+    };
+    let mut problems = Vec::new();
+    let mut refuse = |element: Element, field: &str, what: String| {
+        problems.push(Problem {
+            element,
+            field: field.to_owned(),
+            message: format!("{what} reaches through a flexible beam: that is not there yet"),
+            help: Some("a stiff spring or a bushing between the same points can stand for it".to_owned()),
+        });
+    };
+    for (index, closed) in model.loops.iter().enumerate() {
+        if closed.ends.iter().any(|end| flexible(end.link)) {
+            refuse(Element::Loop(index), "between", format!("loop `{}`", closed.name));
+        }
+    }
+    for (index, drive) in model.drives.iter().enumerate() {
+        if of_velocity(drive.coordinate.velocity) {
+            refuse(Element::Drive(index), "on", format!("drive `{}`", drive.name));
+        }
+    }
+    for (index, gear) in model.gears.iter().enumerate() {
+        if gear.coordinates.iter().any(|coordinate| of_velocity(coordinate.velocity)) {
+            refuse(Element::Gear(index), "of", format!("gear `{}`", gear.name));
+        }
+    }
+    let stopped = model.stops.iter().map(|stop| stop.velocity);
+    let rubbed = model.hinge_friction.iter().map(|friction| friction.velocity);
+    for velocity in stopped.chain(rubbed).filter(|velocity| of_velocity(*velocity)) {
+        let body = model.coordinates[velocity].body;
+        refuse(Element::Body(body), "hinge", format!("a stop or dry friction of `{}`", model.bodies[body].name));
+    }
+    problems
+}
+
+impl Tree<'_> {
+    /// The beams, with the links of their elements.
+    fn beams(&self) -> Vec<Beam> {
+        let link = |body: usize| self.bodies[body].as_ref().map_or(0, |body| body.link);
+        let element = |(body, ends): &(usize, [f64; 2])| {
+            let link = link(*body);
+            self.links[link].joint.rod().map(|rod| BeamElement { from: ends[0], rod, link, body: *body })
+        };
+        let beam = |of: &Bodies| Beam {
+            name: of.name.clone(),
+            root: of.root,
+            elements: of.tips.iter().filter_map(element).collect(),
+            length: of.length,
+        };
+        self.whole.map_or(Vec::new(), |whole| whole.beams.iter().map(beam).collect())
     }
 }
 

@@ -4,6 +4,7 @@ mod angles;
 mod at_once;
 pub mod variation;
 
+use crate::element::{Rod, RodMotion, Slice, Station};
 use crate::model::{Halves, Joint, Link, Model};
 use crate::pages::Pages;
 pub use crate::spatial::link::LinkMotion;
@@ -20,6 +21,8 @@ use std::ops::Range;
 pub struct Motion {
     /// One per link of the model; written by [`Motion::update`].
     pub links: Pages<LinkMotion>,
+    /// One per flexible element of the model.
+    pub rods: Vec<RodMotion>,
     /// Whether nothing moves.
     pub still: bool,
     /// Of the last positions.
@@ -29,7 +32,12 @@ pub struct Motion {
 impl Motion {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
-        Self { links: Pages::filled(LinkMotion::GROUND, model.links.len()), still: true, angles: Angles::new(model) }
+        Self {
+            links: Pages::filled(LinkMotion::GROUND, model.links.len()),
+            rods: model.rods.iter().map(RodMotion::new).collect(),
+            still: true,
+            angles: Angles::new(model),
+        }
     }
 
     /// Root → tips: positions and velocities from hinge coordinates `q` and velocities `v`.
@@ -38,20 +46,21 @@ impl Motion {
         self.angles.update(q);
         self.still = v.iter().all(|rate| *rate == 0.0);
         let state = State { model, q, v };
-        let (all, angles) = (&mut self.links[..], self.angles.all());
+        let (all, rods, angles) = (&mut self.links[..], &mut self.rods[..], self.angles.all());
         let Some(Halves { hub, links: [one, other], turns, .. }) = &model.halves else {
-            return sweep(&state, 1..model.links.len(), 0, angles, &LinkMotion::GROUND, all);
+            return sweep(&state, 1..model.links.len(), 0, angles, &LinkMotion::GROUND, (all, rods));
         };
-        sweep(&state, 1..hub + 1, 0, angles, &LinkMotion::GROUND, all);
+        // Halves have no flexible elements.
+        sweep(&state, 1..hub + 1, 0, angles, &LinkMotion::GROUND, (all, &mut []));
         let (low, rest) = all.split_at_mut(one.start);
         let (first, rest) = rest.split_at_mut(one.len());
         let (second, _) = rest.split_at_mut(other.len());
         let hub = &low[*hub];
         let half = |links: &Range<usize>, turns: usize, own: &mut [LinkMotion]| {
-            sweep(&state, links.clone(), links.start, &angles[turns..], hub, own);
+            sweep(&state, links.clone(), links.start, &angles[turns..], hub, (own, &mut []));
         };
         at_once(|| half(one, turns[0], first), || half(other, turns[1], second));
-        sweep(&state, other.end..model.links.len(), 0, &angles[turns[2]..], &LinkMotion::GROUND, all);
+        sweep(&state, other.end..model.links.len(), 0, &angles[turns[2]..], &LinkMotion::GROUND, (all, &mut []));
     }
 
     /// The pose of a named body's root marker.
@@ -67,7 +76,20 @@ impl Motion {
                 + link.mass * v.dot(&w.cross(&motion.center))
                 + 0.5 * w.dot(&(motion.inertia * w))
         };
-        model.links.iter().zip(&self.links).map(of_link).sum()
+        model.links.iter().zip(&self.links).map(of_link).sum::<f64>() + self.kinetic_energy_of_rods(model)
+    }
+
+    /// Kinetic energy of the slices inside flexible elements (J).
+    fn kinetic_energy_of_rods(&self, model: &Model) -> f64 {
+        let of_slice = |(slice, station): (&Slice, &Station)| {
+            let (v, w) = (station.link.velocity, station.link.angular_velocity);
+            0.5 * slice.mass * v.norm_squared() + 0.5 * w.dot(&(station.link.inertia * w))
+        };
+        let inner = |(rod, at): (&Rod, &RodMotion)| {
+            let slices = rod.slices.iter().zip(&at.stations);
+            slices.skip(1).take(rod.steps() - 1).map(of_slice).sum::<f64>()
+        };
+        model.rods.iter().zip(&self.rods).map(inner).sum()
     }
 }
 
@@ -87,7 +109,7 @@ fn sweep(
     base: usize,
     angles: &[[f64; 2]],
     outside: &LinkMotion,
-    own: &mut [LinkMotion],
+    (own, rods): (&mut [LinkMotion], &mut [RodMotion]),
 ) {
     let mut turn = 0;
     for (link, index) in state.model.links[links.clone()].iter().zip(links) {
@@ -98,9 +120,25 @@ fn sweep(
                 turn += 1;
                 angles[turn - 1]
             }
+            Joint::Flex { rod, .. } => {
+                flexible(state, link, rod, parent, (&mut rods[rod], &mut from_here[0]));
+                continue;
+            }
             _ => [0.0, 1.0],
         };
         outboard(link, parent, state.q, state.v, angle, &mut from_here[0]);
+    }
+}
+
+/// Across a flexible element.
+#[inline(never)]
+fn flexible(state: &State<'_>, link: &Link, rod: usize, parent: &LinkMotion, own: (&mut RodMotion, &mut LinkMotion)) {
+    let (count, (at, own)) = (link.joint.counts().1, own);
+    let (q, v) = (&state.q[link.position..link.position + count], &state.v[link.velocity..link.velocity + count]);
+    at.update(&state.model.rods[rod], (&link.offset, &link.turn), parent, (q, v), own);
+    if !link.is_massless() {
+        own.center = own.turn * link.center;
+        own.inertia = link.principal.turned(&Columns::of(&own.turn));
     }
 }
 
@@ -132,7 +170,8 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
         own.bias = w.cross(swing + slip + slip).vector();
     };
     let (turn, arm) = match &link.joint {
-        Joint::None => (hinge, anchor),
+        // Of flexible elements see `flexible`.
+        Joint::None | Joint::Flex { .. } => (hinge, anchor),
         Joint::Turn => {
             let z = hinge.0[2];
             own.axis = z.vector();
@@ -204,21 +243,40 @@ pub(crate) fn unit_quaternion(p: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(p[0], p[1], p[2], p[3]))
 }
 
-/// The displacement of one joint that leads from coordinates to others: the difference of a plain coordinate and two
-/// zeros, or a ball's rotation vector in the first link axes. Inverse of [`displace`].
-pub fn relative(link: &Link, from: &[f64], to: &[f64]) -> Vector3<f64> {
+/// The displacement of one joint that leads from coordinates to others, one number per velocity: the differences of plain
+/// coordinates, or a ball's rotation vector in the first link axes. Inverse of [`displace`].
+pub fn relative(link: &Link, from: &[f64], to: &[f64], out: &mut [f64]) {
     let at = link.position;
-    match link.joint.counts().0 {
-        0 => Vector3::zeros(),
-        1 => Vector3::new(to[at] - from[at], 0.0, 0.0),
-        _ => rotation_vector(&(unit_quaternion(&from[at..at + 4]).inverse() * unit_quaternion(&to[at..at + 4]))),
+    match link.joint {
+        Joint::Ball { .. } => {
+            let turn = unit_quaternion(&from[at..at + 4]).inverse() * unit_quaternion(&to[at..at + 4]);
+            out.copy_from_slice(rotation_vector(&turn).as_slice());
+        }
+        _ => out.iter_mut().enumerate().for_each(|(i, out)| *out = to[at + i] - from[at + i]),
+    }
+}
+
+/// The size of that displacement.
+pub fn distance(link: &Link, from: &[f64], to: &[f64]) -> f64 {
+    let at = link.position;
+    match link.joint {
+        Joint::Ball { .. } => {
+            let mut turn = [0.0; 3];
+            relative(link, from, to, &mut turn);
+            Vector3::from(turn).norm()
+        }
+        _ => (at..at + link.joint.counts().0).map(|i| (to[i] - from[i]).powi(2)).sum::<f64>().sqrt(),
     }
 }
 
 /// What a wrench on a link at its root marker does in each velocity of its joint (N or N m), given to `put` with its place.
 #[inline]
-pub(crate) fn project(link: &Link, at: &LinkMotion, wrench: &Wrench, mut put: impl FnMut(usize, f64)) {
+pub(crate) fn project(motion: &Motion, link: &Link, index: usize, wrench: &Wrench, mut put: impl FnMut(usize, f64)) {
+    let at = &motion.links[index];
     match link.joint {
+        Joint::Flex { rod, count } => {
+            (0..count).for_each(|i| put(link.velocity + i, motion.rods[rod].project(i, wrench)));
+        }
         Joint::None => {}
         Joint::Turn => put(link.velocity, at.axis.dot(&wrench.moment)),
         Joint::Slide { .. } => put(link.velocity, at.axis.dot(&wrench.force)),
@@ -238,6 +296,10 @@ pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
         match link.joint {
             Joint::None => {}
             Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => q[link.position] += step[link.velocity],
+            Joint::Flex { count, .. } => {
+                let by = &step[link.velocity..link.velocity + count];
+                q[link.position..link.position + count].iter_mut().zip(by).for_each(|(q, by)| *q += by);
+            }
             Joint::Ball { .. } => {
                 let at = &mut q[link.position..link.position + 4];
                 let turn = Vector3::new(step[link.velocity], step[link.velocity + 1], step[link.velocity + 2]);

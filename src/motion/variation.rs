@@ -4,6 +4,7 @@
 //! vectors with the link (`δc = δθ × c`).
 
 use super::{LinkMotion, Motion};
+use crate::element::{RodDirection, RodPoint};
 use crate::model::{Joint, Link, Model};
 pub use crate::spatial::link::{LinkAcceleration, LinkVariation};
 use nalgebra::Vector3;
@@ -43,9 +44,35 @@ pub fn outward(
 ) {
     for index in range {
         let link = &model.links[index];
+        if let Joint::Flex { rod, .. } = link.joint {
+            let point = rod_point(motion, link, &accelerations[link.parent], hinge_accelerations);
+            let (at, mut tip) = (&motion.rods[rod], LinkVariation::default());
+            let by = rod_direction(link, by);
+            at.vary(&model.rods[rod], &point, &by, &out[link.parent], |_, varied| tip = *varied);
+            out[index] = tip;
+            continue;
+        }
         let parent = (&motion.links[link.parent], &accelerations[link.parent], out[link.parent]);
         out[index] = outboard(link, &motion.links[index], parent, hinge_accelerations, by);
     }
+}
+
+/// The part of a direction in an element's own coordinates.
+pub(crate) fn rod_direction<'a>(link: &Link, by: &Direction<'a>) -> RodDirection<'a> {
+    let own = link.velocity..link.velocity + link.joint.counts().1;
+    let part = |list: &'a [f64]| list.get(own.clone()).unwrap_or(&[]);
+    RodDirection { position: part(by.position), velocity: part(by.velocity), acceleration: part(by.acceleration) }
+}
+
+/// What an element's motion varies about.
+pub(crate) fn rod_point<'a>(
+    motion: &'a Motion,
+    link: &Link,
+    acceleration: &'a LinkAcceleration,
+    hinge_accelerations: &'a [f64],
+) -> RodPoint<'a> {
+    let own = link.velocity..link.velocity + link.joint.counts().1;
+    RodPoint { parent: &motion.links[link.parent], acceleration, second: &hinge_accelerations[own] }
 }
 
 fn outboard(
@@ -65,7 +92,8 @@ fn outboard(
     let (mut delta_slip, mut delta_spin) = (Vector3::zeros(), Vector3::zeros());
     let (mut delta_slip_rate, mut delta_spin_rate) = (Vector3::zeros(), Vector3::zeros());
     match link.joint {
-        Joint::None => {}
+        // Of flexible elements see `outward`.
+        Joint::None | Joint::Flex { .. } => {}
         Joint::Turn | Joint::Screw { .. } => {
             let (n, dn) = (own.axis, p.turn.cross(&own.axis));
             turn += n * one(by.position, at);

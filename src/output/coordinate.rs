@@ -23,6 +23,8 @@ impl Measure for CoordinateQuantity {
                 }
             };
             match link.joint.counts().0 {
+                // No output is a coordinate of a flexible element.
+                _ if link.joint.is_flex() => {}
                 0 => {}
                 1 => put(from, step[to]),
                 _ => {

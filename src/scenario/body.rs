@@ -5,7 +5,7 @@ use super::hinge::{Hinge, hinge, point};
 use super::mass::{Mass, mass};
 use super::reader::Reader;
 use super::shape::shapes;
-use crate::model::description::{Attachment, BodyDescription, Description, GROUND, Point};
+use crate::model::description::{Attachment, BeamDescription, BodyDescription, Description, GROUND, Point};
 use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::path::Path;
@@ -90,8 +90,9 @@ pub(super) fn copy_name(name: &str, copy: usize) -> String {
 pub(super) struct Names<'b>(HashSet<&'b str>);
 
 impl<'b> Names<'b> {
-    pub(super) fn new(bodies: &'b [BodyDescription]) -> Self {
-        Self(bodies.iter().map(|body| body.name.as_str()).chain([GROUND]).collect())
+    pub(super) fn new(bodies: &'b [BodyDescription], beams: &'b [BeamDescription]) -> Self {
+        let beams = beams.iter().map(|beam| beam.name.as_str());
+        Self(bodies.iter().map(|body| body.name.as_str()).chain(beams).chain([GROUND]).collect())
     }
 
     /// `body.marker` or `body`: the longest body name that is known, and what is left of the text is the marker. Where

@@ -1,5 +1,6 @@
 //! From a checked file to a description, and back from the description's elements to the file.
 
+use super::beam::beam;
 use super::body::{Names, Template, template};
 use super::contact::contact;
 use super::couplings::{closed_loop, drive, gear};
@@ -30,7 +31,16 @@ pub(super) fn lower<'a>(
     description.gravity = scenario.vector("gravity").unwrap_or(description.gravity);
     let mut spans = SpanTable::new(document);
     bodies(&scenario, folder, &mut description, &mut spans);
-    let names = Names::new(&description.bodies);
+    for (index, table) in scenario.tables("beam").iter().enumerate() {
+        match beam(table) {
+            Some(beam) => {
+                description.beams.push(beam);
+                spans.beams.push(index);
+            }
+            None => spans.add_nameless(),
+        }
+    }
+    let names = Names::new(&description.bodies, &description.beams);
     let parameters = Parameters::read(document);
     for (index, table) in scenario.tables("force").iter().enumerate() {
         if let Some(force) = force(table, index, &names) {

@@ -28,6 +28,7 @@ pub mod format;
 pub mod overrides;
 mod schema;
 
+mod beam;
 mod body;
 mod check;
 mod contact;
@@ -277,7 +278,7 @@ fn checked<'a>(document: &'a DeTable<'a>, folder: &Path, findings: &'a Findings)
 
 /// What is wrong with the model of a scene, at its places in the document.
 fn report(document: &DeTable<'_>, description: &Description, spans: &SpanTable<'_>, findings: &Findings) {
-    if !description.bodies.is_empty() || !document.contains_key("body") {
+    if !(description.bodies.is_empty() && description.beams.is_empty() && document.contains_key("body")) {
         spans::report(spans, problems(description, findings.errors() > 0), findings);
     }
 }

@@ -20,6 +20,7 @@ pub(super) struct SpanTable<'a> {
     pub(super) motors: Vec<usize>,
     pub(super) contacts: Vec<usize>,
     pub(super) outputs: Vec<usize>,
+    pub(super) beams: Vec<usize>,
     events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
@@ -37,7 +38,21 @@ impl<'a> SpanTable<'a> {
         let (bodies, forces) = (Vec::new(), Vec::new());
         let (loops, drives, gears) = (Vec::new(), Vec::new(), Vec::new());
         let (motors, contacts, outputs, events) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { document, bodies, forces, events, loops, drives, gears, motors, contacts, outputs, nameless: false }
+        let beams = Vec::new();
+        Self {
+            document,
+            bodies,
+            forces,
+            events,
+            loops,
+            drives,
+            gears,
+            motors,
+            contacts,
+            outputs,
+            beams,
+            nameless: false,
+        }
     }
 
     /// The next bodies of the description come from `[[body]]` number `index`.
@@ -75,6 +90,7 @@ impl<'a> SpanTable<'a> {
             Element::Contact(index) => ("contact", *self.contacts.get(index)?),
             Element::Event(event) => ("event", *self.events.get(event)?),
             Element::Output(index) => ("output", *self.outputs.get(index)?),
+            Element::Beam(index) => ("beam", *self.beams.get(index)?),
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)
     }

@@ -251,6 +251,12 @@ impl File<'_> {
     /// One of the tables of lists.
     fn lists(&mut self, list: &'static str) {
         let Some(table) = self.whole.table(list) else { return };
+        if list == "positions" && !self.changed.beams.is_empty() {
+            let message = "the scene has flexible beams, whose strains a start cannot give yet".to_owned();
+            let help = "start from the scenario's own guess: beams begin unstrained";
+            self.whole.findings.push(Finding::error(self.whole.key_span(list), message).help(help));
+            return;
+        }
         for (name, _) in self.whole.names(list) {
             let Some(index) = self.changed.bodies.iter().position(|body| body.name == name) else {
                 let known = self.changed.bodies.iter().map(|body| body.name.as_str());

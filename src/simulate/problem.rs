@@ -64,6 +64,11 @@ fn runs(model: &Model) -> Vec<Run> {
     let mut runs = Vec::new();
     for link in &model.links {
         let (at, from) = (link.position, link.velocity);
+        if link.joint.is_flex() {
+            let count = link.joint.counts().0;
+            runs.push(Run::Plain { positions: at..at + count, velocities: from..from + count });
+            continue;
+        }
         match (link.joint.counts().0, runs.last_mut()) {
             (0, _) => {}
             (4, _) => runs.push(Run::Ball(at, from)),

@@ -187,7 +187,7 @@ impl<'a> Watch<'a> {
         }
         let mut now = 0.0_f64;
         for link in self.model.links.iter().skip(1) {
-            let moved = crate::motion::relative(link, &self.expected, &state.position).norm();
+            let moved = crate::motion::distance(link, &self.expected, &state.position);
             let velocities = link.velocity..link.velocity + link.joint.counts().1;
             let fast = velocities.map(|i| (state.velocity[i] - steady[i]).powi(2)).sum::<f64>().sqrt();
             now = now.max(moved);

@@ -17,14 +17,15 @@ const THIN: f64 = 0.01;
 pub fn scene(model: &Arc<Model>) -> Scene {
     let mut by_position: Vec<&Body> = model.bodies.iter().collect();
     by_position.sort_by_key(|body| (body.hinge.position, body.hinge.kind.counts().0));
-    let channels = |names: fn(&HingeKind) -> Names| -> Vec<Channel> {
+    let channels = |names: fn(&HingeKind) -> Names, units: [&str; 2]| -> Vec<Channel> {
         let of_body = |body: &&Body| {
             let owner = body.name.clone();
-            names(&body.hinge.kind).iter().map(move |(name, unit)| Channel {
+            let of_hinge = names(&body.hinge.kind).iter().map(move |(name, unit)| Channel {
                 body: owner.clone(),
                 name: (*name).to_owned(),
                 unit: (*unit).to_owned(),
-            })
+            });
+            of_hinge.chain(strains(model, body, units)).collect::<Vec<_>>()
         };
         by_position.iter().flat_map(of_body).collect()
     };
@@ -35,14 +36,29 @@ pub fn scene(model: &Arc<Model>) -> Scene {
         bodies: model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect(),
         lines: springs.chain(rods).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
-        positions: channels(HingeKind::positions),
-        velocities: channels(HingeKind::velocities),
+        positions: channels(HingeKind::positions, ["m", "rad"]),
+        velocities: channels(HingeKind::velocities, ["m/s", "rad/s"]),
         couplings: super::couplings::channels(model),
         outputs: outputs(model),
         not_unique: super::couplings::not_unique(model),
         watched: !(model.stops.is_empty() && model.hinge_friction.is_empty() && model.events.is_empty())
             || model.switching().next().is_some(),
     }
+}
+
+/// One channel for each coordinate of the flexible element that ends at a body, if one does: `bend_y_0` is the mean, `bend_y_1`
+/// changes sign in the middle.
+fn strains(model: &Model, body: &Body, [length, angle]: [&str; 2]) -> Vec<Channel> {
+    const NAMES: [&str; 6] = ["stretch", "shear_y", "shear_z", "twist", "bend_y", "bend_z"];
+    let rod = model.links[body.link].joint.rod().filter(|_| body.is_element);
+    let Some(rod) = rod.map(|rod| &model.rods[rod]) else { return Vec::new() };
+    let free = rod.free_strains().count();
+    let channel = |i: usize| Channel {
+        body: body.name.clone(),
+        name: format!("{}_{}", NAMES[rod.strain_of(i)], i / free),
+        unit: if rod.strain_of(i) < 3 { length } else { angle }.to_owned(),
+    };
+    (0..rod.count()).map(channel).collect()
 }
 
 /// One channel for each number of the outputs.

@@ -199,7 +199,7 @@ fn compare(model: &Model, a: &State, b: &State, found: &mut Verified) {
             true => (&mut found.length, &mut found.speed),
             false => (&mut found.angle, &mut found.rate),
         };
-        *way = way.max(crate::motion::relative(link, &a.position, &b.position).norm());
+        *way = way.max(crate::motion::distance(link, &a.position, &b.position));
         for i in link.velocity..link.velocity + link.joint.counts().1 {
             *pace = pace.max((a.velocity[i] - b.velocity[i]).abs());
         }

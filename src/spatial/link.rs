@@ -54,6 +54,14 @@ impl LinkMotion {
         LinkAcceleration { linear: self.bias, angular: self.angular_bias }
     }
 
+    /// `X(d) a_P + γ`: the acceleration of the root marker from that of the one before it, its own hinge at rest.
+    pub fn carry(&self, parent: &LinkAcceleration) -> LinkAcceleration {
+        LinkAcceleration {
+            linear: parent.linear + parent.angular.cross(&self.arm) + self.bias,
+            angular: parent.angular + self.angular_bias,
+        }
+    }
+
     /// `world_from_link` as a pose.
     pub fn pose(&self) -> Pose {
         let turn = nalgebra::Rotation3::from_matrix_unchecked(self.turn);

@@ -1,5 +1,6 @@
 //! Inverse dynamics: the hinge forces that given accelerations would need, and the reactions that go with them.
 
+use super::flexible::RodBalance;
 use super::{LinkAcceleration, accelerate, inboard};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
@@ -14,13 +15,19 @@ pub struct Balance {
     pub accelerations: Pages<LinkAcceleration>,
     /// What the inboard hinge passes to each link at its root marker; entry 0 is what the ground has to hold.
     pub reactions: Pages<Wrench>,
+    /// What the stations of flexible elements do and pass on.
+    pub rods: Vec<RodBalance>,
 }
 
 impl Balance {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
-        Self { accelerations: Pages::filled(LinkAcceleration::default(), n), reactions: Pages::filled(Wrench::ZERO, n) }
+        Self {
+            accelerations: Pages::filled(LinkAcceleration::default(), n),
+            reactions: Pages::filled(Wrench::ZERO, n),
+            rods: model.rods.iter().map(RodBalance::new).collect(),
+        }
     }
 
     /// Root → tips by eq. (2), tips → root by eq. (1); `residual ← Hᵀ f + A q̈ − τ`, which vanishes for the true
@@ -35,7 +42,7 @@ impl Balance {
         residual: &mut [f64],
     ) {
         self.outward(model, motion, applied, hinge);
-        self.inward(model, motion, residual);
+        self.inward(model, motion, hinge, residual);
         for (at, coordinate) in model.coordinates.iter().enumerate() {
             residual[at] += coordinate.armature * hinge[at] - tau[at];
         }
@@ -50,7 +57,7 @@ impl Balance {
             // Along a chain the parent's acceleration is still in registers.
             let parent = if link.parent + 1 == index { before } else { self.accelerations[link.parent] };
             let mut a = inboard(at, &parent, true);
-            accelerate(link, at, hinge, &mut a);
+            accelerate(link, at, &motion.rods, hinge, &mut a);
             self.accelerations[index] = a;
             before = a;
             let (mass, J) = (Quad::all(link.mass), Columns::symmetric(&at.inertia));
@@ -67,12 +74,12 @@ impl Balance {
 
     /// Tips → root: eqs. (1) and (3).
     #[inline(always)]
-    fn inward(&mut self, model: &Model, motion: &Motion, residual: &mut [f64]) {
+    fn inward(&mut self, model: &Model, motion: &Motion, hinge: &[f64], residual: &mut [f64]) {
         let mut carried = (Quad::default(), Quad::default());
         for index in (1..model.links.len()).rev() {
             let (link, at) = (&model.links[index], &motion.links[index]);
             let f = &mut self.reactions[index];
-            let (force, moment) = (Quad::of(&f.force) + carried.0, Quad::of(&f.moment) + carried.1);
+            let (mut force, mut moment) = (Quad::of(&f.force) + carried.0, Quad::of(&f.moment) + carried.1);
             *f = wrench(force, moment);
             match link.joint {
                 Joint::None => {}
@@ -85,6 +92,15 @@ impl Balance {
                 Joint::Ball { .. } => {
                     let row = at.turn.tr_mul(&f.moment);
                     residual[link.velocity..link.velocity + 3].copy_from_slice(row.as_slice());
+                }
+                Joint::Flex { rod, count } => {
+                    let own = link.velocity..link.velocity + count;
+                    let given = (&model.rods[rod], &motion.rods[rod]);
+                    let (parent, rows) = (&self.accelerations[link.parent], &mut residual[own.clone()]);
+                    let passed = self.rods[rod].inward(given, &model.gravity, parent, &hinge[own], f, rows);
+                    // As seen at the tip.
+                    let passed = passed.shifted(-at.arm);
+                    (force, moment) = (Quad::of(&passed.force), Quad::of(&passed.moment));
                 }
             }
             carried = (force, Quad::of(&at.arm).cross_add(force, moment));

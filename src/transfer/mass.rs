@@ -1,5 +1,6 @@
 //! The action of the mass matrix: hinge forces for hinge accelerations alone, without weight, velocities or forces.
 
+use super::flexible::RodBalance;
 use super::{LinkAcceleration, accelerate, along, inboard};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
@@ -10,13 +11,15 @@ use crate::spatial::Wrench;
 pub struct MassAction {
     a: Vec<LinkAcceleration>,
     f: Vec<Wrench>,
+    rods: Vec<RodBalance>,
 }
 
 impl MassAction {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
-        Self { a: vec![LinkAcceleration::default(); n], f: vec![Wrench::ZERO; n] }
+        let rods = model.rods.iter().map(RodBalance::new).collect();
+        Self { a: vec![LinkAcceleration::default(); n], f: vec![Wrench::ZERO; n], rods }
     }
 
     /// `product ← M x`, armatures included: eq. (2) root → tips, eq. (1) tips → root, without their velocity terms.
@@ -25,7 +28,7 @@ impl MassAction {
         for index in 1..model.links.len() {
             let (link, at) = (&model.links[index], &motion.links[index]);
             let mut a = inboard(at, &self.a[link.parent], false);
-            accelerate(link, at, x, &mut a);
+            accelerate(link, at, &motion.rods, x, &mut a);
             let force = link.mass * (a.linear + a.angular.cross(&at.center));
             let moment = link.mass * at.center.cross(&a.linear) + at.inertia * a.angular;
             self.a[index] = a;
@@ -33,11 +36,16 @@ impl MassAction {
         }
         for index in (1..model.links.len()).rev() {
             let (link, at) = (&model.links[index], &motion.links[index]);
-            let f = self.f[index];
+            let mut f = self.f[index];
             match link.joint {
                 Joint::None => {}
                 Joint::Ball { .. } => {
                     product[link.velocity..link.velocity + 3].copy_from_slice(at.turn.tr_mul(&f.moment).as_slice());
+                }
+                Joint::Flex { rod, count } => {
+                    let own = link.velocity..link.velocity + count;
+                    let (given, x, rows) = ((&model.rods[rod], &motion.rods[rod]), &x[own.clone()], &mut product[own]);
+                    f = self.rods[rod].inward_change(given, &self.a[link.parent], x, &f, rows).shifted(-at.arm);
                 }
                 _ => product[link.velocity] = along(&link.joint, &at.axis, &f),
             }

@@ -36,6 +36,7 @@
 
 pub mod balance;
 pub mod element;
+pub mod flexible;
 pub mod jacobian;
 pub mod mass;
 pub mod plain;
@@ -47,6 +48,7 @@ pub mod variation;
 pub use crate::motion::variation::LinkAcceleration;
 pub use reduce::{Reduction, Singular};
 
+use crate::element::RodMotion;
 use crate::model::{Joint, Link};
 use crate::motion::LinkMotion;
 use crate::spatial::Wrench;
@@ -76,7 +78,7 @@ fn inboard(link: &LinkMotion, parent: &LinkAcceleration, with_bias: bool) -> Lin
 
 /// Adds `H q̈`.
 #[inline(always)]
-fn accelerate(link: &Link, at: &LinkMotion, hinge: &[f64], a: &mut LinkAcceleration) {
+fn accelerate(link: &Link, at: &LinkMotion, rods: &[RodMotion], hinge: &[f64], a: &mut LinkAcceleration) {
     let first = link.velocity;
     match link.joint {
         Joint::None => {}
@@ -90,5 +92,6 @@ fn accelerate(link: &Link, at: &LinkMotion, hinge: &[f64], a: &mut LinkAccelerat
             let relative = Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);
             a.angular = times_add(&at.turn, &relative, &a.angular);
         }
+        Joint::Flex { rod, count } => flexible::accelerate(&rods[rod], &hinge[first..first + count], a),
     }
 }

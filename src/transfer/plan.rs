@@ -29,7 +29,7 @@ pub(super) struct Place {
     pub join: Option<u32>,
     /// Where it passes on what it carries.
     pub to: To,
-    /// Index of a ball among the balls.
+    /// Index of a ball among the balls; of a flexible element among those.
     pub ball: u32,
     /// Its parent, its first velocity and what moves there, the armature of a single coordinate (kg or kg m²) and its mass (kg):
     /// beside the rest, for a link as a whole is long.
@@ -51,6 +51,7 @@ pub(super) enum Kind {
     Slide,
     Screw,
     Ball,
+    Flex,
 }
 
 /// Where a link passes on what it carries.
@@ -126,6 +127,7 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             Joint::Slide { .. } => Kind::Slide,
             Joint::Screw { .. } => Kind::Screw,
             Joint::Ball { .. } => Kind::Ball,
+            Joint::Flex { .. } => Kind::Flex,
         };
         let (parent, velocity, is_massless) = (link.parent as u32, link.velocity as u32, link.is_massless());
         let axial = link.inertia.zz / link.inertia.trace();
@@ -139,7 +141,7 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             translates,
             join,
             to,
-            ball: balls,
+            ball: link.joint.rod().map_or(balls, |rod| rod as u32),
             parent,
             velocity,
             kind,

@@ -6,6 +6,7 @@ mod part;
 mod refine;
 mod way;
 
+use super::flexible::RodPivot;
 use super::plan::{Place, plan};
 use super::{LinkAcceleration, along};
 use crate::model::{Halves, Joint, Link, Model};
@@ -39,6 +40,7 @@ pub struct Reduction {
     /// What is left of every hinge; of a ball it is in `balls`.
     hinges: Pages<One>,
     balls: Vec<Ball>,
+    rods: Vec<RodPivot>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
     joins: Vec<Carried>,
     /// Where the halves of a large tree begin, and what follows them.
@@ -109,6 +111,7 @@ impl Reduction {
             plan,
             hinges: Pages::filled(One::default(), n),
             balls: vec![Ball::default(); balls],
+            rods: model.rods.iter().map(RodPivot::new).collect(),
             joins: vec![Carried::default(); joins],
             e: Pages::filled(Wrench::ZERO, n),
             a: Pages::filled(LinkAcceleration::default(), n),
@@ -154,9 +157,9 @@ impl Reduction {
 
     #[inline(always)]
     fn eliminate(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<Lost, Singular> {
-        let Self { plan, hinges, balls, joins, firsts, .. } = self;
+        let Self { plan, hinges, balls, rods, joins, firsts, .. } = self;
         let scene = Scene { model, motion, plan };
-        let mut all = Part { first: First::default(), hinges, balls, joins };
+        let mut all = Part { first: First::default(), hinges, balls, rods, joins };
         let Some(Halves { hub, links: [one, other], .. }) = &model.halves else {
             return all.inward(&scene, load, 1..model.links.len(), Carried::default()).map(|passed| passed.lost);
         };
@@ -188,6 +191,10 @@ impl Reduction {
             let mut e = self.e[index];
             match link.joint {
                 Joint::None => {}
+                Joint::Flex { rod, count } => {
+                    let tau = &load.tau[link.velocity..link.velocity + count];
+                    self.e[link.parent] += self.rods[rod].load(&motion.rods[rod], tau, &e);
+                }
                 Joint::Ball { .. } => {
                     let ball = &mut self.balls[self.plan[index].ball as usize];
                     e = ball.load(at, &three(load.tau, link.velocity), &e, || at.turn.tr_mul(&e.moment));
@@ -205,19 +212,20 @@ impl Reduction {
     /// Root → tips: eq. (8).
     #[inline(always)]
     fn outward<const BIAS: bool>(&mut self, model: &Model, motion: &Motion, hinge: &mut [f64]) {
-        let Self { plan, hinges, balls, a, .. } = self;
+        let Self { plan, hinges, balls, rods, a, .. } = self;
         let scene = Scene { model, motion, plan };
         let outside = LinkAcceleration::default();
         a[0] = outside;
         let links = 1..model.links.len();
         let Some(Halves { hub, links: [one, other], velocities, .. }) = &model.halves else {
-            return Outward { hinges, balls, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, links);
+            return Outward { hinges, balls, rods, base: 0, outside, a, velocity: 0, hinge }
+                .sweep::<BIAS>(&scene, links);
         };
-        Outward { hinges, balls, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, 1..hub + 1);
+        Outward { hinges, balls, rods, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, 1..hub + 1);
         let (low, rest) = a.split_at_mut(one.start);
         let (first, rest) = rest.split_at_mut(one.len());
         let half = |links: &Range<usize>, a, velocity, hinge| {
-            let half = Outward { hinges, balls, base: links.start, outside: low[*hub], a, velocity, hinge };
+            let half = Outward { hinges, balls, rods, base: links.start, outside: low[*hub], a, velocity, hinge };
             half.sweep::<BIAS>(&scene, links.clone());
         };
         let (before, other_hinge) = hinge.split_at_mut(velocities[1].start);
@@ -226,7 +234,8 @@ impl Reduction {
             || half(one, first, velocities[0].start, one_hinge),
             || half(other, &mut rest[..other.len()], velocities[1].start, &mut other_hinge[..velocities[1].len()]),
         );
-        Outward { hinges, balls, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, other.end..links.end);
+        Outward { hinges, balls, rods, base: 0, outside, a, velocity: 0, hinge }
+            .sweep::<BIAS>(&scene, other.end..links.end);
     }
 
     /// The inertia that each hinge coordinate sees while everything outboard moves freely: the diagonal of `D`,
@@ -242,6 +251,7 @@ impl Reduction {
                         out[first + i] = seen[i] + model.coordinates[first + i].armature;
                     }
                 }
+                Joint::Flex { rod, count } => out[first..first + count].copy_from_slice(self.rods[rod].inertia()),
                 _ => out[first] = 1.0 / self.hinges[index].inverse,
             }
         }

@@ -28,6 +28,7 @@ mod eliminate;
 mod hinge;
 mod matrix;
 mod parts;
+mod rod;
 mod weight;
 
 pub use applied::{Applied, Column, Coupling};
@@ -44,6 +45,7 @@ use eliminate::{eliminate_ball, eliminate_one};
 use hinge::{Around, Left, Three, Way};
 use nalgebra::{Matrix3, Vector3};
 use parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
+use rod::RodTangent;
 use std::ops::Range;
 use weight::Weight;
 
@@ -85,6 +87,7 @@ pub struct Tangent {
     broken: bool,
     left: Pages<Left>,
     balls: Vec<Three>,
+    rods: Vec<RodTangent>,
     /// Under weight alone.
     weight: Weight,
     /// Of every link what [`Joint::pitch`](crate::model::Joint::pitch) says; empty without screws.
@@ -137,6 +140,7 @@ impl Tangent {
             broken: false,
             left: Pages::filled(Left::default(), n),
             balls: vec![Three::default(); balls],
+            rods: model.rods.iter().map(RodTangent::new).collect(),
             weight: Weight::default(),
             loads: vec![(Quad::default(), Quad::default()); joins],
             z: Pages::filled(Varied::default(), n),
@@ -155,8 +159,12 @@ impl Tangent {
     /// # Errors
     /// A pivot that is zero or not finite, or negative where a definite matrix is wanted.
     pub fn factorize(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
-        let placed = !at.applied.is_empty();
-        let accelerated = !at.motion.still || at.c1 != 0.0 || at.c2 != 0.0 || at.hinge.iter().any(|a| *a != 0.0);
+        let placed = !at.applied.is_empty() || model.rods.iter().any(|rod| rod.load != Vector3::zeros());
+        let accelerated = !model.rods.is_empty()
+            || !at.motion.still
+            || at.c1 != 0.0
+            || at.c2 != 0.0
+            || at.hinge.iter().any(|a| *a != 0.0);
         let rated = !at.motion.still || (at.c1 != 0.0 && placed);
         self.parts = [(accelerated, ACCELERATIONS), (rated, RATES), (placed, PLACES)]
             .iter()
@@ -228,6 +236,10 @@ impl Tangent {
                     }
                     self.negative += negative.len();
                 }
+                Kind::Flex => {
+                    self.flexible::<PARTS>(model, at, index, definite, &mut S)?;
+                    continue;
+                }
             }
             if matches!(place.to, To::Ground) {
                 continue;
@@ -242,6 +254,29 @@ impl Tangent {
         Ok(())
     }
 
+    /// Eqs. (4) and (6) across a flexible element: `S` of its tip in, that of its parent out.
+    fn flexible<const PARTS: u8>(
+        &mut self,
+        model: &Model,
+        at: &At<'_>,
+        index: usize,
+        definite: bool,
+        S: &mut Carried,
+    ) -> Result<(), Breakdown> {
+        let place = self.plan[index];
+        let eliminated = &mut self.rods[place.ball as usize];
+        let negative = eliminated
+            .eliminate::<PARTS>(model, at, (place.ball as usize, index), S)
+            .filter(|negative| !definite || *negative == 0)
+            .ok_or(Breakdown { link: index, axis: None })?;
+        self.left[index].swing = eliminated.swing;
+        self.negative += negative;
+        if let To::Join(join) = place.to {
+            self.joins[join as usize].add::<PARTS>(S);
+        }
+        Ok(())
+    }
+
     /// A direction `x` with `xᵀ K x < 0`, after a factorization for a definite matrix broke down at a hinge: that hinge
     /// moves, everything outboard of it follows as it likes best, the rest stays. Then `xᵀ K x` is the pivot `D`.
     pub fn negative_direction(&mut self, model: &Model, breakdown: Breakdown, x: &mut [f64]) {
@@ -253,6 +288,9 @@ impl Tangent {
         let (place, mut z) = (self.plan[root], Varied::default());
         let first = place.velocity as usize;
         match breakdown.axis {
+            None if place.kind == Kind::Flex => {
+                z = self.rods[place.ball as usize].negative_direction(&mut x[first..]);
+            }
             None => {
                 x[first] = 1.0;
                 z = self.left[root].h;
@@ -266,8 +304,10 @@ impl Tangent {
         self.z[root] = z;
         for index in outboard.clone() {
             self.left[index].u = 0.0;
-            if self.plan[index].kind == Kind::Ball {
-                self.balls[self.plan[index].ball as usize].u = Quad::default();
+            match self.plan[index].kind {
+                Kind::Ball => self.balls[self.plan[index].ball as usize].u = Quad::default(),
+                Kind::Flex => self.rods[self.plan[index].ball as usize].u.fill(0.0),
+                _ => {}
             }
         }
         with_parts!(self.parts, self.outward(outboard, x));
@@ -324,6 +364,7 @@ impl Tangent {
                     let step = ball.inverse.times(&ball.u.vector()).vector();
                     (force, moment) = (ball.w.force.times_add(&step, force), ball.w.moment.times_add(&step, moment));
                 }
+                Kind::Flex => (force, moment) = self.rods[place.ball as usize].load(&x[first..], (force, moment)),
             }
             moment = Quad::of(&left.arm).cross_add(force, moment);
             if let To::Join(join) = place.to {
@@ -340,7 +381,8 @@ impl Tangent {
             let (place, left) = (&self.plan[index], &self.left[index]);
             let parent = place.parent as usize;
             // Along a chain the parent's state is still in registers.
-            let mut z = left.carry::<PARTS>(if parent + 1 == index { &before } else { &self.z[parent] });
+            let inboard = if parent + 1 == index { &before } else { &self.z[parent] };
+            let mut z = left.carry::<PARTS>(inboard);
             let first = place.velocity as usize;
             match place.kind {
                 Kind::None => {}
@@ -355,6 +397,7 @@ impl Tangent {
                     x[first..first + 3].copy_from_slice(ball.turn.tr_mul(&phi.vector()).as_slice());
                     ball.turn_by(&mut z, phi);
                 }
+                Kind::Flex => self.rods[place.ball as usize].solve::<PARTS>(inboard, &mut x[first..], &mut z),
             }
             if PARTS & PLACES != 0 || place.join.is_some() {
                 self.z[index] = z;

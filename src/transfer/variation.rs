@@ -10,8 +10,9 @@
 //! ```
 
 use super::balance::Balance;
+use crate::element::{Rod, RodPoint, joined, row};
 use crate::model::{Joint, Link, Model};
-use crate::motion::variation::{Direction, LinkAcceleration, LinkVariation, outward};
+use crate::motion::variation::{Direction, LinkAcceleration, LinkVariation, outward, rod_direction};
 use crate::motion::{LinkMotion, Motion};
 use crate::pages::Pages;
 use crate::spatial::Wrench;
@@ -27,16 +28,20 @@ pub struct Variation {
     wrenches: Pages<Wrench>,
     /// Variations of the applied wrenches: filled in by whoever knows the forces, between the two sweeps.
     pub applied: Pages<Wrench>,
+    /// Variations of the stations of one flexible element.
+    stations: Vec<LinkVariation>,
 }
 
 impl Variation {
     /// Room for a model's links.
     pub fn new(model: &Model) -> Self {
         let n = model.links.len();
+        let stations = model.rods.iter().map(|rod| rod.steps() + 1).max().unwrap_or(0);
         Self {
             links: Pages::filled(LinkVariation::default(), n),
             wrenches: Pages::filled(Wrench::ZERO, n),
             applied: Pages::filled(Wrench::ZERO, n),
+            stations: vec![LinkVariation::default(); stations],
         }
     }
 
@@ -124,12 +129,18 @@ impl Variation {
         out: &mut [f64],
     ) {
         let (link, at, f) = (&model.links[index], &motion.links[index], &balance.reactions[index]);
+        if let Joint::Flex { rod, .. } = link.joint {
+            let passed = self.pass_through(model, motion, balance, by, (index, rod), out);
+            self.wrenches[link.parent] += passed;
+            return;
+        }
         let (delta, first) = (self.wrenches[index], link.velocity);
         let axis_by = self.links[link.parent].turn.cross(&at.axis);
         let about = || at.axis.dot(&delta.moment) + axis_by.dot(&f.moment);
         let along = || at.axis.dot(&delta.force) + axis_by.dot(&f.force);
         match link.joint {
-            Joint::None => {}
+            // Of flexible elements see `pass_through`.
+            Joint::None | Joint::Flex { .. } => {}
             Joint::Turn => out[first] = about(),
             Joint::Slide { .. } => out[first] = along(),
             Joint::Screw { pitch } => out[first] = about() + pitch * along(),
@@ -149,6 +160,57 @@ impl Variation {
         self.wrenches[link.parent] += passed;
     }
 
+    /// The rows of a flexible element, and what its parent link gets: `δ(Zᵀ f) = Zᵀ δ'f + Γ δq` at every station, with
+    /// `δ'f = δf − δθ × f` in axes that turn with it.
+    #[inline(never)]
+    fn pass_through(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        balance: &Balance,
+        by: &Direction<'_>,
+        (index, rod): (usize, usize),
+        out: &mut [f64],
+    ) -> Wrench {
+        let link = &model.links[index];
+        let (given, at, felt) = (&model.rods[rod], &motion.rods[rod], &balance.rods[rod]);
+        let second = &felt.second[..];
+        let stations = &mut self.stations;
+        let point =
+            RodPoint { parent: &motion.links[link.parent], acceleration: &balance.accelerations[link.parent], second };
+        let direction = rod_direction(link, by);
+        at.vary(given, &point, &direction, &self.links[link.parent], |k, varied| stations[k] = *varied);
+        let rows = &mut out[link.velocity..link.velocity + given.count()];
+        rows.fill(0.0);
+        let (last, mut delta) = (given.steps(), self.wrenches[index]);
+        for k in (1..=last).rev() {
+            let (station, varied, f) = (&at.stations[k].link, &self.stations[k], &felt.forces[k]);
+            if k < last {
+                delta += vary_slice(given, k, station, &felt.accelerations[k], varied);
+            }
+            let turned = Wrench {
+                force: delta.force - varied.turn.cross(&f.force),
+                moment: delta.moment - varied.turn.cross(&f.moment),
+            };
+            let local = at.local(given, k, second);
+            let own = station.turn.transpose();
+            let (force, moment) = (own * f.force, own * f.moment);
+            let gradient = local.gradient(&joined(&force, &moment));
+            for (i, out) in rows.iter_mut().enumerate() {
+                *out += row(&at.subspace(k)[i], &turned);
+                for (j, step) in direction.position.iter().enumerate().filter(|(_, step)| **step != 0.0) {
+                    *out += local.curvature(&gradient, i, j) * step;
+                }
+            }
+            delta = delta.shifted(station.arm);
+            delta.moment += (varied.position - self.stations[k - 1].position).cross(&f.force);
+        }
+        let arm = self.stations[0].position - self.links[link.parent].position;
+        let mut passed = delta.shifted(at.stations[0].link.arm);
+        passed.moment += arm.cross(&felt.forces[0].force);
+        passed
+    }
+
     /// δd.
     #[inline]
     fn arm(&self, link: &Link, at: &LinkMotion, by: &Direction<'_>) -> Vector3<f64> {
@@ -163,6 +225,21 @@ impl Variation {
             None => turned,
         }
     }
+}
+
+/// A slice inside a flexible element: as a body with its centre of mass at the station, less its load.
+fn vary_slice(rod: &Rod, k: usize, at: &LinkMotion, a: &LinkAcceleration, by: &LinkVariation) -> Wrench {
+    let (slice, w, dw) = (&rod.slices[k], at.angular_velocity, by.angular_velocity);
+    let inertia_varied = |y: Vector3<f64>| by.turn.cross(&(at.inertia * y)) - at.inertia * by.turn.cross(&y);
+    let mut force = slice.mass * by.acceleration;
+    if rod.follows {
+        force -= by.turn.cross(&rod.load_at(k, &at.turn));
+    }
+    let moment = inertia_varied(a.angular)
+        + at.inertia * by.angular_acceleration
+        + dw.cross(&(at.inertia * w))
+        + w.cross(&(inertia_varied(w) + at.inertia * dw));
+    Wrench { force, moment }
 }
 
 #[inline]

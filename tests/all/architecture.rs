@@ -20,13 +20,14 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("formula", &["quantity", "suggest"]),
     ("force", &["spatial"]),
     ("hinge", &[]),
+    ("element", &["spatial"]),
     // `budget` for the largest number.
-    ("model", &["budget", "force", "formula", "hinge", "pages", "spatial", "suggest"]),
-    ("motion", &["model", "pages", "spatial"]),
-    ("transfer", &["model", "motion", "pages", "spatial"]),
+    ("model", &["budget", "element", "force", "formula", "hinge", "pages", "spatial", "suggest"]),
+    ("motion", &["element", "model", "pages", "spatial"]),
+    ("transfer", &["element", "model", "motion", "pages", "spatial"]),
     ("contact", &[]),
     ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
-    ("dynamics", &["model", "motion", "force", "transfer", "constraint", "spatial"]),
+    ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "spatial"]),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
@@ -83,6 +84,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     (
         "cli",
         &[
+            // `element` for the mass of beams.
+            "element",
             "contact",
             "foreign",
             "whole_file",

@@ -105,8 +105,8 @@ fn answer(model: &Arc<Model>, found: &StateSpace, x: &[f64]) -> Answer {
             // What the independent coordinates have moved by, taken back along the closed positions.
             let mut back = vec![0.0; model.velocity_count()];
             for link in model.links.iter().filter(|link| is_given(link)) {
-                let apart = stillpoint::motion::relative(link, &q, &wanted);
-                (0..link.joint.counts().1).for_each(|i| back[link.velocity + i] = apart[i]);
+                let own = link.velocity..link.velocity + link.joint.counts().1;
+                stillpoint::motion::relative(link, &q, &wanted, &mut back[own]);
             }
             follow(&mut system, &q, &independent, &mut back);
             System::displace(model, &mut q, &back);

@@ -6,6 +6,7 @@
 mod accelerations;
 mod addresses;
 mod architecture;
+mod beams;
 mod building;
 mod cli;
 mod closed_forms;

@@ -5,6 +5,7 @@
 //! balls:             τ = −G(φ)ᵀ K φ − c ω + τ₀,   φ = log(rest⁻¹ ∘ p), link axes   (crate::spatial::rotation)
 //! ```
 
+use crate::element::Rod;
 use crate::model::{Coordinate, Link, Model};
 use crate::motion::unit_quaternion;
 use crate::spatial::rotation::{rotation_vector, torsion_spring};
@@ -17,6 +18,13 @@ pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
         *tau = coordinate.force - coordinate.damping * v;
         springs |= coordinate.stiffness != 0.0;
     }
+    rods(model, |link, rod| {
+        let (position, velocity) = (&q[link.position..], &v[link.velocity..]);
+        for i in 0..rod.count() {
+            let damped = if rod.damping == 0.0 { 0.0 } else { rod.damping * rod.elastic(i, velocity) };
+            tau[link.velocity + i] -= rod.elastic(i, position) + damped;
+        }
+    });
     if !springs {
         return;
     }
@@ -36,6 +44,13 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
     for (at, coordinate) in model.coordinates.iter().enumerate() {
         out[at] = if dv.is_empty() { 0.0 } else { -coordinate.damping * dv[at] };
     }
+    rods(model, |link, rod| {
+        let part = |list: &[f64], i: usize| list.get(link.velocity..).map_or(0.0, |own| rod.elastic(i, own));
+        for i in 0..rod.count() {
+            let damped = if rod.damping == 0.0 || dv.is_empty() { 0.0 } else { rod.damping * part(dv, i) };
+            out[link.velocity + i] -= damped + if dq.is_empty() { 0.0 } else { part(dq, i) };
+        }
+    });
     if dq.is_empty() {
         return;
     }
@@ -72,6 +87,10 @@ pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
             None => 0.5 * coordinates[0].stiffness * (q[link.position] - coordinates[0].rest).powi(2),
         };
     });
+    rods(model, |link, rod| {
+        let own = &q[link.position..link.position + rod.count()];
+        sum += own.iter().enumerate().map(|(i, x)| 0.5 * x * rod.elastic(i, own)).sum::<f64>();
+    });
     for link in &model.links {
         if link.joint.is_scalar() {
             sum -= model.coordinates[link.velocity].force * q[link.position];
@@ -81,7 +100,12 @@ pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
 }
 
 pub(super) fn dissipated(model: &Model, v: &[f64]) -> f64 {
-    model.coordinates.iter().zip(v).map(|(coordinate, v)| coordinate.damping * v * v).sum()
+    let mut sum = model.coordinates.iter().zip(v).map(|(coordinate, v)| coordinate.damping * v * v).sum::<f64>();
+    rods(model, |link, rod| {
+        let own = &v[link.velocity..link.velocity + rod.count()];
+        sum += rod.damping * own.iter().enumerate().map(|(i, x)| x * rod.elastic(i, own)).sum::<f64>();
+    });
+    sum
 }
 
 /// Motors about balls have no potential.
@@ -90,6 +114,18 @@ pub(super) fn input(model: &Model, v: &[f64]) -> f64 {
     let of_ball =
         |link: &Link| (0..3).map(|i| link.velocity + i).map(|i| model.coordinates[i].force * v[i]).sum::<f64>();
     model.links.iter().filter(ball).map(of_ball).sum()
+}
+
+/// The flexible elements with their links, if there are any.
+fn rods(model: &Model, mut each: impl FnMut(&Link, &Rod)) {
+    if model.rods.is_empty() {
+        return;
+    }
+    for link in &model.links {
+        if let Some(rod) = link.joint.rod() {
+            each(link, &model.rods[rod]);
+        }
+    }
 }
 
 fn for_springs(model: &Model, mut each: impl FnMut(&Link, &[Coordinate])) {

@@ -10,11 +10,13 @@ pub mod motor;
 
 pub use laws::{Boundary, Laws};
 
+use crate::element::{Rod, RodMotion, Slice, Station};
 use crate::force::{Act, Force};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
+use nalgebra::Vector3;
 
 /// The wrenches of all force elements on the links at their root markers; `wrenches` has one entry per link.
 pub fn apply(laws: &Laws, motion: &Motion, wrenches: &mut [Wrench]) {
@@ -62,7 +64,28 @@ pub fn potential(model: &Model, laws: &Laws, motion: &Motion, q: &[f64]) -> f64 
         .map(|(link, at)| -link.mass * model.gravity.dot(&(at.position + at.center)))
         .sum();
     let elements: f64 = laws.forces.iter().map(|force| force.law.potential(&motion.links)).sum();
-    weight + elements + hinge::potential(model, q) + curve::potential(&laws.curves, q)
+    let rods: f64 = model.rods.iter().zip(&motion.rods).map(|(rod, at)| of_rod(rod, at, &model.gravity)).sum();
+    weight + rods + elements + hinge::potential(model, q) + curve::potential(&laws.curves, q)
+}
+
+/// Of the weight and of dead loads on the slices inside a flexible element (J).
+fn of_rod(rod: &Rod, at: &RodMotion, gravity: &Vector3<f64>) -> f64 {
+    let slices = rod.slices.iter().zip(&at.stations).enumerate().skip(1).take(rod.steps() - 1);
+    let of = |(k, (slice, station)): (usize, (&Slice, &Station))| {
+        let load = if rod.follows { Vector3::zeros() } else { rod.load_at(k, &station.link.turn) };
+        -(slice.mass * gravity + load).dot(&station.link.position)
+    };
+    slices.map(of).sum()
+}
+
+/// Power put in by loads that follow the sections of flexible elements (W).
+fn input_to_rods(model: &Model, motion: &Motion) -> f64 {
+    let following = model.rods.iter().zip(&motion.rods).filter(|(rod, _)| rod.follows);
+    let of = |(rod, at): (&Rod, &RodMotion)| {
+        let load = |k: usize| rod.load_at(k, &at.stations[k].link.turn).dot(&at.stations[k].link.velocity);
+        (1..rod.steps()).map(load).sum::<f64>()
+    };
+    following.map(of).sum()
 }
 
 /// Power taken out by dampers (W), ≥ 0.
@@ -76,6 +99,7 @@ pub fn dissipated(model: &Model, laws: &Laws, motion: &Motion, v: &[f64]) -> f64
 pub fn input(model: &Model, laws: &Laws, motion: &Motion, time: f64, q: &[f64], v: &[f64]) -> f64 {
     laws.forces.iter().map(|force| force.law.input(&motion.links)).sum::<f64>()
         + hinge::input(model, v)
+        + input_to_rods(model, motion)
         + curve::powers(&laws.curves, v)[1]
         + motor::input(model, time, q, v)
 }

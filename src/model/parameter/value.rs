@@ -1,11 +1,20 @@
 //! Reading and setting the number that an address stands for.
 
+use super::super::beam::{BeamDescription, BeamShape};
 use super::super::couplings::{Closure, MotionDescription};
 use super::super::description::Description;
 use super::super::motor::MotorLawDescription;
 use super::super::problem::Element;
 use super::{Field, Parameter, named};
 use crate::force::Describe;
+
+fn beam(beam: &BeamDescription, field: Field) -> f64 {
+    match (field, &beam.shape, &beam.material) {
+        (Field::Length, BeamShape::Straight { length }, _) => *length,
+        (Field::Young, _, Some(material)) => material.young,
+        _ => f64::NAN,
+    }
+}
 
 impl Parameter {
     /// Its value.
@@ -44,6 +53,7 @@ impl Parameter {
                 _ => f64::NAN,
             },
             Element::Gear(_) => f64::NAN,
+            Element::Beam(index) => beam(&description.beams[index], self.field),
         }
     }
 
@@ -106,6 +116,14 @@ impl Parameter {
                 _ => {}
             },
             Element::Gear(_) => {}
+            Element::Beam(index) => {
+                let beam = &mut description.beams[index];
+                match (self.field, &mut beam.shape, &mut beam.material) {
+                    (Field::Length, BeamShape::Straight { length }, _) => *length = value,
+                    (Field::Young, _, Some(material)) => material.young = value,
+                    _ => {}
+                }
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The scenario format, declared: every table, key, unit, range, default and sentence, said once.
 
+mod beam;
 mod body;
 mod contact;
 mod couplings;
@@ -12,6 +13,7 @@ mod output;
 mod settings;
 mod start;
 
+pub use beam::{BEAM, BEAM_CURVE, LINE_LOAD, MATERIAL, SECTION};
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use contact::{CONTACT, FRICTION};
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
@@ -65,7 +67,15 @@ pub const SCENARIO: Table = Table {
         Key::new(
             "body",
             Kind::List(&Kind::Table(&BODY), &[]),
-            "The bodies, in any order; without a `model` at least one.",
+            "The bodies, in any order; without a `model` or a `beam` at least one.",
+        ),
+        Key::new("beam", Kind::List(&Kind::Table(&BEAM), &[]), "Flexible beams, in any order."),
+        Key::new(
+            "cable",
+            Kind::Refused(
+                "cables are not there yet: a `[[beam]]` with `free = [\"bend\", \"stretch\"]` hangs from one end, a `[[force]]` of type rope is a cable without weight",
+            ),
+            "Cables.",
         ),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings, ropes, curves and loads."),
         Key::new("contact", Kind::List(&Kind::Table(&CONTACT), &[]), "What cannot pass through what."),

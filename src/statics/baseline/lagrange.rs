@@ -74,6 +74,9 @@ pub(in crate::statics) fn run(
     place: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Outcome, Fault> {
+    if !landscape.model().rods.is_empty() {
+        return Err(Fault::Flexible { method: "lagrange" });
+    }
     let mut search = Search::new(landscape, &place);
     let mut stage = "newton";
     let mut found = None;

@@ -463,7 +463,7 @@ pub(in crate::statics) fn apart(model: &Model, from: &[f64], to: &[f64]) -> Vec<
     let mut all = vec![0.0; model.velocity_count()];
     for link in &model.links {
         let (first, count) = (link.velocity, link.joint.counts().1);
-        all[first..first + count].copy_from_slice(&crate::motion::relative(link, from, to).as_slice()[..count]);
+        crate::motion::relative(link, from, to, &mut all[first..first + count]);
     }
     all
 }

@@ -145,9 +145,11 @@ fn column(
         while at != 0 {
             let (link, moving) = (&model.links[at], &motion.links[at]);
             let wrench = Wrench { force, moment: (point - moving.position).cross(&force) };
-            project(link, moving, &wrench, |velocity, value| match column.iter_mut().find(|(i, _)| *i == velocity) {
-                Some((_, sum)) => *sum += value,
-                None => column.push((velocity, value)),
+            project(motion, link, at, &wrench, |velocity, value| {
+                match column.iter_mut().find(|(i, _)| *i == velocity) {
+                    Some((_, sum)) => *sum += value,
+                    None => column.push((velocity, value)),
+                }
             });
             at = link.parent;
         }

@@ -7,6 +7,7 @@ use crate::model::Model;
 use crate::motion::Motion;
 use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
 use crate::transfer::element::moment_in_link_axes;
+use crate::transfer::flexible::{RodPivot, accelerate};
 use crate::transfer::plan::{Kind, Place, To};
 use crate::transfer::{LinkAcceleration, inboard};
 use nalgebra::Vector3;
@@ -34,6 +35,8 @@ pub(super) struct Part<'a> {
     pub(super) first: First,
     pub(super) hinges: &'a mut [One],
     pub(super) balls: &'a mut [Ball],
+    /// Models with halves have none.
+    pub(super) rods: &'a mut [RodPivot],
     pub(super) joins: &'a mut [Carried],
 }
 
@@ -65,8 +68,8 @@ impl<'a> Part<'a> {
         let (hinges, more_hinges) = self.hinges.split_at_mut(at.link - self.first.link);
         let (balls, more_balls) = self.balls.split_at_mut(at.ball - self.first.ball);
         let (joins, more_joins) = self.joins.split_at_mut(at.join - self.first.join);
-        let before = Part { first: self.first, hinges, balls, joins };
-        (before, Part { first: at, hinges: more_hinges, balls: more_balls, joins: more_joins })
+        let before = Part { first: self.first, hinges, balls, rods: self.rods, joins };
+        (before, Part { first: at, hinges: more_hinges, balls: more_balls, rods: &mut [], joins: more_joins })
     }
 
     /// Tips → root: eqs. (5) to (7). `S` and `e` go from link to link in registers, `carried` into the last; only where
@@ -80,7 +83,7 @@ impl<'a> Part<'a> {
         mut carried: Carried,
     ) -> Result<Passed, Singular> {
         let Scene { model, motion, plan } = *scene;
-        let (first, joins, balls) = (self.first, &mut *self.joins, &mut *self.balls);
+        let (first, joins, balls, rods) = (self.first, &mut *self.joins, &mut *self.balls, &mut *self.rods);
         let hinges = &mut self.hinges[range.start - first.link..range.end - first.link];
         let (mut others, mut lost) = (Carried::default(), Lost::None);
         let mut meet = |to: To, joins: &mut [Carried], carried: &Carried| {
@@ -146,20 +149,35 @@ impl<'a> Part<'a> {
                         ball::eliminate(model, (link, at), &here.matrix(), (pivot, place.least), &mut lost)
                             .map_err(failed)?;
                     *ball = eliminated;
-                    let tau = three(load.tau, velocity);
                     let applied = applied.map_or(Vector3::zeros(), |wrench| wrench.moment);
                     let own = || moment_in_link_axes(link, &model.gravity, at) - at.turn.tr_mul(&applied);
-                    let passed = ball.load(at, &tau, &here.vector(), own);
+                    let passed = ball.load(at, &three(load.tau, velocity), &here.vector(), own);
                     if to_ground {
                         continue;
                     }
                     Carried::of(&across, &passed).shifted(at)
                 }
+                Kind::Flex => flexible(scene, place, load.tau, &here, rods).map_err(failed)?,
             };
             meet(place.to, joins, &carried);
         }
         Ok(Passed { first: carried, others, lost })
     }
+}
+
+/// Eqs. (5) to (7) across a flexible element; on failure the pivot.
+fn flexible(
+    scene: &Scene<'_>,
+    place: &Place,
+    tau: &[f64],
+    here: &Carried,
+    rods: &mut [RodPivot],
+) -> Result<Carried, f64> {
+    let rod = place.ball as usize;
+    let given = (&scene.model.rods[rod], &scene.motion.rods[rod]);
+    let (tau, tip) = (&tau[place.velocity as usize..], (here.matrix(), here.vector()));
+    let (S, e) = rods[rod].eliminate(given, &scene.model.gravity, tau, tip)?;
+    Ok(Carried::of(&S, &e))
 }
 
 /// What the sweep to the root left, and where that to the tips writes: `a` begins with link `base`, `hinge` with velocity
@@ -168,6 +186,7 @@ impl<'a> Part<'a> {
 pub(super) struct Outward<'a> {
     pub(super) hinges: &'a [One],
     pub(super) balls: &'a [Ball],
+    pub(super) rods: &'a [RodPivot],
     pub(super) base: usize,
     pub(super) outside: LinkAcceleration,
     pub(super) a: &'a mut [LinkAcceleration],
@@ -180,7 +199,7 @@ impl Outward<'_> {
     #[inline(always)]
     pub(super) fn sweep<const BIAS: bool>(self, scene: &Scene<'_>, range: Range<usize>) {
         let Scene { model, motion, plan } = *scene;
-        let Self { hinges, balls, base, outside, a: found, velocity, hinge } = self;
+        let Self { hinges, balls, rods, base, outside, a: found, velocity, hinge } = self;
         let mut before = outside;
         let links = plan[range.clone()].iter().zip(&motion.links[range.clone()]).zip(&hinges[range.clone()]);
         for (((place, at), left), index) in links.zip(range) {
@@ -212,6 +231,12 @@ impl Outward<'_> {
                     let relative = balls[place.ball as usize].solve(at, &a);
                     hinge[first..first + 3].copy_from_slice(relative.as_slice());
                     a.angular = times_add(&at.turn, &relative, &a.angular);
+                }
+                Kind::Flex => {
+                    let rod = place.ball as usize;
+                    let second = &mut hinge[first..first + motion.rods[rod].tip.len()];
+                    rods[rod].solve(&parent, second);
+                    accelerate(&motion.rods[rod], second, &mut a);
                 }
             }
             found[index - base] = a;

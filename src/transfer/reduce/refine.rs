@@ -19,6 +19,7 @@ use crate::model::{Body, Joint, Model};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::{Sym3, Wrench};
 use crate::transfer::element::gyroscopic;
+use crate::transfer::flexible::RodBalance;
 use crate::transfer::{LinkAcceleration, accelerate, along, inboard};
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -42,6 +43,8 @@ pub(super) struct Refinement {
     /// Hinge forces that are left over, and what they accelerate; one per velocity.
     left: Vec<f64>,
     step: Vec<f64>,
+    /// Of flexible elements.
+    rods: Vec<RodBalance>,
 }
 
 /// A named body on its link: several may be welded to one.
@@ -59,7 +62,8 @@ impl Refinement {
         let mut bodies: Vec<usize> = (0..model.bodies.len()).filter(|body| model.bodies[*body].link != 0).collect();
         bodies.sort_by_key(|body| model.bodies[*body].link);
         let count = model.velocity_count();
-        Self { bodies, left: vec![0.0; count], step: vec![0.0; count] }
+        let rods = model.rods.iter().map(RodBalance::new).collect();
+        Self { bodies, left: vec![0.0; count], step: vec![0.0; count], rods }
     }
 }
 
@@ -116,6 +120,7 @@ impl Reduction {
             resisted += match link.joint {
                 Joint::None => 0.0,
                 Joint::Ball { .. } => self.balls[self.plan[index].ball as usize].resisted(),
+                Joint::Flex { rod, .. } => self.rods[rod].resisted(),
                 _ => self.hinges[index].u.powi(2) * self.hinges[index].inverse,
             };
             seen += link.inertia.trace() * self.a[index].angular.norm_squared();
@@ -127,7 +132,7 @@ impl Reduction {
     fn follow(&mut self, model: &Model, motion: &Motion, hinge: &[f64]) {
         for (index, (link, at)) in model.links.iter().zip(&motion.links).enumerate().skip(1) {
             let mut a = inboard(at, &self.a[link.parent], true);
-            accelerate(link, at, hinge, &mut a);
+            accelerate(link, at, &motion.rods, hinge, &mut a);
             self.a[index] = a;
         }
     }
@@ -147,7 +152,7 @@ impl Reduction {
             true => e.fill(Wrench::ZERO),
             false => e.iter_mut().zip(load.applied).for_each(|(e, applied)| *e = Wrench::ZERO - *applied),
         }
-        let Refinement { bodies, left, .. } = refinement;
+        let Refinement { bodies, left, rods, .. } = refinement;
         let mut bodies = bodies.iter().rev().peekable();
         for index in (1..model.links.len()).rev() {
             let (link, at) = (&model.links[index], &motion.links[index]);
@@ -155,7 +160,7 @@ impl Reduction {
             while let Some(body) = bodies.next_if(|body| model.bodies[**body].link == index) {
                 own += Rigid::of(&model.bodies[*body]).needs(&model.gravity, at, &a[index]);
             }
-            let passed = e[index];
+            let mut passed = e[index];
             let (to, tau) = (link.velocity, load.tau);
             let rotor = |i: usize| tau[i] - model.coordinates[i].armature * hinge[i];
             match link.joint {
@@ -173,6 +178,17 @@ impl Reduction {
                     let moment = at.turn.tr_mul(&passed.moment) + own.moment;
                     (0..3).for_each(|i| left[to + i] = rotor(to + i) - moment[i]);
                 }
+                Joint::Flex { .. } => {}
+            }
+            if let Joint::Flex { rod, count } = link.joint {
+                let range = to..to + count;
+                let (given, second) = ((&model.rods[rod], &motion.rods[rod]), &hinge[range.clone()]);
+                let tip = passed + Wrench { force: own.force, moment: at.turn * own.moment };
+                let rows = &mut left[range.clone()];
+                passed = rods[rod].inward(given, &model.gravity, &a[link.parent], second, &tip, rows);
+                rows.iter_mut().zip(range).for_each(|(row, i)| *row = rotor(i) - *row);
+                e[link.parent] += passed;
+                continue;
             }
             let whole = passed + Wrench { force: own.force, moment: at.turn * own.moment };
             e[link.parent] += whole.shifted(at.arm);

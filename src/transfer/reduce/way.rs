@@ -33,7 +33,8 @@ impl Reduction {
     ) -> (Vector3<f64>, Vector3<f64>) {
         let (link, at) = (&model.links[index], &motion.links[index]);
         match link.joint {
-            Joint::None => (Vector3::zeros(), Vector3::zeros()),
+            // Models with flexible elements pass loads by [`Reduction::solve`].
+            Joint::None | Joint::Flex { .. } => (Vector3::zeros(), Vector3::zeros()),
             Joint::Ball { .. } => {
                 let (u, step, passed) = self.balls[self.plan[index].ball as usize].pass(at, e);
                 *e = passed;

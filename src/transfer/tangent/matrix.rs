@@ -192,7 +192,8 @@ impl TangentMatrix {
             self.left[index].swing = around.swing(own, way);
             let first = place.velocity as usize;
             match place.kind {
-                Kind::None => {}
+                // No scene with flexible elements gets here (`TangentSolver::is_sparse`).
+                Kind::None | Kind::Flex => {}
                 Kind::Turn | Kind::Slide | Kind::Screw => {
                     let n = Quad::of(&own.axis);
                     self.axes[first] = Axis { n, way, h: around.one::<PARTS>(n, way) };

@@ -215,6 +215,12 @@ impl Carried {
         }
     }
 
+    /// The same of a slice with its centre of mass at the marker.
+    pub(super) fn add_slice<const PARTS: u8>(&mut self, mass: f64, at: &LinkMotion, b: Quad) {
+        let link = Link { mass, ..Link::ground() };
+        self.add_body::<PARTS>(&link, at, b);
+    }
+
     /// Takes off what force elements add to a link, on which they push with `wrench`.
     pub(super) fn take_applied<const PARTS: u8>(&mut self, applied: &Applied) {
         self.take::<PARTS>(&Self::of(applied));

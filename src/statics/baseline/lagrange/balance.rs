@@ -94,7 +94,9 @@ pub(super) fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
             let n = parent.turn * (link.turn * axis);
             Gradient { force: n, on_link: zero, on_parent: n.cross(&(own.position - parent.position)) }
         }
-        Joint::None | Joint::Ball { .. } => Gradient { force: zero, on_link: zero, on_parent: zero },
+        Joint::None | Joint::Ball { .. } | Joint::Flex { .. } => {
+            Gradient { force: zero, on_link: zero, on_parent: zero }
+        }
     }
 }
 
@@ -167,7 +169,7 @@ fn hinge(
         own || motor || pushed[link.velocity + i]
     };
     match link.joint {
-        Joint::None => {}
+        Joint::None | Joint::Flex { .. } => {}
         Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } if !active(0) => {}
         Joint::Turn | Joint::Screw { .. } => {
             let gradient = coordinate(poses, index, link);

@@ -116,7 +116,8 @@ fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
     let (_, count) = link.joint.counts();
     let locked = model.coordinates[link.velocity..link.velocity + count].iter().any(|c| c.lock);
     match link.joint {
-        Joint::None => welded(point, link.turn),
+        // Scenes with flexible elements are refused before.
+        Joint::None | Joint::Flex { .. } => welded(point, link.turn),
         Joint::Turn | Joint::Screw { .. } if locked => {
             let (z, angle) = (Vector3::z_axis(), q[link.position]);
             let slid = link.joint.pitch() * angle * (link.turn * z.into_inner());

@@ -1,0 +1,68 @@
+//! What beams bear, as text and as JSON.
+
+use crate::dynamics::{BeamState, Fault, SectionForces, System};
+use crate::model::Model;
+use crate::model::problem::number;
+use crate::statics::Equilibrium;
+use serde_json::{Map, Value, json};
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+/// The beams at a state, in balance with accelerations; at rest if there are none.
+pub(super) fn states(model: &Arc<Model>, q: &[f64], v: &[f64], at_rest: bool) -> Result<Vec<BeamState>, Fault> {
+    if model.beams.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut system = System::new(model);
+    let (mut a, mut residual) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+    let mut at = system.at(0.0, q, v);
+    if !at_rest {
+        at.accelerations(&mut a)?;
+    }
+    Ok(at.residual(&a, &mut residual)?.beams())
+}
+
+/// By their names.
+pub(super) fn json(beams: &[BeamState]) -> Value {
+    let section = |one: &SectionForces| {
+        let f = &one.forces;
+        json!({ "s": one.s, "n": f[0], "qy": f[1], "qz": f[2], "t": f[3], "my": f[4], "mz": f[5] })
+    };
+    let beam = |beam: &BeamState| {
+        let (p, q) = (beam.tip.translation.vector, beam.tip.rotation);
+        let value = json!({
+            "tip": { "position": [p.x, p.y, p.z], "quaternion": [q.w, q.i, q.j, q.k] },
+            "sections": beam.sections.iter().map(section).collect::<Vec<_>>(),
+            "discretization_error": beam.discretization_error,
+            "strains": beam.strains,
+        });
+        (beam.name.clone(), value)
+    };
+    Value::Object(beams.iter().map(beam).collect::<Map<_, _>>())
+}
+
+/// The beams of an equilibrium as text; empty without beams.
+pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<String, Fault> {
+    states(model, &found.position, &found.velocity, true).map(|beams| text(&beams))
+}
+
+/// Tip, largest moment and where, and the discretization error.
+fn text(beams: &[BeamState]) -> String {
+    let mut out = String::new();
+    for beam in beams {
+        let p = beam.tip.translation.vector;
+        let moment = |section: &SectionForces| section.forces.fixed_rows::<3>(3).norm();
+        let largest = beam.sections.iter().max_by(|a, b| moment(a).total_cmp(&moment(b)));
+        let _ = writeln!(out, "  beam `{}`", beam.name);
+        let _ = writeln!(out, "    tip        {} {} {} m", number(p.x), number(p.y), number(p.z));
+        if let Some(section) = largest {
+            let _ = writeln!(out, "    moment     {} N m at s = {} m", number(moment(section)), number(section.s));
+        }
+        let _ = writeln!(
+            out,
+            "    error      {} of the section forces (discretization)",
+            number(beam.discretization_error)
+        );
+    }
+    out
+}

@@ -1,0 +1,161 @@
+//! The pivot of a flexible element, m×m with m ≤ 18: factorized in place, no memory asked for.
+
+use nalgebra::DMatrix;
+
+/// A square matrix by rows, then its factors.
+#[derive(Debug, Clone, Default)]
+pub struct Pivot {
+    entries: Vec<f64>,
+    /// Of a symmetric one `1/√Dᵢᵢ`; of a general one the order of its rows.
+    scale: Vec<f64>,
+    order: Vec<usize>,
+    x: Vec<f64>,
+}
+
+/// A pivot below this part of its diagonal entry is round-off: it is the difference of numbers of that size.
+const SINGULAR: f64 = 16.0 * f64::EPSILON;
+
+impl Pivot {
+    /// Room for m×m numbers, all zero.
+    pub fn new(m: usize) -> Self {
+        Self { entries: vec![0.0; m * m], scale: vec![1.0; m], order: (0..m).collect(), x: vec![0.0; m] }
+    }
+
+    /// Number of rows.
+    pub fn size(&self) -> usize {
+        self.order.len()
+    }
+
+    /// All entries zero.
+    pub fn clear(&mut self) {
+        self.entries.fill(0.0);
+    }
+
+    /// One entry.
+    pub fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
+        let m = self.order.len();
+        &mut self.entries[row * m + column]
+    }
+
+    /// Cholesky factors after scaling by the diagonal, of which the lower triangle is read.
+    ///
+    /// # Errors
+    /// The smallest pivot, if one is not positive beyond round-off.
+    pub fn factorize_definite(&mut self) -> Result<(), f64> {
+        let m = self.size();
+        for i in 0..m {
+            let diagonal = self.entries[i * m + i];
+            if !(diagonal > 0.0 && diagonal.is_finite()) {
+                return Err(diagonal);
+            }
+            self.scale[i] = 1.0 / diagonal.sqrt();
+        }
+        for j in 0..m {
+            for i in j..m {
+                let mut sum = self.entries[i * m + j] * self.scale[i] * self.scale[j];
+                for k in 0..j {
+                    sum -= self.entries[i * m + k] * self.entries[j * m + k];
+                }
+                if i == j {
+                    if !(sum > SINGULAR) {
+                        return Err(sum / (self.scale[j] * self.scale[j]));
+                    }
+                    self.entries[j * m + j] = sum.sqrt();
+                } else {
+                    self.entries[i * m + j] = sum / self.entries[j * m + j];
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `x ← L⁻¹ x` after [`Pivot::factorize_definite`], with `D = L Lᵀ`: of m numbers or of m wrenches.
+    pub(crate) fn forward<T>(&self, x: &mut [T], add: impl Fn(&mut T, f64, &T), scale: impl Fn(&mut T, f64)) {
+        let m = self.size();
+        for i in 0..m {
+            let (known, from_here) = x.split_at_mut(i);
+            scale(&mut from_here[0], self.scale[i]);
+            for (k, known) in known.iter().enumerate() {
+                add(&mut from_here[0], -self.entries[i * m + k], known);
+            }
+            scale(&mut from_here[0], 1.0 / self.entries[i * m + i]);
+        }
+    }
+
+    /// `x ← L⁻ᵀ x`.
+    pub(crate) fn backward(&self, x: &mut [f64]) {
+        let m = self.size();
+        for i in (0..m).rev() {
+            let known: f64 = (i + 1..m).map(|k| self.entries[k * m + i] * x[k]).sum();
+            x[i] = (x[i] - known) / self.entries[i * m + i];
+        }
+        x.iter_mut().zip(&self.scale).for_each(|(x, scale)| *x *= scale);
+    }
+
+    /// Negative eigenvalues of the symmetric part and, if there is one, the direction of the lowest. For a matrix that is
+    /// positive definite no memory is asked for.
+    pub fn inertia(&self, scratch: &mut Self) -> (usize, Option<Vec<f64>>) {
+        let m = self.size();
+        let part = |i: usize, j: usize| 0.5 * (self.entries[i * m + j] + self.entries[j * m + i]);
+        for i in 0..m {
+            for j in 0..=i {
+                scratch.entries[i * m + j] = part(i, j);
+            }
+        }
+        if scratch.factorize_definite().is_ok() {
+            return (0, None);
+        }
+        // The signs are those of the matrix scaled by its diagonal, whose eigenvalues are known to more digits.
+        let size: Vec<f64> = (0..m).map(|i| part(i, i).abs().max(f64::MIN_POSITIVE).sqrt()).collect();
+        let scaled = DMatrix::from_fn(m, m, |i, j| part(i, j) / size[i] / size[j]);
+        if !scaled.iter().all(|x| x.is_finite()) {
+            return (0, None);
+        }
+        let eigen = scaled.symmetric_eigen();
+        let negative = eigen.eigenvalues.iter().filter(|x| **x < 0.0).count();
+        let lowest = eigen.eigenvalues.imin();
+        let direction = (negative > 0).then(|| (0..m).map(|i| eigen.eigenvectors[(i, lowest)] / size[i]).collect());
+        (negative, direction)
+    }
+
+    /// Gaussian elimination with row pivoting; false if a pivot is zero or not finite.
+    pub fn factorize(&mut self) -> bool {
+        let m = self.size();
+        self.order.iter_mut().enumerate().for_each(|(i, row)| *row = i);
+        for k in 0..m {
+            let size = |i: &usize| self.entries[self.order[*i] * m + k].abs();
+            let Some(best) = (k..m).max_by(|i, j| size(i).total_cmp(&size(j))) else { return false };
+            self.order.swap(k, best);
+            let top = self.order[k] * m;
+            let pivot = self.entries[top + k];
+            if pivot == 0.0 || !pivot.is_finite() {
+                return false;
+            }
+            for i in k + 1..m {
+                let row = self.order[i] * m;
+                let factor = self.entries[row + k] / pivot;
+                self.entries[row + k] = factor;
+                for j in k + 1..m {
+                    self.entries[row + j] -= factor * self.entries[top + j];
+                }
+            }
+        }
+        true
+    }
+
+    /// `x ← D⁻¹ x` after [`Pivot::factorize`].
+    pub fn solve(&mut self, x: &mut [f64]) {
+        let m = self.size();
+        for i in 0..m {
+            let row = self.order[i] * m;
+            let known: f64 = (0..i).map(|k| self.entries[row + k] * self.x[k]).sum();
+            self.x[i] = x[self.order[i]] - known;
+        }
+        for i in (0..m).rev() {
+            let row = self.order[i] * m;
+            let known: f64 = (i + 1..m).map(|k| self.entries[row + k] * self.x[k]).sum();
+            self.x[i] = (self.x[i] - known) / self.entries[row + i];
+        }
+        x.copy_from_slice(&self.x);
+    }
+}

@@ -1,0 +1,281 @@
+//! Flexible beams: as described, checked, and taken apart into bodies.
+//!
+//! A beam of N elements becomes N + 1 bodies: one on the beam's own hinge, then one at the tip of every element. The first
+//! keeps the beam's name, the others are numbered; a point given on the beam's name alone is one of its tip.
+
+mod check;
+mod expand;
+
+pub(super) use check::check;
+pub(super) use expand::{Bodies, Expanded, expand};
+
+use super::description::HingeDescription;
+pub use crate::element::section::{Material, Section};
+use nalgebra::{Matrix6, Vector3, Vector6};
+
+/// A flexible beam on a hinge: it runs along the x axis of its root.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BeamDescription {
+    /// Unique among bodies and beams.
+    pub name: String,
+    /// The hinge at its root.
+    pub hinge: HingeDescription,
+    /// Its unstrained centre line.
+    pub shape: BeamShape,
+    /// How far its sections turn about the centre line over its length (rad).
+    pub twist: f64,
+    /// Number of elements, at least one between any two markers.
+    pub elements: usize,
+    /// Degree of the strains in an element: 0, 1 or 2.
+    pub degree: usize,
+    /// One section, or several at distances from the root in ascending order (m) with others between them.
+    pub sections: Vec<(f64, Section)>,
+    /// Needed by sections that have a size.
+    pub material: Option<Material>,
+    /// In place of the material's (kg/m).
+    pub mass_per_length: Option<f64>,
+    /// In place of the material's: rotary inertia about x, y and z (kg m).
+    pub rotary: Option<Vector3<f64>>,
+    /// Which strains are free.
+    pub free: FreeStrains,
+    /// Kelvin–Voigt damping: stress by rate of strain over stress by strain (s).
+    pub damping: f64,
+    /// Named points, by their distance from the root along the unstrained centre line (m).
+    pub markers: Vec<(String, f64)>,
+    /// Force per length beside gravity.
+    pub load: Option<LineLoad>,
+}
+
+/// The centre line of a beam without strain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BeamShape {
+    /// Along x.
+    Straight {
+        /// (m)
+        length: f64,
+    },
+    /// Towards y.
+    Arc {
+        /// (m)
+        radius: f64,
+        /// (rad)
+        angle: f64,
+    },
+    /// Right-handed; x is the first tangent, y points to its axis.
+    Helix {
+        /// (m)
+        radius: f64,
+        /// Rise per turn (m).
+        pitch: f64,
+        /// Number of turns.
+        turns: f64,
+    },
+}
+
+/// Which strains of a beam are free; the others keep what they have without load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FreeStrains {
+    /// About y and z.
+    pub bend: bool,
+    /// About the centre line.
+    pub twist: bool,
+    /// Along it.
+    pub stretch: bool,
+    /// Across it.
+    pub shear: bool,
+}
+
+/// Force per length of a beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineLoad {
+    /// (N/m)
+    pub force: Vector3<f64>,
+    /// In section axes, with which it turns; else in inertial ones.
+    pub follows: bool,
+}
+
+/// A compiled beam.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Beam {
+    /// Name.
+    pub name: String,
+    /// The body on its root hinge.
+    pub root: usize,
+    /// Its elements from the root to the tip.
+    pub elements: Vec<BeamElement>,
+    /// Unstrained (m).
+    pub length: f64,
+}
+
+/// An element of a compiled beam.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeamElement {
+    /// Distance of its root from the beam's (m).
+    pub from: f64,
+    /// Index of the element among [`Model::rods`](super::Model::rods).
+    pub rod: usize,
+    /// The link of its tip.
+    pub link: usize,
+    /// The body of its tip.
+    pub body: usize,
+}
+
+impl Default for FreeStrains {
+    /// Bending and twist: neither stretch nor shear.
+    fn default() -> Self {
+        Self { bend: true, twist: true, stretch: false, shear: false }
+    }
+}
+
+impl FreeStrains {
+    /// By the numbers of [`crate::element::Rod::new`].
+    pub(super) fn indices(self) -> Vec<usize> {
+        let all = [self.stretch, self.shear, self.shear, self.twist, self.bend, self.bend];
+        (0..6).filter(|i| all[*i]).collect()
+    }
+}
+
+impl BeamShape {
+    /// Length of the centre line (m).
+    pub fn length(&self) -> f64 {
+        match *self {
+            Self::Straight { length } => length,
+            Self::Arc { radius, angle } => radius * angle.abs(),
+            Self::Helix { radius, pitch, turns } => {
+                let round = std::f64::consts::TAU * radius;
+                turns * round.hypot(pitch)
+            }
+        }
+    }
+
+    /// Curvature and torsion as a strain, constant along the beam.
+    pub(super) fn strain(&self, twist_rate: f64) -> Vector6<f64> {
+        let (torsion, curvature) = match *self {
+            Self::Straight { .. } => (0.0, 0.0),
+            Self::Arc { radius, angle } => (0.0, angle.signum() / radius),
+            Self::Helix { radius, pitch, .. } => {
+                let rise = pitch / std::f64::consts::TAU;
+                let square = radius * radius + rise * rise;
+                (rise / square, radius / square)
+            }
+        };
+        Vector6::new(1.0, 0.0, 0.0, torsion + twist_rate, 0.0, curvature)
+    }
+}
+
+impl BeamDescription {
+    /// A straight beam of 1 m with eight elements of degree 1, whose section has still to be given.
+    pub fn new(name: &str, hinge: HingeDescription) -> Self {
+        Self {
+            name: name.to_owned(),
+            hinge,
+            shape: BeamShape::Straight { length: 1.0 },
+            twist: 0.0,
+            elements: 8,
+            degree: 1,
+            sections: Vec::new(),
+            material: None,
+            mass_per_length: None,
+            rotary: None,
+            free: FreeStrains::default(),
+            damping: 0.0,
+            markers: Vec::new(),
+            load: None,
+        }
+    }
+
+    /// Sets a straight centre line (m).
+    pub fn length(self, length: f64) -> Self {
+        self.shape(BeamShape::Straight { length })
+    }
+
+    /// Sets the centre line.
+    pub fn shape(self, shape: BeamShape) -> Self {
+        Self { shape, ..self }
+    }
+
+    /// Sets the number of elements.
+    pub fn elements(self, elements: usize) -> Self {
+        Self { elements, ..self }
+    }
+
+    /// Sets the degree of the strains: 0, 1 or 2.
+    pub fn degree(self, degree: usize) -> Self {
+        Self { degree, ..self }
+    }
+
+    /// Sets one section for the whole length.
+    pub fn section(self, section: Section) -> Self {
+        Self { sections: vec![(0.0, section)], ..self }
+    }
+
+    /// Sets stretch, shear y and z (N); twist, bending about y and z (N m²).
+    pub fn stiffness(self, stiffness: [f64; 6]) -> Self {
+        self.section(Section::Stiffness(Matrix6::from_diagonal(&Vector6::from(stiffness))))
+    }
+
+    /// Sets the material.
+    pub fn material(self, young: f64, poisson: f64, density: f64) -> Self {
+        Self { material: Some(Material { young, poisson, density }), ..self }
+    }
+
+    /// Sets the mass per length (kg/m).
+    pub fn mass_per_length(self, mass: f64) -> Self {
+        Self { mass_per_length: Some(mass), ..self }
+    }
+
+    /// Sets the rotary inertia about x, y and z (kg m).
+    pub fn rotary(self, rotary: impl Into<Vector3<f64>>) -> Self {
+        Self { rotary: Some(rotary.into()), ..self }
+    }
+
+    /// Sets which strains are free.
+    pub fn free(self, free: FreeStrains) -> Self {
+        Self { free, ..self }
+    }
+
+    /// Sets the Kelvin–Voigt damping (s).
+    pub fn damping(self, damping: f64) -> Self {
+        Self { damping, ..self }
+    }
+
+    /// Adds a named point at a distance from the root (m).
+    pub fn marker(mut self, name: &str, at: f64) -> Self {
+        self.markers.push((name.to_owned(), at));
+        self
+    }
+
+    /// Sets a force per length (N/m).
+    pub fn load(self, force: impl Into<Vector3<f64>>, follows: bool) -> Self {
+        Self { load: Some(LineLoad { force: force.into(), follows }), ..self }
+    }
+
+    /// The section at a distance from the root (m).
+    pub(super) fn section_at(&self, s: f64) -> Section {
+        let after = self.sections.partition_point(|(at, _)| *at <= s);
+        match (self.sections.get(after.wrapping_sub(1)), self.sections.get(after)) {
+            (Some((from, one)), Some((to, other))) => one.between(other, (s - from) / (to - from)).unwrap_or(*one),
+            (Some((_, only)), None) | (None, Some((_, only))) => *only,
+            (None, None) => Section::Stiffness(Matrix6::zeros()),
+        }
+    }
+
+    /// What the section has per length at a distance from the root (m). Without a rotary inertia, sections that twist
+    /// or shear have that of a homogeneous one with this stiffness: with none at all their acceleration would be undetermined.
+    pub(super) fn section_per_length(&self, s: f64) -> crate::element::RodSection {
+        let mut of = self.section_at(s).of(self.material.as_ref());
+        if let Some(mass) = self.mass_per_length {
+            let scale = if of.mass > 0.0 { mass / of.mass } else { 0.0 };
+            (of.mass, of.rotary) = (mass, scale * of.rotary);
+        }
+        if let Some(rotary) = self.rotary {
+            of.rotary = rotary;
+        } else if of.rotary == Vector3::zeros() {
+            let c = &of.stiffness;
+            let (y, z) = (of.mass * c[(4, 4)] / c[(0, 0)], of.mass * c[(5, 5)] / c[(0, 0)]);
+            let [twist, shear] = [self.free.twist, self.free.shear].map(|free| f64::from(u8::from(free)));
+            of.rotary = Vector3::new(twist * (y + z), shear * y, shear * z);
+        }
+        of
+    }
+}

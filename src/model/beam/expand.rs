@@ -1,0 +1,156 @@
+//! A beam as bodies: one on its hinge, one at the tip of every element.
+
+use super::BeamDescription;
+use crate::element::{Rod, RodSection};
+use crate::force::load::LoadAxes;
+use crate::force::{Attachment, ForceDescription, Load};
+use crate::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties, Point};
+use nalgebra::{Matrix3, Vector3};
+use std::collections::HashMap;
+
+/// A description with the bodies of its beams, and what else these are.
+#[derive(Debug)]
+pub(in crate::model) struct Expanded {
+    pub(in crate::model) description: Description,
+    /// The flexible element between a body and its parent.
+    pub(in crate::model) rods: HashMap<usize, Rod>,
+    /// One per beam.
+    pub(in crate::model) beams: Vec<Bodies>,
+}
+
+/// The bodies of a beam.
+#[derive(Debug)]
+pub(in crate::model) struct Bodies {
+    pub(in crate::model) name: String,
+    pub(in crate::model) length: f64,
+    /// On the beam's hinge.
+    pub(in crate::model) root: usize,
+    /// At the tips of the elements, with the distance of the element's root and of its tip from the beam's root (m).
+    pub(in crate::model) tips: Vec<(usize, [f64; 2])>,
+    markers: Vec<(String, f64)>,
+}
+
+/// Distances nearer than this part of the length are one.
+const SAME: f64 = 1e-9;
+
+impl Expanded {
+    /// The body and the point of it that a point of a beam is; `None` for other bodies and unknown markers.
+    pub(in crate::model) fn place(&self, body: &str, point: &Point) -> Option<(usize, Vector3<f64>)> {
+        let Some(beam) = self.beams.iter().find(|beam| beam.name == body) else {
+            let tips = || self.beams.iter().flat_map(|beam| &beam.tips);
+            let is_root = *point == Point::Marker("root".to_owned());
+            let of = tips().find(|(tip, _)| is_root && self.description.bodies[*tip].name == body)?;
+            return Some((of.0, Vector3::zeros()));
+        };
+        let name = match point {
+            Point::At(at) => return Some((beam.tips.last()?.0, *at)),
+            Point::Marker(name) => name,
+        };
+        if name == "root" {
+            return Some((beam.root, Vector3::zeros()));
+        }
+        let at = match name.as_str() {
+            "tip" => beam.length,
+            _ => beam.markers.iter().find(|(marker, _)| marker == name)?.1,
+        };
+        let of = beam.tips.iter().find(|(_, [_, to])| (to - at).abs() <= SAME * beam.length)?;
+        Some((of.0, Vector3::zeros()))
+    }
+}
+
+/// Adds the bodies of all beams after the others.
+pub(in crate::model) fn expand(description: &Description) -> Expanded {
+    let mut expanded = Expanded {
+        description: description.clone(),
+        rods: HashMap::new(),
+        beams: Vec::with_capacity(description.beams.len()),
+    };
+    for beam in &description.beams {
+        add(&mut expanded, beam);
+    }
+    expanded
+}
+
+/// Where elements begin and end: the beam is cut at its markers, and the elements are shared out between them.
+fn ends(beam: &BeamDescription) -> Vec<f64> {
+    let length = beam.shape.length();
+    let mut cuts: Vec<f64> = beam.markers.iter().map(|(_, at)| *at).collect();
+    cuts.retain(|at| *at > SAME * length && *at < length * (1.0 - SAME));
+    cuts.push(length);
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|a, b| (*a - *b).abs() <= SAME * length);
+    let mut ends = vec![0.0];
+    let mut from = 0.0;
+    for to in cuts {
+        let share = (beam.elements as f64 * (to - from) / length).round().max(1.0) as usize;
+        ends.extend((1..=share).map(|i| if i == share { to } else { from + (to - from) * i as f64 / share as f64 }));
+        from = to;
+    }
+    ends
+}
+
+fn add(expanded: &mut Expanded, beam: &BeamDescription) {
+    let (length, free) = (beam.shape.length(), beam.free.indices());
+    let ends = ends(beam);
+    let reference = [beam.shape.strain(beam.twist / length)];
+    let bodies = &mut expanded.description.bodies;
+    let root = bodies.len();
+    bodies.push(body(&beam.name, beam.hinge.clone()));
+    let mut tips = Vec::with_capacity(ends.len());
+    let (mut turn, mut place) = (Matrix3::identity(), Vector3::zeros());
+    for (index, ends) in ends.windows(2).enumerate() {
+        let section = |s: f64| -> RodSection { beam.section_per_length(ends[0] + s) };
+        let mut rod = Rod::new(ends[1] - ends[0], beam.degree, &free, &reference, section);
+        rod.damping = beam.damping;
+        if let Some(load) = &beam.load {
+            (rod.load, rod.follows) = (load.force, load.follows);
+        }
+        let bodies = &mut expanded.description.bodies;
+        let (here, parent) = (bodies.len(), bodies.len() - 1);
+        let mut hinge = HingeDescription::new(HingeKind::Fixed);
+        hinge.parent = bodies[parent].name.clone();
+        bodies.push(body(&format!("{}/{}", beam.name, index + 1), hinge));
+        let unstrained = vec![0.0; rod.count()];
+        let (r, p) = rod.pose_at(rod.length, &unstrained);
+        (turn, place) = (turn * r, place + turn * p);
+        let last = rod.slices.len() - 1;
+        weigh(&mut bodies[parent], &rod, 0);
+        weigh(&mut bodies[here], &rod, last);
+        for (body, station) in [(parent, 0), (here, last)] {
+            let name = bodies[body].name.clone();
+            expanded.description.unphysical.insert(name.clone());
+            end_load(&mut expanded.description.forces, beam, &name, &rod, station);
+        }
+        let markers = beam.markers.iter().filter(|(_, at)| (at - ends[1]).abs() <= SAME * length);
+        let reached: Vec<_> = markers.map(|(name, _)| (name.clone(), place)).collect();
+        expanded.description.bodies[root].markers.extend(reached);
+        tips.push((here, [ends[0], ends[1]]));
+        expanded.rods.insert(here, rod);
+    }
+    expanded.description.bodies[root].markers.push(("tip".to_owned(), place));
+    expanded.beams.push(Bodies { name: beam.name.clone(), length, root, tips, markers: beam.markers.clone() });
+}
+
+fn body(name: &str, hinge: HingeDescription) -> BodyDescription {
+    BodyDescription::new(name, hinge)
+}
+
+/// Adds the slice of an element's end to the body there.
+fn weigh(body: &mut BodyDescription, rod: &Rod, station: usize) {
+    let slice = &rod.slices[station];
+    let MassProperties { mass, inertia, .. } = &mut body.mass;
+    *mass += slice.mass;
+    *inertia += slice.inertia.matrix();
+}
+
+/// The line load on the slice of an element's end, as a load on the body there.
+fn end_load(forces: &mut Vec<ForceDescription>, beam: &BeamDescription, on: &str, rod: &Rod, station: usize) {
+    let Some(load) = &beam.load else { return };
+    let kind = Load {
+        on: Attachment { body: on.to_owned(), point: Point::Marker("root".to_owned()) },
+        force: rod.slices[station].length * load.force,
+        torque: Vector3::zeros(),
+        axes: if load.follows { LoadAxes::Body } else { LoadAxes::Inertial },
+    };
+    forces.push(ForceDescription { name: format!("{}.load/{}", beam.name, forces.len()), kind: kind.into() });
+}

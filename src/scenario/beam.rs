@@ -1,0 +1,127 @@
+//! `[[beam]]`: flexible beams.
+
+use super::findings::Finding;
+use super::hinge::hinge;
+use super::reader::{Reader, numbers, rows};
+use crate::model::description::{BeamDescription, BeamShape, FreeStrains, LineLoad, Material, Section};
+use nalgebra::{Matrix6, Vector6};
+
+/// Reads a `[[beam]]`; without a readable name there is nothing that others could refer to.
+pub(super) fn beam(table: &Reader<'_>) -> Option<BeamDescription> {
+    let name = table.text("name")?;
+    let mut beam = BeamDescription::new(name, hinge(table, name, None).description);
+    beam.shape = shape(table, name)?;
+    beam.twist = table.number("twist").unwrap_or(0.0);
+    beam.elements = table.count("elements").unwrap_or(beam.elements);
+    beam.degree = table.count("degree").unwrap_or(beam.degree);
+    beam.sections = sections(table, name)?;
+    beam.material = table.table("material").and_then(|material| {
+        let poisson = material.number("poisson").unwrap_or(0.3);
+        Some(Material { young: material.number("young")?, poisson, density: material.number("density")? })
+    });
+    beam.mass_per_length = table.number("mass_per_length");
+    beam.rotary = table.vector("rotary");
+    beam.free = free(table).unwrap_or_default();
+    beam.damping = table.number("damping").unwrap_or(0.0);
+    let markers = table.names("markers").into_iter();
+    beam.markers = markers.filter_map(|(name, all)| Some((name.to_owned(), all.number(name)?))).collect();
+    beam.load = table.table("load").and_then(|load| {
+        let follows = load.text("axes") == Some("body");
+        Some(LineLoad { force: load.vector("force")?, follows })
+    });
+    warn_of_turns(table, &beam);
+    Some(beam)
+}
+
+/// Exactly one of these keys; otherwise that is said, and there is none.
+fn only<'k>(table: &Reader<'_>, what: &str, keys: &[&'k str]) -> Option<&'k str> {
+    let mut given = keys.iter().filter(|key| table.has(key));
+    match (given.next(), given.next()) {
+        (Some(one), None) => Some(one),
+        (first, _) => {
+            let list = keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
+            let (place, message) = match first {
+                Some(first) => (table.key_span(first), format!("{what}: more than one of {list}")),
+                None => (table.span.clone(), format!("{what}: one of {list} is needed")),
+            };
+            table.findings.push(Finding::error(place, message).help("keep exactly one of them"));
+            None
+        }
+    }
+}
+
+fn shape(table: &Reader<'_>, name: &str) -> Option<BeamShape> {
+    if only(table, &format!("beam `{name}`"), &["length", "curve"])? == "length" {
+        return Some(BeamShape::Straight { length: table.number("length")? });
+    }
+    let curve = table.table("curve")?;
+    if curve.has("points") {
+        return None;
+    }
+    match only(&curve, &format!("curve of beam `{name}`"), &["arc", "helix"])? {
+        "arc" => match curve.numbers("arc")?[..] {
+            [radius, angle] => Some(BeamShape::Arc { radius, angle }),
+            _ => None,
+        },
+        _ => match curve.numbers("helix")?[..] {
+            [radius, pitch, turns] => Some(BeamShape::Helix { radius, pitch, turns }),
+            _ => None,
+        },
+    }
+}
+
+fn sections(table: &Reader<'_>, name: &str) -> Option<Vec<(f64, Section)>> {
+    let tables = table.tables("section");
+    let several = tables.len() > 1;
+    let read = |one: &Reader<'_>| {
+        if several && !one.has("s") {
+            let message = format!("a section of beam `{name}` has no `s`");
+            let help = "in a list every section says where it is: `s`, the distance from the root in m";
+            one.findings.push(Finding::error(one.span.clone(), message).help(help));
+        }
+        Some((one.number("s").unwrap_or(0.0), section(one, name)?))
+    };
+    tables.iter().map(read).collect()
+}
+
+fn section(table: &Reader<'_>, name: &str) -> Option<Section> {
+    let key = only(table, &format!("section of beam `{name}`"), &["circle", "tube", "rectangle", "stiffness"])?;
+    let pair = || table.numbers(key).and_then(|list| <[f64; 2]>::try_from(list).ok());
+    Some(match key {
+        "circle" => Section::Circle { radius: table.number(key)? },
+        "tube" => pair().map(|[outer, inner]| Section::Tube { outer, inner })?,
+        "rectangle" => pair().map(|[width, height]| Section::Rectangle { width, height })?,
+        _ => {
+            let value = table.value(key)?.get_ref();
+            let matrix = match numbers(value) {
+                Some(diagonal) => Matrix6::from_diagonal(&Vector6::from_iterator(diagonal)),
+                None => Matrix6::from_row_iterator(rows(value)?.into_iter().flatten()),
+            };
+            Section::Stiffness(matrix)
+        }
+    })
+}
+
+fn free(table: &Reader<'_>) -> Option<FreeStrains> {
+    let items = table.value("free")?.get_ref().as_array()?;
+    let has = |word: &str| items.iter().any(|item| item.get_ref().as_str() == Some(word));
+    Some(FreeStrains { bend: has("bend"), twist: has("twist"), stretch: has("stretch"), shear: has("shear") })
+}
+
+/// An element that turns by more than this without strain is worth another one (rad): the error grows with the fifth power.
+const MUCH: f64 = 1.5;
+
+fn warn_of_turns(table: &Reader<'_>, beam: &BeamDescription) {
+    let turns = match beam.shape {
+        BeamShape::Straight { .. } => beam.twist,
+        BeamShape::Arc { angle, .. } => angle.hypot(beam.twist),
+        BeamShape::Helix { turns, .. } => std::f64::consts::TAU * turns + beam.twist.abs(),
+    };
+    let each = turns.abs() / beam.elements.max(1) as f64;
+    if each > MUCH && each.is_finite() {
+        let message = format!("beam `{}` turns by {each:.2} rad in an element", beam.name);
+        let needed = (turns.abs() / MUCH).ceil();
+        let help = format!("{needed} elements turn by no more than {MUCH} rad each");
+        table.findings.push(Finding::warning(table.span_of("elements"), message).help(help));
+    }
+}

@@ -1,0 +1,4 @@
+//! Flexible beams.
+
+mod statics;
+mod sweeps;
