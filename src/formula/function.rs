@@ -72,8 +72,17 @@ fn flag(condition: bool) -> f64 {
     if condition { 1.0 } else { 0.0 }
 }
 
+/// What is not a finite number is not a number at all: nothing that follows from it may look like one.
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { f64::NAN }
+}
+
 impl Unary {
     pub(super) fn value(self, x: f64) -> f64 {
+        if x.is_nan() { x } else { finite(self.of_number(x)) }
+    }
+
+    fn of_number(self, x: f64) -> f64 {
         match self {
             Self::Minus => -x,
             Self::Not => flag(x == 0.0),
@@ -154,6 +163,14 @@ fn inverse(square: f64, x: f64) -> [f64; 2] {
 
 impl Binary {
     pub(super) fn value(self, a: f64, b: f64) -> f64 {
+        match self.takes_second(a, b) {
+            Some(second) => pick(second, a, b),
+            None if a.is_nan() || b.is_nan() => f64::NAN,
+            None => finite(self.of_numbers(a, b)),
+        }
+    }
+
+    fn of_numbers(self, a: f64, b: f64) -> f64 {
         match self {
             Self::Add => a + b,
             Self::Subtract => a - b,
@@ -162,12 +179,9 @@ impl Binary {
             Self::FloorDivide => floor_divide(a, b),
             Self::Remainder => remainder(a, b),
             Self::Power => a.powf(b),
-            Self::Min => pick(b < a, a, b),
-            Self::Max => pick(b > a, a, b),
             Self::Atan2 => a.atan2(b),
             Self::Hypot => a.hypot(b),
-            Self::And => pick(a != 0.0, a, b),
-            Self::Or => pick(a == 0.0, a, b),
+            Self::Min | Self::Max | Self::And | Self::Or => pick(self.takes_second(a, b) == Some(true), a, b),
             Self::Less => flag(a < b),
             Self::LessOrEqual => flag(a <= b),
             Self::Greater => flag(a > b),
@@ -177,12 +191,13 @@ impl Binary {
         }
     }
 
-    /// Whether the result is the second argument, for those that give one of both.
+    /// Whether the result is the second argument, for those that give one of both: of `and` and `or` the second is not looked at
+    /// where the first decides, else one that is not a number is the result.
     pub(super) fn takes_second(self, a: f64, b: f64) -> Option<bool> {
         match self {
-            Self::Min => Some(b < a),
-            Self::Max => Some(b > a),
-            Self::And => Some(a != 0.0),
+            Self::Min => Some(b < a || b.is_nan()),
+            Self::Max => Some(b > a || b.is_nan()),
+            Self::And => Some(a != 0.0 && !a.is_nan()),
             Self::Or => Some(a == 0.0),
             _ => None,
         }

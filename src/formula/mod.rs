@@ -163,9 +163,11 @@ impl Formula {
                 Operation::Copy(from) => registers[from],
                 Operation::Unary(function, of) => registers[of].unary(function),
                 Operation::Binary(function, a, b) => T::binary(function, registers[a], registers[b]),
-                Operation::Select(condition, yes, no) => {
-                    registers[if registers[condition].value() == 0.0 { no } else { yes }]
-                }
+                Operation::Select(condition, yes, no) => match registers[condition].value() {
+                    undefined if undefined.is_nan() => T::constant(f64::NAN),
+                    0.0 => registers[no],
+                    _ => registers[yes],
+                },
             };
         }
         registers[0]

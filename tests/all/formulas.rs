@@ -20,6 +20,47 @@ fn value(text: &str) -> f64 {
     read(text).value(&[2.0, -3.0, 0.5])
 }
 
+/// What Python refuses has no value, whatever it is compared with or chosen from; what Python does not look at does not matter.
+#[test]
+fn nothing_comes_of_what_has_no_value() {
+    let undefined = [
+        "max(1, sqrt(-1))",
+        "max(sqrt(-1), 1)",
+        "min(1, 1/0)",
+        "min(1/0, 1)",
+        "1 < sqrt(-1)",
+        "1 != sqrt(-1)",
+        "1 == 0/0",
+        "1 if 1/0 > 2 else 3",
+        "if(0/0, 1, 2)",
+        "1/(1/0)",
+        "atan(1/0)",
+        "not 1/0",
+        "1//0 > 1",
+        "5 % 0 < 1",
+        "0^-1 > 1",
+        "log(0) < 1",
+        "sqrt(-1) or 1",
+        "1/0 and 0",
+        "sign(1/0)",
+        "(0/0)^0",
+        "exp(1000) > 1",
+        "tanh(1/0)",
+        "2 < 3 < 1/0",
+    ];
+    for text in undefined {
+        assert!(value(text).is_nan(), "{text}: {}", value(text));
+        let formula = read(text);
+        assert!(formula.jet(&[2.0, -3.0, 0.5].map(Jet::variable)).value.is_nan(), "{text}");
+        assert!(formula.gradient(&[2.0, -3.0, 0.5], [0, 1]).0.is_nan(), "{text}");
+    }
+    for (text, expected) in
+        [("1 or 1/0", 1.0), ("0 and 1/0", 0.0), ("if(1, 2, 1/0)", 2.0), ("3 if t else 1/0", 3.0), ("3 < 2 < 1/0", 0.0)]
+    {
+        assert_eq!(value(text), expected, "{text}");
+    }
+}
+
 /// Operators by their precedence in Python, lowest first: each line would be another number if its rule were another.
 #[test]
 fn operators_bind_as_in_python() {

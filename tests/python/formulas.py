@@ -4,6 +4,7 @@ Reads [[text, {name: value}, variable], …] from the file; prints for each null
 [value, first derivative, second derivative], the derivatives null where they are not asked for (no variable).
 """
 
+import ast
 import json
 import math
 import sys
@@ -19,6 +20,26 @@ PLAIN |= {"ln": math.log, "pi": math.pi, "tau": math.tau, "e": math.e, "abs": ab
 PLAIN |= {"sign": lambda x: (x > 0) - (x < 0), "fract": lambda x: x - math.trunc(x)}
 # The absolute value of a complex number is none of ours, and a zero keeps its sign.
 PLAIN |= {"abs": math.fabs}
+
+
+def power(a, b):
+    found = a**b
+    if isinstance(found, complex):
+        raise ArithmeticError("complex numbers are none of ours")
+    return found
+
+
+PLAIN |= {"power": power}
+
+
+class WithPower(ast.NodeTransformer):
+    """`a**b` as `power(a, b)`."""
+
+    def visit_BinOp(self, node):
+        self.generic_visit(node)
+        if not isinstance(node.op, ast.Pow):
+            return node
+        return ast.Call(ast.Name("power", ast.Load()), [node.left, node.right], [])
 
 
 def signed(function):
@@ -37,7 +58,7 @@ def truncated(x):
 EXACT = {name: getattr(mpmath, name) for name in SAME}
 EXACT |= {"ln": mpmath.log, "pi": mpmath.pi, "tau": 2 * mpmath.pi, "e": mpmath.e, "abs": abs, "min": min, "max": max}
 EXACT |= {"round": mpmath.nint, "trunc": truncated, "fract": lambda x: x - truncated(x), "sign": mpmath.sign}
-EXACT |= {"log2": lambda x: mpmath.log(x, 2), "log10": mpmath.log10, "pow": lambda a, b: a**b}
+EXACT |= {"log2": lambda x: mpmath.log(x, 2), "log10": mpmath.log10, "pow": lambda a, b: a**b, "power": lambda a, b: a**b}
 EXACT |= {"radians": mpmath.radians, "degrees": mpmath.degrees}
 
 
@@ -60,7 +81,8 @@ def derivative(code, values, variable, order):
 
 
 def answer(text, values, variable):
-    code = compile(text, "formula", "eval")
+    tree = ast.fix_missing_locations(WithPower().visit(ast.parse(text, mode="eval")))
+    code = compile(tree, "formula", "eval")
     value = plain(code, values)
     if value is None or not math.isfinite(value):
         return None

@@ -168,7 +168,7 @@ pub(super) fn eliminate(
             return Err(least);
         }
         if pivot == Pivot::OfTree {
-            *lost = Lost::Perhaps.max(*lost);
+            *lost = Lost::Many;
         }
     }
     if least < doubtful {

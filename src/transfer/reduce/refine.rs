@@ -27,13 +27,12 @@ use nalgebra::{Matrix3, Point3, Vector3};
 /// themselves above it: what the links resist of their accelerations, of what those would be resisted if they were about any axis.
 const SOFT: f64 = 1e-5;
 
-/// A correction below this part of the accelerations ends it: the next one would be smaller by as much again as this
-/// was, and is not worth a round.
-const SMALL: f64 = 1e-6;
+/// The rounds end when the next correction would be below this part of the accelerations, if it is as much smaller than this one as
+/// this one than the one before; also when one is no smaller than half the one before, which is round-off.
+const SMALL: f64 = 1e-12;
 
-/// Of a hinge with a pivot just above round-off few digits are right; from a handful of rounds on it is the states that are
-/// not known well enough.
-const MOST_ROUNDS: usize = 3;
+/// Of a hinge with a pivot just above round-off few digits are right: a round may gain no more than one or two.
+const MOST_ROUNDS: usize = 8;
 
 /// Scratch of [`Reduction::refine`].
 #[derive(Debug, Clone, Default)]
@@ -99,14 +98,17 @@ impl Reduction {
         }
         let mut refinement = std::mem::take(&mut self.refinement);
         let largest = |list: &[f64]| list.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let mut before = largest(hinge);
         for _ in 0..MOST_ROUNDS {
             self.unbalanced(model, motion, load, hinge, &mut refinement);
             let Refinement { left, step, .. } = &mut refinement;
             self.solve(model, motion, &Load { applied: &[], tau: left }, step);
             hinge.iter_mut().zip(&*step).for_each(|(hinge, step)| *hinge += step);
-            if !(largest(step) > SMALL * largest(hinge)) {
+            let now = largest(step);
+            if !(now * now > SMALL * before * largest(hinge) && now < 0.5 * before) {
                 break;
             }
+            before = now;
         }
         self.follow(model, motion, hinge);
         self.refinement = refinement;
@@ -191,7 +193,15 @@ impl Reduction {
                 continue;
             }
             let whole = passed + Wrench { force: own.force, moment: at.turn * own.moment };
-            e[link.parent] += whole.shifted(at.arm);
+            let lever = moment_of(&at.arm, &whole.force);
+            e[link.parent] += Wrench { force: whole.force, moment: whole.moment + lever };
         }
     }
+}
+
+/// `d × f`, exactly across `d`: a light link that a heavy body hangs on passes a force of that weight nearly along its arm,
+/// and the round-off of the product would turn the link about it.
+fn moment_of(d: &Vector3<f64>, f: &Vector3<f64>) -> Vector3<f64> {
+    let (moment, square) = (d.cross(f), d.norm_squared());
+    if square == 0.0 { moment } else { moment - d * (d.dot(&moment) / square) }
 }

@@ -131,28 +131,43 @@ impl Tree {
             Self::Number(x) => *x,
             Self::Name(index) => at[*index],
             Self::Minus(of) => -of.value(at),
-            Self::Not(of) => flag(of.value(at) == 0.0),
-            Self::Binary(sign, a, b) => binary(sign, a.value(at), b.value(at)),
+            Self::Not(of) => defined(&[of.value(at)], |x| flag(x[0] == 0.0)),
+            Self::Binary("and", a, b) => defined(&[a.value(at)], |a| if a[0] == 0.0 { a[0] } else { b.value(at) }),
+            Self::Binary("or", a, b) => defined(&[a.value(at)], |a| if a[0] == 0.0 { b.value(at) } else { a[0] }),
+            Self::Binary(sign, a, b) => defined(&[a.value(at), b.value(at)], |x| binary(sign, x[0], x[1])),
             Self::Chain(first, others) => {
                 let values: Vec<f64> =
                     std::iter::once(first.value(at)).chain(others.iter().map(|(_, tree)| tree.value(at))).collect();
-                let holds = |(i, (sign, _)): (usize, &(&str, Self))| compare(sign, values[i], values[i + 1]);
-                flag(others.iter().enumerate().all(holds))
+                for (i, (sign, _)) in others.iter().enumerate() {
+                    let holds = defined(&values[i..i + 2], |x| flag(compare(sign, x[0], x[1])));
+                    if holds != 1.0 {
+                        return holds;
+                    }
+                }
+                1.0
             }
             Self::Call(name, list) => {
                 let list: Vec<f64> = list.iter().map(|tree| tree.value(at)).collect();
-                match *name {
+                defined(&list, |list| match *name {
                     "min" => list[1..].iter().fold(list[0], |a, b| if *b < a { *b } else { a }),
                     "max" => list[1..].iter().fold(list[0], |a, b| if *b > a { *b } else { a }),
                     "atan2" => list[0].atan2(list[1]),
                     "hypot" => list[0].hypot(list[1]),
-                    "log" => list[0].ln() / list[1].ln(),
+                    "log" => defined(&[list[0].ln(), list[1].ln()], |x| x[0] / x[1]),
                     name => call(name, list[0]),
-                }
+                })
             }
-            Self::Choice(condition, yes, no) => if condition.value(at) == 0.0 { no } else { yes }.value(at),
+            Self::Choice(condition, yes, no) => {
+                defined(&[condition.value(at)], |x| if x[0] == 0.0 { no } else { yes }.value(at))
+            }
         }
     }
+}
+
+/// What follows from numbers: not a number if one of them is none, or where the result is not finite.
+fn defined(arguments: &[f64], of: impl FnOnce(&[f64]) -> f64) -> f64 {
+    let found = if arguments.iter().any(|x| !x.is_finite()) { f64::NAN } else { of(arguments) };
+    if found.is_finite() { found } else { f64::NAN }
 }
 
 fn compare(sign: &str, a: f64, b: f64) -> bool {
@@ -173,20 +188,6 @@ fn binary(sign: &str, a: f64, b: f64) -> f64 {
         "*" => a * b,
         "/" => a / b,
         "^" => a.powf(b),
-        "and" => {
-            if a == 0.0 {
-                a
-            } else {
-                b
-            }
-        }
-        "or" => {
-            if a == 0.0 {
-                b
-            } else {
-                a
-            }
-        }
         "%" => remainder(a, b),
         "//" if b == 0.0 => a / b,
         "//" => {
