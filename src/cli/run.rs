@@ -281,7 +281,7 @@ impl Run<'_> {
         Ok(if summary.interrupted { Exit::Interrupted } else { Exit::Done })
     }
 
-    /// The second run; one that cannot be made is said, and costs nothing of the first.
+    /// The second run; one that cannot be made is said, and the first stays as it is.
     fn verify(&self, start: &State, first: &Summary) -> anyhow::Result<Option<Verified>> {
         let settings = &self.scenario.simulate;
         let mut progress = Progress::new(settings.begin() + settings.duration, self.common.quiet || self.common.json);

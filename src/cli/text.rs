@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// Long lists stop here; `--json` has all.
 const MOST_LINES: usize = 8;
-/// Motions that cost nothing among them.
+/// Zero-stiffness motions among them.
 const MOST_IDLE: usize = 3;
 /// What is left of a sum of numbers of size one that should cancel.
 const ROUND_OFF: f64 = 1e-12;
@@ -150,10 +150,10 @@ fn modes(out: &mut String, stability: &Stability) {
         let _ = writeln!(out, "  unstable     in {}", count(stability.unstable_directions, "direction", "directions"));
     }
     if stability.neutral_directions > 0 {
-        let motions = count(stability.neutral_directions, "motion costs", "motions cost");
-        let _ = writeln!(out, "  neutral      {motions} nothing");
+        let motions = count(stability.neutral_directions, "motion", "motions");
+        let _ = writeln!(out, "  neutral      {motions} of zero stiffness");
     }
-    // Of motions that cost nothing a few will do: their number is above.
+    // Of zero-stiffness motions a few will do: their number is above.
     let idle = |mode: &Mode| mode.frequency_hz == 0.0 && mode.growth_rate == 0.0;
     let mut seen = 0;
     let told: Vec<&Mode> = (stability.modes.iter())
@@ -166,7 +166,7 @@ fn modes(out: &mut String, stability: &Stability) {
     for (line, mode) in told.iter().enumerate() {
         let what = match mode.growth_rate > 0.0 {
             true => format!("grows {} per second", number(mode.growth_rate)),
-            false if mode.frequency_hz == 0.0 => "costs nothing".to_owned(),
+            false if mode.frequency_hz == 0.0 => "zero stiffness".to_owned(),
             false => format!("{} Hz", number(mode.frequency_hz)),
         };
         let head = if line == 0 { "modes" } else { "" };

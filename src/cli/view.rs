@@ -36,9 +36,14 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
-    let is_gltf = |file: &Path| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
-    if let Some(file) = arguments.save.as_deref().filter(|file| is_gltf(file)) {
-        return save_gltf(arguments, file);
+    let ends_in =
+        |file: &Path, with: &str| file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(with));
+    match arguments.save.as_deref() {
+        Some(file) if ends_in(file, "glb") => return save_gltf(arguments, file),
+        Some(file) if !ends_in(file, "rrd") => {
+            anyhow::bail!("`{}` has to end in .rrd (for the Rerun viewer) or .glb (animated glTF)", file.display())
+        }
+        _ => {}
     }
     let sink = arguments.connect.clone().map_or(Sink::Spawn, Sink::Connect);
     let wishes = Wishes { at: arguments.at, reactions: arguments.reactions, meshes: arguments.meshes };

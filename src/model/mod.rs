@@ -302,6 +302,7 @@ impl Model {
             || self.curves.iter().any(|curve| curve.over == CurveOver::Velocity)
             || self.forces.iter().any(|force| force.law.has_damping())
             || self.motors.iter().any(Motor::has_damping)
+            || self.rods.iter().any(|rod| rod.damping != 0.0)
     }
 
     /// A length that is typical of the scene (m): the largest distance within one body or one hinge, 1 where all are

@@ -4,7 +4,7 @@ use crate::force::{Act, Picture};
 use crate::hinge::{HingeKind, Names};
 use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Body, End, Loop, Model, Output};
+use crate::model::{Beam, Body, End, Loop, Model, Output};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -12,6 +12,8 @@ use std::sync::Arc;
 /// A plane is drawn this many times as large as the scene, and this part of it thick.
 const GROUND: f64 = 4.0;
 const THIN: f64 = 0.01;
+/// The ends of a beam's elements are drawn as balls of this part of its length.
+const POINT: f64 = 0.004;
 
 /// What a picture of this model needs to know.
 pub fn scene(model: &Arc<Model>) -> Scene {
@@ -33,8 +35,8 @@ pub fn scene(model: &Arc<Model>) -> Scene {
     let rods = model.loops.iter().filter_map(|closed| rod(model, closed));
     Scene {
         title: model.title.clone(),
-        bodies: model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect(),
-        lines: springs.chain(rods).collect(),
+        bodies: bodies(model),
+        lines: springs.chain(rods).chain(model.beams.iter().map(beam)).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(HingeKind::positions, ["m", "rad"]),
         velocities: channels(HingeKind::velocities, ["m/s", "rad/s"]),
@@ -44,6 +46,32 @@ pub fn scene(model: &Arc<Model>) -> Scene {
         watched: !(model.stops.is_empty() && model.hinge_friction.is_empty() && model.events.is_empty())
             || model.switching().next().is_some(),
     }
+}
+
+/// All bodies; those of a beam are points of its line.
+fn bodies(model: &Model) -> Vec<BodyPicture> {
+    let mut pictures: Vec<_> = model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect();
+    for beam in &model.beams {
+        let point = ShapePicture {
+            kind: "sphere".to_owned(),
+            size: vec![POINT * beam.length],
+            file: None,
+            position: [0.0; 3],
+            quaternion: [1.0, 0.0, 0.0, 0.0],
+            color: None,
+        };
+        for body in std::iter::once(beam.root).chain(beam.elements.iter().map(|element| element.body)) {
+            pictures[body].shapes = vec![point.clone()];
+        }
+    }
+    pictures
+}
+
+/// A beam is drawn through the ends of its elements.
+fn beam(beam: &Beam) -> LinePicture {
+    let bodies = std::iter::once(beam.root).chain(beam.elements.iter().map(|element| element.body));
+    let ends = bodies.map(|body| (Some(body), [0.0; 3])).collect();
+    LinePicture { name: beam.name.clone(), ends, spring: None, pulls_only: false }
 }
 
 /// One channel for each coordinate of the flexible element that ends at a body, if one does: `bend_y_0` is the mean, `bend_y_1`

@@ -1,4 +1,5 @@
 //! Flexible beams.
 
+mod scenes;
 mod statics;
 mod sweeps;

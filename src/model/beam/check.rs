@@ -45,8 +45,26 @@ pub(in crate::model) fn check(description: &Description) -> Vec<Problem> {
         }
         check_mass(&mut found, beam);
         check_rest(&mut found, beam);
+        check_others(&mut found, description, beam);
     }
     problems
+}
+
+/// Whether a pose stands is judged as it is given, and a beam is given without strains: it could not bear anything.
+fn check_others(found: &mut Findings<'_>, description: &Description, beam: &BeamDescription) {
+    let hinges = description.bodies.iter().map(|body| (&body.name, &body.hinge));
+    let own = description.beams.iter().map(|beam| (&beam.name, &beam.hinge));
+    let mut rubbing = hinges
+        .chain(own)
+        .filter(|(_, hinge)| hinge.friction.iter().any(|friction| friction.stick > 0.0))
+        .map(|(name, _)| name);
+    let what = match (rubbing.next(), description.contacts.first()) {
+        (Some(hinge), _) => format!("the hinge of `{hinge}` has dry friction"),
+        (None, Some(_)) => "the scene has contacts".to_owned(),
+        (None, None) => return,
+    };
+    let message = format!("{what}, and `{}` is flexible: the two are not there together yet", beam.name);
+    found.add("", message, "leave out one of them, or replace the beam by links with sprung hinges (`repeat`)");
 }
 
 fn check_name(found: &mut Findings<'_>, description: &Description, index: usize, beam: &BeamDescription) {

@@ -71,10 +71,12 @@ pub(in crate::model) fn expand(description: &Description) -> Expanded {
     expanded
 }
 
-/// Where elements begin and end: the beam is cut at its markers, and the elements are shared out between them.
+/// Where elements begin and end: the beam is cut at its markers and where the law of its section changes, and the elements are
+/// shared out between them.
 fn ends(beam: &BeamDescription) -> Vec<f64> {
     let length = beam.shape.length();
-    let mut cuts: Vec<f64> = beam.markers.iter().map(|(_, at)| *at).collect();
+    let markers = beam.markers.iter().map(|(_, at)| *at);
+    let mut cuts: Vec<f64> = markers.chain(beam.sections.iter().map(|(at, _)| *at)).collect();
     cuts.retain(|at| *at > SAME * length && *at < length * (1.0 - SAME));
     cuts.push(length);
     cuts.sort_by(f64::total_cmp);

@@ -1,7 +1,7 @@
 //! What is drawn of a scene: a list of parts, each with triangles that never change and a place at every instant.
 //!
 //! Pictures, films, glTF files and reports are made of this one list, so that they show the same. The Rerun viewer has solids and lines of
-//! its own; it shares the [`solids`](super::solids) of bodies, the room that they take and the radii of coils.
+//! its own; it shares the solids (`solids.rs`) of bodies, the room that they take and the radii of coils.
 //!
 //! - Bodies are their shapes. A body without any is drawn as rods to its points, or as the box of its inertia; if other bodies have shapes, a
 //!   body without shape, points and inertia is not drawn.

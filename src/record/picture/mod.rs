@@ -1,7 +1,7 @@
 //! Pictures of a drawing at one instant: SVG, and PNG of that SVG.
 //!
 //! A parallel projection along one direction, so that the scale bar holds for the whole picture. Each triangle that faces the eye becomes a
-//! polygon of one colour; [`order`] puts them behind each other. Neither window, graphics processor nor network is needed; the library
+//! polygon of one colour; `order` puts them behind each other. Neither window, graphics processor nor network is needed; the library
 //! that paints (`resvg`) brings letters of its own.
 
 mod eye;

@@ -16,7 +16,7 @@ pub struct Mode {
     pub shares: Vec<(String, f64)>,
 }
 
-/// Frequency and growth rate of the `i`-th eigenvalue: the first ones run away, the next cost nothing.
+/// Frequency and growth rate of the `i`-th eigenvalue: the first ones run away, the next have zero stiffness.
 pub(in crate::statics) fn rates_of(value: f64, i: usize, unstable: usize, neutral: usize) -> (f64, f64) {
     match i {
         i if i < unstable => (0.0, (-value).max(0.0).sqrt()),

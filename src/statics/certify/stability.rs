@@ -1,4 +1,4 @@
-//! What kind of equilibrium it is: how many directions leave it, how many cost nothing, and how fast it swings.
+//! What kind of equilibrium it is: how many directions leave it, how many have zero stiffness, and how fast it swings.
 //!
 //! At an equilibrium with a potential the stiffness matrix `K` is its Hessian. Directions are counted on
 //! `N^(-1/2) K N^(-1/2)`, `N` being the magnitude of the terms that make up `K`: an eigenvalue within [`NEUTRAL`] of
@@ -28,7 +28,7 @@ pub enum Verdict {
     Stable,
     /// Some push runs away.
     Unstable,
-    /// None runs away, and some motion costs nothing.
+    /// None runs away, and some motion has zero stiffness.
     Neutral,
 }
 
@@ -50,7 +50,7 @@ pub struct Stability {
     pub verdict: Verdict,
     /// Number of directions that run away.
     pub unstable_directions: usize,
-    /// Number of directions that cost nothing.
+    /// Number of zero-stiffness directions.
     pub neutral_directions: usize,
     /// All modes, of a large system the lowest (`MOST_MODES`): running away first, then neutral, then by frequency.
     pub modes: Vec<Mode>,

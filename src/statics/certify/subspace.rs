@@ -19,9 +19,9 @@ use crate::statics::problem::sizes::{NEUTRAL, comparable};
 use faer::{Mat, Side};
 use std::sync::Arc;
 
-/// Modes that are wanted beside those that cost nothing, and of these.
+/// Modes that are wanted beside those of zero stiffness, and of these.
 const WANTED: usize = 8;
-/// Shifts that are tried beside motions that cost nothing, and the size of a space that should have shown one.
+/// Shifts that are tried beside zero-stiffness motions, and the size of a space that should have shown one.
 const SHIFTS: usize = 6;
 const HOPELESS: usize = 64;
 /// The space grows from so many vectors, to this size at most.
@@ -47,13 +47,13 @@ pub(in crate::statics) struct Lowest {
     /// How many of the neutral motions are among the modes.
     pub neutral_modes: usize,
     /// Eigenvalues of `K x = λ M x`, ascending, and their vectors in free coordinates: those that run away, some of those
-    /// that cost nothing, the lowest of all others.
+    /// of zero stiffness, the lowest of all others.
     pub modes: Vec<(f64, Vec<f64>)>,
     /// Momentum `M x` of each.
     pub momenta: Vec<Vec<f64>>,
 }
 
-/// Modes and how many of them cost nothing, as in [`Lowest`].
+/// Modes and how many of them have zero stiffness, as in [`Lowest`].
 #[derive(Default)]
 struct Modes {
     neutral: usize,
@@ -225,7 +225,7 @@ impl Sweeps<'_> {
                 if !self.factorize(s)? {
                     return Ok(None);
                 }
-                // Of motions that cost nothing a few will do.
+                // Of zero-stiffness motions a few will do.
                 let below = found.iter().filter(|(theta, _)| value(*theta) <= limit).count();
                 if there > below + if limit > 0.0 { neutral.saturating_sub(idle) } else { 0 } {
                     self.let_in(&mut space);

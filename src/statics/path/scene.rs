@@ -34,7 +34,7 @@ pub(super) struct Moving<'a> {
     stops: Vec<Stop>,
     set: Set,
     metric: Metric,
-    /// Shift of the stiffness, as a part of the largest curvature: motions that cost nothing make it singular.
+    /// Shift of the stiffness, as a part of the largest curvature: zero-stiffness motions make it singular.
     shift: f64,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Moving<'a> {
 pub(super) struct Count {
     /// That run away.
     pub unstable: usize,
-    /// That cost nothing.
+    /// Of zero stiffness.
     pub neutral: usize,
     /// In which the stiffness is negative: the same where loads have a potential.
     pub negative: usize,
@@ -126,7 +126,7 @@ impl<'a> Moving<'a> {
         &self.model
     }
 
-    /// Says that motions cost nothing all along the curve.
+    /// Says that motions have zero stiffness all along the curve.
     pub(super) fn set_neutral(&mut self) {
         self.shift = SHIFT;
     }
@@ -248,7 +248,7 @@ impl<'a> Moving<'a> {
     }
 
     /// The stiffness seen along `b` where everything else gives way, `1 / bᵀBK⁻¹Bb`: near a place where one direction
-    /// costs nothing, the stiffness of that direction.
+    /// has zero stiffness, the stiffness of that direction.
     pub(super) fn stiffness_along(&mut self, q: &[f64], parameter: f64, b: &[f64]) -> Option<f64> {
         let rhs: Vec<f64> = b.iter().zip(&self.metric.inertia).map(|(b, m)| b * m).collect();
         let shift = self.shift;

@@ -12,7 +12,7 @@ pub(in crate::statics) fn polish(
     mut place: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
-    // Motions that cost nothing make the stiffness singular: a shift far below the stiffness of all others keeps the
+    // Zero-stiffness motions make the stiffness singular: a shift far below the stiffness of all others keeps the
     // step finite, and delays what is left by as little as it is smaller.
     let mut part = 0.0;
     for _ in 0..10 {

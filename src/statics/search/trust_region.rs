@@ -233,7 +233,7 @@ impl Search<'_, '_> {
         }
         let mut q = self.landscape.moved(&place.q, x);
         let mut potential = self.landscape.potential(&q);
-        // Below the round-off of the potential, and along motions that cost nothing, the forces can tell.
+        // Below the round-off of the potential, and along zero-stiffness motions, the forces can tell.
         let round_off = 1e-13 * (self.potential.abs() + self.landscape.stirred(place));
         let tiny = predicted.abs().max((self.potential - potential).abs()) < round_off;
         let mut ratio = match tiny {

@@ -233,7 +233,7 @@ fn a_stiff_rope_leads_around_its_circle() {
 
 /// A prism of ten bars on thirty cables, nothing held: it goes down to the twist of 90 + 18 degrees between the ends of
 /// each bar (Tibert and Pellegrino 2003). With cables drawn to twice their relaxed length it does not stay round: bars that stand
-/// opposite are alike, neighbours are not. The many motions that cost nothing do not keep the search walking along them.
+/// opposite are alike, neighbours are not. The many zero-stiffness motions do not keep the search walking along them.
 #[test]
 fn a_prism_of_ten_bars_finds_its_twist() {
     let round = twists_of_a_prism(0.7);
