@@ -3,7 +3,6 @@
 use crate::common::build;
 use std::f64::consts::PI;
 use stillpoint::linear::{self, LinearError, Place};
-use stillpoint::model::Model;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::{self, Scenario};
 use stillpoint::simulate::{Start, State, run};
@@ -49,10 +48,11 @@ fn what_is_not_there_yet_is_refused() {
     let beam = "[[beam]]\nname = \"b\"\nhinge = { type = \"fixed\" }\nsection = { circle = 0.01 }\nlength = 1.0\n\
                 material = { young = 70e9, density = 2700.0 }\n";
     let slider = "[[body]]\nname = \"w\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [1.0, 0.0, 0.0], friction = 1.0 }\n";
-    let problems = Model::build(&read(&format!("{beam}{slider}")).description).expect_err("friction beside a beam");
-    assert!(problems[0].message.contains("the hinge of `w` has dry friction"), "{problems:?}");
+    let refused = |text: &str| scenario::parse("beam.toml", text, &[]).map_err(|problems| problems.to_string());
+    let problems = refused(&format!("{beam}{slider}")).expect_err("friction beside a beam");
+    assert!(problems.contains("the hinge of `w` has dry friction"), "{problems}");
     let without = format!("{beam}{}", slider.replace("friction = 1.0", "friction = 0.0"));
-    assert!(Model::build(&read(&without).description).is_ok());
+    assert!(refused(&without).is_ok());
 
     let model = build(&read(beam).description);
     let place = Place {
