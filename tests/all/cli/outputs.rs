@@ -27,15 +27,17 @@ fn no_command_replaces_what_it_reads_by_whatever_name() {
     link("s.toml", "link.toml");
     link("s.mcap", "link.svg");
     link("s.mcap", "link.csv");
+    link("s.mcap", "link.rrd");
     std::fs::hard_link(bench.path().join("s.mcap"), bench.path().join("hard.csv")).expect("a link");
+    std::fs::hard_link(bench.path().join("s.mcap"), bench.path().join("hard.glb")).expect("a link");
     std::fs::hard_link(bench.path().join("s.toml"), bench.path().join("hard.toml")).expect("a link");
     for arguments in [
         &["plot", "s.mcap", "kinetic", "-o", "s.mcap"][..],
         &["plot", "s.mcap", "kinetic", "-o", "link.svg"],
         &["export", "s.mcap", "--csv", "link.csv"],
         &["export", "s.mcap", "--csv", "hard.csv"],
-        &["view", "s.mcap", "--save", "s.mcap"],
-        &["view", "s.mcap", "--save", "./s.mcap"],
+        &["view", "s.mcap", "--save", "link.rrd"],
+        &["view", "s.mcap", "--save", "./hard.glb"],
         &["run", "s.toml", "--out", "s.toml"],
         &["run", "s.toml", "--out", "link.toml"],
         &["run", "link.toml", "--out", "hard.toml"],
