@@ -16,8 +16,11 @@ pub(super) fn states(model: &Arc<Model>, q: &[f64], v: &[f64], at_rest: bool) ->
     let mut system = System::new(model);
     let (mut a, mut residual) = (vec![0.0; v.len()], vec![0.0; v.len()]);
     let mut at = system.at(0.0, q, v);
-    if !at_rest {
-        at.accelerations(&mut a)?;
+    // Also what loops push with.
+    at.accelerations(&mut a)?;
+    at.share_multipliers()?;
+    if at_rest {
+        a.fill(0.0);
     }
     Ok(at.residual(&a, &mut residual)?.beams())
 }
@@ -41,9 +44,10 @@ pub(super) fn json(beams: &[BeamState]) -> Value {
     Value::Object(beams.iter().map(beam).collect::<Map<_, _>>())
 }
 
-/// The beams of an equilibrium as text; empty without beams.
-pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<String, Fault> {
-    states(model, &found.position, &found.velocity, true).map(|beams| text(&beams))
+/// The beams of an equilibrium as text; `None` without beams.
+pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<Option<String>, Fault> {
+    let beams = states(model, &found.position, &found.velocity, true)?;
+    Ok((!beams.is_empty()).then(|| text(&beams)))
 }
 
 /// Tip, largest moment and where, and the discretization error.
@@ -64,5 +68,6 @@ fn text(beams: &[BeamState]) -> String {
             number(beam.discretization_error)
         );
     }
+    out.truncate(out.trim_end().len());
     out
 }

@@ -80,7 +80,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let (mut result, asked) = told(&scenario, &model, &found, wall)?;
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
-        output::print(&(text::statics(&model, &found, wall) + &super::beams::found(&model, &found)?))?;
+        output::print(&text::statics(&model, &found, wall))?;
+        super::beams::found(&model, &found)?.map_or(Ok(()), |beams| output::print(&beams))?;
         text::outputs(&model, &asked).map_or(Ok(()), |table| output::print(&table))?;
     }
     let path = scenario.path.as_ref();

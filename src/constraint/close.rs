@@ -105,9 +105,7 @@ impl Closing {
         rows.set_time(time);
         let length = model.length_scale();
         let mut units = vec![1.0; n];
-        for link in model.links.iter().filter(|link| link.joint.is_slide()) {
-            units[link.velocity] = length;
-        }
+        model.lengths().for_each(|velocity| units[velocity] = length);
         let mut longest = vec![f64::INFINITY; n];
         let loops = rows.elements.iter().filter(|element| matches!(element.owner, Owner::Loop(_)));
         for link in loops.flat_map(between_ends).map(|link| &model.links[link]) {

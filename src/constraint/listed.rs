@@ -30,11 +30,13 @@ impl Constraints {
     /// scene: the lever of their component (m), 1 for turns. For each row in their order; for each velocity coordinate, 0 where
     /// it stands in no row.
     pub(crate) fn units(&self, model: &Model) -> (Vec<f64>, Vec<f64>) {
-        let mut of_velocity = vec![0.0; model.velocity_count()];
+        let (mut of_velocity, mut slides) = (vec![0.0; model.velocity_count()], vec![false; model.velocity_count()]);
+        model.lengths().for_each(|velocity| slides[velocity] = true);
         for (element, lengths) in self.elements.iter().zip(&self.lengths) {
             for link in between_ends(element).into_iter().map(|link| &model.links[link]) {
-                let unit = link.joint.unit(lengths.lever);
-                of_velocity[link.velocity..link.velocity + link.joint.counts().1].fill(unit);
+                for i in link.velocity..link.velocity + link.joint.counts().1 {
+                    of_velocity[i] = if slides[i] { lengths.lever } else { 1.0 };
+                }
             }
         }
         let mut of_row = Vec::with_capacity(self.rank());

@@ -36,6 +36,7 @@ use crate::motion::variation::LinkAcceleration;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
+use crate::transfer::reduce::parts;
 pub use assembly::{Assembly, assemble};
 pub(crate) use close::Closer;
 pub use close::OpenGap;
@@ -63,13 +64,15 @@ pub struct Constraints {
     placed: Vec<Placed>,
     /// From each element's ends to the root, tips first.
     ways: Vec<Vec<usize>>,
+    /// In how many parts a push is given, per link.
+    parts: Vec<usize>,
     /// What makes angles comparable with lengths, per row: the lever of its component (m); 1 for lengths.
     weights: Vec<f64>,
     /// What gaps are small beside, per row: the reach of its component (m).
     reaches: Vec<f64>,
     plan: Plan,
     matrix: Envelope,
-    /// `u` and `D⁻¹ u` of eq. (2), per group, link of its way and row.
+    /// `u` and `D⁻¹ u` of eq. (2), per group, part of the links of its way and row.
     pushes: Vec<[Vector3<f64>; 2]>,
     /// `e` along one way.
     passed: Vec<Wrench>,
@@ -138,6 +141,7 @@ impl Constraints {
             elements,
             rules,
             ways,
+            parts: model.links.iter().map(parts).collect(),
             weights,
             reaches,
             plan: Plan::default(),
@@ -185,7 +189,7 @@ impl Constraints {
     /// Solves from now on for the rows that `wanted` says.
     fn keep(&mut self, wanted: impl Fn(usize) -> bool) {
         let rows_of = self.elements.iter().map(|element| element.rows.clone().filter(|row| wanted(*row)).collect());
-        self.plan = Plan::new(rows_of.collect(), &self.ways);
+        self.plan = Plan::new(rows_of.collect(), &self.ways, &self.parts);
         self.matrix = Envelope::new(self.plan.first_columns.clone());
         self.pushes = vec![[Vector3::zeros(); 2]; self.plan.pushes];
         self.unknowns = vec![0.0; self.plan.unknowns];
@@ -312,11 +316,15 @@ impl Constraints {
                     self.passed[end.link] += Wrench::ZERO - wrench;
                 }
             }
-            for (at, link) in way.iter().enumerate() {
+            let mut at = group.pushes + k;
+            for link in way {
                 let tau = self.rules[*row].tau(*link);
                 let mut e = self.passed[*link];
-                let (u, du) = reduction.pass(model, motion, *link, tau, &mut e);
-                self.pushes[group.pushes + at * group.rows.len() + k] = [u, du];
+                let pushes = &mut self.pushes;
+                reduction.pass(model, motion, *link, tau, &mut e, |push| {
+                    pushes[at] = push;
+                    at += group.rows.len();
+                });
                 self.passed[model.links[*link].parent] += e.shifted(motion.links[*link].arm);
             }
         }

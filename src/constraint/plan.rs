@@ -15,7 +15,7 @@ pub(super) struct Group {
     pub(super) rows: Vec<usize>,
     /// Unknown of its first row.
     pub(super) first: usize,
-    /// Where its pushes begin: one per link of its way and row.
+    /// Where its pushes begin: one per part of the links of its way and row.
     pub(super) pushes: usize,
 }
 
@@ -32,7 +32,7 @@ pub(super) struct Plan {
     pub(super) groups: Vec<Group>,
     /// Every pair of groups that meet, the later one first; a group meets itself.
     pub(super) meetings: Vec<Meeting>,
-    /// Places on the ways of both groups of a meeting.
+    /// Places of the parts on the ways of both groups of a meeting.
     pub(super) common: Vec<[u32; 2]>,
     /// Number of unknowns.
     pub(super) unknowns: usize,
@@ -43,8 +43,9 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// The plan for `rows_of` each element; `ways` are the links from the ends to the root, tips first.
-    pub(super) fn new(rows_of: Vec<Vec<usize>>, ways: &[Vec<usize>]) -> Self {
+    /// The plan for `rows_of` each element; `ways` are the links from the ends to the root, tips first, and `parts` how many
+    /// pushes there are at each link.
+    pub(super) fn new(rows_of: Vec<Vec<usize>>, ways: &[Vec<usize>], parts: &[usize]) -> Self {
         let with_rows: Vec<usize> = (0..ways.len()).filter(|element| !rows_of[*element].is_empty()).collect();
         let order = reordered(&with_rows, ways);
         let mut plan = Self::default();
@@ -52,7 +53,7 @@ impl Plan {
             let rows = rows_of[element].clone();
             let group = Group { element, first: plan.unknowns, pushes: plan.pushes, rows };
             plan.unknowns += group.rows.len();
-            plan.pushes += group.rows.len() * ways[element].len();
+            plan.pushes += group.rows.len() * ways[element].iter().map(|link| parts[*link]).sum::<usize>();
             plan.groups.push(group);
         }
         let mut at_link: Vec<Vec<usize>> = Vec::new();
@@ -65,7 +66,7 @@ impl Plan {
             let mut first_column = plan.groups[later].first;
             for other in earlier {
                 let start = plan.common.len();
-                meet(way, &ways[plan.groups[other].element], &mut plan.common);
+                meet([way, &ways[plan.groups[other].element]], parts, &mut plan.common);
                 plan.meetings.push(Meeting { groups: [later, other], common: start..plan.common.len() });
                 first_column = first_column.min(plan.groups[other].first);
             }
@@ -86,18 +87,24 @@ impl Plan {
     }
 }
 
-/// The places that two ways, both from tips to root, have in common.
-fn meet(one: &[usize], other: &[usize], common: &mut Vec<[u32; 2]>) {
+/// The places of the parts that two ways, both from tips to root, have in common.
+fn meet([one, other]: [&[usize]; 2], parts: &[usize], common: &mut Vec<[u32; 2]>) {
+    let (mut one, mut other) = (one.iter().peekable(), other.iter().peekable());
     let (mut i, mut j) = (0, 0);
-    while i < one.len() && j < other.len() {
-        match one[i].cmp(&other[j]) {
-            std::cmp::Ordering::Equal => {
-                common.push([i as u32, j as u32]);
-                i += 1;
-                j += 1;
-            }
-            std::cmp::Ordering::Greater => i += 1,
-            std::cmp::Ordering::Less => j += 1,
+    while let (Some(a), Some(b)) = (one.peek(), other.peek()) {
+        let (here, there) = (parts[**a], parts[**b]);
+        if a == b {
+            common.extend((0..here).map(|part| [(i + part) as u32, (j + part) as u32]));
+        }
+        // Tips first: a link that comes later has a lower index.
+        let (next, after) = (a >= b, b >= a);
+        if next {
+            one.next();
+            i += here;
+        }
+        if after {
+            other.next();
+            j += there;
         }
     }
 }
@@ -152,7 +159,7 @@ mod tests {
         let loops = 12;
         let shuffled: Vec<usize> = (0..loops).map(|i| (7 * i) % loops).collect();
         let ways: Vec<Vec<usize>> = shuffled.iter().map(|i| vec![2 * i + 3, 2 * i + 2, 2 * i + 1]).collect();
-        let plan = Plan::new(vec![vec![0, 1]; loops], &ways);
+        let plan = Plan::new(vec![vec![0, 1]; loops], &ways, &vec![1; 2 * loops + 2]);
         for (row, first) in plan.first_columns.iter().enumerate() {
             assert!(row - first <= 3, "row {row} starts at {first}");
         }

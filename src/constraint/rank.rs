@@ -126,9 +126,7 @@ impl Constraints {
         let levers = lengths(model, &self.elements, &self.rules, motion);
         let (mut of_unknown, mut slides) = (Vec::new(), vec![false; model.velocity_count()]);
         self.plan.groups.iter().for_each(|group| of_unknown.extend(group.rows.iter().map(|_| group.element)));
-        for link in model.links.iter().filter(|link| link.joint.is_slide()) {
-            slides[link.velocity] = true;
-        }
+        model.lengths().for_each(|velocity| slides[velocity] = true);
         let inner = self.between_ends(model);
         let mut entries: Vec<Vec<(usize, f64)>> = vec![Vec::new(); of_unknown.len()];
         self.gradient(model, motion, |unknown, velocity, entry| {
@@ -212,6 +210,8 @@ impl super::Element {
 fn around(model: &Model, closing: &Closing, components: &[Vec<usize>], attempt: usize) -> Vec<f64> {
     let mut step = vec![0.0; model.velocity_count()];
     let elements = &closing.rows.elements;
+    let mut slides = vec![false; step.len()];
+    model.lengths().for_each(|velocity| slides[velocity] = true);
     let sizes = lengths(model, elements, &closing.rows.rules, &closing.motion);
     for component in components.iter().filter(|component| !component.is_empty()) {
         let reach = sizes[component[0]].reach;
@@ -220,9 +220,9 @@ fn around(model: &Model, closing: &Closing, components: &[Vec<usize>], attempt: 
         links.dedup();
         let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ ((attempt as u64) << 32));
         for link in links.into_iter().map(|link| &model.links[link]) {
-            let per = if link.joint.is_slide() { AROUND * reach } else { AROUND };
-            let (_, count) = link.joint.counts();
-            step[link.velocity..link.velocity + count].iter_mut().for_each(|x| *x = per * random.next());
+            for i in link.velocity..link.velocity + link.joint.counts().1 {
+                step[i] = if slides[i] { AROUND * reach } else { AROUND } * random.next();
+            }
         }
     }
     step

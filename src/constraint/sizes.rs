@@ -67,7 +67,12 @@ impl Constraints {
                     let (force, moment) = passed[*link];
                     let (_, count) = given.joint.counts();
                     let along = force.norm();
-                    let size = if given.joint.is_slide() { along } else { moment + given.joint.pitch().abs() * along };
+                    let size = match (given.joint.is_slide(), given.joint.is_flex()) {
+                        (true, _) => along,
+                        // Stretch and shear feel the force; bending and twist have at most the element's length as their lever.
+                        (_, true) => along.max(moment + at.arm.norm() * along),
+                        _ => moment + given.joint.pitch().abs() * along,
+                    };
                     squares[given.velocity..given.velocity + count].iter_mut().for_each(|sum| *sum += size * size);
                     let parent = &mut passed[given.parent];
                     parent.0 += force;

@@ -28,5 +28,5 @@ mod variation;
 pub(crate) use exponential::{bracket, halves, joined};
 pub(crate) use motion::row;
 pub use motion::{RodMotion, Station};
-pub use rod::{Local, Rod, RodSection, Slice};
+pub use rod::{Local, MOST_COORDINATES, Rod, RodSection, Slice};
 pub use variation::{RodDirection, RodPoint};

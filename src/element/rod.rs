@@ -30,6 +30,9 @@ fn lobatto(degree: usize) -> Vec<(f64, f64)> {
     }
 }
 
+/// Coordinates of an element, at most: six strains of degree 2.
+pub const MOST_COORDINATES: usize = 18;
+
 /// What a cross section has per length, in its own axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RodSection {

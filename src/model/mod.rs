@@ -268,6 +268,17 @@ impl Model {
         self.motors.iter().map(force).collect()
     }
 
+    /// Velocity coordinates that are lengths: of slides, and of flexible elements that stretch or shear.
+    pub fn lengths(&self) -> impl Iterator<Item = usize> + '_ {
+        self.links.iter().flat_map(move |link| {
+            let is_length = move |k: &usize| match link.joint.rod() {
+                Some(rod) => self.rods[rod].strain_of(*k) < 3,
+                None => link.joint.is_slide(),
+            };
+            (0..link.joint.counts().1).filter(is_length).map(|k| link.velocity + k)
+        })
+    }
+
     /// A velocity coordinate for people: the body's name, and which coordinate where its hinge has several.
     pub fn label(&self, velocity: usize) -> String {
         let body = &self.bodies[self.coordinates[velocity].body];

@@ -274,7 +274,6 @@ impl<'a> Tree<'a> {
         };
         let carrier = |place: &Place| (end(place), turn(place));
         let mut problems = couple(self.description, loops, &carrier, &mut model);
-        problems.extend(beyond_beams(&model));
         if problems.is_empty() {
             problems = output::compile(self.description, asked, &carrier, &mut model);
         }
@@ -283,52 +282,6 @@ impl<'a> Tree<'a> {
         }
         if problems.is_empty() { Ok(model) } else { Err(problems) }
     }
-}
-
-/// Rows and stops that reach through flexible beams, which the sweeps do not pass loads through yet.
-fn beyond_beams(model: &Model) -> Vec<Problem> {
-    let flexible = |link: usize| {
-        let mut at = link;
-        while at != 0 && !model.links[at].joint.is_flex() {
-            at = model.links[at].parent;
-        }
-        at != 0
-    };
-    let of_velocity = |velocity: usize| {
-        let owns = |link: &Link| (link.velocity..link.velocity + link.joint.counts().1).contains(&velocity);
-        model.links.iter().skip(1).position(owns).is_some_and(|at| flexible(at + 1))
-    };
-    let mut problems = Vec::new();
-    let mut refuse = |element: Element, field: &str, what: String| {
-        problems.push(Problem {
-            element,
-            field: field.to_owned(),
-            message: format!("{what} reaches through a flexible beam: that is not there yet"),
-            help: Some("a stiff spring or a bushing between the same points can stand for it".to_owned()),
-        });
-    };
-    for (index, closed) in model.loops.iter().enumerate() {
-        if closed.ends.iter().any(|end| flexible(end.link)) {
-            refuse(Element::Loop(index), "between", format!("loop `{}`", closed.name));
-        }
-    }
-    for (index, drive) in model.drives.iter().enumerate() {
-        if of_velocity(drive.coordinate.velocity) {
-            refuse(Element::Drive(index), "on", format!("drive `{}`", drive.name));
-        }
-    }
-    for (index, gear) in model.gears.iter().enumerate() {
-        if gear.coordinates.iter().any(|coordinate| of_velocity(coordinate.velocity)) {
-            refuse(Element::Gear(index), "of", format!("gear `{}`", gear.name));
-        }
-    }
-    let stopped = model.stops.iter().map(|stop| stop.velocity);
-    let rubbed = model.hinge_friction.iter().map(|friction| friction.velocity);
-    for velocity in stopped.chain(rubbed).filter(|velocity| of_velocity(*velocity)) {
-        let body = model.coordinates[velocity].body;
-        refuse(Element::Body(body), "hinge", format!("a stop or dry friction of `{}`", model.bodies[body].name));
-    }
-    problems
 }
 
 impl Tree<'_> {

@@ -6,6 +6,8 @@ mod part;
 mod refine;
 mod way;
 
+pub use way::parts;
+
 use super::flexible::RodPivot;
 use super::plan::{Place, plan};
 use super::{LinkAcceleration, along};

@@ -1,5 +1,6 @@
 //! Flexible beams.
 
+mod closed;
 mod scenes;
 mod statics;
 mod sweeps;

@@ -450,11 +450,7 @@ impl<'s> Landscape<'s> {
 /// Which velocity coordinates are distances.
 pub(in crate::statics) fn slides(model: &Model) -> Vec<bool> {
     let mut slides = vec![false; model.velocity_count()];
-    for link in &model.links {
-        if link.joint.is_slide() {
-            slides[link.velocity] = true;
-        }
-    }
+    model.lengths().for_each(|velocity| slides[velocity] = true);
     slides
 }
 

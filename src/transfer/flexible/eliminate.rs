@@ -117,6 +117,23 @@ impl RodPivot {
         })
     }
 
+    /// Eqs. (3) for a load on the tip alone, nothing of it kept: `y = L⁻¹ u`, so that `uᵀ D⁻¹ u = yᵀ y`, and what the tip's link
+    /// passes on, as seen at the tip.
+    pub(in crate::transfer) fn pass(
+        &self,
+        (at, arm): (&RodMotion, &Vector3<f64>),
+        e: &Wrench,
+        y: &mut [f64],
+    ) -> Wrench {
+        y.iter_mut().enumerate().for_each(|(i, y)| *y = -at.project(i, e));
+        self.pivot.forward(y, |y, factor, other| *y += factor * other, |y, factor| *y *= factor);
+        let more = self.columns.iter().zip(&*y).fold(Wrench::ZERO, |mut sum, (g, y)| {
+            sum.add_times(*y, g);
+            sum
+        });
+        *e + more.shifted(-arm)
+    }
+
     /// Eq. (3): `q̈` from the acceleration of the parent link.
     #[inline(never)]
     pub(in crate::transfer) fn solve(&self, parent: &LinkAcceleration, second: &mut [f64]) {

@@ -1,11 +1,17 @@
 //! Loads whose effect is wanted in few places: passed over the way to the root only.
 
 use super::{Load, Reduction, Singular, along};
-use crate::model::{Joint, Model};
+use crate::element::MOST_COORDINATES;
+use crate::model::{Joint, Link, Model};
 use crate::motion::Motion;
 use crate::spatial::Wrench;
 use crate::transfer::LinkAcceleration;
 use nalgebra::Vector3;
+
+/// In how many parts of three coordinates [`Reduction::pass`] gives what it does at a link: one, but for flexible elements.
+pub fn parts(link: &Link) -> usize {
+    if link.joint.is_flex() { link.joint.counts().1.div_ceil(3) } else { 1 }
+}
 
 impl Reduction {
     /// The factorization alone, for [`Reduction::solve`] and [`Reduction::pass`]; `tau` is any number per velocity.
@@ -17,8 +23,9 @@ impl Reduction {
         self.factorize(model, motion, &Load { applied: &[], tau }).map(|_| ())
     }
 
-    /// Eq. (6) at one hinge for a load without velocity terms: takes `e` across it and gives `u` and `D⁻¹ u` (of a ball
-    /// three numbers, else the first). `tau` is the hinge force on a single coordinate.
+    /// Eq. (6) at one hinge for a load without velocity terms: takes `e` across it and puts `u` and `D⁻¹ u`, three numbers a
+    /// [part](parts) of its coordinates, zero for those it does not have. `tau` is the hinge force on a single coordinate. Of a
+    /// flexible element both are `L⁻¹ u` with `D = L Lᵀ`.
     ///
     /// Over the ways from loaded links to the root these are the only ones that are not zero, and for any two loads
     /// `b`, `c` it is `bᵀ M⁻¹ c = Σ uᵦ · D⁻¹ u꜀`: small systems of loads need no outward sweep.
@@ -30,22 +37,27 @@ impl Reduction {
         index: usize,
         tau: f64,
         e: &mut Wrench,
-    ) -> (Vector3<f64>, Vector3<f64>) {
+        mut put: impl FnMut([Vector3<f64>; 2]),
+    ) {
         let (link, at) = (&model.links[index], &motion.links[index]);
         match link.joint {
-            // Models with flexible elements pass loads by [`Reduction::solve`].
-            Joint::None | Joint::Flex { .. } => (Vector3::zeros(), Vector3::zeros()),
+            Joint::None => put([Vector3::zeros(); 2]),
             Joint::Ball { .. } => {
                 let (u, step, passed) = self.balls[self.plan[index].ball as usize].pass(at, e);
                 *e = passed;
-                (u, step)
+                put([u, step]);
             }
-            _ => {
+            Joint::Flex { rod, count } => {
+                let mut y = [0.0; MOST_COORDINATES];
+                *e = self.rods[rod].pass((&motion.rods[rod], &at.arm), e, &mut y[..count]);
+                y.chunks_exact(3).take(parts(link)).for_each(|y| put([Vector3::from_column_slice(y); 2]));
+            }
+            Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => {
                 let left = &self.hinges[index];
                 let u = tau - along(&link.joint, &at.axis, e);
                 let step = left.inverse * u;
                 *e += left.SH.times(step);
-                (Vector3::new(u, 0.0, 0.0), Vector3::new(step, 0.0, 0.0))
+                put([Vector3::new(u, 0.0, 0.0), Vector3::new(step, 0.0, 0.0)]);
             }
         }
     }

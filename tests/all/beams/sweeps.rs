@@ -73,6 +73,11 @@ fn beam(random: &mut Random, name: &str, hinge: HingeDescription) -> BeamDescrip
 
 /// Beams on bodies on beams.
 fn scene(random: &mut Random, conservative: bool) -> Arc<Model> {
+    Model::build(&description(random, conservative)).expect("a sound scene")
+}
+
+/// Its bodies, the last of which is on a turn.
+pub(super) fn description(random: &mut Random, conservative: bool) -> Description {
     let root = hinge(random);
     let body = HingeDescription::revolute(random.vector(1.0)).on("one", "tip");
     let first = beam(random, "one", root);
@@ -91,11 +96,11 @@ fn scene(random: &mut Random, conservative: bool) -> Arc<Model> {
     if conservative {
         description.beams.iter_mut().filter_map(|beam| beam.load.as_mut()).for_each(|load| load.follows = false);
     }
-    Model::build(&description).expect("a sound scene")
+    description
 }
 
 /// Positions, velocities and accelerations in which elements turn and stretch by tenths.
-fn state(random: &mut Random, model: &Model) -> [Vec<f64>; 3] {
+pub(super) fn state(random: &mut Random, model: &Model) -> [Vec<f64>; 3] {
     let n = model.velocity_count();
     let mut by = vec![0.0; n];
     by.iter_mut().for_each(|x| *x = 0.3 * random.between(-1.0, 1.0));

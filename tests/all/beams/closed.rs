@@ -1,0 +1,172 @@
+//! Beams that loops, drives and gears close: the sweeps against the dense equations of motion with rows by differences.
+
+use super::sweeps::{description, state};
+use crate::common::Random;
+use nalgebra::{DMatrix, DVector, Isometry3, Point3};
+use std::sync::Arc;
+use stillpoint::dynamics::System;
+use stillpoint::model::couplings::{
+    Closure, CoordinateName, DriveDescription, GearDescription, GearKind, LoopDescription, MotionDescription,
+};
+use stillpoint::model::description::{Attachment, GROUND};
+use stillpoint::model::{Model, Scalar};
+
+/// A scene without its couplings, the same with them, and the gap of each.
+struct Closed {
+    free: Arc<Model>,
+    model: Arc<Model>,
+    rods: Vec<([(Option<usize>, Point3<f64>); 2], f64)>,
+    driven: Option<Scalar>,
+    geared: Option<([Scalar; 2], f64)>,
+}
+
+fn poses(model: &Arc<Model>, q: &[f64]) -> Vec<Isometry3<f64>> {
+    let (mut system, mut poses) = (System::new(model), Vec::new());
+    system.at(0.0, q, &vec![0.0; model.velocity_count()]).poses(&mut poses);
+    poses
+}
+
+impl Closed {
+    /// One to three rods, with a drive or a gear on the hinges that beams carry in half of the scenes. `None` where the scene as
+    /// drawn has no accelerations even without: a straight rod on a ball that has no inertia about itself.
+    fn some(random: &mut Random) -> Option<Self> {
+        let description = description(random, false);
+        let free = Model::build(&description).expect("a sound scene");
+        let rest = vec![0.0; free.velocity_count()];
+        System::new(&free).at(0.0, &free.start_position, &rest).accelerations(&mut rest.clone()).ok()?;
+        let tip = |beam: &str| {
+            free.beams.iter().find(|one| one.name == beam).and_then(|one| one.elements.last()).map(|last| last.body)
+        };
+        let bob = free.body("bob").expect("a body");
+        let (ground, origin) = (Point3::from(random.vector(1.5)), Point3::origin());
+        let eye = Point3::from(random.vector(0.3));
+        let mut ends = vec![
+            ([("two", None), (GROUND, Some(ground))], [(tip("two"), origin), (None, ground)]),
+            ([("bob", Some(eye)), ("two", None)], [(Some(bob), eye), (tip("two"), origin)]),
+            ([("one", None), (GROUND, Some(-ground))], [(tip("one"), origin), (None, -ground)]),
+        ];
+        ends.truncate(1 + random.below(3));
+        let mut closed = Self { model: free.clone(), rods: Vec::new(), driven: None, geared: None, free };
+        let mut tied = description;
+        for (index, (names, ends)) in ends.into_iter().enumerate() {
+            let length = closed.distance(&poses(&closed.free, &closed.free.start_position), &ends);
+            let attachment = |(body, at): (&str, Option<Point3<f64>>)| match at {
+                Some(at) => Attachment::from((body, [at.x, at.y, at.z])),
+                None => Attachment::from((body, "tip")),
+            };
+            tied = tied.closure(LoopDescription {
+                name: format!("rod {index}"),
+                closure: Closure::Rod { length },
+                between: names.map(attachment),
+                frame: Default::default(),
+                second_frame: None,
+            });
+            closed.rods.push((ends, length));
+        }
+        let coordinate = |body: &str| CoordinateName { body: body.to_owned(), index: 0 };
+        let scalar = |body: usize| {
+            let (link, hinge) = (closed.free.bodies[body].link, &closed.free.bodies[body].hinge);
+            Scalar { link, position: hinge.position, velocity: hinge.velocity, slides: false }
+        };
+        let root = closed.free.beams[0].root;
+        let is_turn = closed.free.bodies[root].hinge.kind.name() == "revolute";
+        match random.below(4) {
+            0 => {
+                let rate = random.between(-1.0, 1.0);
+                let motion = MotionDescription::Rate { rate };
+                tied = tied.drive(DriveDescription { name: "drive".to_owned(), coordinate: coordinate("bob"), motion });
+                closed.driven = Some(scalar(bob));
+            }
+            1 if is_turn => {
+                let ratio = random.between(0.5, 2.0);
+                let between = [coordinate("bob"), coordinate("one")];
+                let kind = GearKind::Ratio { ratio };
+                tied = tied.gear(GearDescription { name: "gear".to_owned(), between, kind, offset: None });
+                closed.geared = Some(([scalar(bob), scalar(root)], ratio));
+            }
+            _ => {}
+        }
+        let model = Model::build(&tied).expect("a sound scene");
+        let (model, _) = stillpoint::constraint::assemble(model).expect("closed as drawn");
+        Some(Self { model, ..closed })
+    }
+
+    fn distance(&self, poses: &[Isometry3<f64>], ends: &[(Option<usize>, Point3<f64>); 2]) -> f64 {
+        let [a, b] = ends.map(|(body, at)| body.map_or(at, |body| poses[body] * at));
+        (b - a).norm()
+    }
+
+    /// Gaps of all couplings without what time adds to them.
+    fn gaps(&self, q: &[f64]) -> DVector<f64> {
+        let poses = poses(&self.free, q);
+        let mut gaps: Vec<f64> = self.rods.iter().map(|(ends, length)| self.distance(&poses, ends) - length).collect();
+        gaps.extend(self.driven.map(|scalar| q[scalar.position]));
+        gaps.extend(self.geared.map(|([one, other], ratio)| q[one.position] - ratio * q[other.position]));
+        DVector::from_vec(gaps)
+    }
+
+    /// Moved by a multiple of rates.
+    fn moved(&self, q: &[f64], v: &[f64], time: f64) -> Vec<f64> {
+        let mut moved = q.to_vec();
+        System::displace(&self.free, &mut moved, &v.iter().map(|v| time * v).collect::<Vec<_>>());
+        moved
+    }
+}
+
+/// `[M Gᵀ; G 0]` with `M` and the load from the scene without couplings, `G` and `Ġ v` from differences of gaps.
+fn dense(closed: &Closed, q: &[f64], v: &[f64]) -> (DVector<f64>, DMatrix<f64>) {
+    let n = v.len();
+    let mut system = System::new(&closed.free);
+    let mut residual = |a: &[f64]| {
+        let mut out = vec![0.0; n];
+        system.at(0.0, q, v).residual(a, &mut out).expect("finite");
+        DVector::from_vec(out)
+    };
+    let load = residual(&vec![0.0; n]);
+    let unit = |j: usize| (0..n).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
+    let columns: Vec<DVector<f64>> = (0..n).map(|j| residual(&unit(j)) - &load).collect();
+    let mass = DMatrix::from_columns(&columns);
+    let weights = [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)];
+    let h = 1e-3;
+    let column = |j: usize| {
+        let at = |times: f64| closed.gaps(&closed.moved(q, &unit(j), times * h));
+        weights.iter().map(|(times, weight)| at(*times) * (weight / (12.0 * h))).sum::<DVector<f64>>()
+    };
+    let rows = DMatrix::from_columns(&(0..n).map(column).collect::<Vec<_>>());
+    let at = |times: f64| closed.gaps(&closed.moved(q, v, times * h));
+    let second = [(-2.0, -1.0), (-1.0, 16.0), (0.0, -30.0), (1.0, 16.0), (2.0, -1.0)];
+    let bias: DVector<f64> = second.iter().map(|(times, weight)| at(*times) * (weight / (12.0 * h * h))).sum();
+    let m = bias.len();
+    let mut matrix = DMatrix::zeros(n + m, n + m);
+    matrix.view_mut((0, 0), (n, n)).copy_from(&mass);
+    matrix.view_mut((n, 0), (m, n)).copy_from(&rows);
+    matrix.view_mut((0, n), (n, m)).copy_from(&rows.transpose());
+    let right = DVector::from_iterator(n + m, load.iter().chain(bias.iter()).map(|x| -x));
+    let solution = matrix.lu().solve(&right).expect("independent rows");
+    (solution.rows(0, n).into_owned(), mass)
+}
+
+#[test]
+fn couplings_through_beams_accelerate_as_the_dense_equations_say() {
+    let mut tried = 0;
+    for seed in 0..100 {
+        let mut random = Random::new(9000 + seed);
+        let Some(closed) = Closed::some(&mut random) else { continue };
+        let [_, v, _] = state(&mut random, &closed.free);
+        let q = closed.model.start_position.clone();
+        let (expected, mass) = dense(&closed, &q, &v);
+        // Dense factors of the columns that differences gave have no more digits than that.
+        let scale = mass.diagonal().map(|x| 1.0 / x.sqrt());
+        let scaled = DMatrix::from_fn(v.len(), v.len(), |i, j| scale[i] * mass[(i, j)] * scale[j]);
+        if !(scaled.symmetric_eigenvalues().min() > 1e-8) {
+            continue;
+        }
+        tried += 1;
+        let mut found = vec![0.0; v.len()];
+        System::new(&closed.model).at(0.0, &q, &v).accelerations(&mut found).expect("no singular hinge");
+        let size = |a: &DVector<f64>| a.dot(&(&mass * a)).abs().sqrt();
+        let off = size(&(DVector::from_vec(found) - &expected)) / size(&expected);
+        assert!(off < 1e-6, "seed {seed}: {off:.1e} of the accelerations");
+    }
+    assert!(tried > 60, "{tried}");
+}
