@@ -5,7 +5,6 @@ use crate::model::Model;
 use crate::model::problem::number;
 use crate::statics::Equilibrium;
 use serde_json::{Map, Value, json};
-use std::fmt::Write as _;
 use std::sync::Arc;
 
 /// The beams at a state, in balance with accelerations; at rest if there are none.
@@ -50,24 +49,30 @@ pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<Option<St
     Ok((!beams.is_empty()).then(|| text(&beams)))
 }
 
-/// Tip, largest moment and where, and the discretization error.
+/// Of a beam its tip and the largest moment, of a cable its tensions; and the discretization error.
 fn text(beams: &[BeamState]) -> String {
-    let mut out = String::new();
+    let mut lines = Vec::new();
     for beam in beams {
-        let p = beam.tip.translation.vector;
+        lines.push(format!("  {:<10} `{}`", if beam.is_cable { "cable" } else { "beam" }, beam.name));
+        let mut line = |what: &str, text: String| lines.push(format!("    {what:<10} {text}"));
+        let by = |of: &dyn Fn(&SectionForces) -> f64| beam.sections.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
         let moment = |section: &SectionForces| section.forces.fixed_rows::<3>(3).norm();
-        let largest = beam.sections.iter().max_by(|a, b| moment(a).total_cmp(&moment(b)));
-        let _ = writeln!(out, "  beam `{}`", beam.name);
-        let _ = writeln!(out, "    tip        {} {} {} m", number(p.x), number(p.y), number(p.z));
-        if let Some(section) = largest {
-            let _ = writeln!(out, "    moment     {} N m at s = {} m", number(moment(section)), number(section.s));
+        if beam.is_cable {
+            let tension = |section: &SectionForces| section.forces[0];
+            if let (Some(least), Some(most)) = (by(&|section| -tension(section)), by(&tension)) {
+                let [least, most] =
+                    [least, most].map(|at| format!("{} N at s = {} m", number(tension(at)), number(at.s)));
+                line("tension", format!("{least} to {most}"));
+            }
+        } else {
+            let p = beam.tip.translation.vector;
+            line("tip", format!("{} {} {} m", number(p.x), number(p.y), number(p.z)));
+            if let Some(most) = by(&moment) {
+                line("moment", format!("{} N m at s = {} m", number(moment(most)), number(most.s)));
+            }
         }
-        let _ = writeln!(
-            out,
-            "    error      {} of the section forces (discretization)",
-            number(beam.discretization_error)
-        );
+        let error = number(beam.discretization_error);
+        line("error", format!("{error} of the section forces (discretization)"));
     }
-    out.truncate(out.trim_end().len());
-    out
+    lines.join("\n")
 }

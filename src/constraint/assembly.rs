@@ -410,10 +410,14 @@ fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
     crate::motion::displace(model, q, &step);
 }
 
-/// The largest change of a coordinate (rad, or part of the scene's length).
+/// The largest change of a coordinate that was given (rad, or part of the scene's length): those of cables are not.
 fn largest_move(model: &Model, from: &[f64], to: &[f64]) -> f64 {
     let mut largest = 0.0_f64;
-    for link in &model.links {
+    let of_cables = |body: usize| {
+        let mut cables = model.beams.iter().filter(|beam| beam.is_cable);
+        cables.any(|cable| (cable.root..=cable.root + cable.elements.len()).contains(&body))
+    };
+    for link in model.links.iter().filter(|link| !of_cables(link.body)) {
         let per = link.joint.unit(model.length_scale());
         let (count, _) = link.joint.counts();
         for i in link.position..link.position + count {

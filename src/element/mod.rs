@@ -18,6 +18,7 @@
 //! The coordinates are lengths (stretch, shear; m) and angles (twist, bend; rad) over one element. Across a step a station
 //! moves as a link does across a hinge whose motion subspace is `Z`; [`RodMotion`] has that in inertial axes.
 
+pub mod catenary;
 mod exponential;
 mod motion;
 pub mod pivot;
@@ -28,5 +29,6 @@ mod variation;
 pub(crate) use exponential::{bracket, halves, joined};
 pub(crate) use motion::row;
 pub use motion::{RodMotion, Station};
+pub(crate) use rod::quadrature;
 pub use rod::{Local, MOST_COORDINATES, Rod, RodSection, Slice};
 pub use variation::{RodDirection, RodPoint};

@@ -15,6 +15,11 @@ const GAUSS: [(f64, f64); 6] = [
     (0.932_469_514_203_152, 0.171_324_492_379_170_36),
 ];
 
+/// Nodes in 0 … 1 and weights of a quadrature that is exact to degree 11.
+pub(crate) fn quadrature() -> impl Iterator<Item = (f64, f64)> {
+    GAUSS.into_iter().map(|(t, w)| (0.5 * (1.0 + t), 0.5 * w))
+}
+
 /// Legendre polynomials `P₀ … P₂`.
 fn legendre(t: f64) -> [f64; 3] {
     [1.0, t, 0.5 * (3.0 * t * t - 1.0)]
@@ -133,6 +138,21 @@ impl Rod {
         }
     }
 
+    /// The coordinates whose strains are nearest to given ones: by (1) the projection on the polynomials.
+    pub fn fit(&self, strain: impl Fn(f64) -> Vector6<f64>) -> Vec<f64> {
+        let mut q = vec![0.0; self.count()];
+        for (t, w) in GAUSS {
+            let p = legendre(t);
+            let reference: Vector6<f64> = self.reference.iter().zip(p).map(|(of, p)| p * of).sum();
+            let beyond = strain(0.5 * self.length * (1.0 + t)) - reference;
+            for (i, q) in q.iter_mut().enumerate() {
+                let degree = i / self.free.len();
+                *q += 0.5 * w * self.length * (2 * degree + 1) as f64 * p[degree] * beyond[self.strain_of(i)];
+            }
+        }
+        q
+    }
+
     /// Number of coordinates, `m`.
     pub fn count(&self) -> usize {
         self.free.len() * (self.degree + 1)
@@ -178,6 +198,16 @@ impl Rod {
             strain[self.strain_of(i)] += p[i / self.free.len()] * q / self.length;
         }
         strain
+    }
+
+    /// The length of the centre line with these strains (m).
+    pub fn stretched(&self, q: &[f64]) -> f64 {
+        let length_at = |(t, w): (f64, f64)| {
+            let s = 0.5 * self.length * (1.0 + t);
+            let reference: Vector6<f64> = self.reference.iter().zip(legendre(t)).map(|(of, p)| p * of).sum();
+            0.5 * w * self.length * (reference + self.strained(s, q)).fixed_rows::<3>(0).norm()
+        };
+        GAUSS.into_iter().map(length_at).sum()
     }
 
     /// The largest angle that one of the steps turns by, and that the whole element does (rad).

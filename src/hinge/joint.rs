@@ -1,6 +1,6 @@
 //! The elementary joints that hinges consist of.
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
 /// The elementary joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,6 +117,20 @@ impl Joint {
     #[inline]
     pub fn unit(&self, length: f64) -> f64 {
         if self.is_slide() { length } else { 1.0 }
+    }
+
+    /// The link in its hinge frame, at its coordinates; `None` of a flexible element, which its own numbers place.
+    pub fn pose(&self, q: &[f64]) -> Option<Isometry3<f64>> {
+        let about_z = |angle: f64| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+        let shifted = |by: Vector3<f64>, turn| Isometry3::from_parts(by.into(), turn);
+        match self {
+            Self::None => Some(Isometry3::identity()),
+            Self::Turn => Some(shifted(Vector3::zeros(), about_z(q[0]))),
+            Self::Slide { axis } => Some(shifted(q[0] * axis, UnitQuaternion::identity())),
+            Self::Screw { pitch } => Some(shifted(pitch * q[0] * Vector3::z(), about_z(q[0]))),
+            Self::Ball { .. } => Some(shifted(Vector3::zeros(), quaternion(q))),
+            Self::Flex { .. } => None,
+        }
     }
 
     /// A turn about an axis of the hinge frame, with the axes of its link.

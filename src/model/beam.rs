@@ -3,13 +3,15 @@
 //! A beam of N elements becomes N + 1 bodies: one on the beam's own hinge, then one at the tip of every element. The first
 //! keeps the beam's name, the others are numbered; a point given on the beam's name alone is one of its tip.
 
+mod cable;
 mod check;
 mod expand;
 
+pub(super) use cable::lay;
 pub(super) use check::check;
 pub(super) use expand::{Bodies, Expanded, expand};
 
-use super::description::HingeDescription;
+use super::description::{Attachment, HingeDescription};
 pub use crate::element::section::{Material, Section};
 use nalgebra::{Matrix6, Vector3, Vector6};
 
@@ -44,6 +46,22 @@ pub struct BeamDescription {
     pub markers: Vec<(String, f64)>,
     /// Force per length beside gravity.
     pub load: Option<LineLoad>,
+    /// In place of the section's bending stiffness (N m²).
+    pub bending: Option<f64>,
+    /// Of a cable, where it ends.
+    pub far: Option<FarEnd>,
+}
+
+/// Where a cable ends, and how. Its root hinge says on which body it begins and where; its kind and its frame follow from the
+/// given positions: the beam's x axis points along the cable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FarEnd {
+    /// Where.
+    pub at: Attachment,
+    /// Whether the start and the end are clamped along the chord of the given positions; otherwise they are free to swing.
+    pub clamped: [bool; 2],
+    /// The tension at its start in the given positions, from which the unstretched length follows (N).
+    pub pretension: Option<f64>,
 }
 
 /// The centre line of a beam without strain.
@@ -105,6 +123,8 @@ pub struct Beam {
     pub elements: Vec<BeamElement>,
     /// Unstrained (m).
     pub length: f64,
+    /// Whether it is a cable, closed at its far end: it begins in a shape that it is given.
+    pub is_cable: bool,
 }
 
 /// An element of a compiled beam.
@@ -181,7 +201,17 @@ impl BeamDescription {
             damping: 0.0,
             markers: Vec::new(),
             load: None,
+            bending: None,
+            far: None,
         }
+    }
+
+    /// A cable between two points, free to swing at both, that bends and stretches.
+    pub fn cable(name: &str, from: impl Into<Attachment>, to: impl Into<Attachment>) -> Self {
+        let from = from.into();
+        let far = FarEnd { at: to.into(), clamped: [false; 2], pretension: None };
+        let free = FreeStrains { bend: true, twist: false, stretch: true, shear: false };
+        Self { far: Some(far), free, ..Self::new(name, HingeDescription::fixed().on(&from.body, from.point)) }
     }
 
     /// Sets a straight centre line (m).
@@ -267,6 +297,9 @@ impl BeamDescription {
         if let Some(mass) = self.mass_per_length {
             let scale = if of.mass > 0.0 { mass / of.mass } else { 0.0 };
             (of.mass, of.rotary) = (mass, scale * of.rotary);
+        }
+        if let Some(bending) = self.bending {
+            (of.stiffness[(4, 4)], of.stiffness[(5, 5)]) = (bending, bending);
         }
         if let Some(rotary) = self.rotary {
             of.rotary = rotary;

@@ -16,16 +16,33 @@ pub(super) fn build(given: &Description) -> Result<Model, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    let whole = (!given.beams.is_empty()).then(|| beam::expand(given));
+    let whole = match given.beams.is_empty() {
+        true => None,
+        false => {
+            let (laid, shapes) = beam::lay(given)?;
+            // Cables have their lengths now.
+            let problems = beam::check(&laid);
+            if !problems.is_empty() {
+                return Err(problems);
+            }
+            Some(beam::expand(laid, &shapes))
+        }
+    };
     let built = build_expanded(whole.as_ref().map_or(given, |whole| &whole.description), whole.as_ref());
     built.map_err(|mut problems| {
         // A beam's own body stands in for it.
         let of_body = |body: usize| whole.as_ref()?.beams.iter().rposition(|beam| beam.root <= body);
         for problem in &mut problems {
-            if let Element::Body(body) = problem.element
-                && body >= given.bodies.len()
-            {
-                problem.element = of_body(body).map_or(problem.element, Element::Beam);
+            match problem.element {
+                Element::Body(body) if body >= given.bodies.len() => {
+                    problem.element = of_body(body).map_or(problem.element, Element::Beam);
+                }
+                Element::Loop(index) if index >= given.loops.len() => {
+                    let mut cables = (0..given.beams.len()).filter(|beam| given.beams[*beam].far.is_some());
+                    let cable = cables.nth(index - given.loops.len());
+                    problem.element = cable.map_or(problem.element, Element::Beam);
+                }
+                _ => {}
             }
         }
         problems

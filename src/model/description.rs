@@ -25,7 +25,7 @@
 //! assert_eq!((model.bodies.len(), model.degrees_of_freedom()), (2, 2));
 //! ```
 
-pub use super::beam::{BeamDescription, BeamShape, FreeStrains, LineLoad, Material, Section};
+pub use super::beam::{BeamDescription, BeamShape, FarEnd, FreeStrains, LineLoad, Material, Section};
 pub use super::contact::{ContactDescription, DryFriction};
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 pub use super::hinge_curve::{CurveOver, HingeCurveDescription};

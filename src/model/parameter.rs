@@ -8,7 +8,7 @@
 //! | `strut.length`, `strut.stiffness` | a spring's or rope's free length and stiffness; of a curve its length |
 //! | `mount.stiffness[3]`, `mount.preload[2]` | one stiffness of a bushing, one part of what it is preloaded with |
 //! | `tip.force[2]`, `tip.torque[0]` | a component of a load |
-//! | `blade.length`, `blade.young` | a straight beam's length, Young's modulus of a beam |
+//! | `blade.length`, `blade.young`, `stay.pretension` | a straight beam's or cable's length, Young's modulus, a cable's tension as given |
 //! | `left link.length`, `engine.rate` | a rod's length, the rate of a drive |
 //! | `servo.force`, `servo.stiffness` | the force of a motor, its gain |
 //! | `force[2].length`, `drive[0].rate` | of what stands there in the file, whatever its name |
@@ -117,6 +117,8 @@ pub enum Field {
     Young,
     /// Free length of a spring, rope or curve, length of a rod or a straight beam.
     Length,
+    /// Tension of a cable in the given positions.
+    Pretension,
     /// What a bushing pushes with where its frames coincide.
     Preload,
     /// Rate of a drive.
@@ -127,7 +129,7 @@ pub enum Field {
 
 impl Field {
     /// Those of elements.
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::Gravity,
         Self::Mass,
         Self::Young,
@@ -137,6 +139,7 @@ impl Field {
         Self::Force,
         Self::Torque,
         Self::Length,
+        Self::Pretension,
         Self::Preload,
         Self::Rate,
     ];
@@ -153,6 +156,7 @@ impl Field {
             Self::Force => "force",
             Self::Torque => "torque",
             Self::Length => "length",
+            Self::Pretension => "pretension",
             Self::Preload => "preload",
             Self::Rate => "rate",
             Self::Named => "parameters",
@@ -377,15 +381,16 @@ fn of_body(body: &BodyDescription, field: Field) -> Vec<Quantity> {
             let count = if positions == velocities { positions } else { positions - 4 };
             pick(Quantity::Length, Quantity::Angle).take(count).collect()
         }
-        Field::Gravity | Field::Young | Field::Torque | Field::Length | Field::Preload | Field::Rate | Field::Named => {
-            Vec::new()
-        }
+        Field::Gravity | Field::Young | Field::Torque | Field::Length => Vec::new(),
+        Field::Pretension | Field::Preload | Field::Rate | Field::Named => Vec::new(),
     }
 }
 
 fn of_beam(beam: &BeamDescription, field: Field) -> Option<Quantity> {
+    let is_tensioned = beam.far.as_ref().is_some_and(|far| far.pretension.is_some());
     match (field, &beam.shape) {
-        (Field::Length, BeamShape::Straight { .. }) => Some(Quantity::Length),
+        (Field::Length, BeamShape::Straight { .. }) if !is_tensioned => Some(Quantity::Length),
+        (Field::Pretension, _) => is_tensioned.then_some(Quantity::Force),
         (Field::Young, _) => beam.material.map(|_| Quantity::Plain),
         _ => None,
     }

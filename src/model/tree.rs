@@ -148,9 +148,10 @@ impl<'a> Tree<'a> {
             });
             self.start_velocity.push(value(&hinge.velocity, i));
         }
+        let strained = self.whole.and_then(|whole| whole.strained.get(&body)).unwrap_or(&hinge.position);
         for i in 0..positions {
             let identity = if i == scalars && positions != velocities { 1.0 } else { 0.0 };
-            let given = hinge.position.get(i).copied().unwrap_or(identity);
+            let given = strained.get(i).copied().unwrap_or(identity);
             self.start_position.push(given);
         }
         if positions != velocities {
@@ -297,6 +298,7 @@ impl Tree<'_> {
             root: of.root,
             elements: of.tips.iter().filter_map(element).collect(),
             length: of.length,
+            is_cable: of.is_cable,
         };
         self.whole.map_or(Vec::new(), |whole| whole.beams.iter().map(beam).collect())
     }

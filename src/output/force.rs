@@ -107,11 +107,15 @@ impl Measure for ForceQuantity {
 
 impl Measure for LengthQuantity {
     fn value(&self, at: &At<'_>, out: &mut [f64]) {
-        out[0] = at.balanced.forces()[self.force].law.length(&at.balanced.motion().links);
+        out[0] = match *self {
+            Self::Line(force) => at.balanced.forces()[force].law.length(&at.balanced.motion().links),
+            Self::Beam(beam) => at.balanced.beam_length(beam),
+        };
     }
 
     fn vary(&self, at: &At<'_>, by: &Variation<'_>, out: &mut [f64]) -> bool {
-        [out[0], _] = at.balanced.forces()[self.force].law.vary_line(&at.balanced.motion().links, by.links);
+        let Self::Line(force) = *self else { return false };
+        [out[0], _] = at.balanced.forces()[force].law.vary_line(&at.balanced.motion().links, by.links);
         true
     }
 }

@@ -21,6 +21,7 @@ mod orientation;
 mod point;
 mod question;
 mod reaction;
+mod section;
 
 pub use question::{Given, Varied};
 
@@ -137,6 +138,7 @@ fn measure(quantity: &Quantity) -> &dyn Measure {
         Quantity::Force(force) => force,
         Quantity::Length(length) => length,
         Quantity::Reaction(reaction) => reaction,
+        Quantity::Section(section) => section,
         Quantity::Energy(energy) => energy,
         Quantity::Power(power) => power,
         Quantity::Expression(expression) => expression,

@@ -1,9 +1,13 @@
-//! `[[beam]]`: flexible beams.
+//! `[[beam]]` and `[[cable]]`: flexible beams.
 
+use super::body::Names;
 use super::findings::Finding;
+use super::force::between;
 use super::hinge::hinge;
 use super::reader::{Reader, numbers, rows};
-use crate::model::description::{BeamDescription, BeamShape, FreeStrains, LineLoad, Material, Section};
+use crate::model::description::{
+    BeamDescription, BeamShape, FarEnd, FreeStrains, GROUND, HingeDescription, LineLoad, Material, Section,
+};
 use nalgebra::{Matrix6, Vector6};
 
 /// Reads a `[[beam]]`; without a readable name there is nothing that others could refer to.
@@ -12,16 +16,49 @@ pub(super) fn beam(table: &Reader<'_>) -> Option<BeamDescription> {
     let mut beam = BeamDescription::new(name, hinge(table, name, None).description);
     beam.shape = shape(table, name)?;
     beam.twist = table.number("twist").unwrap_or(0.0);
+    let beam = common(table, beam)?;
+    warn_of_turns(table, &beam);
+    Some(beam)
+}
+
+/// Reads a `[[cable]]` but for its ends, which [`close`] adds once all names are known.
+pub(super) fn cable(table: &Reader<'_>) -> Option<BeamDescription> {
+    let name = table.text("name")?;
+    let mut cable = BeamDescription::cable(name, (GROUND, [0.0; 3]), (GROUND, [0.0; 3]));
+    let pretension = match only(table, &format!("cable `{name}`"), &["length", "pretension"])? {
+        "length" => {
+            cable.shape = BeamShape::Straight { length: table.number("length")? };
+            None
+        }
+        _ => Some(table.number("pretension")?),
+    };
+    let ends = table.value("ends").and_then(|ends| ends.get_ref().as_array());
+    let clamped = [0, 1].map(|end| ends.is_some_and(|ends| ends[end].get_ref().as_str() == Some("fixed")));
+    cable.far = cable.far.map(|far| FarEnd { clamped, pretension, ..far });
+    cable.bending = table.number("bending");
+    common(table, cable)
+}
+
+/// Gives a cable its ends.
+pub(super) fn close(cable: &mut BeamDescription, table: &Reader<'_>, names: &Names<'_>) {
+    let (Some([from, to]), Some(far)) = (between(table, names), &mut cable.far) else { return };
+    cable.hinge = HingeDescription::fixed().on(&from.body, from.point);
+    far.at = to;
+}
+
+/// What beams and cables have in common.
+fn common(table: &Reader<'_>, mut beam: BeamDescription) -> Option<BeamDescription> {
+    let name = beam.name.clone();
     beam.elements = table.count("elements").unwrap_or(beam.elements);
     beam.degree = table.count("degree").unwrap_or(beam.degree);
-    beam.sections = sections(table, name)?;
+    beam.sections = sections(table, &name)?;
     beam.material = table.table("material").and_then(|material| {
         let poisson = material.number("poisson").unwrap_or(0.3);
         Some(Material { young: material.number("young")?, poisson, density: material.number("density")? })
     });
     beam.mass_per_length = table.number("mass_per_length");
     beam.rotary = table.vector("rotary");
-    beam.free = free(table).unwrap_or_default();
+    beam.free = free(table).unwrap_or(beam.free);
     beam.damping = table.number("damping").unwrap_or(0.0);
     let markers = table.names("markers").into_iter();
     beam.markers = markers.filter_map(|(name, all)| Some((name.to_owned(), all.number(name)?))).collect();
@@ -29,7 +66,6 @@ pub(super) fn beam(table: &Reader<'_>) -> Option<BeamDescription> {
         let follows = load.text("axes") == Some("body");
         Some(LineLoad { force: load.vector("force")?, follows })
     });
-    warn_of_turns(table, &beam);
     Some(beam)
 }
 

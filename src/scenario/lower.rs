@@ -1,6 +1,6 @@
 //! From a checked file to a description, and back from the description's elements to the file.
 
-use super::beam::beam;
+use super::beam::{beam, cable, close};
 use super::body::{Names, Template, template};
 use super::contact::contact;
 use super::couplings::{closed_loop, drive, gear};
@@ -35,12 +35,17 @@ pub(super) fn lower<'a>(
         match beam(table) {
             Some(beam) => {
                 description.beams.push(beam);
-                spans.beams.push(index);
+                spans.beams.push(("beam", index));
             }
             None => spans.add_nameless(),
         }
     }
+    let cables = cables(&scenario, &mut description, &mut spans);
     let names = Names::new(&description.bodies, &description.beams);
+    // Bodies and beams, cables among them, keep their names from here on.
+    let first = description.beams.len() - cables.len();
+    let mut closed = description.beams[first..].to_vec();
+    closed.iter_mut().zip(&cables).for_each(|(cable, table)| close(cable, table, &names));
     let parameters = Parameters::read(document);
     for (index, table) in scenario.tables("force").iter().enumerate() {
         if let Some(force) = force(table, index, &names) {
@@ -85,7 +90,26 @@ pub(super) fn lower<'a>(
         }
     }
     outputs(&scenario, &names, &parameters, &mut description.outputs, &mut spans);
+    description.beams.truncate(first);
+    description.beams.extend(closed);
     (description, spans)
+}
+
+/// The cables among the beams, after the others, without their ends; and their tables.
+fn cables<'r, 'a>(scenario: &Reader<'r>, description: &mut Description, spans: &mut SpanTable<'a>) -> Vec<Reader<'r>> {
+    let mut read = Vec::new();
+    for (index, table) in scenario.tables("cable").into_iter().enumerate() {
+        match cable(&table) {
+            Some(cable) => {
+                description.beams.push(cable);
+                spans.beams.push(("cable", index));
+                spans.cables.push(index);
+                read.push(table);
+            }
+            None => spans.add_nameless(),
+        }
+    }
+    read
 }
 
 fn bodies(scenario: &Reader<'_>, folder: &Path, description: &mut Description, spans: &mut SpanTable<'_>) {

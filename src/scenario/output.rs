@@ -4,7 +4,7 @@ use super::body::Names;
 use super::couplings::formula;
 use super::findings::Finding;
 use super::force::{between, end};
-use super::format::COMPONENTS;
+use super::format::{COMPONENTS, SECTIONS};
 use super::quantities::Parameters;
 use super::reader::Reader;
 use super::spans::SpanTable;
@@ -72,6 +72,11 @@ fn output(
         "force" => QuantityDescription::Force { of: text()?, component },
         "length" => QuantityDescription::Length { of: text()? },
         "reaction" => QuantityDescription::Reaction { body: text()?, component, axes },
+        "section" => {
+            let word = table.text("component");
+            let component = word.and_then(|word| SECTIONS.iter().position(|(one, _)| *one == word));
+            QuantityDescription::Section { of: text()?, s: table.number("s")?, component }
+        }
         "energy" => QuantityDescription::Energy(match table.text("of")? {
             "kinetic" => EnergyKind::Kinetic,
             "potential" => EnergyKind::Potential,

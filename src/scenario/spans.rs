@@ -20,7 +20,9 @@ pub(super) struct SpanTable<'a> {
     pub(super) motors: Vec<usize>,
     pub(super) contacts: Vec<usize>,
     pub(super) outputs: Vec<usize>,
-    pub(super) beams: Vec<usize>,
+    /// Of `beam` or of `cable`.
+    pub(super) beams: Vec<(&'static str, usize)>,
+    pub(super) cables: Vec<usize>,
     events: Vec<usize>,
     /// There are bodies whose names could not be read.
     nameless: bool,
@@ -38,7 +40,7 @@ impl<'a> SpanTable<'a> {
         let (bodies, forces) = (Vec::new(), Vec::new());
         let (loops, drives, gears) = (Vec::new(), Vec::new(), Vec::new());
         let (motors, contacts, outputs, events) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        let beams = Vec::new();
+        let (beams, cables) = (Vec::new(), Vec::new());
         Self {
             document,
             bodies,
@@ -51,6 +53,7 @@ impl<'a> SpanTable<'a> {
             contacts,
             outputs,
             beams,
+            cables,
             nameless: false,
         }
     }
@@ -83,14 +86,16 @@ impl<'a> SpanTable<'a> {
             Element::Scene => return None,
             Element::Body(body) => ("body", self.bodies.get(body)?.index),
             Element::Force(force) => ("force", *self.forces.get(force)?),
-            Element::Loop(index) => ("loop", *self.loops.get(index)?),
+            // Cables close loops of their own after the others.
+            Element::Loop(index) if index >= self.loops.len() => ("cable", *self.cables.get(index - self.loops.len())?),
+            Element::Loop(index) => ("loop", self.loops[index]),
             Element::Drive(index) => ("drive", *self.drives.get(index)?),
             Element::Gear(index) => ("gear", *self.gears.get(index)?),
             Element::Motor(index) => ("motor", *self.motors.get(index)?),
             Element::Contact(index) => ("contact", *self.contacts.get(index)?),
             Element::Event(event) => ("event", *self.events.get(event)?),
             Element::Output(index) => ("output", *self.outputs.get(index)?),
-            Element::Beam(index) => ("beam", *self.beams.get(index)?),
+            Element::Beam(index) => *self.beams.get(index)?,
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)
     }

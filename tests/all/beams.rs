@@ -1,5 +1,6 @@
 //! Flexible beams.
 
+mod cables;
 mod closed;
 mod scenes;
 mod statics;

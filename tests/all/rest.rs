@@ -50,7 +50,7 @@ fn every_stable_scenario_rests_for_ten_seconds_with_sdirk4() {
 /// As a user lets them: `auto`, their own tolerance and duration.
 #[test]
 fn beams_rest() {
-    for name in ["beam_cantilever", "beam_column"] {
+    for name in ["beam_cantilever", "beam_column", "stayed_mast"] {
         let (scenario, model) = shipped(name, &[]);
         let proof = proof(&scenario, &model);
         assert!(proof.rested && proof.displacement.value < 1e-9 && proof.growth.is_none(), "{name}: {proof:?}");

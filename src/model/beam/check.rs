@@ -136,7 +136,7 @@ fn check_sections(found: &mut Findings<'_>, beam: &BeamDescription) -> bool {
     if beam.sections.windows(2).any(|pair| !(pair[0].0 < pair[1].0)) {
         found.add("section", format!("the sections of `{name}` are not in the order of their `s`"), "ascending, in m");
     }
-    let length = beam.shape.length();
+    let length = known_length(beam);
     if let Some((s, _)) = beam.sections.iter().find(|(s, _)| !(0.0..=length * (1.0 + 1e-9)).contains(s)) {
         found.add(
             "section",
@@ -219,8 +219,22 @@ fn check_mass(found: &mut Findings<'_>, beam: &BeamDescription) {
     }
 }
 
+/// Its length (m); without limit as long as a cable has still to get one from its tension.
+fn known_length(beam: &BeamDescription) -> f64 {
+    let is_open = beam.far.as_ref().is_some_and(|far| far.pretension.is_some());
+    if is_open { f64::INFINITY } else { beam.shape.length() }
+}
+
 fn check_rest(found: &mut Findings<'_>, beam: &BeamDescription) {
-    let (name, length) = (&beam.name, beam.shape.length());
+    let (name, length) = (&beam.name, known_length(beam));
+    if let Some(bending) = beam.bending
+        && !(bending >= 0.0 && bending <= LARGEST)
+    {
+        found.add("bending", format!("the bending stiffness of `{name}` is {}", number(bending)), "allowed: ≥ 0 N m²");
+    }
+    if let Some(tension) = beam.far.as_ref().and_then(|far| far.pretension) {
+        found.positive("pretension", &format!("the pretension of `{name}`"), tension, "N");
+    }
     if !(beam.damping >= 0.0 && beam.damping <= LARGEST) {
         found.add("damping", format!("the damping of `{name}` is {}", number(beam.damping)), "allowed: ≥ 0 s");
     }

@@ -1,6 +1,7 @@
 //! A beam as bodies: one on its hinge, one at the tip of every element.
 
 use super::BeamDescription;
+use super::cable::Shape;
 use crate::element::{Rod, RodSection};
 use crate::force::load::LoadAxes;
 use crate::force::{Attachment, ForceDescription, Load};
@@ -14,6 +15,8 @@ pub(in crate::model) struct Expanded {
     pub(in crate::model) description: Description,
     /// The flexible element between a body and its parent.
     pub(in crate::model) rods: HashMap<usize, Rod>,
+    /// Its coordinates at the start, where it has strains.
+    pub(in crate::model) strained: HashMap<usize, Vec<f64>>,
     /// One per beam.
     pub(in crate::model) beams: Vec<Bodies>,
 }
@@ -23,6 +26,7 @@ pub(in crate::model) struct Expanded {
 pub(in crate::model) struct Bodies {
     pub(in crate::model) name: String,
     pub(in crate::model) length: f64,
+    pub(in crate::model) is_cable: bool,
     /// On the beam's hinge.
     pub(in crate::model) root: usize,
     /// At the tips of the elements, with the distance of the element's root and of its tip from the beam's root (m).
@@ -58,15 +62,17 @@ impl Expanded {
     }
 }
 
-/// Adds the bodies of all beams after the others.
-pub(in crate::model) fn expand(description: &Description) -> Expanded {
+/// Adds the bodies of all beams after the others; cables begin in their shapes, one per beam.
+pub(in crate::model) fn expand(description: Description, shapes: &[Option<Shape>]) -> Expanded {
+    let beams = description.beams.clone();
     let mut expanded = Expanded {
-        description: description.clone(),
+        description,
         rods: HashMap::new(),
-        beams: Vec::with_capacity(description.beams.len()),
+        strained: HashMap::new(),
+        beams: Vec::with_capacity(beams.len()),
     };
-    for beam in &description.beams {
-        add(&mut expanded, beam);
+    for (beam, shape) in beams.iter().zip(shapes) {
+        add(&mut expanded, beam, shape.as_ref());
     }
     expanded
 }
@@ -91,7 +97,7 @@ fn ends(beam: &BeamDescription) -> Vec<f64> {
     ends
 }
 
-fn add(expanded: &mut Expanded, beam: &BeamDescription) {
+fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
     let (length, free) = (beam.shape.length(), beam.free.indices());
     let ends = ends(beam);
     let reference = [beam.shape.strain(beam.twist / length)];
@@ -127,10 +133,14 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription) {
         let reached: Vec<_> = markers.map(|(name, _)| (name.clone(), place)).collect();
         expanded.description.bodies[root].markers.extend(reached);
         tips.push((here, [ends[0], ends[1]]));
+        if let Some(shape) = shape {
+            expanded.strained.insert(here, rod.fit(|s| shape.strain(ends[0] + s)));
+        }
         expanded.rods.insert(here, rod);
     }
     expanded.description.bodies[root].markers.push(("tip".to_owned(), place));
-    expanded.beams.push(Bodies { name: beam.name.clone(), length, root, tips, markers: beam.markers.clone() });
+    let (name, markers, is_cable) = (beam.name.clone(), beam.markers.clone(), beam.far.is_some());
+    expanded.beams.push(Bodies { name, length, is_cable, root, tips, markers });
 }
 
 fn body(name: &str, hinge: HingeDescription) -> BodyDescription {

@@ -4,11 +4,11 @@ use super::super::build::Place;
 use super::super::description::{Attachment, Description, Point};
 use super::super::problem::{Element, Problem};
 use super::super::{End, Model};
-use super::named::{Unknown, coordinates, line, source};
+use super::named::{Unknown, coordinates, line, section, source};
 use super::{
     AngleQuantity, Axes, CoordinateQuantity, DirectionDescription, DistanceQuantity, ExpressionQuantity, ForceQuantity,
-    LengthQuantity, Order, OrientationQuantity, Output, OutputDescription, PointQuantity, Quantity,
-    QuantityDescription, RateQuantity, ReactionQuantity, Source,
+    Order, OrientationQuantity, Output, OutputDescription, PointQuantity, Quantity, QuantityDescription, RateQuantity,
+    ReactionQuantity, SectionQuantity, Source,
 };
 use crate::formula::Formula;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -166,7 +166,12 @@ impl Compiler<'_> {
             }
             QuantityDescription::Length { of: name } => {
                 let found = line(self.model, name);
-                (of("m", 1), Quantity::Length(LengthQuantity { force: self.known(index, found)? }))
+                (of("m", 1), Quantity::Length(self.known(index, found)?))
+            }
+            QuantityDescription::Section { of: name, s, component } => {
+                let found = section(self.model, name, *s);
+                let (beam, component) = (self.known(index, found)?, *component);
+                (six(component), Quantity::Section(SectionQuantity { beam, s: *s, component }))
             }
             QuantityDescription::Reaction { component, axes, .. } => {
                 let body = self.body(index, &carried[0].0)?;

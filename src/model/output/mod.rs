@@ -78,7 +78,7 @@ pub enum QuantityDescription {
         /// Which of six numbers, from 0; `None` for all of them.
         component: Option<usize>,
     },
-    /// Length of a spring, curve or rope.
+    /// Length of a spring, curve, rope, beam or cable.
     Length {
         /// Its name.
         of: String,
@@ -91,6 +91,16 @@ pub enum QuantityDescription {
         component: Option<usize>,
         /// In which axes.
         axes: Axes,
+    },
+    /// What the part of a beam or cable beyond a section exerts on the part before it, in the section's axes: normal force,
+    /// shear along y and z, torque, bending moments about y and z.
+    Section {
+        /// Name of the beam.
+        of: String,
+        /// Unstretched distance from its root (m).
+        s: f64,
+        /// Which of six numbers, from 0; `None` for all of them.
+        component: Option<usize>,
     },
     /// An energy of the scene.
     Energy(EnergyKind),
@@ -203,6 +213,8 @@ pub enum Quantity {
     Force(ForceQuantity),
     /// Length of a spring, curve or rope.
     Length(LengthQuantity),
+    /// What a beam bears.
+    Section(SectionQuantity),
     /// What a hinge passes on.
     Reaction(ReactionQuantity),
     /// An energy.
@@ -263,11 +275,13 @@ pub struct RateQuantity {
     pub range: Range<usize>,
 }
 
-/// Length of a spring, curve or rope.
+/// What has a length.
 #[derive(Debug, Clone, Copy)]
-pub struct LengthQuantity {
-    /// Index of the force element.
-    pub force: usize,
+pub enum LengthQuantity {
+    /// A force element, by its index.
+    Line(usize),
+    /// A beam, by its index.
+    Beam(usize),
 }
 
 /// What an element pushes or pulls with.
@@ -309,6 +323,17 @@ pub struct ReactionQuantity {
     pub component: Option<usize>,
     /// In which axes.
     pub axes: Axes,
+}
+
+/// What a beam bears in a section.
+#[derive(Debug, Clone, Copy)]
+pub struct SectionQuantity {
+    /// Index of the beam.
+    pub beam: usize,
+    /// Unstretched distance from its root (m).
+    pub s: f64,
+    /// Which of six numbers.
+    pub component: Option<usize>,
 }
 
 /// A formula in the time and the numbers of all outputs: variable 0 is the time (s), variable `k + 1` is number `k`.

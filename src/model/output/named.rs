@@ -3,7 +3,8 @@
 use super::super::Model;
 use super::super::couplings::Closure;
 use super::super::description::Description;
-use super::Source;
+use super::super::problem::number;
+use super::{LengthQuantity, Source};
 use crate::force::Act;
 use crate::hinge::Names;
 use crate::suggest::closest;
@@ -127,14 +128,37 @@ pub(super) fn source(description: &Description, model: &Model, name: &str) -> Re
 }
 
 /// The spring, curve or rope whose length is asked for.
-pub(super) fn line(model: &Model, name: &str) -> Result<usize, Unknown> {
+pub(super) fn line(model: &Model, name: &str) -> Result<LengthQuantity, Unknown> {
+    if let Some(beam) = model.beams.iter().position(|beam| beam.name == name) {
+        return Ok(LengthQuantity::Beam(beam));
+    }
     match find(&model.forces, "force", name, |one| &one.name) {
-        Some(index) if model.forces[index].law.is_line() => Ok(index),
-        Some(_) => Err(unknown(format!("`{name}` has no length"), "springs, curves and ropes have one".to_owned())),
+        Some(index) if model.forces[index].law.is_line() => Ok(LengthQuantity::Line(index)),
+        Some(_) => Err(unknown(
+            format!("`{name}` has no length"),
+            "springs, curves, ropes, beams and cables have one".to_owned(),
+        )),
         None => {
             let lines = model.forces.iter().filter(|force| force.law.is_line()).map(|force| force.name.as_str());
-            let near = closest(name, lines).map(|near| format!("did you mean `{near}`?"));
-            Err(unknown(format!("no spring, curve or rope is called `{name}`"), near))
+            let all = lines.chain(model.beams.iter().map(|beam| beam.name.as_str()));
+            let near = closest(name, all).map(|near| format!("did you mean `{near}`?"));
+            Err(unknown(format!("no spring, curve, rope, beam or cable is called `{name}`"), near))
+        }
+    }
+}
+
+/// A section of a beam or cable.
+pub(super) fn section(model: &Model, name: &str, s: f64) -> Result<usize, Unknown> {
+    let Some(index) = model.beams.iter().position(|beam| beam.name == name) else {
+        let near = closest(name, model.beams.iter().map(|beam| beam.name.as_str()));
+        let help = near.map(|near| format!("did you mean `{near}`?"));
+        return Err(unknown(format!("no beam or cable is called `{name}`"), help));
+    };
+    let length = model.beams[index].length;
+    match (0.0..=length * (1.0 + 1e-9)).contains(&s) {
+        true => Ok(index),
+        false => {
+            Err(unknown(format!("`{name}` has no section at s = {s}"), format!("allowed: 0 … {} m", number(length))))
         }
     }
 }

@@ -12,6 +12,7 @@ fn beam(beam: &BeamDescription, field: Field) -> f64 {
     match (field, &beam.shape, &beam.material) {
         (Field::Length, BeamShape::Straight { length }, _) => *length,
         (Field::Young, _, Some(material)) => material.young,
+        (Field::Pretension, ..) => beam.far.as_ref().and_then(|far| far.pretension).unwrap_or(f64::NAN),
         _ => f64::NAN,
     }
 }
@@ -121,6 +122,7 @@ impl Parameter {
                 match (self.field, &mut beam.shape, &mut beam.material) {
                     (Field::Length, BeamShape::Straight { length }, _) => *length = value,
                     (Field::Young, _, Some(material)) => material.young = value,
+                    (Field::Pretension, ..) => beam.far.iter_mut().for_each(|far| far.pretension = Some(value)),
                     _ => {}
                 }
             }

@@ -1,6 +1,7 @@
 //! Flexible beams.
 
 use super::super::fields::{Key, Kind, Range, Table};
+use super::force::END;
 use super::hinge::HINGE;
 use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 
@@ -21,29 +22,12 @@ pub const BEAM: Table = Table {
             .unit("rad")
             .default("0.0")
             .example("1.5708"),
-        Key::new("elements", Kind::Integer(Range::AtLeast(1.0)), "Number of elements; at least one between markers.")
-            .default("8")
-            .example("16"),
-        Key::new("degree", Kind::Integer(Range::Between(0.0, 2.0)), "Degree of the strains in an element.")
-            .default("1")
-            .example("2"),
-        Key::new(
-            "section",
-            Kind::Either(&[Kind::Table(&SECTION), Kind::List(&Kind::Table(&SECTION), &[])]),
-            "Its section, or several at distances `s` from the root, with others between them.",
-        )
-        .required()
-        .example("{ rectangle = [0.05, 0.004] }"),
-        Key::new("material", Kind::Table(&MATERIAL), "What it is made of, for sections that have a size.")
-            .example("{ young = 71.7e9, poisson = 0.31, density = 2800.0 }"),
-        Key::new("mass_per_length", POSITIVE, "In place of the material's density.").unit("kg/m").example("1.2"),
-        Key::new(
-            "rotary",
-            Kind::List(&NOT_NEGATIVE, &[3]),
-            "Rotary inertia per length about x, y and z. Default: that of the material; with `stiffness` none, but that of a homogeneous section about x if twist is free and about y and z if shear is.",
-        )
-        .unit("kg m")
-        .example("[6e-4, 3e-4, 3e-4]"),
+        ELEMENTS,
+        DEGREE,
+        SECTIONS,
+        OF,
+        MASS_PER_LENGTH,
+        ROTARY,
         Key::new(
             "free",
             Kind::List(&Kind::Choice(STRAINS), &[]),
@@ -51,17 +35,105 @@ pub const BEAM: Table = Table {
         )
         .default("[\"bend\", \"twist\"]")
         .example("[\"bend\", \"twist\", \"stretch\"]"),
-        Key::new("damping", NOT_NEGATIVE, "Kelvin–Voigt damping: stress by rate of strain over stress by strain.")
-            .unit("s")
-            .default("0.0")
-            .example("1e-4"),
-        Key::new("markers", Kind::Map(&NUMBER), "Named points, by their distance from the root along the unstrained beam.")
-            .unit("m")
-            .example("{ mid = 1.0 }"),
-        Key::new("load", Kind::Table(&LINE_LOAD), "Force per length beside gravity.")
-            .example("{ force = [0.0, 0.0, -5.0] }"),
+        DAMPING,
+        MARKERS,
+        LOAD,
     ],
 };
+
+/// `[[cable]]`
+pub const CABLE: Table = Table {
+    name: "cable",
+    doc: "A cable between two points: a flexible beam that begins in the shape of the elastic catenary and is closed at its far end by a loop of its name. \
+          Its x axis points from the first end to the second, its z axis against its weight.",
+    types: &[],
+    keys: &[
+        Key::new("name", Kind::Text, "Unique name among bodies, beams and cables.").required().example("\"stay\""),
+        Key::new("between", Kind::List(&END, &[2]), "Its two ends.")
+            .required()
+            .example("[\"mast.top\", { body = \"ground\", at = [20.0, 0.0, 0.0] }]"),
+        Key::new("ends", Kind::List(&Kind::Choice(ENDS), &[2]), "How it is held at each of them.")
+            .default("[\"spherical\", \"spherical\"]")
+            .example("[\"fixed\", \"spherical\"]"),
+        Key::new("length", POSITIVE, "Unstretched length; this or `pretension`.").unit("m").example("22.0"),
+        Key::new(
+            "pretension",
+            POSITIVE,
+            "Tension at its first end in the given positions, from which its unstretched length follows.",
+        )
+        .unit("N")
+        .example("4000.0"),
+        Key::new("bending", NOT_NEGATIVE, "Bending stiffness in place of the section's: strands slide on each other.")
+            .unit("N m²")
+            .example("0.5"),
+        ELEMENTS,
+        DEGREE,
+        SECTIONS,
+        OF,
+        MASS_PER_LENGTH,
+        ROTARY,
+        Key::new(
+            "free",
+            Kind::List(&Kind::Choice(STRAINS), &[]),
+            "Which strains are free; the others keep their value without load.",
+        )
+        .default("[\"bend\", \"stretch\"]")
+        .example("[\"bend\", \"twist\", \"stretch\"]"),
+        DAMPING,
+        MARKERS,
+        LOAD,
+    ],
+};
+
+const ENDS: &[(&str, &str)] = &[
+    ("spherical", "It may point anywhere."),
+    ("fixed", "It points along the line between both ends in the given positions."),
+];
+
+const ELEMENTS: Key =
+    Key::new("elements", Kind::Integer(Range::AtLeast(1.0)), "Number of elements; at least one between markers.")
+        .default("8")
+        .example("16");
+
+const DEGREE: Key = Key::new("degree", Kind::Integer(Range::Between(0.0, 2.0)), "Degree of the strains in an element.")
+    .default("1")
+    .example("2");
+
+const SECTIONS: Key = Key::new(
+    "section",
+    Kind::Either(&[Kind::Table(&SECTION), Kind::List(&Kind::Table(&SECTION), &[])]),
+    "Its section, or several at distances `s` from the root, with others between them.",
+)
+.required()
+.example("{ rectangle = [0.05, 0.004] }");
+
+const OF: Key = Key::new("material", Kind::Table(&MATERIAL), "What it is made of, for sections that have a size.")
+    .example("{ young = 71.7e9, poisson = 0.31, density = 2800.0 }");
+
+const MASS_PER_LENGTH: Key =
+    Key::new("mass_per_length", POSITIVE, "In place of the material's density.").unit("kg/m").example("1.2");
+
+const ROTARY: Key = Key::new(
+    "rotary",
+    Kind::List(&NOT_NEGATIVE, &[3]),
+    "Rotary inertia per length about x, y and z. Default: that of the material; with `stiffness` none, but that of a homogeneous section about x if twist is free and about y and z if shear is.",
+)
+.unit("kg m")
+.example("[6e-4, 3e-4, 3e-4]");
+
+const DAMPING: Key =
+    Key::new("damping", NOT_NEGATIVE, "Kelvin–Voigt damping: stress by rate of strain over stress by strain.")
+        .unit("s")
+        .default("0.0")
+        .example("1e-4");
+
+const MARKERS: Key =
+    Key::new("markers", Kind::Map(&NUMBER), "Named points, by their distance from the root along the unstrained beam.")
+        .unit("m")
+        .example("{ mid = 1.0 }");
+
+const LOAD: Key = Key::new("load", Kind::Table(&LINE_LOAD), "Force per length beside gravity.")
+    .example("{ force = [0.0, 0.0, -5.0] }");
 
 const STRAINS: &[(&str, &str)] = &[
     ("bend", "Bending about y and z."),

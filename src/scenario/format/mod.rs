@@ -13,7 +13,7 @@ mod output;
 mod settings;
 mod start;
 
-pub use beam::{BEAM, BEAM_CURVE, LINE_LOAD, MATERIAL, SECTION};
+pub use beam::{BEAM, BEAM_CURVE, CABLE, LINE_LOAD, MATERIAL, SECTION};
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use contact::{CONTACT, FRICTION};
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
@@ -22,7 +22,7 @@ pub use force::{BUSHING_VALUES, CURVE_VALUES, FORCE};
 pub use hinge::{HINGE, HINGE_CURVE, LIMIT};
 pub use model::{MODEL, MODEL_HINGE};
 pub use motor::{MOTOR, TARGET};
-pub use output::{COMPONENTS, DIRECTION, OUTPUT};
+pub use output::{COMPONENTS, DIRECTION, OUTPUT, SECTIONS};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
 pub use start::START;
 
@@ -70,13 +70,7 @@ pub const SCENARIO: Table = Table {
             "The bodies, in any order; without a `model` or a `beam` at least one.",
         ),
         Key::new("beam", Kind::List(&Kind::Table(&BEAM), &[]), "Flexible beams, in any order."),
-        Key::new(
-            "cable",
-            Kind::Refused(
-                "cables are not there yet: a `[[beam]]` with `free = [\"bend\", \"stretch\"]` hangs from one end, a `[[force]]` of type rope is a cable without weight",
-            ),
-            "Cables.",
-        ),
+        Key::new("cable", Kind::List(&Kind::Table(&CABLE), &[]), "Cables between two points, in any order."),
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings, ropes, curves and loads."),
         Key::new("contact", Kind::List(&Kind::Table(&CONTACT), &[]), "What cannot pass through what."),
         Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),

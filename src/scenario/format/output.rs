@@ -1,8 +1,8 @@
 //! Outputs: what a user asks of a scene.
 
 use super::super::fields::{Key, Kind, Table};
-use super::VECTOR;
 use super::force::END;
+use super::{NOT_NEGATIVE, VECTOR};
 
 /// `[[output]]`
 pub const OUTPUT: Table = Table {
@@ -21,8 +21,12 @@ pub const OUTPUT: Table = Table {
             "force",
             "What an element pushes with: of springs, curves, ropes and rods the pull; of motors, drives, gears and stops the force in the coordinate; of bushings, loads and loops six numbers.",
         ),
-        ("length", "Length of a spring, a curve or the path of a rope."),
+        ("length", "Length of a spring, a curve, the path of a rope, or the centre line of a beam or cable."),
         ("reaction", "What a hinge passes to its body at the body's root marker: force, then moment."),
+        (
+            "section",
+            "What a beam or cable bears at `s`, in the section's axes: normal force (tension > 0), shear along y and z, torque, bending moments about y and z, exerted by the part beyond.",
+        ),
         ("energy", "An energy of the scene."),
         ("power", "A power of the scene."),
         ("expression", "A formula in other outputs and the time `t`."),
@@ -54,7 +58,16 @@ pub const OUTPUT: Table = Table {
         .required()
         .only(&["force"])
         .example("\"strut\""),
-        Key::new("of", Kind::Text, "Name of a spring, curve or rope.").required().only(&["length"]).example("\"strut\""),
+        Key::new("of", Kind::Text, "Name of a spring, curve, rope, beam or cable.").required().only(&["length"]).example("\"strut\""),
+        Key::new("of", Kind::Text, "Name of a beam or cable.").required().only(&["section"]).example("\"boom\""),
+        Key::new("s", NOT_NEGATIVE, "Distance of the section from the root, along the beam without load.")
+            .unit("m")
+            .required()
+            .only(&["section"])
+            .example("0.5"),
+        Key::new("component", Kind::Choice(SECTIONS), "The one of six numbers that is asked for; all without.")
+            .only(&["section"])
+            .example("\"my\""),
         Key::new("of", Kind::Choice(ENERGIES), "Which one.").required().only(&["energy"]).example("\"kinetic\""),
         Key::new("of", Kind::Choice(POWERS), "Which one.").required().only(&["power"]).example("\"input\""),
         Key::new("between", Kind::List(&END, &[2]), "The two points; or `of` and `against`.")
@@ -111,6 +124,16 @@ const ENERGIES: &[(&str, &str)] = &[
 
 const POWERS: &[(&str, &str)] =
     &[("input", "Put in by motors, drives and loads without a potential."), ("dissipated", "Taken out by dampers.")];
+
+/// Names of the six numbers of a section, in their order.
+pub const SECTIONS: &[(&str, &str)] = &[
+    ("n", "Normal force, tension > 0."),
+    ("qy", "Shear along y."),
+    ("qz", "Shear along z."),
+    ("t", "Torque."),
+    ("my", "Bending moment about y."),
+    ("mz", "Bending moment about z."),
+];
 
 /// Names of the six numbers of a force and a moment, in their order.
 pub const COMPONENTS: &[(&str, &str)] = &[

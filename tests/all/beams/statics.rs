@@ -11,14 +11,14 @@ use stillpoint::model::description::{
 };
 use stillpoint::statics::{Equilibrium, Settings, Verdict, Want, equilibrium};
 
-fn case(name: &str) -> Value {
+pub(super) fn case(name: &str) -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/beams/{name}.json"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     serde_json::from_str(&text).expect("JSON")
 }
 
 /// The numbers of an expected value, and its tolerance.
-fn expected(case: &Value, index: usize) -> (Vec<f64>, f64) {
+pub(super) fn expected(case: &Value, index: usize) -> (Vec<f64>, f64) {
     let one = &case["expected"][index];
     let value = &one["value"];
     let list = value.as_array().map_or_else(|| vec![value.as_f64()], |list| list.iter().map(Value::as_f64).collect());
@@ -41,8 +41,9 @@ fn weightless(beam: BeamDescription) -> Description {
     Description::new("Rod").gravity([0.0, 0.0, 0.0]).beam(beam)
 }
 
-fn solve(description: &Description) -> (Arc<Model>, Equilibrium) {
+pub(super) fn solve(description: &Description) -> (Arc<Model>, Equilibrium) {
     let model = Model::build(description).expect("a sound scene");
+    let (model, _) = stillpoint::constraint::assemble(model).expect("it closes");
     let found = equilibrium(&model, &Settings::default(), &model.start_position).expect("no fault");
     (model, found)
 }
@@ -55,7 +56,7 @@ fn tip(model: &Arc<Model>, found: &Equilibrium) -> (Vector3<f64>, nalgebra::Unit
     (pose.translation.vector, pose.rotation)
 }
 
-fn order(errors: &[f64]) -> f64 {
+pub(super) fn order(errors: &[f64]) -> f64 {
     (errors[errors.len() - 2] / errors[errors.len() - 1]).log2()
 }
 

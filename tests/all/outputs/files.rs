@@ -61,7 +61,9 @@ fn mistakes_are_told_with_a_hint() {
         ("name = \"x\"\ntype = \"distance\"", "two points", "between"),
         ("name = \"x\"\ntype = \"expression\"\nexpression = \"2*y\"", "unknown name `y`", ""),
         ("name = \"x\"\ntype = \"expression\"\nexpression = \"2*x\"", "follow from each other: `x` uses `x`", ""),
-        ("name = \"x\"\ntype = \"section\"\nof = \"arm\"", "unknown output type `section`", ""),
+        ("name = \"x\"\ntype = \"shear\"\nof = \"arm\"", "unknown output type `shear`", ""),
+        ("name = \"x\"\ntype = \"section\"\nof = \"arm\"", "`s` is missing", "s = 0.5"),
+        ("name = \"x\"\ntype = \"section\"\nof = \"arm\"\ns = 0.1", "no beam or cable is called `arm`", ""),
         ("name = \"t\"\ntype = \"orientation\"\nof = \"arm\"", "cannot be called `t`", "the time"),
         ("type = \"orientation\"\nof = \"arm\"", "`name` is missing", "camber"),
     ];
