@@ -32,6 +32,7 @@ mod rest;
 mod run;
 mod samples;
 mod scene;
+mod sensitivity;
 mod standing;
 mod statics;
 mod stopwatch;

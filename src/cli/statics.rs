@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use super::output::Interrupt;
-use super::{Common, Exit, baselines, json, output, path, poses, run, scene, text};
+use super::{Common, Exit, baselines, json, output, path, poses, run, scene, sensitivity, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
 use crate::statics::{Equilibrium, Method, answer, equilibrium_watched, outputs, standing};
@@ -34,6 +34,12 @@ pub(super) struct Arguments {
     /// Write the equilibrium there, for `--start` of other commands; nothing where none is found
     #[arg(long, value_name = "START.toml", conflicts_with = "compare")]
     save: Option<PathBuf>,
+    /// How these outputs answer to the numbers of the scene: derivatives of `[[output]]`s by their names, of `frequency[0]`, …
+    #[arg(long, value_name = "OUTPUT", num_args = 1.., conflicts_with = "compare")]
+    sensitivity: Vec<String>,
+    /// With `--sensitivity`: by these numbers alone, as `spring.length` or `hinge.stiffness`
+    #[arg(long, value_name = "ADDRESS", num_args = 1.., requires = "sensitivity")]
+    parameter: Vec<String>,
     /// Record the mode shapes there, two seconds each, for `view`
     #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
     modes: Option<PathBuf>,
@@ -83,6 +89,23 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&text::statics(&model, &found, wall))?;
         super::beams::found(&model, &found)?.map_or(Ok(()), |beams| output::print(&beams))?;
         text::outputs(&model, &asked).map_or(Ok(()), |table| output::print(&table))?;
+    }
+    if !arguments.sensitivity.is_empty() {
+        if !found.balanced {
+            output::warning("no sensitivities: there is no equilibrium");
+        } else {
+            let (asked, by) = (&arguments.sensitivity, &arguments.parameter);
+            let table = sensitivity::of(&scenario.description, &model, &found, asked, by);
+            let table = table.with_context(|| scenario.name.clone())?;
+            result["sensitivities"] = sensitivity::json(&table);
+            result["notes"]
+                .as_array_mut()
+                .into_iter()
+                .for_each(|all| all.extend(table.notes.iter().map(|n| n.as_str().into())));
+            if !common.json && !common.quiet {
+                output::print(&sensitivity::text(&table))?;
+            }
+        }
     }
     let path = scenario.path.as_ref();
     let followed =

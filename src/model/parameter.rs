@@ -228,6 +228,16 @@ impl Parameter {
         Ok(found)
     }
 
+    /// Every single number that has an address, named ones first.
+    pub fn all(description: &Description) -> Vec<Self> {
+        let names = description.named.list().iter().filter_map(|one| named::find(description, &one.name).ok());
+        let gravity = Self::find(description, Field::Gravity.name()).unwrap_or_default();
+        let of = |element: Element| {
+            Field::ALL.into_iter().flat_map(move |field| numbers(description, element, field.name()))
+        };
+        names.chain(gravity).chain(entries(description).flat_map(|entry| of(entry.element))).collect()
+    }
+
     /// Its component: which of the numbers of its element and field.
     pub fn component(&self) -> usize {
         self.index

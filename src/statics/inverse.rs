@@ -309,7 +309,7 @@ impl<'a> Problem<'a> {
 
 /// The scene's own size of a quantity, of a plain number its `value`; `largest` is the largest force in the balance, for scenes
 /// without weight.
-fn unit(quantity: Quantity, value: f64, model: &Model, largest: f64) -> f64 {
+pub(super) fn unit(quantity: Quantity, value: f64, model: &Model, largest: f64) -> f64 {
     let or_one = |x: f64| if x > 0.0 { x } else { 1.0 };
     let (gravity, length) = (model.gravity.norm(), model.length_scale());
     let weight = model.total_mass() * gravity;

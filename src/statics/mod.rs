@@ -7,6 +7,7 @@
 //! | `search` | from a guess to an equilibrium: the stages, and their cascade |
 //! | `baseline` | two methods to compare with: dynamic relaxation, and Lagrange's equations of the first kind |
 //! | [`path`] | an equilibrium followed while one number of the scene moves |
+//! | `sensitivity` | how much every number of the scene moves an equilibrium, its outputs and frequencies |
 //!
 //! Where the pose is given and inputs are unknown, `inverse` finds those.
 //!
@@ -17,11 +18,13 @@ pub mod answer;
 mod baseline;
 mod certify;
 mod effort;
+mod family;
 mod inverse;
 mod outputs;
 pub mod path;
 mod problem;
 mod search;
+mod sensitivity;
 pub mod settings;
 pub mod standing;
 mod watch;
@@ -35,4 +38,5 @@ pub use effort::{Iteration, Stage};
 pub use inverse::{Held, hold};
 pub use outputs::outputs;
 pub use search::{Leftover, equilibrium, equilibrium_observed, equilibrium_watched, equilibrium_while, leftover};
+pub use sensitivity::{Felt, Number, Sensitivities, SensitivityError, felt, sensitivities};
 pub use settings::{Method, Settings, Want};

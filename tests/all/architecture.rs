@@ -31,10 +31,22 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
-    // `hinge` for what loops lock.
+    // `hinge` for what loops lock, `suggest` for names of outputs.
     (
         "statics",
-        &["contact", "hinge", "model", "motion", "force", "constraint", "dynamics", "output", "transfer", "spatial"],
+        &[
+            "contact",
+            "hinge",
+            "model",
+            "motion",
+            "force",
+            "constraint",
+            "dynamics",
+            "output",
+            "suggest",
+            "transfer",
+            "spatial",
+        ],
     ),
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
     (

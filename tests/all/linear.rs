@@ -17,7 +17,7 @@ use stillpoint::simulate::outputs::at_start;
 use stillpoint::statics;
 
 /// A random tree at rest with rods, a gear and a drive that fit its start, and outputs.
-fn scene(seed: u64, tied: bool) -> Description {
+pub(crate) fn scene(seed: u64, tied: bool) -> Description {
     let options = Options { bodies: 3 + (seed as usize) % 5, springs: true, welds: false };
     let mut scene = random_scene(seed + 3000, &options);
     let mut random = Random::new(seed + 9);

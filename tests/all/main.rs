@@ -48,6 +48,7 @@ mod ropes;
 mod scenario;
 mod scenarios;
 mod screws;
+mod sensitivity;
 mod statics;
 #[cfg(feature = "friction")]
 mod support;

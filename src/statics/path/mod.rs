@@ -10,20 +10,19 @@
 //! Each is located on the curve itself to round-off, by a root of what passes zero there. Where a hinge comes to a stop or
 //! lifts off one the branch ends, and goes on as another one, on which the stop bears or no longer does.
 
-mod scene;
 mod stops;
 mod trace;
 
 use super::certify::bearing::Set;
 use super::certify::equilibrium::Equilibrium;
 use super::certify::stability::Verdict;
+use super::family::{Moving, borne};
 use super::problem::assembled::Assembled;
 use super::search::equilibrium_while;
 use crate::model::description::Description;
 use crate::model::problem::number;
-use crate::model::{Model, Parameter, Stop};
+use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
-use scene::Moving;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use stops::Turn;
@@ -194,7 +193,7 @@ pub fn follow(
         path.notes.push(format!("no path: there is no equilibrium at `{}` = {from} to start from", settings.parameter));
         return Ok(path);
     }
-    let set: Set = model.stops.iter().map(|stop| borne(&model, stop, &path.start)).collect();
+    let set = borne(&model, &path.start);
     let range = (settings.to - settings.from).abs();
     let q = path.start.position.clone();
     let numbers = &settings.numbers;
@@ -258,13 +257,6 @@ pub fn follow(
         sets.push(set);
     }
     Ok(path)
-}
-
-/// The side of a stop that an equilibrium rests on.
-fn borne(model: &Model, stop: &Stop, start: &Equilibrium) -> i8 {
-    let hinge = model.label(stop.velocity);
-    let bearing = start.stops.iter().find(|one| one.hinge == hinge);
-    bearing.map_or(0, |one| if one.low { -1 } else { 1 })
 }
 
 impl Path {

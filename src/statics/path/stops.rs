@@ -5,10 +5,10 @@
 //! begins there with the other set, in the direction of the parameter in which the stop is pressed, or the coordinate
 //! leaves its limit: that may be back where it came from.
 
-use super::scene::Moving;
 use super::trace::{Seed, Tracer};
 use crate::model::{Stop, StopLaw};
 use crate::statics::certify::bearing::Set;
+use crate::statics::family::Moving;
 use crate::statics::search::curve::{Direction, Point};
 
 /// A load below this part of the forces in its hinge is none; a coordinate is at its limit within this (rad, or part of

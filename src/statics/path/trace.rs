@@ -1,9 +1,9 @@
 //! One branch, point by point.
 
-use super::scene::{Count, Moving};
 use super::stops::Turn;
 use super::{Branch, End, Event, EventKind, PathPoint, Settings};
 use crate::statics::certify::stability::Verdict;
+use crate::statics::family::{Count, Moving};
 use crate::statics::search::curve::{Curve, Direction, Family, Point};
 
 /// A step is given up below this part of the largest one.

@@ -2,11 +2,12 @@
 
 use crate::dynamics::{Fault, Linearization, Powers, System};
 use crate::model::description::Description;
-use crate::model::{Model, Parameter, Stop};
+use crate::model::{Model, Parameter, Stop, StopLaw};
 use crate::output::{Given, Outputs};
 use crate::spatial::{Pose, Wrench};
 use crate::statics::certify::bearing::{self, Set};
 use crate::statics::certify::closed;
+use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::certify::stability::{count_by_motion, count_by_stiffness};
 use crate::statics::problem::assembled::Assembled;
 use crate::statics::problem::place::{Place, SHIFT};
@@ -55,6 +56,8 @@ pub(super) struct Record {
     pub reactions: Vec<Wrench>,
     pub potential: f64,
     pub outputs: Vec<f64>,
+    /// Unbalanced forces of the free coordinates.
+    pub force: Vec<f64>,
 }
 
 impl<'a> Moving<'a> {
@@ -156,22 +159,29 @@ impl<'a> Moving<'a> {
         result
     }
 
+    /// Takes other numbers of the scene as the ones that move; those before them get `value` again.
+    pub(super) fn turn_to(&mut self, parameters: &'a [Parameter], value: f64) -> Result<(), String> {
+        self.parameters.iter().try_for_each(|one| one.set(&mut self.description, value))?;
+        self.parameters = parameters;
+        Ok(())
+    }
+
+    /// Forces at `q`, loops closed at this value of the parameter, followed by what closing them has moved.
+    pub(super) fn felt(&mut self, q: &[f64], parameter: f64) -> Result<Vec<f64>, String> {
+        let (force, closed) = self.with(q, parameter, |landscape, q| Ok((landscape.force(&q)?, q)))?;
+        let moved = if self.model.is_constrained() { self.apart(q, &closed) } else { vec![0.0; force.len()] };
+        Ok([force, moved].concat())
+    }
+
     /// How forces and closed positions change with the parameter: `∂f/∂λ`, and what loops that change with it move.
     pub(super) fn change(&mut self, q: &[f64], parameter: f64) -> Result<(Vec<f64>, Vec<f64>), String> {
         let half = DIFFERENCE * self.metric.range;
-        let base = q.to_vec();
-        let tied = self.model.is_constrained();
-        let mut force = |at: f64| {
-            let (force, q) = self.with(q, at, |landscape, q| Ok((landscape.force(&q)?, q)))?;
-            let moved = if tied { self.apart(&base, &q) } else { vec![0.0; force.len()] };
-            Ok::<Vec<f64>, String>([force, moved].concat())
-        };
         // At the end of what a model accepts there is one side only.
-        let (after, before) = (force(parameter + half), force(parameter - half));
+        let (after, before) = (self.felt(q, parameter + half), self.felt(q, parameter - half));
         let (after, before, distance) = match (after, before) {
             (Ok(after), Ok(before)) => (after, before, 2.0 * half),
-            (Ok(after), Err(_)) => (after, force(parameter)?, half),
-            (Err(_), Ok(before)) => (force(parameter)?, before, half),
+            (Ok(after), Err(_)) => (after, self.felt(q, parameter)?, half),
+            (Err(_), Ok(before)) => (self.felt(q, parameter)?, before, half),
             (Err(reason), Err(_)) => return Err(reason),
         };
         let mut change: Vec<f64> =
@@ -261,6 +271,51 @@ impl<'a> Moving<'a> {
         .map(|image| 1.0 / image.iter().zip(&rhs).map(|(x, b)| x * b).sum::<f64>())
     }
 
+    /// What the coordinates answer to a change of the forces, `K x = change` along the loops; with `neutral` motions of zero
+    /// stiffness stay where they are.
+    pub(super) fn answer(
+        &mut self,
+        q: &[f64],
+        parameter: f64,
+        change: &[f64],
+        neutral: bool,
+    ) -> Result<Vec<f64>, String> {
+        let solved = self.with(q, parameter, |landscape, q| {
+            landscape.look(&q)?;
+            if !neutral {
+                return Ok(landscape.newton(change));
+            }
+            let place = Place::at(landscape, q)?;
+            let [once, twice] = [SHIFT, 2.0 * SHIFT].map(|part| {
+                let shift = landscape.shift(&place, part);
+                landscape.newton_shifted(change, &shift)
+            });
+            // Extrapolated to no shift.
+            Ok(once.zip(twice).map(|(once, twice)| once.iter().zip(&twice).map(|(a, b)| 2.0 * a - b).collect()))
+        })?;
+        solved.ok_or_else(|| "the stiffness is singular here".to_owned())
+    }
+
+    /// `ω²` of a motion that nothing damps, by Rayleigh's quotient of a shape in velocity coordinates brought onto the rows.
+    pub(super) fn curvature(&mut self, q: &[f64], parameter: f64, shape: &[f64]) -> Result<f64, String> {
+        self.with(q, parameter, |landscape, q| {
+            landscape.force(&q)?;
+            let (free, metric, steady) = (landscape.free.clone(), landscape.metric.clone(), landscape.steady.clone());
+            let momentum: Vec<f64> = free.iter().zip(&metric).map(|(i, b)| b * shape[*i]).collect();
+            let along = landscape.along_rows(&q, &momentum)?;
+            let moves = Mat::from_fn(free.len(), 1, |row, _| along[row] / metric[row]);
+            if landscape.ties.is_some() {
+                landscape.share_prestress(&q, &moves)?;
+            }
+            let mut full = vec![0.0; steady.len()];
+            free.iter().enumerate().for_each(|(row, i)| full[*i] = moves[(row, 0)]);
+            let column = Mat::from_fn(full.len(), 1, |i, _| full[i]);
+            let pushed = landscape.system().at(0.0, &q, &steady).stiffness_times(&column)?;
+            let work: f64 = full.iter().enumerate().map(|(i, x)| x * pushed[(i, 0)]).sum();
+            Ok(work / (2.0 * landscape.system().at(0.0, &q, &full).energies().kinetic))
+        })
+    }
+
     pub(super) fn record(&mut self, q: &[f64], parameter: f64) -> Result<Record, String> {
         let (stops, set) = (self.stops.clone(), self.set.clone());
         self.with(q, parameter, |landscape, q| {
@@ -272,10 +327,11 @@ impl<'a> Moving<'a> {
                 powers = landscape.system().at(0.0, &q, &steady).powers();
             }
             // With loops: the multipliers there.
-            landscape.force(&q)?;
+            let force = landscape.force(&q)?;
             let mut at = landscape.system().at(0.0, &q, &steady);
             at.share_multipliers()?;
-            let energies = at.energies();
+            let mut energies = at.energies();
+            energies.potential += joined(at.system().model(), &stops, &set);
             let balanced = at.residual(&rest, &mut residual)?;
             balanced.reactions(&mut reactions);
             let pushes = bearing::pushes(&stops, &set, &q, &residual);
@@ -286,7 +342,7 @@ impl<'a> Moving<'a> {
                 None => Vec::new(),
             };
             at.poses(&mut poses);
-            Ok(Record { poses, reactions, potential, outputs })
+            Ok(Record { poses, reactions, potential, outputs, force })
         })
     }
 
@@ -325,6 +381,30 @@ impl Family for Moving<'_> {
         System::displace(&self.model, &mut moved, &full);
         moved
     }
+}
+
+/// What the springs of hinges and of the compliant stops that bear on them hold more than the one spring that stands for both
+/// (J): (1) of `bearing`.
+fn joined(model: &Model, stops: &[Stop], set: &Set) -> f64 {
+    let of = |(stop, side): (&Stop, &i8)| {
+        let StopLaw::Compliant { stiffness, .. } = stop.law else { return 0.0 };
+        let both = &model.coordinates[stop.velocity];
+        let own = both.stiffness - stiffness;
+        // `k (rest − limit) = k' (rest' − limit)`
+        let preload = both.stiffness * (both.rest - stop.range[usize::from(*side > 0)]);
+        if *side == 0 || own <= 0.0 { 0.0 } else { 0.5 * preload * preload * stiffness / (own * both.stiffness) }
+    };
+    stops.iter().zip(set).map(of).sum()
+}
+
+/// The sides of the stops that an equilibrium rests on.
+pub(super) fn borne(model: &Model, found: &Equilibrium) -> Set {
+    let side = |stop: &Stop| {
+        let hinge = model.label(stop.velocity);
+        let bearing = found.stops.iter().find(|one| one.hinge == hinge);
+        bearing.map_or(0, |one| if one.low { -1 } else { 1 })
+    };
+    model.stops.iter().map(side).collect()
 }
 
 /// The model while these stops bear, and the position on them.

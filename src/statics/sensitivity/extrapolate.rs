@@ -1,0 +1,169 @@
+//! Derivatives of smooth functions by differences, extrapolated to distance zero (Ridders, 1982).
+//!
+//! ```text
+//! (1)  D(h) = (y(h) − y(−h)) / 2h = y' + c₂h² + c₄h⁴ + …        D₀ₖ = D(h₀ rᵏ)
+//! (2)  Dⱼₖ = (Dⱼ₋₁,ₖ − r²ʲ Dⱼ₋₁,ₖ₋₁) / (1 − r²ʲ)                 error: how far Dⱼₖ is from both of them
+//! (3)  (y(h) − 2y(0) + y(−h)) / h → 0 with h, unless y has a kink at 0
+//! ```
+//!
+//! Of what is affine the first extrapolation is exact up to round-off, over any distance: `h₀` is large. At the end of what is
+//! allowed there is one side only; (1) then has all powers of `h`, and (2) `rʲ`.
+
+/// Distances that are tried, at most.
+const LEVELS: usize = 9;
+/// `r`.
+const SHRINK: f64 = 0.25;
+/// An error below this part of a derivative's size is small enough to stop.
+const FINE: f64 = 1e-10;
+/// (3) stays above this part of itself at a kink; elsewhere it falls with `r`.
+const STAYS: f64 = 0.5;
+/// A kink by less than this part of a derivative's size is round-off.
+const KINK: f64 = 1e-6;
+
+/// A derivative, component by component.
+#[derive(Debug, Clone)]
+pub(super) struct Derivative {
+    pub value: Vec<f64>,
+    /// How far the last extrapolations are apart.
+    pub error: Vec<f64>,
+    /// Whether the function has a kink there: no derivative.
+    pub kinks: Vec<bool>,
+}
+
+/// The extrapolations (2) of one kind of difference.
+struct Tableau {
+    /// `r²` or `r`.
+    ratio: f64,
+    /// The last row, all orders.
+    row: Vec<Vec<f64>>,
+    best: Derivative,
+    /// (3) at the first distance, and the least of it at all.
+    bends: Option<[Vec<f64>; 2]>,
+}
+
+impl Tableau {
+    fn new(ratio: f64, count: usize) -> Self {
+        let best = Derivative { value: vec![0.0; count], error: vec![f64::INFINITY; count], kinks: vec![false; count] };
+        Self { ratio, row: Vec::new(), best, bends: None }
+    }
+
+    /// Takes the difference at the next distance.
+    fn push(&mut self, difference: Vec<f64>) {
+        let mut row = vec![difference];
+        let mut ratio = 1.0;
+        for (j, before) in self.row.iter().enumerate() {
+            ratio *= self.ratio;
+            let next: Vec<f64> =
+                row[j].iter().zip(before).map(|(new, old)| (new - ratio * old) / (1.0 - ratio)).collect();
+            for (i, x) in next.iter().enumerate() {
+                let error = (x - row[j][i]).abs().max((x - before[i]).abs());
+                if error <= self.best.error[i] {
+                    (self.best.value[i], self.best.error[i]) = (*x, error);
+                }
+            }
+            row.push(next);
+        }
+        self.row = row;
+    }
+
+    /// Takes (3) at the next distance: of kinks it does not fall. `sizes` of derivatives.
+    fn bend(&mut self, bends: Vec<f64>, sizes: &[f64]) {
+        let Some([first, least]) = &mut self.bends else {
+            self.bends = Some([bends.clone(), bends]);
+            return;
+        };
+        for (i, bend) in bends.iter().enumerate() {
+            least[i] = least[i].min(*bend);
+            let size = sizes[i].max(self.best.value[i].abs());
+            // Over short distances it is round-off that grows again.
+            self.best.kinks[i] = least[i] > STAYS * first[i] && least[i] > KINK * size;
+        }
+    }
+
+    fn is_fine(&self, sizes: &[f64]) -> bool {
+        let fine = |i: usize| self.best.error[i] <= FINE * sizes[i].max(self.best.value[i].abs());
+        (0..sizes.len()).all(fine)
+    }
+}
+
+/// The derivative at zero of a function whose value there is `center`; `first` is the largest distance, `sizes` how large the
+/// derivatives may be taken to be.
+///
+/// # Errors
+/// Why the function has no values on either side.
+pub(super) fn derivative(
+    of: &mut dyn FnMut(f64) -> Result<Vec<f64>, String>,
+    center: &[f64],
+    first: f64,
+    sizes: &[f64],
+) -> Result<Derivative, String> {
+    let mut reason = None;
+    let mut central = Tableau::new(SHRINK * SHRINK, center.len());
+    let mut sides = [1.0, -1.0].map(|side| (side, Tableau::new(SHRINK, center.len())));
+    for level in 0..LEVELS {
+        let h = first * SHRINK.powi(level as i32);
+        let [after, before] = [h, -h].map(|h| of(h));
+        if let (Ok(after), Ok(before)) = (&after, &before) {
+            let both = || after.iter().zip(before);
+            central.push(both().map(|(after, before)| (after - before) / (2.0 * h)).collect());
+            let bends = both().zip(center).map(|((after, before), y)| (after - 2.0 * y + before).abs() / h);
+            central.bend(bends.collect(), sizes);
+            if level > 0 && central.is_fine(sizes) {
+                break;
+            }
+            continue;
+        }
+        for ((side, tableau), y) in sides.iter_mut().zip([after, before]) {
+            match y {
+                Ok(y) => tableau.push(y.iter().zip(center).map(|(y, center)| (y - center) / (*side * h)).collect()),
+                Err(why) => reason = Some(why),
+            }
+            if tableau.row.len() > 1 && tableau.is_fine(sizes) {
+                return Ok(sides.into_iter().map(|(_, tableau)| tableau.best).find(is_known).unwrap_or(central.best));
+            }
+        }
+    }
+    let [(_, after), (_, before)] = sides;
+    let found = [central.best, after.best, before.best].into_iter().find(is_known);
+    found.ok_or_else(|| reason.unwrap_or_else(|| "it cannot be changed".to_owned()))
+}
+
+fn is_known(derivative: &Derivative) -> bool {
+    derivative.error.iter().all(|error| error.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(y: impl Fn(f64) -> Option<f64>) -> Result<Derivative, String> {
+        let center = [y(0.0).expect("a value")];
+        derivative(&mut |h| y(h).map(|y| vec![y]).ok_or_else(|| "no".to_owned()), &center, 0.5, &[1.0])
+    }
+
+    #[test]
+    fn smooth_functions_are_differentiated_to_round_off() {
+        for k in 1..20 {
+            let k = f64::from(k);
+            let found = of(|h| Some((k * h).sin() + (0.3 * h).exp())).expect("a derivative");
+            assert!((found.value[0] - k - 0.3).abs() < 1e-10 * k, "{k}: {found:?}");
+            assert!(!found.kinks[0]);
+        }
+    }
+
+    #[test]
+    fn one_side_is_enough_at_the_end_of_what_is_allowed() {
+        let found = of(|h| (h >= 0.0).then(|| (1.0 + h).sqrt())).expect("a derivative");
+        assert!((found.value[0] - 0.5).abs() < 1e-9, "{found:?}");
+        let beyond = of(|h| (h.abs() < 0.01).then(|| (1.0 + h).powi(3))).expect("a derivative");
+        assert!((beyond.value[0] - 3.0).abs() < 1e-9, "{beyond:?}");
+        assert_eq!(of(|h| (h == 0.0).then_some(1.0)).err(), Some("no".to_owned()));
+    }
+
+    #[test]
+    fn kinks_have_no_derivative() {
+        assert!(of(|h| Some(h.abs() + h)).expect("differences").kinks[0]);
+        assert!(of(|h| Some((2.0 * h).max(h.sin()))).expect("differences").kinks[0]);
+        assert!(!of(|h| Some(h.abs() * h)).expect("differences").kinks[0]);
+    }
+}

@@ -1,0 +1,454 @@
+//! Sensitivities: how an equilibrium, what is asked of it and its frequencies change with the numbers of the scene.
+//!
+//! ```text
+//! (1)  f(q, p) = 0  stays while p changes:      K s = ∂f/∂p,    dq/dp = s + c,    K = −∂f/∂q
+//! (2)  y = y(q, p):                              dy/dp = d/dh y(q ⊞ h dq/dp, p + h)  at h = 0
+//! (3)  ω² = φᵀKφ / φᵀMφ  of a mode φ:            dω²/dp by (2) with φ as it is, brought onto the rows: ω² is stationary in φ
+//! ```
+//!
+//! `c` is what loops move that change with `p` themselves, at fixed independent coordinates. `K` is factorized once, by the sweep of
+//! the transfer equations where that covers the scene; nothing is solved again beside the equilibrium. Derivatives by a number
+//! are extrapolated differences at given positions (see `extrapolate`), so that every kind of number and of output counts:
+//! multipliers, reactions and what stops bear follow from the place. Along the curve of (2) forces stay balanced to first order, and
+//! that is checked: it proves (1).
+
+mod extrapolate;
+
+use super::certify::bearing::{self, Set};
+use super::certify::equilibrium::Equilibrium;
+use super::family::{Moving, borne};
+use super::inverse::unit;
+use super::problem::assembled::Assembled;
+use super::search::curve::Family;
+use super::standing;
+use crate::model::description::Description;
+use crate::model::parameter::{Field, Quantity};
+use crate::model::problem::Element;
+use crate::model::{Model, Parameter};
+use crate::suggest::closest;
+use extrapolate::{Derivative, derivative};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+/// The largest distance of a difference, as a part of a number's unit.
+const FIRST: f64 = 1e-2;
+/// The farthest that any coordinate moves in a difference: radians, or part of the scene's length.
+const FARTHEST: f64 = 0.05;
+/// A size of derivatives below which they count as small: this part of the output's unit over the number's.
+const SMALL: f64 = 1e-3;
+/// A derivative below this part of the output's unit over the number's is round-off: zero.
+const ZERO: f64 = 1e-11;
+/// A derivative whose error is larger than this part of it, or of [`SMALL`], is not known.
+const KNOWN: f64 = 1e-6;
+/// Forces that change along (2) by more than this part of ∂f/∂p disprove (1).
+const PROVED: f64 = 1e-6;
+/// Frequencies that differ by less than this part are one: its derivative is no single number.
+const REPEATED: f64 = 1e-6;
+/// What bears with less than this part of the largest force is about to lift off.
+const LIFTS: f64 = 1e-9;
+
+/// Why there is no derivative at a switch.
+const KINK: &str = "the forces have a kink here: a spring, rope or motor is at a switch";
+
+/// Derivatives of outputs by numbers of the scene.
+#[derive(Debug, Clone)]
+pub struct Sensitivities {
+    /// The rows.
+    pub outputs: Vec<Felt>,
+    /// The columns.
+    pub parameters: Vec<Number>,
+    /// Row by row: the derivative, in SI units of the output by the number; `None` where there is none, as a note says.
+    pub derivatives: Vec<Vec<Option<f64>>>,
+    /// What a person should know.
+    pub notes: Vec<String>,
+}
+
+/// A row: one number that is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Felt {
+    /// `camber`, `tip[2]` or `frequency[0]`.
+    pub name: String,
+    /// SI unit; `1` for a number without.
+    pub unit: String,
+    /// At the equilibrium.
+    pub value: f64,
+}
+
+/// A column: a number of the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Number {
+    /// The address that stands for it alone.
+    pub address: String,
+    /// SI unit; empty if that is not said.
+    pub unit: &'static str,
+    /// In the scene.
+    pub value: f64,
+}
+
+/// Why there are no sensitivities.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SensitivityError {
+    /// Nothing to differentiate.
+    #[error("there is no equilibrium: nothing of it can change")]
+    NoEquilibrium,
+    /// Contact or dry friction hold a pose within bounds.
+    #[error(
+        "the scene has contact or dry friction, which hold a pose as it is until they give way: it has no derivatives"
+    )]
+    Friction,
+    /// The pose is given.
+    #[error(
+        "the pose is given and numbers are unknown: sensitivities are those of an equilibrium that is found from all numbers"
+    )]
+    Unknown,
+    /// A name that is not known.
+    #[error("the scenario has no output `{name}`{hint}")]
+    Output {
+        /// As it was asked for.
+        name: String,
+        /// What may have been meant.
+        hint: String,
+    },
+    /// A frequency that there is not, or that has no derivative.
+    #[error("`{name}`: {why}")]
+    Frequency {
+        /// As it was asked for.
+        name: String,
+        /// What is in the way.
+        why: String,
+    },
+    /// The equilibrium cannot be evaluated again.
+    #[error("{0}")]
+    Failed(String),
+}
+
+/// One row, and where it comes from.
+enum Row {
+    /// The place of an output's number.
+    Output(usize),
+    /// The shape of a mode, in velocity coordinates.
+    Frequency(Vec<f64>),
+}
+
+/// The derivatives of `asked` (names of outputs, `frequency[0]` …) at an equilibrium by `parameters`, as long as what bears bears
+/// and what is switched on stays so. `parameters` of `None` are all that an equilibrium follows from ([`felt`]).
+///
+/// # Errors
+/// See [`SensitivityError`].
+pub fn sensitivities(
+    description: &Description,
+    model: &Arc<Model>,
+    found: &Equilibrium,
+    asked: &[String],
+    parameters: Option<Vec<Parameter>>,
+) -> Result<Sensitivities, SensitivityError> {
+    if !found.balanced {
+        return Err(SensitivityError::NoEquilibrium);
+    }
+    if standing::is_for(model) {
+        return Err(SensitivityError::Friction);
+    }
+    if !found.unknowns.is_empty() {
+        return Err(SensitivityError::Unknown);
+    }
+    let (mut outputs, mut rows) = (Vec::new(), Vec::new());
+    for name in asked {
+        of_name(model, found, name, &mut outputs, &mut rows)?;
+    }
+    let parameters = parameters.unwrap_or_else(|| felt(description));
+    let numbers = parameters.iter().map(|one| Number {
+        address: one.address.clone(),
+        unit: one.quantity.unit(),
+        value: one.value(description),
+    });
+    let numbers: Vec<Number> = numbers.collect();
+    let set = borne(model, found);
+    let mut study = Study::new(description, model, found, (&rows, &mut outputs), set)?;
+    let columns: Vec<Vec<Option<f64>>> =
+        parameters.iter().zip(&numbers).map(|(one, number)| study.by(one, number)).collect();
+    let derivatives = (0..rows.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
+    let notes = study.notes;
+    Ok(Sensitivities { outputs, parameters: numbers, derivatives, notes })
+}
+
+/// All numbers that an equilibrium follows from: start positions are guesses, except those of hinges that are locked.
+pub fn felt(description: &Description) -> Vec<Parameter> {
+    let is_guess = |one: &Parameter| match one.element {
+        Element::Body(body) => one.field == Field::Position && !description.bodies[body].hinge.lock,
+        _ => false,
+    };
+    Parameter::all(description).into_iter().filter(|one| !is_guess(one)).collect()
+}
+
+/// The rows of a name.
+fn of_name(
+    model: &Model,
+    found: &Equilibrium,
+    name: &str,
+    outputs: &mut Vec<Felt>,
+    rows: &mut Vec<Row>,
+) -> Result<(), SensitivityError> {
+    for output in &model.outputs {
+        let of = output.range().zip(output.labels()).zip(&output.units);
+        for ((place, label), unit) in of.filter(|((_, label), _)| label == name || output.name == name) {
+            outputs.push(Felt { name: label, unit: unit.clone(), value: 0.0 });
+            rows.push(Row::Output(place));
+        }
+    }
+    if outputs.iter().any(|one| one.name == name || one.name.starts_with(&format!("{name}["))) {
+        return Ok(());
+    }
+    let Some(index) = name.strip_prefix("frequency[").and_then(|rest| rest.strip_suffix(']')?.parse().ok()) else {
+        let known = model.outputs.iter().map(|output| output.name.as_str()).chain(["frequency[0]"]);
+        let hint = closest(name, known).map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+        return Err(SensitivityError::Output { name: name.to_owned(), hint });
+    };
+    let (shape, value) =
+        mode(model, found, index).map_err(|why| SensitivityError::Frequency { name: name.to_owned(), why })?;
+    outputs.push(Felt { name: name.to_owned(), unit: "Hz".to_owned(), value });
+    rows.push(Row::Frequency(shape));
+    Ok(())
+}
+
+/// Shape, in velocity coordinates, and frequency (Hz) of a mode, by its place among the frequencies; or why it has no derivative.
+fn mode(model: &Model, found: &Equilibrium, index: usize) -> Result<(Vec<f64>, f64), String> {
+    let modes: Vec<_> =
+        found.stability.iter().flat_map(|of| &of.modes).filter(|mode| mode.growth_rate == 0.0).collect();
+    let Some(mode) = modes.get(index) else {
+        return Err(match modes.len() {
+            0 => "the equilibrium has no frequencies".to_owned(),
+            count => format!("the frequencies of the equilibrium are 0 to {}", count - 1),
+        });
+    };
+    if mode.frequency_hz == 0.0 {
+        return Err("the motion has zero stiffness, and a frequency there no derivative".to_owned());
+    }
+    if !model.is_conservative() || found.velocity.iter().any(|v| *v != 0.0) {
+        return Err("frequencies have derivatives here only if all loads have a potential and nothing spins".to_owned());
+    }
+    let near = |other: &usize| (modes[*other].frequency_hz / mode.frequency_hz - 1.0).abs() < REPEATED;
+    if let Some(twin) = (0..modes.len()).filter(|other| *other != index).find(near) {
+        return Err(format!(
+            "it equals `frequency[{twin}]`, {} Hz: of a repeated frequency every change splits off another motion",
+            mode.frequency_hz
+        ));
+    }
+    let mut shape = vec![0.0; model.velocity_count()];
+    let free = (0..shape.len()).filter(|i| !model.coordinates[*i].lock).collect::<Vec<_>>();
+    free.into_iter().zip(&mode.shape).for_each(|(i, x)| shape[i] = *x);
+    Ok((shape, mode.frequency_hz))
+}
+
+/// The equilibrium, and what is asked of it.
+struct Study<'a> {
+    moving: Moving<'a>,
+    model: &'a Arc<Model>,
+    q: &'a [f64],
+    rows: &'a [Row],
+    /// The numbers of the rows, followed by the unbalanced forces.
+    center: Vec<f64>,
+    /// Units of the rows.
+    units: Vec<f64>,
+    /// How large the forces are that cancel.
+    forces: Vec<f64>,
+    /// The free coordinates over one radian or the scene's length.
+    levers: Vec<f64>,
+    /// Shift of a stiffness that has zero-stiffness directions.
+    neutral: bool,
+    names: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl<'a> Study<'a> {
+    fn new(
+        description: &Description,
+        model: &'a Arc<Model>,
+        found: &'a Equilibrium,
+        (rows, outputs): (&'a [Row], &mut [Felt]),
+        set: Set,
+    ) -> Result<Self, SensitivityError> {
+        let built = Model::build(description).map_err(|problems| {
+            SensitivityError::Failed(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))
+        })?;
+        let (_, assembled) = Assembled::of(built).map_err(SensitivityError::Failed)?;
+        let q = &found.position[..];
+        let moving = Moving::new(description, assembled, &[], 0.0, 1.0, (q, set.clone()));
+        let mut moving = moving.map_err(SensitivityError::Failed)?;
+        let place = moving.place(q, 0.0).map_err(SensitivityError::Failed)?;
+        if !place.is_balanced() {
+            return Err(SensitivityError::Failed("the equilibrium is none of the scene as it is described".to_owned()));
+        }
+        let notes = one_sided(model, found, &set, place.scales.force.iter().fold(0.0_f64, |m, f| m.max(*f)));
+        let stability = found.stability.as_ref();
+        let slides = (0..model.velocity_count()).filter(|i| !moving.model().coordinates[*i].lock);
+        let length = moving.length();
+        let levers = slides.map(|i| if moving.slides(i) { length } else { 1.0 }).collect();
+        let mut study = Self {
+            moving,
+            model,
+            q,
+            rows,
+            center: Vec::new(),
+            units: Vec::new(),
+            forces: place.scales.force,
+            levers,
+            neutral: stability.is_some_and(|stability| stability.neutral_directions > 0),
+            names: outputs.iter().map(|output| output.name.clone()).collect(),
+            notes,
+        };
+        let none = vec![0.0; study.levers.len()];
+        study.center = study.along(&none, 0.0, 0.0).map_err(SensitivityError::Failed)?;
+        let largest = study.largest();
+        for (output, value) in outputs.iter_mut().zip(&study.center) {
+            if let (true, false) = (output.unit == "Hz", (value / output.value - 1.0).abs() < REPEATED) {
+                let why = "rows that are linearly dependent do not determine it".to_owned();
+                return Err(SensitivityError::Frequency { name: output.name.clone(), why });
+            }
+            output.value = *value;
+            let quantity = Quantity::of_unit(&output.unit).unwrap_or(Quantity::Plain);
+            study.units.push(unit(quantity, *value, model, largest).max(value.abs()));
+        }
+        if study.neutral {
+            study.notes.push("along zero-stiffness directions the equilibrium is taken to stay where it is".to_owned());
+        }
+        Ok(study)
+    }
+
+    fn largest(&self) -> f64 {
+        self.forces.iter().fold(0.0_f64, |m, f| m.max(*f))
+    }
+
+    /// The rows and the unbalanced forces at `q ⊞ h slope` with the number that moves at `value + h`.
+    fn along(&mut self, slope: &[f64], value: f64, h: f64) -> Result<Vec<f64>, String> {
+        let step: Vec<f64> = slope.iter().map(|x| h * x).collect();
+        let q = self.moving.moved(self.q, &step);
+        let record = self.moving.record(&q, value + h)?;
+        let mut all = Vec::with_capacity(self.rows.len() + record.force.len());
+        for row in self.rows {
+            all.push(match row {
+                Row::Output(place) => record.outputs[*place],
+                Row::Frequency(shape) => self.moving.curvature(&q, value + h, shape)?.sqrt() / TAU,
+            });
+        }
+        all.extend(record.force);
+        Ok(all)
+    }
+
+    /// One column.
+    fn by(&mut self, one: &'a Parameter, number: &Number) -> Vec<Option<f64>> {
+        let value = number.value;
+        let found = self
+            .moving
+            .turn_to(std::slice::from_ref(one), value)
+            .and_then(|()| self.slope(one, value))
+            .and_then(|(slope, change)| self.column(one, value, &slope, &change));
+        let back = self.moving.turn_to(&[], value);
+        match (found, back) {
+            (Ok(column), Ok(())) => column,
+            (Err(why), _) | (_, Err(why)) => {
+                self.notes.push(format!("no derivatives by `{}`: {why}", one.address));
+                vec![None; self.rows.len()]
+            }
+        }
+    }
+
+    /// The unit of a number: the scene's own size of such a one, or its own.
+    fn unit(&self, one: &Parameter, value: f64) -> f64 {
+        unit(one.quantity, value, self.model, self.largest()).max(value.abs())
+    }
+
+    /// (1): `dq/dp` in the free coordinates, and how forces change at fixed coordinates.
+    fn slope(&mut self, one: &Parameter, value: f64) -> Result<(Vec<f64>, Vec<f64>), String> {
+        let (unit, count) = (self.unit(one, value), self.levers.len());
+        let (q, moving) = (self.q, &mut self.moving);
+        let center = moving.felt(q, value)?;
+        let sizes: Vec<f64> = self.forces.iter().chain(&self.levers).map(|size| SMALL * size / unit).collect();
+        let Derivative { value: mut change, error, kinks } =
+            derivative(&mut |h| moving.felt(q, value + h), &center, FIRST * unit, &sizes)?;
+        if kinks.contains(&true) {
+            return Err(KINK.to_owned());
+        }
+        let most = change.iter().zip(&sizes).map(|(x, size)| x.abs().max(*size));
+        if most.zip(&error).any(|(size, error)| *error > KNOWN * size) {
+            return Err("the forces do not change smoothly with it".to_owned());
+        }
+        let moves = change.split_off(count);
+        let mut slope = match change.iter().all(|x| *x == 0.0) {
+            true => change.clone(),
+            false => moving.answer(q, value, &change, self.neutral)?,
+        };
+        slope.iter_mut().zip(&moves).for_each(|(slope, moves)| *slope += moves);
+        Ok((slope, change))
+    }
+
+    /// (2) and (3), and the proof of (1).
+    fn column(
+        &mut self,
+        one: &Parameter,
+        value: f64,
+        slope: &[f64],
+        change: &[f64],
+    ) -> Result<Vec<Option<f64>>, String> {
+        let unit = self.unit(one, value);
+        let fastest = slope.iter().zip(&self.levers).map(|(x, lever)| x.abs() / lever).fold(0.0, f64::max);
+        let first = (FIRST * unit).min(FARTHEST / fastest.max(f64::MIN_POSITIVE));
+        let sizes: Vec<f64> = self.units.iter().chain(&self.forces).map(|size| SMALL * size / unit).collect();
+        let center = self.center.clone();
+        let found = derivative(&mut |h| self.along(slope, value, h), &center, first, &sizes)?;
+        let count = self.rows.len();
+        let most = change.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let unproved = |i: usize| {
+            let noise = found.error[i].max(ZERO * self.forces[i - count] / unit);
+            found.value[i].abs() > PROVED * most + noise
+        };
+        if found.kinks[count..].contains(&true) {
+            return Err(KINK.to_owned());
+        }
+        if (count..center.len()).any(unproved) {
+            return Err(match self.neutral {
+                true => "it pushes a zero-stiffness direction: there is no equilibrium beside this one".to_owned(),
+                false => "the stiffness is singular here: the equilibrium does not follow it smoothly".to_owned(),
+            });
+        }
+        let mut column = Vec::with_capacity(count);
+        for row in 0..count {
+            let (x, error) = (found.value[row], found.error[row]);
+            let why = match (found.kinks[row], error <= KNOWN * x.abs().max(sizes[row])) {
+                (false, true) => None,
+                (true, _) => Some("it has a kink here"),
+                (false, false) => Some("differences do not settle"),
+            };
+            if let Some(why) = why {
+                self.notes.push(format!("no derivative of `{}` by `{}`: {why}", self.names[row], one.address));
+            }
+            let zero = x.abs() <= ZERO * self.units[row] / unit;
+            column.push(why.is_none().then_some(if zero { 0.0 } else { x }));
+        }
+        Ok(column)
+    }
+}
+
+/// Stops that touch without a push: on their other side derivatives are others.
+fn one_sided(model: &Model, found: &Equilibrium, set: &Set, largest: f64) -> Vec<String> {
+    let touched = bearing::touching(model, &found.position);
+    let idle = |index: usize| {
+        let stop = &model.stops[index];
+        let hinge = model.label(stop.velocity);
+        let load = found.stops.iter().find(|one| one.hinge == hinge).map_or(0.0, |one| one.load);
+        let lever = bearing::unit(model, stop.velocity);
+        match set[index] {
+            0 => (touched[index] != 0)
+                .then(|| format!("the stop of {hinge} touches and bears nothing: sensitivities are those without it")),
+            _ if load * lever <= LIFTS * largest => {
+                Some(format!("the stop of {hinge} bears next to nothing: sensitivities hold as long as it bears"))
+            }
+            _ => None,
+        }
+    };
+    let mut notes: Vec<String> = (0..set.len()).filter_map(idle).collect();
+    let bears: Vec<String> = found.stops.iter().map(|stop| stop.hinge.clone()).collect();
+    if !bears.is_empty() {
+        notes.push(format!("sensitivities hold as long as the stops of {} bear", bears.join(", ")));
+    }
+    notes
+}

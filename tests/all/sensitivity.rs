@@ -1,0 +1,307 @@
+//! Sensitivities of equilibria: against differences of equilibria that are found again, against closed forms, and what has none.
+
+use crate::linear::scene;
+use crate::scenarios::file;
+use assert_cmd::Command;
+use serde_json::Value;
+use std::sync::Arc;
+use stillpoint::constraint::assemble;
+use stillpoint::model::description::*;
+use stillpoint::model::{Model, Parameter};
+use stillpoint::scenario::parse;
+use stillpoint::statics::{self, Equilibrium, SensitivityError, felt, sensitivities};
+
+/// What is asked of every scene.
+fn asked(found: &Equilibrium, model: &Model) -> Vec<String> {
+    let mut names: Vec<String> = model.outputs.iter().map(|output| output.name.clone()).collect();
+    let modes = found.stability.iter().flat_map(|of| of.frequencies()).collect::<Vec<f64>>();
+    let alone = |i: usize| modes.iter().enumerate().all(|(j, f)| i == j || (f / modes[i] - 1.0).abs() > 1e-3);
+    let smooth = model.is_conservative() && found.velocity.iter().all(|v| *v == 0.0);
+    names.extend((0..modes.len()).filter(|i| smooth && alone(*i)).map(|i| format!("frequency[{i}]")));
+    names
+}
+
+/// A model, loops closed, and its equilibrium next to the start.
+fn solved(description: &Description) -> Option<(Arc<Model>, Equilibrium)> {
+    let model = assemble(Model::build(description).ok()?).ok()?.0;
+    let settings = statics::Settings { want: statics::Want::Any, ..Default::default() };
+    let found = statics::equilibrium(&model, &settings, &model.start_position).ok()?;
+    found.balanced.then_some((model, found))
+}
+
+/// Outputs and frequencies of the equilibrium next to a position with another value of a number.
+fn again(description: &Description, one: &Parameter, value: f64, near: &[f64]) -> Option<Vec<f64>> {
+    let mut moved = description.clone();
+    // Loops are closed from there.
+    for (body, built) in moved.bodies.iter_mut().zip(&Model::build(description).ok()?.bodies) {
+        body.hinge.position = near[built.hinge.position..][..built.hinge.kind.counts().0].to_vec();
+    }
+    one.set(&mut moved, value).ok()?;
+    let (model, found) = solved(&moved)?;
+    let apart = found.position.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    if apart > 0.2 {
+        return None;
+    }
+    let mut all = statics::outputs(&model, &found).ok()?;
+    all.extend(found.stability.iter().flat_map(|of| of.frequencies()));
+    Some(all)
+}
+
+/// Derivatives of these by differences of equilibria over `h` and `h / 2`, extrapolated; and how far the two are apart.
+fn by_solving(description: &Description, one: &Parameter, h: f64, near: &[f64]) -> Option<Vec<[f64; 2]>> {
+    let value = one.value(description);
+    let difference = |h: f64| -> Option<Vec<f64>> {
+        let [after, before] = [value + h, value - h].map(|value| again(description, one, value, near));
+        let (after, before) = (after?, before?);
+        (after.len() == before.len()).then(|| after.iter().zip(&before).map(|(a, b)| (a - b) / (2.0 * h)).collect())
+    };
+    let [whole, half, quarter] = [difference(h)?, difference(0.5 * h)?, difference(0.25 * h)?];
+    let of = |i: usize| {
+        let [first, second] = [[whole[i], half[i]], [half[i], quarter[i]]].map(|[a, b]| b + (b - a) / 3.0);
+        let best = second + (second - first) / 15.0;
+        [best, (best - second).abs()]
+    };
+    Some((0..whole.len()).map(of).collect())
+}
+
+/// How far equilibria are found again, as a part of a number.
+const REACH: f64 = 1.6e-2;
+/// A search ends at 1e-13 of the forces: what it leaves open of an output, over a quarter of the distance and with some stiffness to
+/// spare.
+const LEFT: f64 = 1e-11;
+
+/// Compares some columns of a scene, to 1e-7 of what differences can tell; how many these are, and the largest error.
+fn compare(name: &str, description: &Description, every: usize, skip: usize) -> (usize, f64) {
+    let Some((model, found)) = solved(description) else { return (0, 0.0) };
+    if found.stability.as_ref().is_none_or(|of| of.neutral_directions > 0) {
+        return (0, 0.0);
+    }
+    let names = asked(&found, &model);
+    let numbers: Vec<Parameter> = felt(description).into_iter().skip(skip % every).step_by(every).collect();
+    let table = match sensitivities(description, &model, &found, &names, Some(numbers.clone())) {
+        Ok(table) => table,
+        Err(error) => panic!("{name}: {error}"),
+    };
+    let places = model.outputs.iter().flat_map(|output| output.range()).chain(names.iter().filter_map(|name| {
+        let index: usize = name.strip_prefix("frequency[")?.strip_suffix(']')?.parse().ok()?;
+        Some(model.outputs.last().map_or(0, |last| last.range().end) + index)
+    }));
+    let places: Vec<usize> = places.collect();
+    let (mut count, mut worst) = (0, 0.0_f64);
+    for (column, one) in numbers.iter().enumerate() {
+        let h = REACH * one.value(description).abs().max(1.0);
+        let Some(other) = by_solving(description, one, h, &found.position) else { continue };
+        for (row, place) in places.iter().enumerate() {
+            let [expected, unsure] = other[*place];
+            let (of, by, value) = (&table.outputs[row].name, &one.address, table.outputs[row].value);
+            let Some(derivative) = table.derivatives[row][column] else {
+                panic!("{name}: no derivative of `{of}` by `{by}`: {:?}", table.notes)
+            };
+            // What a search that ends at a balance leaves open, over the shortest distance.
+            let noise = (LEFT * value.abs().max(1.0) / h).max(unsure);
+            let error = (derivative - expected).abs();
+            let message =
+                format!("{name}: `{of}` by `{by}`: {derivative:e}, by solving again {expected:e} ± {noise:e}");
+            assert!(error < 1e-7 * expected.abs() + 5.0 * noise, "{message}");
+            if noise < 2e-8 * expected.abs() {
+                assert!(error < 1e-7 * expected.abs(), "{message}");
+                (count, worst) = (count + 1, worst.max(error / expected.abs()));
+            }
+        }
+    }
+    (count, worst)
+}
+
+/// More outputs: what follows from the balance.
+fn with_loads(mut scene: Description) -> Description {
+    let tip = scene.bodies[1].name.clone();
+    let reaction = QuantityDescription::Reaction { body: "b0".into(), component: None, axes: Axes::Body };
+    scene.outputs.push(OutputDescription::new("r", reaction));
+    scene.outputs.push(OutputDescription::new("o", QuantityDescription::Orientation { body: tip }));
+    scene.outputs.push(OutputDescription::new("V", QuantityDescription::Energy(EnergyKind::Potential)));
+    for closed in scene.loops.clone() {
+        let push = QuantityDescription::Force { of: closed.name.clone(), component: None };
+        scene.outputs.push(OutputDescription::new(&format!("push of {}", closed.name), push));
+    }
+    // Something holds every hinge, or an equilibrium is an accident.
+    for body in &mut scene.bodies {
+        let count = body.hinge.kind.counts().1;
+        body.hinge.stiffness = (0..count).map(|i| 30.0 + 10.0 * i as f64).collect();
+    }
+    scene
+}
+
+#[test]
+fn derivatives_are_those_of_equilibria_found_again() {
+    for tied in [false, true] {
+        let (mut scenes, mut count, mut worst) = (0, 0, 0.0_f64);
+        for seed in 0..40 {
+            let mut random = with_loads(scene(seed, tied));
+            if seed % 5 == 4 {
+                random.bodies[2].hinge.lock = true;
+            }
+            let (some, error) = compare(&format!("seed {seed}, loops: {tied}"), &random, 7, seed as usize);
+            scenes += usize::from(some > 0);
+            (count, worst) = (count + some, worst.max(error));
+        }
+        println!("loops: {tied}: {scenes} scenes, {count} derivatives, largest error {worst:.1e}");
+        assert!(scenes >= 30, "{scenes}");
+    }
+}
+
+/// A weight on a spring, and a rope that is slack, taut, or just so.
+fn scale(extra: &str) -> String {
+    format!(
+        "[[body]]\nname = \"pan\"\nmass = 2.0\nhinge = {{ type = \"prismatic\", axis = [0, 0, 1], stiffness = 100.0 }}\n\
+         [[output]]\nname = \"z\"\ntype = \"coordinate\"\nof = \"pan\"\n\
+         [[output]]\nname = \"V\"\ntype = \"energy\"\nof = \"potential\"\n{extra}"
+    )
+}
+
+fn answers(text: &str, asked: &[&str]) -> Result<stillpoint::statics::Sensitivities, SensitivityError> {
+    let scenario = parse("scene.toml", text, &[]).unwrap();
+    let model = assemble(Model::build(&scenario.description).unwrap()).unwrap().0;
+    let found = statics::equilibrium(&model, &scenario.statics, &model.start_position).unwrap();
+    let asked: Vec<String> = asked.iter().map(|name| (*name).to_owned()).collect();
+    sensitivities(&scenario.description, &model, &found, &asked, None)
+}
+
+fn derivative(table: &stillpoint::statics::Sensitivities, output: usize, address: &str) -> Option<f64> {
+    let column = table.parameters.iter().position(|one| one.address == address);
+    table.derivatives[output][column.unwrap_or_else(|| panic!("no {address}"))]
+}
+
+/// `z = −m g / k`, `V = m g z + k z²/2 = −(m g)²/2k`, `f = √(k/m)/2π`.
+#[test]
+fn a_weight_on_a_spring_answers_as_in_closed_form() {
+    let table = answers(&scale(""), &["z", "V", "frequency[0]"]).unwrap();
+    let (m, g, k) = (2.0, 9.80665, 100.0_f64);
+    let f = (k / m).sqrt() / std::f64::consts::TAU;
+    for (output, address, expected) in [
+        (0, "pan.mass", -g / k),
+        (0, "gravity[2]", m / k),
+        (0, "gravity[0]", 0.0),
+        (0, "pan.stiffness", m * g / (k * k)),
+        (0, "pan.rest", 1.0),
+        (0, "pan.force", 1.0 / k),
+        (1, "pan.mass", -m * g * g / k),
+        (1, "pan.stiffness", (m * g / k).powi(2) / 2.0),
+        (2, "pan.stiffness", 0.5 * f / k),
+        (2, "pan.mass", -0.5 * f / m),
+        (2, "pan.rest", 0.0),
+    ] {
+        let found = derivative(&table, output, address).unwrap();
+        assert!((found - expected).abs() <= 1e-10 * expected.abs(), "{output} by {address}: {found} for {expected}");
+    }
+    assert!(table.parameters.iter().all(|one| one.address != "pan.position"), "a guess moves nothing");
+}
+
+/// What a compliant stop bears follows from the springs of both: `z = (k_s l − m g)/(k + k_s)`.
+#[test]
+fn stops_that_bear_take_part() {
+    let stop = "limits = { low = -0.1, high = 1.0, stiffness = 300.0 }";
+    let text = scale("").replace("stiffness = 100.0", &format!("stiffness = 100.0, rest = 0.02, {stop}"));
+    let table = answers(&text, &["z", "V"]).unwrap();
+    let (m, g, k, s, l, r) = (2.0, 9.80665, 100.0_f64, 300.0, -0.1, 0.02);
+    let z = (k * r + s * l - m * g) / (k + s);
+    for (output, address, expected) in [
+        (0, "pan.mass", -g / (k + s)),
+        (0, "pan.stiffness", (r - z) / (k + s)),
+        (1, "pan.mass", g * z),
+        (1, "pan.stiffness", (z - r) * (z - r) / 2.0),
+        (1, "pan.rest", k * (r - z)),
+    ] {
+        let found = derivative(&table, output, address).unwrap();
+        assert!((found - expected).abs() <= 1e-9 * expected.abs(), "{output} by {address}: {found} for {expected}");
+    }
+    assert!(table.notes.iter().any(|note| note.contains("as long as the stops of `pan` bear")), "{:?}", table.notes);
+    let rigid = scale("").replace("stiffness = 100.0", "stiffness = 100.0, limits = [-0.1, 1.0]");
+    let table = answers(&rigid, &["z", "V"]).unwrap();
+    assert_eq!(derivative(&table, 0, "pan.mass"), Some(0.0));
+    assert!((derivative(&table, 1, "pan.mass").unwrap() + 9.80665 * 0.1).abs() < 1e-10);
+}
+
+#[test]
+fn what_is_at_a_switch_has_no_derivative_and_says_so() {
+    let rope = |length: f64| {
+        let ends = "through = [\"pan\", { body = \"ground\", at = [0, 0, 1] }]";
+        scale(&format!("[[force]]\nname = \"rope\"\ntype = \"rope\"\n{ends}\nstiffness = 50.0\nlength = {length:?}\n"))
+    };
+    let sag = 2.0 * 9.80665 / 100.0;
+    for (length, expected) in [(1.5, Some(-9.80665 / 100.0)), (1.0, Some(-9.80665 / 150.0)), (1.0 + sag, None)] {
+        let table = answers(&rope(length), &["z"]).unwrap();
+        let found = derivative(&table, 0, "pan.mass");
+        assert_eq!(found.is_some(), expected.is_some(), "{length}: {found:?} {:?}", table.notes);
+        if let (Some(found), Some(expected)) = (found, expected) {
+            assert!((found - expected).abs() < 1e-10, "{length}: {found}");
+        } else {
+            assert!(table.notes.iter().any(|note| note.contains("`pan.mass`") && note.contains("kink")));
+        }
+    }
+}
+
+#[test]
+fn motions_without_stiffness_stay_or_have_no_equilibrium_beside() {
+    // A turn about the vertical costs nothing, and nothing but a torque about it pushes that way.
+    let arm = "[[body]]\nname = \"post\"\nmass = 1.0\ninertia = [1, 1, 1]\nhinge = { type = \"revolute\", axis = [0, 0, 1] }\n\
+               [[body]]\nname = \"arm\"\nmass = 1.0\ncenter = [0.5, 0, 0]\ninertia = [0.1, 0.1, 0.1]\n\
+               hinge = { type = \"revolute\", parent = \"post\", axis = [0, 1, 0], stiffness = 20.0 }\n\
+               [[output]]\nname = \"a\"\ntype = \"coordinate\"\nof = \"arm\"\n";
+    let table = answers(arm, &["a"]).unwrap();
+    let value = table.outputs[0].value;
+    // k a = m g l cos a
+    let (w, k) = (9.80665 * 0.5, 20.0);
+    let expected = w * value.cos() / (k + w * value.sin());
+    let found = derivative(&table, 0, "arm.mass").unwrap();
+    assert!((found - expected).abs() < 1e-7 * expected, "{found} for {expected}");
+    assert_eq!(derivative(&table, 0, "post.force"), None);
+    assert!(table.notes.iter().any(|note| note.contains("zero-stiffness direction")), "{:?}", table.notes);
+}
+
+#[test]
+fn names_that_are_not_known_are_refused() {
+    let unknown = answers(&scale(""), &["frequncy[0]"]).unwrap_err();
+    assert!(unknown.to_string().contains("no output `frequncy[0]`; did you mean `frequency[0]`?"), "{unknown}");
+    let beyond = answers(&scale(""), &["frequency[3]"]).unwrap_err();
+    assert!(beyond.to_string().contains("0 to 0"), "{beyond}");
+    let twice = "[[body]]\nname = \"b\"\nrepeat = 1\nmass = 1.0\ncenter = [0, 0, -1]\n\
+                 hinge = { type = \"universal\", axes = [[1, 0, 0], [0, 1, 0]] }\n";
+    let repeated = answers(twice, &["frequency[0]"]).unwrap_err();
+    assert!(repeated.to_string().contains("equals `frequency[1]`"), "{repeated}");
+}
+
+/// Every scenario that rests: by numbers of its own, against equilibria found again.
+#[test]
+fn the_scenarios_answer_as_when_found_again() {
+    let (mut scenes, mut count, mut worst) = (0, 0, 0.0_f64);
+    for name in ["double_wishbone", "four_bar", "quarter_car", "machine_on_mounts", "spring_arm", "five_links"] {
+        let scenario = stillpoint::scenario::load(&file(name)).unwrap();
+        let (some, error) = compare(name, &scenario.description, 3, 1);
+        scenes += usize::from(some > 0);
+        (count, worst) = (count + some, worst.max(error));
+    }
+    println!("{scenes} scenarios, {count} derivatives, largest error {worst:.1e}");
+    assert!(scenes >= 5, "{scenes}");
+}
+
+#[test]
+fn the_program_prints_and_gives_json() {
+    let wishbone = file("double_wishbone");
+    let run = |more: &[&str]| {
+        let mut command = Command::cargo_bin("stillpoint").unwrap();
+        command.arg("statics").arg(&wishbone).arg("--sensitivity").args(["camber", "frequency[0]"]).args(more);
+        command.output().unwrap()
+    };
+    let json: Value = serde_json::from_slice(&run(&["--json"]).stdout).unwrap();
+    let by = &json["sensitivities"]["camber"];
+    assert!(by["strut.length"].as_f64().unwrap() != 0.0 && by["tie rod.length"].is_number(), "{by}");
+    let few = run(&["--json", "--parameter", "strut.length", "gravity[2]"]);
+    let few: Value = serde_json::from_slice(&few.stdout).unwrap();
+    assert_eq!(few["sensitivities"]["camber"].as_object().unwrap().len(), 2);
+    assert_eq!(few["sensitivities"]["camber"]["strut.length"], by["strut.length"]);
+    let text = String::from_utf8(run(&[]).stdout).unwrap();
+    assert!(text.contains("sensitivity  camber = ") && text.contains("strut.length"), "{text}");
+    let unknown = run(&["--parameter", "strut.lenght"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    assert!(String::from_utf8(unknown.stderr).unwrap().contains("did you mean `length`?"));
+}
