@@ -6,6 +6,7 @@ mod files;
 use super::inputs::Inputs;
 use super::{Common, Exit, json, output, scene, statics, text};
 use crate::linear::{self, Input, Mat, Place, Signal, StateSpace};
+use crate::model::motor::MotorLawDescription;
 use crate::model::{Description, Model, StopLaw};
 use crate::statics::Equilibrium;
 use anyhow::{Context, anyhow, bail};
@@ -84,6 +85,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if !smooth && !common.quiet {
         output::note("dry friction and contact are left out of the equations: they are those of the smooth scene");
     }
+    if !model.controllers.is_empty() && !common.quiet {
+        output::note("controllers are left out of the equations: they are those from the inputs");
+    }
     let answer = answer(&model, &place, &found, arguments.discretize);
     if let Some((path, format)) = arguments.out.as_deref().zip(format) {
         output::save(path, &format.bytes(&found, arguments.discretize, &answer)?)?;
@@ -154,7 +158,7 @@ fn of_equilibrium(model: &Model, found: &Equilibrium) -> Place {
 }
 
 fn inputs(named: &[String], description: &Description, model: &Model) -> anyhow::Result<Vec<Input>> {
-    let motors = description.motors.iter().filter(|motor| motor.law == crate::model::motor::MotorLawDescription::Input);
+    let motors = description.motors.iter().filter(|motor| matches!(motor.law, MotorLawDescription::Input { .. }));
     let own: Vec<String> = motors.map(|motor| motor.name.clone()).collect();
     let names = if named.is_empty() { &own[..] } else { named };
     let mut all: Vec<Input> = Vec::new();

@@ -47,6 +47,7 @@ mod watch;
 
 use crate::linear::StateSpace;
 use crate::model::{Description, Model};
+use crate::simulate::Summary;
 use crate::statics::Equilibrium;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -208,6 +209,11 @@ pub fn statics_answer(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         answer["outputs"] = json::outputs(model, &asked);
     }
     answer
+}
+
+/// What `run --json` prints of a run of this scenario that is not on disk.
+pub fn run_answer(model: &Arc<Model>, scenario: &str, summary: &Summary) -> serde_json::Value {
+    json::run(model, scenario, "", serde_json::Value::Null, summary)
 }
 
 /// The equations about an equilibrium, as `linearize` has them: from inputs by their addresses (all motors of type `input` without) to

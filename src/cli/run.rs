@@ -257,8 +257,12 @@ impl Run<'_> {
             let found = unknown.map(|one| (one.address.clone(), one.value(&self.scenario.description)));
             let is_unknown = |address: &str| self.scenario.unknown.iter().any(|one| one.address == address);
             let given = self.scenario.given.iter().filter(|(address, _)| !is_unknown(address)).cloned();
-            let inputs: Vec<(String, f64)> = found.chain(given).collect();
-            let text = start::text_at_end(self.model, &summary.resume, &summary.state, &inputs);
+            let motor = |index: &usize| format!("{}.force", self.model.motors[*index].name);
+            let set = self.model.inputs.iter().map(motor).zip(summary.inputs.iter().copied());
+            let is_set = |address: &str| self.model.inputs.iter().any(|index| motor(index) == *address);
+            let others = found.chain(given).filter(|(address, _)| !is_set(address));
+            let inputs: Vec<(String, f64)> = others.chain(set).collect();
+            let text = start::text_at_end(self.model, &summary.resume, &summary.state, &inputs, &summary.memories);
             output::save(path, text.as_bytes())?;
             result["end_file"] = json!(path.display().to_string());
         }

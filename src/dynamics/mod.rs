@@ -202,6 +202,17 @@ impl System {
         Evaluated { system: self, q, v }
     }
 
+    /// What motors and curves push with in the last balance, in the order of [`Model::pushed`].
+    pub fn pushes(&self) -> &[Push] {
+        &self.pushes
+    }
+
+    /// What motors of type `input` are asked to push with from now on, in the order of [`Model::inputs`] (N or N m); each pushes
+    /// within its limit. At first what the scene gives them.
+    pub fn inputs(&mut self) -> &mut [f64] {
+        &mut self.laws.inputs
+    }
+
     /// The time at which drives and motors are looked at (s); nothing else depends on time.
     fn set_time(&mut self, time: f64) {
         self.time = time;

@@ -3,11 +3,11 @@
 use super::build::{Place, Places};
 use super::couplings::{Closure, CoordinateName, GearKind, LoopDescription, MotionDescription};
 use super::description::Description;
-use super::motor;
 use super::point_mass::NO_INERTIA;
 use super::prescribed::Prescribed;
 use super::problem::{Element, Problem, number};
 use super::{End, Link, Model};
+use super::{controller, motor};
 use crate::suggest;
 use nalgebra::{Matrix3, UnitQuaternion};
 use std::collections::HashMap;
@@ -250,6 +250,7 @@ pub(super) fn couple(
     drives(description, model, &mut problems);
     gears(description, model, &mut problems);
     motor::motors(description, model, &mut problems);
+    model.inputs = controller::inputs(&model.motors);
     problems
 }
 

@@ -27,6 +27,7 @@
 
 pub use super::beam::{BeamDescription, BeamShape, FarEnd, FreeStrains, LineLoad, Material, Section};
 pub use super::contact::{ContactDescription, DryFriction};
+pub use super::controller::{ControlLawDescription, ControllerDescription};
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 pub use super::hinge_curve::{CurveOver, HingeCurveDescription};
 use super::motor::MotorDescription;
@@ -66,6 +67,8 @@ pub struct Description {
     pub gears: Vec<GearDescription>,
     /// Forces in coordinates that follow a law.
     pub motors: Vec<MotorDescription>,
+    /// What sets motors of type `input` while a run goes on.
+    pub controllers: Vec<ControllerDescription>,
     /// What a run takes note of.
     pub events: Vec<EventDescription>,
     /// Numbers with names that all this follows from.
@@ -89,6 +92,7 @@ impl Default for Description {
             drives: Vec::new(),
             gears: Vec::new(),
             motors: Vec::new(),
+            controllers: Vec::new(),
             events: Vec::new(),
             named: NamedNumbers::default(),
             contacts: Vec::new(),

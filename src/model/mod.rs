@@ -10,6 +10,7 @@ pub mod beam;
 mod build;
 mod check;
 pub mod contact;
+pub mod controller;
 mod couple;
 pub mod couplings;
 mod describe;
@@ -31,6 +32,7 @@ pub use crate::force::{End, Force};
 pub use crate::hinge::Joint;
 pub use beam::Beam;
 pub use contact::{ContactRule, HingeFriction};
+pub use controller::Controller;
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
 pub use halves::Halves;
@@ -80,6 +82,10 @@ pub struct Model {
     pub gears: Vec<Gear>,
     /// Forces in coordinates that follow a law.
     pub motors: Vec<Motor>,
+    /// Indices of the motors of type `input`.
+    pub inputs: Vec<usize>,
+    /// What sets them at the instants of a period.
+    pub controllers: Vec<Controller>,
     /// Springs and dampers by tables in coordinates.
     pub curves: Arc<[HingeCurve]>,
     /// Which rows of loops, drives and gears are independent of the others, where that has been decided (by

@@ -1,6 +1,7 @@
 //! Motors: forces in hinge coordinates that follow a law of time, place and speed.
 
 use super::Model;
+use super::controller;
 use super::couple::{Scalar, scalar};
 use super::couplings::{CoordinateName, MotionDescription};
 use super::description::Description;
@@ -55,8 +56,11 @@ pub enum MotorLawDescription {
         /// As written.
         text: String,
     },
-    /// A number from outside, zero without one.
-    Input,
+    /// A number from outside.
+    Input {
+        /// What it pushes with until one comes (N or N m); `None` for the bias of its controller, zero without one.
+        force: Option<f64>,
+    },
 }
 
 /// What a table of forces is looked up by.
@@ -95,6 +99,7 @@ enum MotorLaw {
     Table { over: Over, at: Vec<f64>, forces: Vec<f64> },
     Pd { target: Prescribed, stiffness: f64, damping: f64, force: f64 },
     Formula(Box<Formula>),
+    Input(f64),
 }
 
 /// What a formula of a motor may use: the time (s), the coordinate (m or rad) and its rate (m/s or rad/s).
@@ -118,7 +123,7 @@ impl Motor {
     /// The push at a time (s), place and rate of its coordinate.
     pub fn at(&self, time: f64, q: f64, v: f64) -> Push {
         let push = match &self.law {
-            MotorLaw::Constant(force) => Push { force: *force, ..Push::default() },
+            MotorLaw::Constant(force) | MotorLaw::Input(force) => Push { force: *force, ..Push::default() },
             MotorLaw::Table { over: Over::Time, at, forces } => {
                 Push { force: straight(at, forces, time).0, ..Push::default() }
             }
@@ -141,8 +146,29 @@ impl Motor {
         };
         // Written so that a number that is not one stays visible.
         match push.force.abs() > self.limit {
-            true => Push { force: self.limit.copysign(push.force), ..Push::default() },
+            true => self.saturated(push.force),
             false => push,
+        }
+    }
+
+    /// What it pushes with if a number from outside asks for `force`, within its limit.
+    pub fn saturated(&self, force: f64) -> Push {
+        let force = if force.abs() > self.limit { self.limit.copysign(force) } else { force };
+        Push { force, ..Push::default() }
+    }
+
+    /// Lets one of type `input` push with this until a number comes (N or N m).
+    pub(super) fn give(&mut self, force: f64) {
+        if let MotorLaw::Input(given) = &mut self.law {
+            *given = force;
+        }
+    }
+
+    /// Of one of type `input` what it pushes with until a number comes (N or N m).
+    pub fn given(&self) -> Option<f64> {
+        match self.law {
+            MotorLaw::Input(force) => Some(force),
+            MotorLaw::Constant(_) | MotorLaw::Table { .. } | MotorLaw::Pd { .. } | MotorLaw::Formula(_) => None,
         }
     }
 
@@ -151,7 +177,7 @@ impl Motor {
         match &self.law {
             MotorLaw::Formula(formula) => Some(formula.text()),
             MotorLaw::Pd { target, .. } => target.formula(),
-            MotorLaw::Constant(_) | MotorLaw::Table { .. } => None,
+            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } => None,
         }
     }
 
@@ -160,7 +186,7 @@ impl Motor {
         match &self.law {
             MotorLaw::Table { over: Over::Time, at, .. } => at,
             MotorLaw::Pd { target, .. } => target.breaks(),
-            MotorLaw::Constant(_) | MotorLaw::Table { .. } | MotorLaw::Formula(_) => &[],
+            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } | MotorLaw::Formula(_) => &[],
         }
     }
 
@@ -169,7 +195,7 @@ impl Motor {
         match &self.law {
             MotorLaw::Pd { target, .. } => target.longest_step(run),
             MotorLaw::Formula(formula) if formula.uses(TIME) => 0.01 * run,
-            MotorLaw::Formula(_) | MotorLaw::Constant(_) | MotorLaw::Table { .. } => f64::INFINITY,
+            MotorLaw::Formula(_) | MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } => f64::INFINITY,
         }
     }
 
@@ -177,7 +203,7 @@ impl Motor {
     pub fn has_potential(&self) -> bool {
         match &self.law {
             MotorLaw::Formula(formula) => !formula.uses(COORDINATE),
-            MotorLaw::Constant(_) | MotorLaw::Table { .. } | MotorLaw::Pd { .. } => true,
+            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } | MotorLaw::Pd { .. } => true,
         }
     }
 
@@ -187,7 +213,7 @@ impl Motor {
             MotorLaw::Pd { damping, .. } => *damping != 0.0,
             MotorLaw::Formula(formula) => formula.uses(SPEED),
             MotorLaw::Table { over, .. } => *over == Over::Speed,
-            MotorLaw::Constant(_) => false,
+            MotorLaw::Constant(_) | MotorLaw::Input(_) => false,
         }
     }
 
@@ -196,7 +222,7 @@ impl Motor {
         let follows = match &self.law {
             MotorLaw::Formula(formula) => formula.uses(COORDINATE),
             MotorLaw::Pd { stiffness, .. } => *stiffness != 0.0,
-            MotorLaw::Constant(_) | MotorLaw::Table { .. } => false,
+            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { .. } => false,
         };
         (!follows).then(|| self.at(0.0, 0.0, 0.0).force)
     }
@@ -251,9 +277,10 @@ pub(super) fn check(description: &Description, problems: &mut Vec<Problem>) {
             MotorLawDescription::Pd { stiffness, damping, force, .. } => {
                 vec![("stiffness", *stiffness, 0.0), ("damping", *damping, 0.0), ("force", *force, f64::NEG_INFINITY)]
             }
-            MotorLawDescription::Table { .. } | MotorLawDescription::Expression { .. } | MotorLawDescription::Input => {
-                vec![]
+            MotorLawDescription::Input { force } => {
+                force.iter().map(|force| ("force", *force, f64::NEG_INFINITY)).collect()
             }
+            MotorLawDescription::Table { .. } | MotorLawDescription::Expression { .. } => vec![],
         };
         let limit = motor.limit.map(|limit| ("limit", limit, f64::MIN_POSITIVE));
         for (field, value, least) in numbers.into_iter().chain(limit) {
@@ -303,7 +330,8 @@ pub(super) fn motors(description: &Description, model: &mut Model, problems: &mu
             add("hinge", message, "take off the motor or the drive: a drive takes whatever force it needs");
         }
         let given = (model.start_position[coordinate.position], model.start_velocity[coordinate.velocity]);
-        match compile(&motor.law, given) {
+        let bias = controller::bias(description, &motor.name);
+        match compile(&motor.law, given, bias) {
             Ok(law) => {
                 let limit = motor.limit.unwrap_or(f64::INFINITY);
                 model.motors.push(Motor { name: motor.name.clone(), coordinate, law, limit });
@@ -315,11 +343,16 @@ pub(super) fn motors(description: &Description, model: &mut Model, problems: &mu
     }
 }
 
-/// The law of a motor whose coordinate has this position (m or rad) and rate (m/s or rad/s) given.
-fn compile(law: &MotorLawDescription, (given, rate): (f64, f64)) -> Result<MotorLaw, (&'static str, String)> {
+/// The law of a motor whose coordinate has this position (m or rad) and rate (m/s or rad/s) given; `bias` is what its controller
+/// starts an input with.
+fn compile(
+    law: &MotorLawDescription,
+    (given, rate): (f64, f64),
+    bias: f64,
+) -> Result<MotorLaw, (&'static str, String)> {
     Ok(match law {
         MotorLawDescription::Constant { force } => MotorLaw::Constant(*force),
-        MotorLawDescription::Input => MotorLaw::Constant(0.0),
+        MotorLawDescription::Input { force } => MotorLaw::Input(force.unwrap_or(bias)),
         MotorLawDescription::Table { over, at, forces } => {
             MotorLaw::Table { over: *over, at: at.clone(), forces: forces.clone() }
         }
@@ -348,7 +381,7 @@ mod tests {
 
     fn motor(law: &MotorLawDescription, limit: f64) -> Motor {
         let coordinate = Scalar { link: 1, position: 0, velocity: 0, slides: false };
-        Motor { name: "motor".to_owned(), coordinate, law: compile(law, (0.3, 0.0)).unwrap(), limit }
+        Motor { name: "motor".to_owned(), coordinate, law: compile(law, (0.3, 0.0), 0.0).unwrap(), limit }
     }
 
     fn laws() -> Vec<MotorLawDescription> {

@@ -314,7 +314,7 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
         Element::Scene | Element::Gear(_) | Element::Event(_) => return Vec::new(),
-        Element::Contact(_) | Element::Output(_) => return Vec::new(),
+        Element::Contact(_) | Element::Output(_) | Element::Controller(_) => return Vec::new(),
         Element::Motor(index) => {
             let motor = &description.motors[index];
             (&motor.name, of_motor(description, motor, field).into_iter().collect())
@@ -370,9 +370,10 @@ fn of_rate(description: &Description, coordinate: &CoordinateName) -> Quantity {
 fn of_motor(description: &Description, motor: &MotorDescription, field: Field) -> Option<Quantity> {
     let pick = |slide: Quantity, turn: Quantity| if slides(description, &motor.coordinate) { slide } else { turn };
     match (&motor.law, field) {
-        (MotorLawDescription::Constant { .. } | MotorLawDescription::Pd { .. }, Field::Force) => {
-            Some(pick(Quantity::Force, Quantity::Torque))
-        }
+        (
+            MotorLawDescription::Constant { .. } | MotorLawDescription::Pd { .. } | MotorLawDescription::Input { .. },
+            Field::Force,
+        ) => Some(pick(Quantity::Force, Quantity::Torque)),
         (MotorLawDescription::Pd { .. }, Field::Stiffness) => Some(pick(Quantity::Stiffness, Quantity::TurnStiffness)),
         _ => None,
     }

@@ -48,6 +48,8 @@ pub enum Element {
     Beam(usize),
     /// Index into `Description::outputs`.
     Output(usize),
+    /// Index into `Description::controllers`.
+    Controller(usize),
 }
 
 /// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.

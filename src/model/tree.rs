@@ -6,7 +6,7 @@ use super::couple::couple;
 use super::description::{Description, MassProperties};
 use super::link::Link;
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, hinge_curve, output, watch};
+use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, controller, hinge_curve, output, watch};
 use crate::element::Rod;
 use crate::force::{Carrier, Describe};
 use crate::hinge::Joint;
@@ -257,6 +257,8 @@ impl<'a> Tree<'a> {
             drives: Vec::new(),
             gears: Vec::new(),
             motors: Vec::new(),
+            inputs: Vec::new(),
+            controllers: Vec::new(),
             curves: hinge_curve::compile(self.description, &bodies, &self.links),
             independent_rows: None,
             stops,
@@ -280,6 +282,9 @@ impl<'a> Tree<'a> {
         }
         if problems.is_empty() {
             problems = watch::events(self.description, end, watched, &mut model);
+        }
+        if problems.is_empty() {
+            problems = controller::compile(self.description, &mut model);
         }
         if problems.is_empty() { Ok(model) } else { Err(problems) }
     }

@@ -57,9 +57,7 @@ impl Measure for ForceQuantity {
             Source::Line(index) => out[0] = at.balanced.forces()[*index].law.pull(links),
             Source::Element(index) => self.six(&at_last_end(&at.balanced.forces()[*index], at), out),
             Source::Motor(index) => {
-                let (motor, coordinate) = (&model.motors[*index], model.motors[*index].coordinate);
-                let (q, v) = (at.balanced.position()[coordinate.position], at.balanced.velocity()[coordinate.velocity]);
-                out[0] = motor.at(at.balanced.time(), q, v).force;
+                out[0] = at.balanced.system().pushes()[*index].force;
             }
             Source::Drive(index) => {
                 let push = rows.and_then(|rows| rows.drive_pushes(model, at.given.accelerations).nth(*index));
@@ -90,13 +88,9 @@ impl Measure for ForceQuantity {
             Source::Element(index) => self.six(&varied_at_last_end(&at.balanced.forces()[*index], at, by), out),
             // How the law of a motor changes with time is not known here.
             Source::Motor(index) if by.by.time == 0.0 => {
-                let (motor, coordinate) = {
-                    let motor = &at.balanced.system().model().motors[*index];
-                    (motor, motor.coordinate)
-                };
-                let (q, v) = (at.balanced.position()[coordinate.position], at.balanced.velocity()[coordinate.velocity]);
-                let push = motor.at(at.balanced.time(), q, v);
-                let of = |list: &[f64]| list.get(coordinate.velocity).copied().unwrap_or(0.0);
+                let system = at.balanced.system();
+                let (push, velocity) = (system.pushes()[*index], system.model().motors[*index].coordinate.velocity);
+                let of = |list: &[f64]| list.get(velocity).copied().unwrap_or(0.0);
                 out[0] = push.by_position * of(by.by.position) + push.by_velocity * of(by.by.velocity);
             }
             _ => return false,

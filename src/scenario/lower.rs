@@ -3,6 +3,7 @@
 use super::beam::{beam, cable, close};
 use super::body::{Names, Template, template};
 use super::contact::contact;
+use super::controller::controller;
 use super::couplings::{closed_loop, drive, gear};
 use super::event::event;
 use super::findings::{Finding, Findings};
@@ -92,6 +93,12 @@ pub(super) fn lower<'a>(
     outputs(&scenario, &names, &parameters, &mut description.outputs, &mut spans);
     description.beams.truncate(first);
     description.beams.extend(closed);
+    for (index, table) in scenario.tables("controller").iter().enumerate() {
+        if let Some(controller) = controller(table, index, &parameters) {
+            description.controllers.push(controller);
+            spans.controllers.push(index);
+        }
+    }
     (description, spans)
 }
 

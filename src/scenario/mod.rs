@@ -32,6 +32,7 @@ mod beam;
 mod body;
 mod check;
 mod contact;
+mod controller;
 mod couplings;
 mod curve;
 mod event;

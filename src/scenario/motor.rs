@@ -16,7 +16,7 @@ pub(super) fn motor(table: &Reader<'_>, index: usize, parameters: &Parameters) -
             let over = if table.text("over")? == "speed" { Over::Speed } else { Over::Time };
             MotorLawDescription::Table { over, at: table.numbers("at")?, forces: table.numbers("forces")? }
         }
-        "input" => MotorLawDescription::Input,
+        "input" => MotorLawDescription::Input { force: table.number("force") },
         "pd" => MotorLawDescription::Pd {
             target: target(table, &owner, parameters)?,
             stiffness: table.number("stiffness").unwrap_or(0.0),

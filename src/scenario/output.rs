@@ -13,7 +13,7 @@ use crate::model::description::{
 };
 
 /// The most numbers that an output has.
-const MOST_COMPONENTS: usize = 7;
+pub(super) const MOST_COMPONENTS: usize = 7;
 
 /// Reads all of them.
 pub(super) fn outputs(

@@ -18,6 +18,8 @@ pub(super) struct SpanTable<'a> {
     pub(super) drives: Vec<usize>,
     pub(super) gears: Vec<usize>,
     pub(super) motors: Vec<usize>,
+    /// And `[[controller]]`.
+    pub(super) controllers: Vec<usize>,
     pub(super) contacts: Vec<usize>,
     pub(super) outputs: Vec<usize>,
     /// Of `beam` or of `cable`.
@@ -50,6 +52,7 @@ impl<'a> SpanTable<'a> {
             drives,
             gears,
             motors,
+            controllers: Vec::new(),
             contacts,
             outputs,
             beams,
@@ -95,6 +98,7 @@ impl<'a> SpanTable<'a> {
             Element::Contact(index) => ("contact", *self.contacts.get(index)?),
             Element::Event(event) => ("event", *self.events.get(event)?),
             Element::Output(index) => ("output", *self.outputs.get(index)?),
+            Element::Controller(index) => ("controller", *self.controllers.get(index)?),
             Element::Beam(index) => *self.beams.get(index)?,
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)

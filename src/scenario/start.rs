@@ -66,9 +66,23 @@ pub fn text(
     text_of(model, None, position, velocity, inputs, multipliers)
 }
 
-/// The same of the end of a run.
-pub fn text_at_end(model: &Model, resume: &Resume, state: &State, inputs: &[(String, f64)]) -> String {
-    text_of(model, Some(resume), &state.position, &state.velocity, inputs, &[])
+/// The same of the end of a run; `memories` are what its controllers remember, in the order of the model.
+pub fn text_at_end(
+    model: &Model,
+    resume: &Resume,
+    state: &State,
+    inputs: &[(String, f64)],
+    memories: &[Vec<f64>],
+) -> String {
+    let mut out = text_of(model, Some(resume), &state.position, &state.velocity, inputs, &[]);
+    let known = || model.controllers.iter().zip(memories).filter(|(_, memory)| !memory.is_empty());
+    if known().next().is_some() {
+        out += "\n[controllers]\n";
+        for (controller, memory) in known() {
+            let _ = writeln!(out, "{} = {memory:?}", quoted(&controller.name));
+        }
+    }
+    out
 }
 
 fn text_of(
@@ -191,6 +205,7 @@ impl File<'_> {
         }
         // Named numbers may move the pose of the scene; that of the file stands.
         self.read_inputs(given);
+        self.read_memories();
         let scene = self.changed.clone();
         self.lists("positions");
         self.changed.bodies.iter_mut().for_each(|body| body.hinge.velocity.clear());
@@ -316,6 +331,23 @@ impl File<'_> {
                 ),
                 Err(error) => refuse(error.message.clone(), error.help.clone()),
             }
+        }
+    }
+
+    /// What controllers remember.
+    fn read_memories(&mut self) {
+        let Some(table) = self.whole.table("controllers") else { return };
+        for (name, _) in self.whole.names("controllers") {
+            let Some(numbers) = table.numbers(name) else { continue };
+            let controllers = &mut self.changed.controllers;
+            if let Some(one) = controllers.iter_mut().find(|one| one.name == name) {
+                one.memory = numbers;
+                continue;
+            }
+            let known = controllers.iter().map(|one| one.name.as_str());
+            let near = closest_of_many(self.whole.findings.errors(), name, known);
+            let finding = Finding::error(table.key_span(name), format!("the scene has no controller `{name}`"));
+            self.whole.findings.push(finding.maybe_help(near.map(|near| format!("did you mean `{near}`?"))));
         }
     }
 

@@ -126,6 +126,31 @@ pub enum RunError {
         /// Tolerance of the run.
         tolerance: f64,
     },
+    /// A controller that cannot act.
+    #[error("at t = {time} s the controller `{name}` cannot act: {reason}")]
+    Controller {
+        /// (s)
+        time: f64,
+        /// Its name; `function` for one of a program.
+        name: String,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A controller that does not let an equilibrium be one.
+    #[error(
+        "at the equilibrium that statics has found with `{input}` at {given} the controller `{name}` sets it to {asked}: give its \
+         `bias` and `setpoint` the values that belong to each other there, or start at a given state"
+    )]
+    Unsteady {
+        /// The controller.
+        name: String,
+        /// The motor that it drives.
+        input: String,
+        /// What statics has seen (N or N m).
+        given: f64,
+        /// (N or N m)
+        asked: f64,
+    },
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
     Sample {

@@ -3,6 +3,7 @@
 mod bordered;
 mod choice;
 mod complementarity;
+pub mod control;
 mod couplings;
 mod dead_centre;
 mod error;
@@ -31,7 +32,7 @@ mod timetable;
 pub mod verify;
 
 pub use error::RunError;
-pub use run::{Summary, check, run};
+pub use run::{Summary, check, run, run_controlled};
 pub use scene::scene;
 pub use settings::{Grid, Integrator, Resume, Settings, Start};
 pub use state::State;

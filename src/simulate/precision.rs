@@ -156,6 +156,12 @@ pub fn precision(
     plan: &Plan,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<Study>, RunError> {
+    if let Some(one) = model.controllers.first() {
+        let name = &one.name;
+        return Err(RunError::Step(format!(
+            "integrators are compared on one smooth motion, and the controller `{name}` sets its inputs at instants: take it out"
+        )));
+    }
     let runs = REFERENCES[0].len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();
     let mut bench = Bench { model, start, plan, motion: Motion::new(model), runs, done: 0, go_on };
     let methods = bench.references();

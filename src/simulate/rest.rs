@@ -6,13 +6,14 @@
 //! step, so adaptive methods run with a tolerance well below that, whatever the scene asks for in other runs. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
 //! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
 
+use super::control::check_steady;
 use super::error::RunError;
 use super::run::run;
 use super::settings::Settings;
 use super::state::State;
 use crate::model::Model;
 use crate::record::Recorder;
-use crate::statics::{Equilibrium, Verdict};
+use crate::statics::{Equilibrium, Verdict, outputs};
 use std::sync::Arc;
 
 /// A hinge that moved further than this did not rest (m or rad).
@@ -75,7 +76,12 @@ pub fn rest(
     recorder: &mut dyn Recorder,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Rest, RunError> {
-    let pushed = Push::of(model, equilibrium);
+    // What controllers hold does not run away, whatever the verdict on the scene alone is.
+    let pushed = if model.controllers.is_empty() { Push::of(model, equilibrium) } else { None };
+    if !model.controllers.is_empty() {
+        let outputs = outputs(model, equilibrium).map_err(|fault| RunError::Sample { time: 0.0, fault })?;
+        check_steady(model, &outputs)?;
+    }
     let start = match &pushed {
         Some(push) => push.start(model, equilibrium),
         None => State { position: equilibrium.position.clone(), velocity: equilibrium.velocity.clone() },

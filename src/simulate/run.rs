@@ -1,6 +1,10 @@
 //! The time loop.
 
+mod instants;
+mod stepper;
+
 use super::choice::Choice;
+use super::control::{Control, Function};
 use super::dead_centre;
 use super::error::{RunError, named};
 use super::events::{Events, Hit, Kind, Occurrence, Turn};
@@ -11,11 +15,11 @@ use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
 use super::sampler::Sampler;
 use super::search::Search;
-use super::settings::{Grid, Integrator, Resume, Settings};
+use super::settings::{Integrator, Resume, Settings};
 use super::state::State;
 use super::stiffness::fastest;
 use super::timetable::Timetable;
-use crate::integrate::{Method, Options, Start, Statistics, Stepper};
+use crate::integrate::{Method, Statistics, Stepper};
 use crate::model::{Model, StopLaw};
 use crate::record::{Event, Recorder};
 use crate::spatial::Pose;
@@ -73,6 +77,10 @@ pub struct Summary {
     pub tolerance: f64,
     /// The outputs at the end, in the order of the model.
     pub outputs: Vec<f64>,
+    /// What the inputs are at the end, in the order of [`Model::inputs`] (N or N m).
+    pub inputs: Vec<f64>,
+    /// What the controllers remember at the end, in the order of the model.
+    pub memories: Vec<Vec<f64>>,
     /// Number of samples handed to the recorder.
     pub samples: usize,
     /// Time spent in steps (s).
@@ -92,13 +100,30 @@ pub fn run(
     recorder: &mut dyn Recorder,
     go_on: &mut dyn FnMut(f64, &State) -> bool,
 ) -> Result<Summary, RunError> {
-    run_with(model, settings, rate, start, recorder, go_on, Search::RUN)
+    run_with(model, settings, rate, start, recorder, go_on, Search::RUN, None)
 }
 
-/// As [`run`], with events looked for in another way.
+/// As [`run`], with a function that sets the inputs at instants of its own.
+///
+/// # Errors
+/// As [`run`], and what the function says.
+pub fn run_controlled(
+    model: &Arc<Model>,
+    settings: &Settings,
+    rate: f64,
+    start: &State,
+    recorder: &mut dyn Recorder,
+    go_on: &mut dyn FnMut(f64, &State) -> bool,
+    function: Function<'_>,
+) -> Result<Summary, RunError> {
+    run_with(model, settings, rate, start, recorder, go_on, Search::RUN, Some(function))
+}
+
+/// As [`run`], with events looked for in another way, and a function as a controller.
 ///
 /// # Errors
 /// As [`run`].
+#[expect(clippy::too_many_arguments, reason = "those of the two functions above")]
 pub(super) fn run_with(
     model: &Arc<Model>,
     settings: &Settings,
@@ -107,6 +132,7 @@ pub(super) fn run_with(
     recorder: &mut dyn Recorder,
     go_on: &mut dyn FnMut(f64, &State) -> bool,
     search: Search,
+    function: Option<Function<'_>>,
 ) -> Result<Summary, RunError> {
     check(model)?;
     let (begin, end) = (settings.begin(), end(model, settings));
@@ -151,7 +177,10 @@ pub(super) fn run_with(
         happened: Vec::new(),
         stopped_by: None,
         timetable: Timetable::new(model, [begin, end]),
+        control: Control::new(model, begin, function),
+        carried: None,
     };
+    run.control(&mut motion, settings, begin)?;
     run.sampler.sample(&mut motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
     let resume = run.go(&mut motion, settings, recorder, go_on)?;
     let outputs = run.sampler.outputs(&mut motion, &run.ledger, resume.time, &run.state)?;
@@ -193,7 +222,7 @@ fn end(model: &Model, settings: &Settings) -> f64 {
     if (on_grid - end).abs() <= ROUNDING * end.abs() { on_grid } else { end }
 }
 
-struct Run<'m> {
+struct Run<'m, 'f> {
     model: &'m Arc<Model>,
     /// When it ends (s).
     end: f64,
@@ -212,9 +241,13 @@ struct Run<'m> {
     happened: Vec<Occurrence>,
     stopped_by: Option<String>,
     timetable: Timetable,
+    /// `None` if nothing sets inputs.
+    control: Option<Control<'f>>,
+    /// The step that would have followed the last one before an instant (s).
+    carried: Option<f64>,
 }
 
-impl<'m> Run<'m> {
+impl Run<'_, '_> {
     fn summary(self, motion: &mut Motion, settings: &Settings, resume: Resume, energy_start: f64) -> Summary {
         let end_time = resume.time;
         let now = motion.energies(end_time, &self.state.position, &self.state.velocity);
@@ -240,6 +273,8 @@ impl<'m> Run<'m> {
             poses,
             tolerance: settings.tolerance,
             outputs: Vec::new(),
+            inputs: motion.system.inputs().to_vec(),
+            memories: self.control.map_or_else(Vec::new, |control| control.memories),
             samples: self.sampler.count,
             wall: self.wall,
         }
@@ -256,7 +291,7 @@ impl<'m> Run<'m> {
         let mut choice = Choice::new(settings, self.model, self.timetable.is_empty());
         let mut time = settings.begin();
         loop {
-            let next = self.timetable.next(time);
+            let next = self.next(time);
             choice.restart();
             if self.integrators.last() != Some(&choice.method) {
                 self.refuse_hopeless(motion, choice.method, time)?;
@@ -298,8 +333,13 @@ impl<'m> Run<'m> {
             if time >= self.end || stopped || self.stopped_by.is_some() {
                 return Ok(resume);
             }
-            if !turned && time >= self.timetable.end(next) {
+            if (!turned || self.is_due(next)) && time >= self.segment_end(next) {
                 time = next;
+                if self.is_due(time) {
+                    self.carried = resume.step;
+                    self.control(motion, settings, time)?;
+                    self.mark_all(recorder)?;
+                }
             }
         }
     }
@@ -321,6 +361,8 @@ impl<'m> Run<'m> {
             }
             self.mark(occurrence, recorder)?;
         }
+        // A sample at an instant has what controllers set there.
+        let until = if self.is_due(until) { until * (1.0 - ROUNDING) } else { until };
         self.sampler.up_to(motion, &mut self.ledger, stepper, until, recorder, go_on)
     }
 
@@ -338,51 +380,6 @@ impl<'m> Run<'m> {
         recorder.event(&Event { time: occurrence.time, name, text: occurrence.to_string() })?;
         self.happened.push(occurrence);
         Ok(())
-    }
-
-    fn stepper(
-        &mut self,
-        motion: &mut Motion,
-        settings: &Settings,
-        method: Method,
-        time: f64,
-    ) -> Result<Box<dyn Stepper<Motion>>, RunError> {
-        let fixed = fixed_step(self.model, settings, method);
-        let begins = settings.resume.filter(|resume| resume.time == time);
-        let resumed = begins.filter(|resume| resume.method == method).and_then(|resume| resume.step);
-        let options = Options {
-            relative: settings.tolerance,
-            absolute: settings.absolute_tolerance,
-            duration: Some(settings.duration),
-            step: fixed.or(settings.step.filter(|_| begins.is_none())).or(resumed).or(settings.step),
-            grid: begins.and(fixed).and_then(|step| resumed_grid(settings, step)),
-            rho_infinity: settings.rho_infinity,
-            // A step that was asked for is kept.
-            max_step: self.timetable.longest_step.filter(|_| fixed.is_none() && settings.step.is_none()),
-            ..Options::default()
-        };
-        let end = self.timetable.end(self.timetable.next(time));
-        let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
-        method.start(motion, &options, start).map_err(|error| named(self.model, &error))
-    }
-
-    /// What a run needs to go on from a time; the stepper began at `origin`.
-    fn resume(
-        &self,
-        settings: &Settings,
-        method: Method,
-        stepper: &mut dyn Stepper<Motion>,
-        [origin, time]: [f64; 2],
-    ) -> Resume {
-        let fixed = fixed_step(self.model, settings, method);
-        let grid = fixed.and_then(|step| {
-            let begins = settings.resume.filter(|resume| resume.time == origin);
-            let (origin, before) = begins.and_then(|_| resumed_grid(settings, step)).unwrap_or((origin, 0));
-            let grid = Grid { origin, steps: before + stepper.statistics().steps };
-            (grid.origin + grid.steps as f64 * step == time).then_some(grid)
-        });
-        let step = fixed.or_else(|| stepper.next_step());
-        Resume { time, method, step, grid }
     }
 
     /// An explicit method that stability would hold below any useful step is refused.

@@ -43,6 +43,11 @@ impl Timetable {
         self.breaks.get(self.breaks.partition_point(|at| *at <= time)).copied().unwrap_or(self.end)
     }
 
+    /// Whether a break is at this time.
+    pub(super) fn breaks_at(&self, time: f64) -> bool {
+        self.breaks.contains(&time)
+    }
+
     /// Where steps towards a break end: just before it, so that all of them go by the rule that holds until then.
     pub(super) fn end(&self, next: f64) -> f64 {
         if next < self.end { next.next_down() } else { next }

@@ -109,7 +109,7 @@ pub fn verify(
         too_long = steps >= most || (steps >= most / 10 && steps as f64 * settings.duration > most as f64 * time);
         !too_long && go_on(time)
     };
-    let second = run_with(model, &settings, rate, start, &mut scan, &mut go_on, Search::CHECK)?;
+    let second = run_with(model, &settings, rate, start, &mut scan, &mut go_on, Search::CHECK, None)?;
     if too_long && second.interrupted {
         return Err(RunError::Step(gives_up(method, tolerance, steps, second.end_time)));
     }

@@ -11,6 +11,7 @@ mod building;
 mod cli;
 mod closed_forms;
 mod common;
+mod control;
 mod derivatives;
 mod diagnostics;
 mod documents;

@@ -59,7 +59,7 @@ fn fixed_steps_go_on_bit_for_bit() {
         let whole = run(&model, &fixed((first + second) as f64 * step, step), &begin);
         let half = run(&model, &fixed(first as f64 * step, step), &begin);
         assert!(half.resume.grid.is_some(), "{seed}: {:?}", half.resume);
-        let text = text_at_end(&model, &half.resume, &half.state, &[]);
+        let text = text_at_end(&model, &half.resume, &half.state, &[], &half.memories);
         let read = parse_start("end.toml", &text, &scene).unwrap_or_else(|bad| panic!("{bad}\n{text}"));
         assert_eq!(read.resume, Some(half.resume));
         let state = State { position: read.model.start_position.clone(), velocity: read.model.start_velocity.clone() };

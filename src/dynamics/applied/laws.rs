@@ -16,6 +16,8 @@ pub struct Laws {
     pub forces: Arc<[Force]>,
     /// Curves in hinges, as in the model.
     pub curves: Arc<[HingeCurve]>,
+    /// What motors of type `input` are asked to push with, in the order of [`Model::inputs`] (N or N m).
+    pub inputs: Vec<f64>,
 }
 
 /// A boundary between two smooth parts of a law.
@@ -30,7 +32,8 @@ pub struct Boundary {
 impl Laws {
     /// Those of a model, at every state as the state is.
     pub fn new(model: &Model) -> Self {
-        Self { forces: Arc::clone(&model.forces), curves: Arc::clone(&model.curves) }
+        let inputs = model.inputs.iter().map(|motor| model.motors[*motor].given().unwrap_or(0.0)).collect();
+        Self { forces: Arc::clone(&model.forces), curves: Arc::clone(&model.curves), inputs }
     }
 
     /// Keeps all laws in the parts to which a state belongs, in a copy of the model's.

@@ -101,5 +101,5 @@ pub fn input(model: &Model, laws: &Laws, motion: &Motion, time: f64, q: &[f64], 
         + hinge::input(model, v)
         + input_to_rods(model, motion)
         + curve::powers(&laws.curves, v)[1]
-        + motor::input(model, time, q, v)
+        + motor::input(model, laws, time, q, v)
 }

@@ -3,7 +3,7 @@
 
 use super::Laws;
 use crate::model::Model;
-use crate::model::motor::Push;
+use crate::model::motor::{Motor, Push};
 
 /// What everything that pushes a single coordinate does at a state, in the order of [`Model::pushed`].
 pub fn pushes(model: &Model, laws: &Laws, time: f64, q: &[f64], v: &[f64], out: &mut [Push]) {
@@ -11,6 +11,9 @@ pub fn pushes(model: &Model, laws: &Laws, time: f64, q: &[f64], v: &[f64], out: 
     for (push, motor) in motors.iter_mut().zip(&model.motors) {
         let at = motor.coordinate;
         *push = motor.at(time, q[at.position], v[at.velocity]);
+    }
+    for (index, force) in model.inputs.iter().zip(&laws.inputs) {
+        motors[*index] = model.motors[*index].saturated(*force);
     }
     for (push, curve) in curves.iter_mut().zip(laws.curves.iter()) {
         *push = super::curve::push(curve, q, v);
@@ -34,12 +37,15 @@ pub fn vary(model: &Model, pushes: &[Push], dq: &[f64], dv: &[f64], out: &mut [f
 }
 
 /// Power put in (W).
-pub(super) fn input(model: &Model, time: f64, q: &[f64], v: &[f64]) -> f64 {
-    let power = |motor: &crate::model::motor::Motor| {
-        let (q, v) = (q[motor.coordinate.position], v[motor.coordinate.velocity]);
-        motor.at(time, q, v).force * v
+pub(super) fn input(model: &Model, laws: &Laws, time: f64, q: &[f64], v: &[f64]) -> f64 {
+    let own = |motor: &Motor| match motor.given() {
+        Some(_) => 0.0,
+        None => motor.at(time, q[motor.coordinate.position], v[motor.coordinate.velocity]).force,
     };
-    model.motors.iter().map(power).sum()
+    let power = |motor: &Motor, force: f64| force * v[motor.coordinate.velocity];
+    let inputs = model.inputs.iter().map(|index| &model.motors[*index]).zip(&laws.inputs);
+    model.motors.iter().map(|motor| power(motor, own(motor))).sum::<f64>()
+        + inputs.map(|(motor, force)| power(motor, motor.saturated(*force).force)).sum::<f64>()
 }
 
 /// The potential of what they push with at rest at t = 0 (J): of those that have one.

@@ -1,6 +1,7 @@
 //! Reading and setting the number that an address stands for.
 
 use super::super::beam::{BeamDescription, BeamShape};
+use super::super::controller;
 use super::super::couplings::{Closure, MotionDescription};
 use super::super::description::Description;
 use super::super::motor::MotorLawDescription;
@@ -24,8 +25,8 @@ impl Parameter {
         match self.element {
             Element::Scene if self.field == Field::Named => description.named.list()[self.index].value,
             Element::Scene => description.gravity[self.index],
-            // Events, contacts and outputs have no parameters.
-            Element::Event(_) | Element::Contact(_) | Element::Output(_) => f64::NAN,
+            // Events, contacts, outputs and controllers have no parameters.
+            Element::Event(_) | Element::Contact(_) | Element::Output(_) | Element::Controller(_) => f64::NAN,
             Element::Body(body) => {
                 let body = &description.bodies[body];
                 match self.field {
@@ -51,6 +52,9 @@ impl Parameter {
             Element::Motor(index) => match (&description.motors[index].law, self.field) {
                 (MotorLawDescription::Pd { stiffness, .. }, Field::Stiffness) => *stiffness,
                 (MotorLawDescription::Pd { force, .. } | MotorLawDescription::Constant { force }, _) => *force,
+                (MotorLawDescription::Input { force }, _) => {
+                    force.unwrap_or_else(|| controller::bias(description, &description.motors[index].name))
+                }
                 _ => f64::NAN,
             },
             Element::Gear(_) => f64::NAN,
@@ -77,7 +81,7 @@ impl Parameter {
     pub(super) fn put(&self, description: &mut Description, value: f64) {
         match self.element {
             Element::Scene => description.gravity[self.index] = value,
-            Element::Event(_) | Element::Contact(_) | Element::Output(_) => {}
+            Element::Event(_) | Element::Contact(_) | Element::Output(_) | Element::Controller(_) => {}
             Element::Body(body) => {
                 let body = &mut description.bodies[body];
                 let (positions, velocities) = body.hinge.kind.counts();
@@ -114,6 +118,7 @@ impl Parameter {
             Element::Motor(index) => match (&mut description.motors[index].law, self.field) {
                 (MotorLawDescription::Pd { stiffness, .. }, Field::Stiffness) => *stiffness = value,
                 (MotorLawDescription::Pd { force, .. } | MotorLawDescription::Constant { force }, _) => *force = value,
+                (MotorLawDescription::Input { force }, _) => *force = Some(value),
                 _ => {}
             },
             Element::Gear(_) => {}

@@ -3,6 +3,7 @@
 mod beam;
 mod body;
 mod contact;
+mod controller;
 mod couplings;
 mod event;
 mod force;
@@ -16,6 +17,7 @@ mod start;
 pub use beam::{BEAM, BEAM_CURVE, CABLE, LINE_LOAD, MATERIAL, SECTION};
 pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
 pub use contact::{CONTACT, FRICTION};
+pub use controller::CONTROLLER;
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
 pub use event::EVENT;
 pub use force::{BUSHING_VALUES, CURVE_VALUES, FORCE};
@@ -78,6 +80,11 @@ pub const SCENARIO: Table = Table {
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
         Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),
         Key::new("motor", Kind::List(&Kind::Table(&MOTOR), &[]), "Forces in coordinates that follow a law."),
+        Key::new(
+            "controller",
+            Kind::List(&Kind::Table(&CONTROLLER), &[]),
+            "What reads outputs and sets motors of type `input` at the instants of a period.",
+        ),
         Key::new("output", Kind::List(&Kind::Table(&OUTPUT), &[]), "Numbers that are asked of the scene."),
     ],
 };

@@ -15,7 +15,7 @@ pub const MOTOR: Table = Table {
         ("table", "Straight lines through points over time or speed, constant outside."),
         ("pd", "Towards a target s: stiffness (s − q) + damping (ṡ − q̇) + force."),
         ("expression", "A formula in the time `t`, the coordinate `q` and its rate `v`."),
-        ("input", "A number from outside, zero without one: an input of `linearize`."),
+        ("input", "A number from outside: of a `[[controller]]`, of a program, or an input of `linearize`."),
     ],
     keys: &[
         Key::new("name", Kind::Text, "Unique name; `motor[i]` with its place in the file, from 0, where left out.")
@@ -61,6 +61,14 @@ pub const MOTOR: Table = Table {
             .default("0.0")
             .only(&["pd"])
             .example("20.0"),
+        Key::new(
+            "force",
+            NUMBER,
+            "What it pushes with until a number comes, and in statics; the `bias` of its controller where left out, zero without one.",
+        )
+        .unit("N or N m")
+        .only(&["input"])
+        .example("2.0"),
         Key::new("force", NUMBER, "Added to it.").unit("N or N m").default("0.0").only(&["pd"]).example("5.0"),
         Key::new(
             "expression",

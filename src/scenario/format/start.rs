@@ -23,6 +23,8 @@ pub const START: Table = Table {
         Key::new("velocities", LISTS, "Velocities of hinges; zero where left out.").example("{ upper = [0.0] }"),
         Key::new("inputs", Kind::Map(&NUMBER), "Numbers of the scene that the start needs, by address.")
             .example("{ \"upper.force\" = 12.5 }"),
+        Key::new("controllers", LISTS, "What controllers remember, by their names: of the end of a run that goes on.")
+            .example("{ height = [0.3, -0.01, 1.0] }"),
         Key::new("multipliers", LISTS, "What loops, drives and gears push there, row by row: checked, not used.")
             .example("{ \"drive engine\" = [12.5] }"),
     ],

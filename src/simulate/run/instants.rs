@@ -1,0 +1,46 @@
+//! The instants of controllers within the time loop: steps end there, and inputs change between two steps.
+
+use super::{ROUNDING, Run};
+use crate::simulate::control::{Control, Sensed};
+use crate::simulate::error::RunError;
+use crate::simulate::events::Kind;
+use crate::simulate::instant;
+use crate::simulate::problem::Motion;
+use crate::simulate::settings::Settings;
+
+impl Run<'_, '_> {
+    /// The next time at which steps have to end (s): a break of the timetable, an instant of a controller, the end of the run.
+    pub(super) fn next(&self, time: f64) -> f64 {
+        let next = self.timetable.next(time);
+        let instant = self.control.as_ref().map_or(f64::INFINITY, Control::next);
+        // What is meant to be one time is.
+        if instant < next * (1.0 - ROUNDING) { instant } else { next }
+    }
+
+    /// Where steps towards the next such time end: at an instant of a controller, on which nothing but the inputs changes.
+    pub(super) fn segment_end(&self, next: f64) -> f64 {
+        if self.is_due(next) && !self.timetable.breaks_at(next) { next } else { self.timetable.end(next) }
+    }
+
+    pub(super) fn is_due(&self, time: f64) -> bool {
+        time < self.end && self.control.as_ref().is_some_and(|control| control.is_due(time))
+    }
+
+    /// Lets controllers act that are due at a time, and decides anew what rests and sticks under what they set.
+    pub(super) fn control(&mut self, motion: &mut Motion, settings: &Settings, time: f64) -> Result<(), RunError> {
+        if !self.is_due(time) {
+            return Ok(());
+        }
+        let outputs = self.sampler.outputs(motion, &self.ledger, time, &self.state)?;
+        let Some(control) = &mut self.control else { return Ok(()) };
+        control.act(&mut motion.system, Sensed { time, state: &self.state, outputs: &outputs })?;
+        let Some(events) = &mut self.events else { return Ok(()) };
+        let outcome = instant::resolve(motion, time, &mut self.state, settings.absolute_tolerance, None)?;
+        self.ledger.lose(outcome.lost);
+        self.ledger.put_in(outcome.work);
+        self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
+        events.happened.extend(outcome.happened.into_iter().filter(|one| one.kind != Kind::Contact));
+        events.arm(motion, time, &self.state);
+        Ok(())
+    }
+}

@@ -1,0 +1,65 @@
+//! Steppers of a run: which step one begins with, and what it leaves to the run that goes on.
+
+use super::{Run, fixed_step, resumed_grid};
+use crate::integrate::{Method, Options, Start, Stepper};
+use crate::simulate::error::{RunError, named};
+use crate::simulate::problem::Motion;
+use crate::simulate::settings::{Grid, Resume, Settings};
+
+impl Run<'_, '_> {
+    /// The stepper of a method from the state at a time (s) to where steps have to end next.
+    ///
+    /// # Errors
+    /// If the method cannot start there.
+    pub(super) fn stepper(
+        &mut self,
+        motion: &mut Motion,
+        settings: &Settings,
+        method: Method,
+        time: f64,
+    ) -> Result<Box<dyn Stepper<Motion>>, RunError> {
+        let fixed = fixed_step(self.model, settings, method);
+        let acted = self.control.as_ref().is_some_and(|control| control.acted(time));
+        let begins = settings.resume.filter(|resume| resume.time == time);
+        let resumed = begins.filter(|resume| resume.method == method).and_then(|resume| resume.step);
+        let options = Options {
+            relative: settings.tolerance,
+            absolute: settings.absolute_tolerance,
+            duration: Some(settings.duration),
+            step: fixed
+                .or(self.carried.take())
+                .or(settings.step.filter(|_| begins.is_none()))
+                .or(resumed)
+                .or(settings.step),
+            // Of controllers every instant begins a grid.
+            grid: begins.and(fixed).filter(|_| !acted).and_then(|step| resumed_grid(settings, step)),
+            rho_infinity: settings.rho_infinity,
+            // A step that was asked for is kept.
+            max_step: self.timetable.longest_step.filter(|_| fixed.is_none() && settings.step.is_none()),
+            ..Options::default()
+        };
+        let end = self.segment_end(self.next(time));
+        let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
+        method.start(motion, &options, start).map_err(|error| named(self.model, &error))
+    }
+
+    /// What a run needs to go on from a time; the stepper began at `origin`.
+    pub(super) fn resume(
+        &self,
+        settings: &Settings,
+        method: Method,
+        stepper: &mut dyn Stepper<Motion>,
+        [origin, time]: [f64; 2],
+    ) -> Resume {
+        let fixed = fixed_step(self.model, settings, method);
+        let grid = fixed.and_then(|step| {
+            let acted = self.control.as_ref().is_some_and(|control| control.acted(origin));
+            let begins = settings.resume.filter(|resume| resume.time == origin && !acted);
+            let (origin, before) = begins.and_then(|_| resumed_grid(settings, step)).unwrap_or((origin, 0));
+            let grid = Grid { origin, steps: before + stepper.statistics().steps };
+            (grid.origin + grid.steps as f64 * step == time).then_some(grid)
+        });
+        let step = fixed.or_else(|| stepper.next_step());
+        Resume { time, method, step, grid }
+    }
+}
