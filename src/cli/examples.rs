@@ -17,6 +17,7 @@ pub(super) const STATICS: &str = "\
 Examples:
   stillpoint statics scenarios/calder_mobile.toml --json
   stillpoint statics scenarios/pencil.toml --set 'statics.want=\"any\"'
+  stillpoint statics scenarios/double_wishbone.toml --sensitivity camber 'frequency[0]'
   stillpoint statics scenarios/machine_on_mounts.toml --save start.toml";
 
 pub(super) const REST: &str = "\

@@ -21,6 +21,7 @@ pub(super) fn of(
     found: &Equilibrium,
     outputs: &[String],
     addresses: &[String],
+    go_on: &dyn Fn() -> bool,
 ) -> anyhow::Result<Sensitivities> {
     let mut numbers: Vec<Parameter> = Vec::new();
     for address in addresses {
@@ -31,7 +32,7 @@ pub(super) fn of(
         numbers.extend(all.into_iter().filter(|one| !numbers.contains(one)).collect::<Vec<_>>());
     }
     let numbers = (!addresses.is_empty()).then_some(numbers);
-    Ok(sensitivities(description, model, found, outputs, numbers)?)
+    Ok(sensitivities(description, model, found, outputs, numbers, go_on)?)
 }
 
 /// `{output: {address: derivative}}`; `null` where there is none.

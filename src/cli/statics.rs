@@ -90,23 +90,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         super::beams::found(&model, &found)?.map_or(Ok(()), |beams| output::print(&beams))?;
         text::outputs(&model, &asked).map_or(Ok(()), |table| output::print(&table))?;
     }
-    if !arguments.sensitivity.is_empty() {
-        if !found.balanced {
-            output::warning("no sensitivities: there is no equilibrium");
-        } else {
-            let (asked, by) = (&arguments.sensitivity, &arguments.parameter);
-            let table = sensitivity::of(&scenario.description, &model, &found, asked, by);
-            let table = table.with_context(|| scenario.name.clone())?;
-            result["sensitivities"] = sensitivity::json(&table);
-            result["notes"]
-                .as_array_mut()
-                .into_iter()
-                .for_each(|all| all.extend(table.notes.iter().map(|n| n.as_str().into())));
-            if !common.json && !common.quiet {
-                output::print(&sensitivity::text(&table))?;
-            }
-        }
-    }
+    arguments.tell_sensitivities(&scenario, &model, &found, &mut result)?;
     let path = scenario.path.as_ref();
     let followed =
         path.map(|path| path::main(&scenario, path, &model, common, arguments.out.as_deref())).transpose()?;
@@ -156,6 +140,32 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 }
 
 impl Arguments {
+    /// The sensitivities that are asked for, on the terminal and in the result.
+    fn tell_sensitivities(
+        &self,
+        scenario: &Scenario,
+        model: &Arc<Model>,
+        found: &Equilibrium,
+        result: &mut Value,
+    ) -> anyhow::Result<()> {
+        if self.sensitivity.is_empty() {
+            return Ok(());
+        }
+        if !found.balanced {
+            output::warning("no sensitivities: there is no equilibrium");
+            return Ok(());
+        }
+        let interrupt = Interrupt::install()?;
+        let (asked, by, go_on) = (&self.sensitivity, &self.parameter, || !interrupt.requested());
+        let table = sensitivity::of(&scenario.description, model, found, asked, by, &go_on);
+        let table = table.with_context(|| scenario.name.clone())?;
+        result["sensitivities"] = sensitivity::json(&table);
+        if let Some(notes) = result["notes"].as_array_mut() {
+            notes.extend(table.notes.iter().map(|note| note.as_str().into()));
+        }
+        if self.common.json || self.common.quiet { Ok(()) } else { output::print(&sensitivity::text(&table)) }
+    }
+
     /// What asks for methods that search without contact and dry friction.
     fn ignored(&self) -> Option<&'static str> {
         let method = self.method.as_ref().map(|_| "--method");

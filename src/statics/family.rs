@@ -160,7 +160,7 @@ impl<'a> Moving<'a> {
     }
 
     /// Takes other numbers of the scene as the ones that move; those before them get `value` again.
-    pub(super) fn turn_to(&mut self, parameters: &'a [Parameter], value: f64) -> Result<(), String> {
+    pub(super) fn vary_by(&mut self, parameters: &'a [Parameter], value: f64) -> Result<(), String> {
         self.parameters.iter().try_for_each(|one| one.set(&mut self.description, value))?;
         self.parameters = parameters;
         Ok(())

@@ -38,5 +38,5 @@ pub use effort::{Iteration, Stage};
 pub use inverse::{Held, hold};
 pub use outputs::outputs;
 pub use search::{Leftover, equilibrium, equilibrium_observed, equilibrium_watched, equilibrium_while, leftover};
-pub use sensitivity::{Felt, Number, Sensitivities, SensitivityError, felt, sensitivities};
+pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, influences, sensitivities};
 pub use settings::{Method, Settings, Want};

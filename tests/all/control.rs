@@ -406,3 +406,28 @@ fn the_lift_comes_back_to_its_floor() {
     assert!(worst < 1e-9, "{worst:e}");
     assert!(lowest < -0.05 && kept.0.last().unwrap().1[0].abs() < 1e-3, "{lowest}");
 }
+
+/// What sticks slips at the instant at which its input says so, and stops are met between instants.
+#[test]
+fn friction_and_stops_heed_what_controllers_set() {
+    let text = "gravity = [0, 0, 0]\n[simulate]\nstart = \"given\"\nduration = 4.0\ntolerance = 1e-10\n\
+                [[body]]\nname = \"m\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [1, 0, 0], friction = 2.0, \
+                limits = { low = -0.3, high = 0.3, restitution = 0.3 } }\n\
+                [[motor]]\nname = \"u\"\ntype = \"input\"\nhinge = \"m\"\n[[output]]\nname = \"x\"\ntype = \"coordinate\"\nof = \"m\"\n\
+                [[controller]]\nname = \"bang\"\ntype = \"expression\"\nperiod = 0.1\nsenses = \"x\"\ndrives = \"u\"\n\
+                expression = \"if(sin(3*t) > 0.2, 3.0, if(sin(3*t) < -0.2, -2.5, 1.0))\"\n";
+    let (scenario, model) = scene(text);
+    let mut ends = Vec::new();
+    for integrator in ["auto", "dopri5", "radau5", "rk4"].into_iter().filter_map(Integrator::named) {
+        let settings = Settings { integrator, ..scenario.simulate };
+        let done = ran(&model, &settings, 10.0, &mut Kept::default()).unwrap();
+        let first = &done.events[0];
+        assert!(first.kind.name() == "slips" && (first.time - 0.1).abs() < 1e-12, "{integrator:?}: {first:?}");
+        // From 0.1 s on with 1 m/s² to the stop, at 0.3 m.
+        let strikes = done.events.iter().find(|event| event.kind.name() == "impact").unwrap();
+        assert!((strikes.time - 0.1 - 0.6_f64.sqrt()).abs() < 1e-9, "{integrator:?}: {strikes:?}");
+        assert!(done.energy_drift < 1e-11, "{integrator:?}: {:e}", done.energy_drift);
+        ends.push(done.state.position[0]);
+    }
+    assert!(ends.iter().all(|x| (x - ends[0]).abs() < 1e-10), "{ends:?}");
+}

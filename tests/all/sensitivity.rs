@@ -9,7 +9,7 @@ use stillpoint::constraint::assemble;
 use stillpoint::model::description::*;
 use stillpoint::model::{Model, Parameter};
 use stillpoint::scenario::parse;
-use stillpoint::statics::{self, Equilibrium, SensitivityError, felt, sensitivities};
+use stillpoint::statics::{self, Equilibrium, SensitivityError, influences, sensitivities};
 
 /// What is asked of every scene.
 fn asked(found: &Equilibrium, model: &Model) -> Vec<String> {
@@ -77,8 +77,8 @@ fn compare(name: &str, description: &Description, every: usize, skip: usize) -> 
         return (0, 0.0);
     }
     let names = asked(&found, &model);
-    let numbers: Vec<Parameter> = felt(description).into_iter().skip(skip % every).step_by(every).collect();
-    let table = match sensitivities(description, &model, &found, &names, Some(numbers.clone())) {
+    let numbers: Vec<Parameter> = influences(description).into_iter().skip(skip % every).step_by(every).collect();
+    let table = match sensitivities(description, &model, &found, &names, Some(numbers.clone()), &|| true) {
         Ok(table) => table,
         Err(error) => panic!("{name}: {error}"),
     };
@@ -163,7 +163,7 @@ fn answers(text: &str, asked: &[&str]) -> Result<stillpoint::statics::Sensitivit
     let model = assemble(Model::build(&scenario.description).unwrap()).unwrap().0;
     let found = statics::equilibrium(&model, &scenario.statics, &model.start_position).unwrap();
     let asked: Vec<String> = asked.iter().map(|name| (*name).to_owned()).collect();
-    sensitivities(&scenario.description, &model, &found, &asked, None)
+    sensitivities(&scenario.description, &model, &found, &asked, None, &|| true)
 }
 
 fn derivative(table: &stillpoint::statics::Sensitivities, output: usize, address: &str) -> Option<f64> {

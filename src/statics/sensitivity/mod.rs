@@ -54,18 +54,18 @@ const KINK: &str = "the forces have a kink here: a spring, rope or motor is at a
 #[derive(Debug, Clone)]
 pub struct Sensitivities {
     /// The rows.
-    pub outputs: Vec<Felt>,
+    pub outputs: Vec<Response>,
     /// The columns.
-    pub parameters: Vec<Number>,
+    pub parameters: Vec<Influence>,
     /// Row by row: the derivative, in SI units of the output by the number; `None` where there is none, as a note says.
     pub derivatives: Vec<Vec<Option<f64>>>,
     /// What a person should know.
     pub notes: Vec<String>,
 }
 
-/// A row: one number that is asked for.
+/// A row: one number of an output, or a frequency.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Felt {
+pub struct Response {
     /// `camber`, `tip[2]` or `frequency[0]`.
     pub name: String,
     /// SI unit; `1` for a number without.
@@ -74,9 +74,9 @@ pub struct Felt {
     pub value: f64,
 }
 
-/// A column: a number of the scene.
+/// A column: a number of the scene that may change.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Number {
+pub struct Influence {
     /// The address that stands for it alone.
     pub address: String,
     /// SI unit; empty if that is not said.
@@ -117,6 +117,9 @@ pub enum SensitivityError {
         /// What is in the way.
         why: String,
     },
+    /// The caller ended it.
+    #[error("interrupted")]
+    Interrupted,
     /// The equilibrium cannot be evaluated again.
     #[error("{0}")]
     Failed(String),
@@ -131,7 +134,8 @@ enum Row {
 }
 
 /// The derivatives of `asked` (names of outputs, `frequency[0]` …) at an equilibrium by `parameters`, as long as what bears bears
-/// and what is switched on stays so. `parameters` of `None` are all that an equilibrium follows from ([`felt`]).
+/// and what is switched on stays so. `parameters` of `None` are all that an equilibrium follows from ([`influences`]). `go_on` is asked
+/// before each of them.
 ///
 /// # Errors
 /// See [`SensitivityError`].
@@ -141,6 +145,7 @@ pub fn sensitivities(
     found: &Equilibrium,
     asked: &[String],
     parameters: Option<Vec<Parameter>>,
+    go_on: &dyn Fn() -> bool,
 ) -> Result<Sensitivities, SensitivityError> {
     if !found.balanced {
         return Err(SensitivityError::NoEquilibrium);
@@ -155,24 +160,29 @@ pub fn sensitivities(
     for name in asked {
         of_name(model, found, name, &mut outputs, &mut rows)?;
     }
-    let parameters = parameters.unwrap_or_else(|| felt(description));
-    let numbers = parameters.iter().map(|one| Number {
+    let parameters = parameters.unwrap_or_else(|| influences(description));
+    let numbers = parameters.iter().map(|one| Influence {
         address: one.address.clone(),
         unit: one.quantity.unit(),
         value: one.value(description),
     });
-    let numbers: Vec<Number> = numbers.collect();
+    let numbers: Vec<Influence> = numbers.collect();
     let set = borne(model, found);
     let mut study = Study::new(description, model, found, (&rows, &mut outputs), set)?;
-    let columns: Vec<Vec<Option<f64>>> =
-        parameters.iter().zip(&numbers).map(|(one, number)| study.by(one, number)).collect();
+    let mut columns: Vec<Vec<Option<f64>>> = Vec::new();
+    for (one, number) in parameters.iter().zip(&numbers) {
+        if !go_on() {
+            return Err(SensitivityError::Interrupted);
+        }
+        columns.push(study.by(one, number));
+    }
     let derivatives = (0..rows.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
     let notes = study.notes;
     Ok(Sensitivities { outputs, parameters: numbers, derivatives, notes })
 }
 
 /// All numbers that an equilibrium follows from: start positions are guesses, except those of hinges that are locked.
-pub fn felt(description: &Description) -> Vec<Parameter> {
+pub fn influences(description: &Description) -> Vec<Parameter> {
     let is_guess = |one: &Parameter| match one.element {
         Element::Body(body) => one.field == Field::Position && !description.bodies[body].hinge.lock,
         _ => false,
@@ -185,13 +195,13 @@ fn of_name(
     model: &Model,
     found: &Equilibrium,
     name: &str,
-    outputs: &mut Vec<Felt>,
+    outputs: &mut Vec<Response>,
     rows: &mut Vec<Row>,
 ) -> Result<(), SensitivityError> {
     for output in &model.outputs {
         let of = output.range().zip(output.labels()).zip(&output.units);
         for ((place, label), unit) in of.filter(|((_, label), _)| label == name || output.name == name) {
-            outputs.push(Felt { name: label, unit: unit.clone(), value: 0.0 });
+            outputs.push(Response { name: label, unit: unit.clone(), value: 0.0 });
             rows.push(Row::Output(place));
         }
     }
@@ -205,7 +215,7 @@ fn of_name(
     };
     let (shape, value) =
         mode(model, found, index).map_err(|why| SensitivityError::Frequency { name: name.to_owned(), why })?;
-    outputs.push(Felt { name: name.to_owned(), unit: "Hz".to_owned(), value });
+    outputs.push(Response { name: name.to_owned(), unit: "Hz".to_owned(), value });
     rows.push(Row::Frequency(shape));
     Ok(())
 }
@@ -264,7 +274,7 @@ impl<'a> Study<'a> {
         description: &Description,
         model: &'a Arc<Model>,
         found: &'a Equilibrium,
-        (rows, outputs): (&'a [Row], &mut [Felt]),
+        (rows, outputs): (&'a [Row], &mut [Response]),
         set: Set,
     ) -> Result<Self, SensitivityError> {
         let built = Model::build(description).map_err(|problems| {
@@ -335,14 +345,14 @@ impl<'a> Study<'a> {
     }
 
     /// One column.
-    fn by(&mut self, one: &'a Parameter, number: &Number) -> Vec<Option<f64>> {
+    fn by(&mut self, one: &'a Parameter, number: &Influence) -> Vec<Option<f64>> {
         let value = number.value;
         let found = self
             .moving
-            .turn_to(std::slice::from_ref(one), value)
+            .vary_by(std::slice::from_ref(one), value)
             .and_then(|()| self.slope(one, value))
             .and_then(|(slope, change)| self.column(one, value, &slope, &change));
-        let back = self.moving.turn_to(&[], value);
+        let back = self.moving.vary_by(&[], value);
         match (found, back) {
             (Ok(column), Ok(())) => column,
             (Err(why), _) | (_, Err(why)) => {
