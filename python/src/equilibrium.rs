@@ -1,15 +1,17 @@
 //! Equilibria with their certificates.
 
+use crate::control::Controller;
+use crate::interrupt::Interrupt;
 use crate::linear::Linear;
-use crate::run::{Run, run};
+use crate::run::{Asked, Run, run};
 use crate::scene::{Scene, by_hinge, frozen};
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
-use stillpoint::model::Model;
+use stillpoint::model::{Model, Parameter};
 use stillpoint::simulate::State;
 use stillpoint::statics;
 
@@ -194,14 +196,81 @@ impl Equilibrium {
         linear.map(Linear::new).map_err(|error| PyValueError::new_err(format!("{error:#}")))
     }
 
-    /// A run from here: what is in equilibrium stays.
-    #[pyo3(signature = (duration = None, *, rate = None))]
-    fn run(&self, py: Python<'_>, duration: Option<f64>, rate: Option<f64>) -> PyResult<Run> {
+    /// How an output (`"camber"`, `"tip[2]"`, `"frequency[0]"`) answers to the numbers of the scene, or to those of some addresses:
+    /// derivatives by address, `None` where there is none. Of an output with several numbers a list of them.
+    #[pyo3(signature = (output, addresses = None))]
+    fn sensitivity<'py>(
+        &self,
+        py: Python<'py>,
+        output: &str,
+        addresses: Option<Vec<String>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let held = &self.held;
+        let mut numbers = Vec::new();
+        for address in addresses.iter().flatten() {
+            let found = Parameter::find(&held.description, address).map_err(|unknown| {
+                let help = unknown.help.map(|help| format!("; {help}")).unwrap_or_default();
+                PyKeyError::new_err(format!("{}{help}", unknown.message))
+            })?;
+            numbers.extend(found);
+        }
+        let (asked, numbers) = ([output.to_owned()], addresses.map(|_| numbers));
+        let interrupt = Interrupt::new();
+        let (watched, statics::Held { description, model, found }) = (&interrupt, held);
+        let table =
+            py.detach(move || statics::sensitivities(description, model, found, &asked, numbers, &|| watched.go_on()));
+        interrupt.check()?;
+        let table = table.map_err(|error| match error {
+            statics::SensitivityError::Output { .. } => PyKeyError::new_err(error.to_string()),
+            other => PyValueError::new_err(other.to_string()),
+        })?;
+        let all = PyDict::new(py);
+        for (column, number) in table.parameters.iter().enumerate() {
+            match &table.derivatives[..] {
+                [one] => all.set_item(&number.address, one[column])?,
+                several => {
+                    let of: Vec<Option<f64>> = several.iter().map(|row| row[column]).collect();
+                    all.set_item(&number.address, of)?;
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// A run from here: what is in equilibrium stays. A controller as in `Scene.run`.
+    #[pyo3(signature = (duration = None, *, rate = None, controller = None, period = None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        duration: Option<f64>,
+        rate: Option<f64>,
+        controller: Option<Py<PyAny>>,
+        period: Option<f64>,
+    ) -> PyResult<Run> {
         let scenario = self.scene.get().scenario();
         let mut settings = scenario.simulate;
         settings.start = stillpoint::simulate::Start::Equilibrium;
         settings.duration = duration.unwrap_or(settings.duration);
-        run(py, &self.held.model, &settings, rate.unwrap_or(scenario.record.rate), self.state())
+        let asked = Asked {
+            model: Arc::clone(&self.held.model),
+            settings,
+            rate: rate.unwrap_or(scenario.record.rate),
+            start: self.state(),
+            name: scenario.name.clone(),
+            text: scenario.text.clone(),
+        };
+        let control = Controller::of(&asked.model, controller, period)?;
+        run(py, &asked, control)
+    }
+
+    /// The search begins where the scene does and finds the same.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Py<Scene>,))> {
+        Ok((py.get_type::<Scene>().getattr("equilibrium")?, (self.scene.clone_ref(py),)))
+    }
+
+    /// For notebooks.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("stillpoint._html")?.call_method1("equilibrium", (slf,))
     }
 
     fn __repr__(&self) -> String {

@@ -1,13 +1,17 @@
 //! stillpoint from Python. Scenes are immutable and shared, results are arrays that nothing else writes to, and everything
 //! that takes time lets other Python threads run and heeds Ctrl-C.
 
+mod batch;
+mod control;
 mod dynamics;
 mod equilibrium;
 mod interrupt;
 mod linear;
+mod path;
 mod recorder;
 mod run;
 mod scene;
+mod simulator;
 
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -48,8 +52,12 @@ fn _stillpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<equilibrium::Mode>()?;
     module.add_class::<linear::Linear>()?;
     module.add_class::<run::Run>()?;
+    module.add_class::<simulator::Simulator>()?;
+    module.add_class::<path::Path>()?;
+    module.add_class::<path::Branch>()?;
     module.add_class::<dynamics::Dynamics>()?;
     module.add_function(wrap_pyfunction!(scene::load, module)?)?;
     module.add_function(wrap_pyfunction!(scene::parse, module)?)?;
+    module.add_function(wrap_pyfunction!(run::open, module)?)?;
     module.add_function(wrap_pyfunction!(program, module)?)
 }

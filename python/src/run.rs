@@ -1,23 +1,30 @@
-//! Runs as arrays.
+//! Runs as arrays, and the recordings that they become.
 
 use crate::RunError;
+use crate::control::{Controller, Failed};
 use crate::interrupt::Interrupt;
-use crate::recorder::Columns;
-use crate::scene::by_hinge;
-use numpy::PyArray1;
-use pyo3::exceptions::{PyKeyError, PyMemoryError};
+use crate::recorder::{self, Columns};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::{PyKeyError, PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyList};
 use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use stillpoint::model::Model;
+use stillpoint::record::{self, Event, Opening, Outcome, Recorder, Recording, RecordingFile};
+use stillpoint::simulate::control::Function;
 use stillpoint::simulate::{self, Settings, State, Summary};
 
 /// A run: `run.time`, `run["arm.angle"]`, and what it came to.
 #[pyclass(frozen, mapping, module = "stillpoint")]
 pub(crate) struct Run {
-    model: Arc<Model>,
-    summary: Summary,
+    scene: record::Scene,
+    /// The scenario, word for word.
+    text: String,
+    /// What `run --json` prints.
+    outcome: String,
+    events: Vec<Event>,
     time: Py<PyArray1<f64>>,
     /// Name and unit, in order.
     names: Vec<(String, String)>,
@@ -28,42 +35,155 @@ pub(crate) struct Run {
 /// More samples than this are refused: each column would have 80 GB.
 const MOST_SAMPLES: f64 = 1e10;
 
-/// Runs a model and keeps its samples.
-pub(crate) fn run(py: Python<'_>, model: &Arc<Model>, settings: &Settings, rate: f64, start: State) -> PyResult<Run> {
-    let interrupt = Interrupt::new();
-    let asked = &interrupt;
-    let (model, settings) = (Arc::clone(model), *settings);
-    let of_run = Arc::clone(&model);
-    let done = py.detach(move || {
-        let scene = simulate::scene(&of_run);
+/// What is run: a model with its scenario, and from where.
+#[derive(Clone)]
+pub(crate) struct Asked {
+    pub(crate) model: Arc<Model>,
+    pub(crate) settings: Settings,
+    pub(crate) rate: f64,
+    pub(crate) start: State,
+    /// Name and text of the scenario.
+    pub(crate) name: String,
+    pub(crate) text: String,
+}
+
+/// What came of it: columns, and a summary or why there is none.
+pub(crate) type Done = (Columns, Result<Summary, simulate::RunError>);
+
+impl Asked {
+    /// Runs without Python; `None` if there is no memory for the samples.
+    pub(crate) fn go(&self, go_on: &mut dyn FnMut() -> bool, function: Option<Function<'_>>) -> Option<Done> {
+        let Self { model, settings, rate, start, .. } = self;
+        let scene = simulate::scene(model);
         let samples = rate * settings.duration + 2.0;
         let mut columns = (samples < MOST_SAMPLES).then(|| Columns::new(&scene, samples as usize)).flatten()?;
-        let done = simulate::run(&of_run, &settings, rate, &start, &mut columns, &mut |_, _| asked.go_on());
-        Some(done.map(|summary| (summary, columns)))
+        let go_on = &mut |_: f64, _: &State| go_on();
+        let done = match function {
+            Some(function) => simulate::run_controlled(model, settings, *rate, start, &mut columns, go_on, function),
+            None => simulate::run(model, settings, *rate, start, &mut columns, go_on),
+        };
+        Some((columns, done))
+    }
+
+    /// The run as Python sees it; the error of one that ended before its time has what there is as `run`.
+    pub(crate) fn told(&self, py: Python<'_>, done: Option<Done>) -> PyResult<Run> {
+        let Some((columns, done)) = done else {
+            let samples = self.rate * self.settings.duration;
+            let message = format!("{samples:.0} samples do not fit into memory: take a smaller `rate` or `duration`");
+            return Err(PyMemoryError::new_err(message));
+        };
+        let scene = simulate::scene(&self.model);
+        let run = |outcome: String| Run::new(py, scene, self.text.clone(), outcome, columns);
+        match done {
+            Ok(summary) => run(stillpoint::cli::run_answer(&self.model, &self.name, &summary).to_string()),
+            Err(error) => {
+                let message = error.to_string();
+                let outcome = py.import("json")?.call_method1("dumps", ([("error", &message)].into_py_dict(py)?,))?;
+                let failed = RunError::new_err(message);
+                failed.value(py).setattr("run", Py::new(py, run(outcome.extract()?)?)?)?;
+                Err(failed)
+            }
+        }
+    }
+}
+
+/// Runs a model and keeps its samples; `control` sets the inputs.
+pub(crate) fn run(py: Python<'_>, asked: &Asked, control: Option<Controller>) -> PyResult<Run> {
+    let interrupt = Interrupt::new();
+    let watched = &interrupt;
+    let failed = Failed::default();
+    let noted = &failed;
+    let done = py.detach(move || {
+        let go_on = &mut || watched.go_on();
+        match &control {
+            None => asked.go(go_on, None),
+            Some(controller) => {
+                let mut law = controller.law(&asked.model, noted);
+                asked.go(go_on, Some(Function { period: controller.period, law: &mut law }))
+            }
+        }
     });
     interrupt.check()?;
-    let done = done.ok_or_else(|| {
-        let samples = rate * settings.duration;
-        PyMemoryError::new_err(format!(
-            "{samples:.0} samples do not fit into memory: take a smaller `rate` or `duration`"
-        ))
-    })?;
-    let (summary, columns) = done.map_err(|error| RunError::new_err(error.to_string()))?;
-    let names = columns.names();
-    let by_name = names.iter().enumerate().map(|(at, (name, _))| (name.clone(), at)).collect();
-    let array = |numbers: Vec<f64>| -> PyResult<Py<PyArray1<f64>>> {
-        let array = PyArray1::from_vec(py, numbers);
-        array.call_method1("setflags", (false,))?;
-        Ok(array.unbind())
-    };
-    Ok(Run {
-        model,
-        summary,
-        time: array(columns.time)?,
-        names,
-        columns: columns.columns.into_iter().map(array).collect::<PyResult<_>>()?,
-        by_name,
-    })
+    asked.told(py, done).map_err(|error| failed.instead_of(py, error))
+}
+
+impl Run {
+    fn new(py: Python<'_>, scene: record::Scene, text: String, outcome: String, columns: Columns) -> PyResult<Self> {
+        let names = columns.names();
+        let by_name = names.iter().enumerate().map(|(at, (name, _))| (name.clone(), at)).collect();
+        let array = |numbers: Vec<f64>| -> PyResult<Py<PyArray1<f64>>> {
+            let array = PyArray1::from_vec(py, numbers);
+            array.call_method1("setflags", (false,))?;
+            Ok(array.unbind())
+        };
+        Ok(Self {
+            scene,
+            text,
+            outcome,
+            events: columns.events,
+            time: array(columns.time)?,
+            names,
+            columns: columns.columns.into_iter().map(array).collect::<PyResult<_>>()?,
+            by_name,
+        })
+    }
+
+    /// Reads a recording.
+    pub(crate) fn open(py: Python<'_>, path: &Path) -> PyResult<Self> {
+        let wrong = |error: record::RecordError| PyOSError::new_err(error.to_string());
+        let recording = Recording::open(path).map_err(wrong)?;
+        let mut columns = Columns::new(&recording.scene, 0).ok_or_else(|| PyMemoryError::new_err("no memory"))?;
+        for sample in recording.samples().map_err(wrong)? {
+            columns.take(&sample.map_err(wrong)?);
+        }
+        columns.events = recording.events().map_err(wrong)?;
+        let Recording { scene, scenario, outcome, .. } = recording;
+        Self::new(py, scene, scenario, outcome.unwrap_or_else(|| "{}".to_owned()), columns)
+    }
+
+    /// Writes the recording: what `stillpoint run` would have written.
+    fn record(&self, py: Python<'_>, path: &Path) -> PyResult<()> {
+        let time = self.time.bind(py).readonly();
+        let columns: Vec<_> = self.columns.iter().map(|column| column.bind(py).readonly()).collect();
+        let numbers: Vec<&[f64]> = columns.iter().map(|column| column.as_slice()).collect::<Result<_, _>>()?;
+        let write = || -> Result<(), record::RecordError> {
+            let opening = Opening { scene: &self.scene, scenario: &self.text, statics: None };
+            let mut file = RecordingFile::create(path)?.begin(&opening)?;
+            let mut events = self.events.iter().peekable();
+            for (index, now) in time.as_slice().unwrap_or_default().iter().enumerate() {
+                while let Some(event) = events.next_if(|event| event.time < *now) {
+                    file.event(event)?;
+                }
+                file.sample(&recorder::sample(&self.scene, *now, |at| numbers[at][index]).borrow())?;
+            }
+            events.try_for_each(|event| file.event(event))?;
+            file.finish(&Outcome { summary: self.outcome.clone() })
+        };
+        write().map_err(|error| PyOSError::new_err(error.to_string()))
+    }
+
+    /// The bytes of the recording.
+    fn bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let folder = py.import("tempfile")?.call_method0("TemporaryDirectory")?;
+        let path = PathBuf::from(folder.getattr("name")?.extract::<String>()?).join("run.mcap");
+        let bytes = self.record(py, &path).and_then(|()| Ok(std::fs::read(&path)?));
+        folder.call_method0("cleanup")?;
+        Ok(PyBytes::new(py, &bytes?))
+    }
+
+    /// A number of the summary.
+    fn told<'py>(&self, py: Python<'py>, key: &str) -> PyResult<Bound<'py, PyAny>> {
+        self.as_dict(py)?.call_method1("get", (key,))
+    }
+
+    /// The last numbers of columns.
+    fn last<'py>(&self, py: Python<'py>, from: usize, count: usize) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let of = |column: &Py<PyArray1<f64>>| {
+            let numbers = column.bind(py).readonly();
+            numbers.as_slice().ok().and_then(|numbers| numbers.last().copied()).unwrap_or(f64::NAN)
+        };
+        Ok(PyArray1::from_vec(py, self.columns[from..from + count].iter().map(of).collect()))
+    }
 }
 
 #[pymethods]
@@ -109,7 +229,7 @@ impl Run {
     }
 
     fn __iter__(slf: &Bound<'_, Self>) -> PyResult<Py<PyAny>> {
-        let names = pyo3::types::PyList::new(slf.py(), slf.get().columns())?;
+        let names = PyList::new(slf.py(), slf.get().columns())?;
         Ok(names.call_method0("__iter__")?.unbind())
     }
 
@@ -117,79 +237,108 @@ impl Run {
         self.columns()
     }
 
+    /// Everything that `stillpoint run --json` prints; of a recording what its run printed.
+    fn as_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (&self.outcome,))
+    }
+
     /// Reached time (s).
     #[getter]
-    fn end_time(&self) -> f64 {
-        self.summary.end_time
+    fn end_time<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.told(py, "end_time")
     }
 
     /// The last positions.
     #[getter]
-    fn q<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.summary.state.position)
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.last(py, 0, self.scene.positions.len())
     }
 
     /// The last velocities.
     #[getter]
-    fn v<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        PyArray1::from_slice(py, &self.summary.state.velocity)
+    fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.last(py, self.scene.positions.len(), self.scene.velocities.len())
     }
 
     /// The last positions by hinge.
     #[getter]
-    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        by_hinge(py, &self.model, &self.summary.state.position, true)
+    fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let last = self.told(py, "final")?;
+        if last.is_none() { Ok(last) } else { last.get_item("positions") }
     }
 
     /// What happened: dictionaries with `time`, `kind`, `name`, `value`, `speed`.
     #[getter]
-    fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let of_event = |event: &simulate::events::Occurrence| {
-            let all = PyDict::new(py);
-            all.set_item("time", event.time)?;
-            all.set_item("kind", event.kind.name())?;
-            all.set_item("name", &event.name)?;
-            all.set_item("value", event.value)?;
-            all.set_item("speed", event.speed)?;
-            Ok(all)
-        };
-        self.summary.events.iter().map(of_event).collect()
+    fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.as_dict(py)?.call_method1("get", ("events", PyList::empty(py)))
     }
 
     /// Steps that were taken.
     #[getter]
-    fn steps(&self) -> u64 {
-        self.summary.statistics.steps
+    fn steps<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.told(py, "steps")
     }
 
     /// Largest energy that is unaccounted for (J).
     #[getter]
-    fn energy_drift(&self) -> f64 {
-        self.summary.energy_drift
+    fn energy_drift<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.told(py, "energy_drift")
     }
 
     /// The methods that stepped.
     #[getter]
-    fn integrators(&self) -> Vec<&str> {
-        self.summary.integrators.iter().map(|method| method.name()).collect()
+    fn integrators(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let told: Option<String> = self.told(py, "integrator")?.extract()?;
+        Ok(told.map_or(Vec::new(), |told| told.split(", ").map(str::to_owned).collect()))
     }
 
-    /// Writes the columns to a CSV file.
-    fn save(&self, py: Python<'_>, path: std::path::PathBuf) -> PyResult<()> {
-        py.import("stillpoint._table")?
-            .call_method1("save", (path, self.names.clone(), self.time.clone_ref(py), self.arrays(py)))?;
+    /// Writes a recording (`.mcap`), or the columns as a table (`.csv`).
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        match path.extension().and_then(|end| end.to_str()) {
+            Some("mcap") => self.record(py, &path),
+            Some("csv") => {
+                let columns: Vec<_> = self.columns.iter().map(|column| column.clone_ref(py)).collect();
+                let table = (path, self.names.clone(), self.time.clone_ref(py), columns);
+                py.import("stillpoint._table")?.call_method1("save", table)?;
+                Ok(())
+            }
+            _ => {
+                let message = format!("`{}`: the name ends in .mcap (a recording) or .csv (a table)", path.display());
+                Err(PyValueError::new_err(message))
+            }
+        }
+    }
+
+    /// Writes a page that opens anywhere, as `stillpoint report` makes of the recording.
+    fn report(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.import("stillpoint._files")?.call_method1("report", (self.bytes(py)?, path))?;
         Ok(())
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let samples = self.time.bind(py).len()?;
-        let methods = self.integrators().join(", then ");
-        Ok(format!("<Run of `{}` to {} s: {samples} samples, {methods}>", self.model.title, self.summary.end_time))
+        let (end, methods) = (self.end_time(py)?.str()?, self.integrators(py)?.join(", then "));
+        Ok(format!("<Run of `{}` to {end} s: {samples} samples, {methods}>", self.scene.title))
+    }
+
+    /// For notebooks.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("stillpoint._html")?.call_method1("run", (slf,))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let py = slf.py();
+        Ok((py.get_type::<Self>().getattr("_again")?, (slf.get().bytes(py)?,)))
+    }
+
+    #[staticmethod]
+    fn _again<'py>(py: Python<'py>, bytes: &Bound<'py, PyBytes>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("stillpoint._files")?.call_method1("opened", (bytes,))
     }
 }
 
-impl Run {
-    fn arrays(&self, py: Python<'_>) -> Vec<Py<PyArray1<f64>>> {
-        self.columns.iter().map(|column| column.clone_ref(py)).collect()
-    }
+/// Reads a recording (`.mcap`), finished or not.
+#[pyfunction]
+pub(crate) fn open(py: Python<'_>, path: PathBuf) -> PyResult<Run> {
+    Run::open(py, &path)
 }

@@ -1,9 +1,13 @@
 //! Scenes: from files and texts.
 
+use crate::batch;
+use crate::control::Controller;
 use crate::dynamics::Dynamics;
 use crate::equilibrium::Equilibrium;
 use crate::interrupt::Interrupt;
-use crate::run::{Run, run};
+use crate::path;
+use crate::run::{Asked, Done, Run, run};
+use crate::simulator::Simulator;
 use crate::{NoEquilibrium, SceneError};
 use numpy::PyArray1;
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -13,10 +17,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 use stillpoint::constraint::assemble;
+use stillpoint::integrate::Method;
 use stillpoint::model::{Model, Problem};
 use stillpoint::scenario::{self, LoadError, Override, Scenario};
 use stillpoint::simulate::{Integrator, Start, State};
 use stillpoint::statics;
+use stillpoint::suggest::closest;
 
 /// A scene, as `load` and `parse` give it. It never changes: with other numbers it is another one.
 #[pyclass(frozen, module = "stillpoint")]
@@ -201,7 +207,10 @@ impl Scene {
     }
 
     /// A run. It starts where the file says; a number of samples per second, and what the file has in `[simulate]`, may be given.
-    #[pyo3(signature = (duration = None, *, rate = None, integrator = None, tolerance = None, step = None, start = None))]
+    /// `controller(time, outputs)` sets the motors of type `input` every `period` seconds: it returns a number, a list of all, or a
+    /// dictionary of some.
+    #[pyo3(signature = (duration = None, *, rate = None, integrator = None, tolerance = None, step = None, start = None, controller = None, period = None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords")]
     fn run(
         slf: &Bound<'_, Self>,
         duration: Option<f64>,
@@ -210,41 +219,129 @@ impl Scene {
         tolerance: Option<f64>,
         step: Option<f64>,
         start: Option<(Vec<f64>, Vec<f64>)>,
+        controller: Option<Py<PyAny>>,
+        period: Option<f64>,
     ) -> PyResult<Run> {
-        let this = slf.get();
-        let mut settings = this.scenario.simulate;
-        settings.duration = positive("duration", duration)?.unwrap_or(settings.duration);
-        if let Some(tolerance) = positive("tolerance", tolerance)? {
-            (settings.tolerance, settings.absolute_tolerance) = (tolerance, tolerance);
-        }
-        settings.step = positive("step", step)?.or(settings.step);
-        if let Some(name) = integrator {
-            settings.integrator = Integrator::named(name)
-                .ok_or_else(|| PyValueError::new_err(format!("no integrator is called `{name}`")))?;
-        }
-        let rate = positive("rate", rate)?.unwrap_or(this.scenario.record.rate);
-        let (model, start) = match start {
-            Some((position, velocity)) => (Arc::clone(&this.model), State { position, velocity }),
-            None if settings.start == Start::Equilibrium => {
-                let found = Self::equilibrium(slf)?;
-                settings.start = Start::Equilibrium;
-                (Arc::clone(found.model()), found.state())
-            }
-            None => {
-                let (position, velocity) = (this.model.start_position.clone(), this.model.start_velocity.clone());
-                (Arc::clone(&this.model), State { position, velocity })
+        let asked = Self::asked(slf, duration, rate, integrator, tolerance, step, start)?;
+        let control = Controller::of(&asked.model, controller, positive("period", period)?)?;
+        run(slf.py(), &asked, control)
+    }
+
+    /// The scene at its start, to go on as far as it is told to.
+    #[pyo3(signature = (*, integrator = None, tolerance = None, step = None, start = None))]
+    fn simulator(
+        slf: &Bound<'_, Self>,
+        integrator: Option<&str>,
+        tolerance: Option<f64>,
+        step: Option<f64>,
+        start: Option<(Vec<f64>, Vec<f64>)>,
+    ) -> PyResult<Simulator> {
+        Ok(Simulator::new(Self::asked(slf, None, None, integrator, tolerance, step, start)?))
+    }
+
+    /// A run for each of several changes (`[{"arm.mass": 2.0}, …]`), on all processors: what each has alone. In the place of one that
+    /// fails its exception.
+    #[pyo3(signature = (sets, duration = None, *, rate = None, integrator = None, tolerance = None, step = None, threads = None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords")]
+    fn batch<'py>(
+        slf: &Bound<'py, Self>,
+        sets: Vec<Bound<'py, PyDict>>,
+        duration: Option<f64>,
+        rate: Option<f64>,
+        integrator: Option<&str>,
+        tolerance: Option<f64>,
+        step: Option<f64>,
+        threads: Option<usize>,
+    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let py = slf.py();
+        let one = |set: &Bound<'_, PyDict>| -> PyResult<Asked> {
+            let scene = Bound::new(py, slf.get().with_set(set)?)?;
+            Self::asked(&scene, duration, rate, integrator, tolerance, step, None)
+        };
+        let asked: Vec<PyResult<Asked>> = sets.iter().map(one).collect();
+        let interrupt = Interrupt::new();
+        let watched = &interrupt;
+        let runs: Vec<Option<&Asked>> = asked.iter().map(|one| one.as_ref().ok()).collect();
+        let done = py.detach(|| batch::each(&runs, threads, &|| watched.go_on()));
+        interrupt.check()?;
+        let told = |(asked, done): (PyResult<Asked>, Option<Option<Done>>)| -> PyResult<Bound<'py, PyAny>> {
+            let run = asked.and_then(|asked| asked.told(py, done.flatten()));
+            match run {
+                Ok(run) => Ok(Bound::new(py, run)?.into_any()),
+                Err(error) => Ok(error.into_value(py).into_bound(py).into_any()),
             }
         };
-        let wrong = start.position.len() != model.position_count() || start.velocity.len() != model.velocity_count();
-        if wrong {
-            let (q, v) = (model.position_count(), model.velocity_count());
-            return Err(PyValueError::new_err(format!(
-                "`start` has {} positions and {} velocities, the scene {q} and {v}",
-                start.position.len(),
-                start.velocity.len()
-            )));
+        asked.into_iter().zip(done).map(told).collect()
+    }
+
+    /// The equilibrium, and with `run` a run, for many values of some numbers, on all processors: columns by name, a row a case.
+    /// `over` has values by address, every combination of them; `vary` distributions (`"normal(2, 0.1)"`), drawn `cases` times.
+    #[pyo3(signature = (over = None, *, vary = None, cases = None, seed = 0, sample = None, run = false, time_limit = None, threads = None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords")]
+    fn sweep<'py>(
+        slf: &Bound<'py, Self>,
+        over: Option<&Bound<'py, PyDict>>,
+        vary: Option<&Bound<'py, PyDict>>,
+        cases: Option<u64>,
+        seed: u64,
+        sample: Option<&str>,
+        run: bool,
+        time_limit: Option<f64>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let plan = batch::plan(over, vary, cases, seed, sample)?;
+        let limit = positive("time_limit", time_limit)?.unwrap_or(f64::INFINITY);
+        let this = slf.get();
+        batch::sweep(slf.py(), &this.scenario, overrides(&this.set)?, plan, (run, limit), threads)
+    }
+
+    /// The equilibrium followed while a number of the scene moves from one value to another, around folds and into side branches.
+    /// What is not given is as in `[statics.path]`.
+    #[pyo3(signature = (parameter = None, start = None, end = None, *, at = None, step = None, points = None, branches = None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords")]
+    fn path<'py>(
+        slf: &Bound<'py, Self>,
+        parameter: Option<&str>,
+        start: Option<f64>,
+        end: Option<f64>,
+        at: Option<Vec<f64>>,
+        step: Option<f64>,
+        points: Option<usize>,
+        branches: Option<bool>,
+    ) -> PyResult<path::Path> {
+        let (py, set) = (slf.py(), PyDict::new(slf.py()));
+        let given = |key: &str, value: Option<Bound<'py, PyAny>>| match value {
+            Some(value) => set.set_item(key, value),
+            None => Ok(()),
+        };
+        given("parameter", parameter.map(|x| x.into_pyobject(py)).transpose()?.map(Bound::into_any))?;
+        given("from", start.map(|x| x.into_pyobject(py)).transpose()?.map(Bound::into_any))?;
+        given("to", end.map(|x| x.into_pyobject(py)).transpose()?.map(Bound::into_any))?;
+        given("at", at.map(|x| x.into_pyobject(py)).transpose()?.map(Bound::into_any))?;
+        given("step", step.map(|x| x.into_pyobject(py)).transpose()?.map(Bound::into_any))?;
+        given("points", points.map(|x| x.into_pyobject(py)).transpose()?.map(Bound::into_any))?;
+        given(
+            "branches",
+            branches.map(|x| x.into_pyobject(py).map(|x| x.to_owned())).transpose()?.map(Bound::into_any),
+        )?;
+        if set.is_empty() {
+            return path::follow(py, &slf.get().scenario);
         }
-        run(slf.py(), &model, &settings, rate, start)
+        let scene = match slf.get().scenario.path {
+            None => {
+                let whole = PyDict::new(py);
+                whole.set_item("statics.path", set)?;
+                slf.get().with_set(&whole)?
+            }
+            Some(_) => {
+                let each = PyDict::new(py);
+                for (key, value) in set.iter() {
+                    each.set_item(format!("statics.path.{}", key.extract::<String>()?), value)?;
+                }
+                slf.get().with_set(&each)?
+            }
+        };
+        path::follow(py, &scene.scenario)
     }
 
     /// The equations of motion of the smooth scene: stops are open, dry friction is left out.
@@ -257,6 +354,11 @@ impl Scene {
         let [bodies, freedoms] = [(bodies, "body", "bodies"), (freedoms, "degree of freedom", "degrees of freedom")]
             .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }));
         format!("<Scene `{}`: {bodies}, {freedoms}>", self.model.title)
+    }
+
+    /// For notebooks.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("stillpoint._html")?.call_method1("scene", (slf,))
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Pickled<'py>> {
@@ -282,6 +384,55 @@ impl Scene {
 impl Scene {
     pub(crate) fn scenario(&self) -> &Scenario {
         &self.scenario
+    }
+
+    /// What a run of these arguments is.
+    fn asked(
+        slf: &Bound<'_, Self>,
+        duration: Option<f64>,
+        rate: Option<f64>,
+        integrator: Option<&str>,
+        tolerance: Option<f64>,
+        step: Option<f64>,
+        start: Option<(Vec<f64>, Vec<f64>)>,
+    ) -> PyResult<Asked> {
+        let this = slf.get();
+        let mut settings = this.scenario.simulate;
+        settings.duration = positive("duration", duration)?.unwrap_or(settings.duration);
+        if let Some(tolerance) = positive("tolerance", tolerance)? {
+            (settings.tolerance, settings.absolute_tolerance) = (tolerance, tolerance);
+        }
+        settings.step = positive("step", step)?.or(settings.step);
+        if let Some(name) = integrator {
+            settings.integrator = Integrator::named(name).ok_or_else(|| {
+                let known = Method::ALL.map(Method::name).into_iter().chain(["auto"]);
+                let near = closest(name, known).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+                PyValueError::new_err(format!("no integrator is called `{name}`{near}"))
+            })?;
+        }
+        let rate = positive("rate", rate)?.unwrap_or(this.scenario.record.rate);
+        let (model, start) = match start {
+            Some((position, velocity)) => (Arc::clone(&this.model), State { position, velocity }),
+            None if settings.start == Start::Equilibrium => {
+                let found = Self::equilibrium(slf)?;
+                (Arc::clone(found.model()), found.state())
+            }
+            None => {
+                let (position, velocity) = (this.model.start_position.clone(), this.model.start_velocity.clone());
+                (Arc::clone(&this.model), State { position, velocity })
+            }
+        };
+        let wrong = start.position.len() != model.position_count() || start.velocity.len() != model.velocity_count();
+        if wrong {
+            let (q, v) = (model.position_count(), model.velocity_count());
+            return Err(PyValueError::new_err(format!(
+                "`start` has {} positions and {} velocities, the scene {q} and {v}",
+                start.position.len(),
+                start.velocity.len()
+            )));
+        }
+        let (name, text) = (this.scenario.name.clone(), this.scenario.text.clone());
+        Ok(Asked { model, settings, rate, start, name, text })
     }
 }
 

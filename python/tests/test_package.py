@@ -212,7 +212,7 @@ def test_threads_share_dynamics():
 def test_an_interrupt_ends_a_run():
     scene = stillpoint.describe(PENDULUM)
     main = threading.get_ident()
-    threading.Timer(0.3, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
+    threading.Timer(0.05, lambda: signal.pthread_kill(main, signal.SIGINT)).start()
     before = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         scene.run(1e8, rate=1e-6)

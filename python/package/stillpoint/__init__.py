@@ -11,33 +11,41 @@ from ._processor import check as _check
 _check()
 
 from ._stillpoint import (  # noqa: E402
+    Branch,
     Dynamics,
     Equilibrium,
     Linear,
     Mode,
     NoEquilibrium,
+    Path,
     Run,
     RunError,
     Scene,
     SceneError,
+    Simulator,
     __version__,
     load,
+    open,
     parse,
 )
 from ._describe import describe  # noqa: E402
 
 __all__ = [
+    "Branch",
     "Dynamics",
     "Equilibrium",
     "Linear",
     "Mode",
     "NoEquilibrium",
+    "Path",
     "Run",
     "RunError",
     "Scene",
     "SceneError",
+    "Simulator",
     "__version__",
     "describe",
     "load",
+    "open",
     "parse",
 ]

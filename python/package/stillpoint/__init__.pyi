@@ -1,4 +1,4 @@
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any
 
@@ -7,14 +7,21 @@ from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
+Outputs = dict[str, float | list[float]]
+Inputs = float | Sequence[float] | Mapping[str, float] | None
+Controller = Callable[[float, Outputs], Inputs]
+
 class SceneError(ValueError): ...
-class RunError(RuntimeError): ...
+
+class RunError(RuntimeError):
+    run: Run
 
 class NoEquilibrium(RuntimeError):
     answer: Equilibrium
 
 def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Scene: ...
 def parse(text: str, set: Mapping[str, Any] | None = None, name: str = "scene.toml") -> Scene: ...
+def open(path: str | PathLike[str]) -> Run: ...
 def describe(scene: Mapping[str, Any] | None = None, **tables: Any) -> Scene: ...
 
 class Scene:
@@ -45,7 +52,51 @@ class Scene:
         tolerance: float | None = None,
         step: float | None = None,
         start: tuple[ArrayLike, ArrayLike] | None = None,
+        controller: Controller | None = None,
+        period: float | None = None,
     ) -> Run: ...
+    def simulator(
+        self,
+        *,
+        integrator: str | None = None,
+        tolerance: float | None = None,
+        step: float | None = None,
+        start: tuple[ArrayLike, ArrayLike] | None = None,
+    ) -> Simulator: ...
+    def batch(
+        self,
+        sets: Sequence[dict[str, Any]],
+        duration: float | None = None,
+        *,
+        rate: float | None = None,
+        integrator: str | None = None,
+        tolerance: float | None = None,
+        step: float | None = None,
+        threads: int | None = None,
+    ) -> list[Run | Exception]: ...
+    def sweep(
+        self,
+        over: dict[str, Sequence[Any] | str] | None = None,
+        *,
+        vary: dict[str, str] | None = None,
+        cases: int | None = None,
+        seed: int = 0,
+        sample: str | None = None,
+        run: bool = False,
+        time_limit: float | None = None,
+        threads: int | None = None,
+    ) -> dict[str, Any]: ...
+    def path(
+        self,
+        parameter: str | None = None,
+        start: float | None = None,
+        end: float | None = None,
+        *,
+        at: Sequence[float] | None = None,
+        step: float | None = None,
+        points: int | None = None,
+        branches: bool | None = None,
+    ) -> Path: ...
     def dynamics(self) -> Dynamics: ...
 
 class Mode:
@@ -83,7 +134,17 @@ class Equilibrium:
     def outputs(self) -> dict[str, float | list[float]]: ...
     def linearize(self, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None) -> Linear: ...
     def as_dict(self) -> dict[str, Any]: ...
-    def run(self, duration: float | None = None, *, rate: float | None = None) -> Run: ...
+    def sensitivity(
+        self, output: str, addresses: Sequence[str] | None = None
+    ) -> dict[str, float | None | list[float | None]]: ...
+    def run(
+        self,
+        duration: float | None = None,
+        *,
+        rate: float | None = None,
+        controller: Controller | None = None,
+        period: float | None = None,
+    ) -> Run: ...
 
 class Linear:
     @property
@@ -131,7 +192,61 @@ class Run:
     def energy_drift(self) -> float: ...
     @property
     def integrators(self) -> list[str]: ...
+    def as_dict(self) -> dict[str, Any]: ...
     def save(self, path: str | PathLike[str]) -> None: ...
+    def report(self, path: str | PathLike[str]) -> None: ...
+
+class Simulator:
+    @property
+    def time(self) -> float: ...
+    @property
+    def q(self) -> NDArray[np.float64]: ...
+    @property
+    def v(self) -> NDArray[np.float64]: ...
+    @property
+    def inputs(self) -> dict[str, float]: ...
+    @property
+    def outputs(self) -> Outputs: ...
+    @property
+    def events(self) -> list[dict[str, Any]]: ...
+    def advance(self, time: float) -> None: ...
+    def step(self, duration: float, inputs: Inputs = None) -> None: ...
+    def set(
+        self,
+        *,
+        q: ArrayLike | None = None,
+        v: ArrayLike | None = None,
+        inputs: Inputs = None,
+        time: float | None = None,
+    ) -> None: ...
+    def state(self) -> tuple[float, list[float], list[float], list[float], list[list[float]]]: ...
+    def restore(self, state: tuple[float, list[float], list[float], list[float], list[list[float]]]) -> None: ...
+
+class Path:
+    @property
+    def parameter(self) -> str: ...
+    @property
+    def branches(self) -> list[Branch]: ...
+    @property
+    def complete(self) -> bool: ...
+    @property
+    def notes(self) -> list[str]: ...
+
+class Branch:
+    @property
+    def parameter(self) -> NDArray[np.float64]: ...
+    @property
+    def q(self) -> NDArray[np.float64]: ...
+    @property
+    def potential(self) -> NDArray[np.float64]: ...
+    @property
+    def verdicts(self) -> list[str]: ...
+    @property
+    def events(self) -> list[dict[str, Any]]: ...
+    @property
+    def parent(self) -> tuple[int, int] | None: ...
+    def __getitem__(self, name: str) -> NDArray[np.float64]: ...
+    def __len__(self) -> int: ...
 
 class Dynamics:
     @property

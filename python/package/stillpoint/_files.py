@@ -1,0 +1,29 @@
+"""Recordings that are on their way."""
+
+import os
+import sys
+import tempfile
+
+from ._stillpoint import open as _open
+from ._stillpoint import program
+
+
+def opened(recording: bytes):
+    """The run of a recording."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "run.mcap")
+        with open(path, "wb") as file:
+            file.write(recording)
+        return _open(path)
+
+
+def report(recording: bytes, page) -> None:
+    """Writes the report of a recording."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "run.mcap")
+        with open(path, "wb") as file:
+            file.write(recording)
+        code = program(["stillpoint", "report", path, "-o", os.fspath(page), "--quiet"])
+    # 1: the report says that something is not fine; it is written all the same.
+    if code not in (0, 1):
+        raise OSError(f"the report `{os.fspath(page)}` was not written")

@@ -1,0 +1,151 @@
+//! Many runs, and many cases, on all processors.
+
+use crate::interrupt::Interrupt;
+use crate::run::{Asked, Done};
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::convert::Infallible;
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use stillpoint::scenario::{Override, Scenario};
+use stillpoint::study::{Axis, Cases, Cell, Column, Draw, Kind, Plan, Question, Row, Sampling, Variation, pool};
+use stillpoint::suggest::closest;
+
+/// Rows that are handed over at once.
+const ROWS: u64 = 16;
+
+fn processors(threads: Option<usize>) -> usize {
+    threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZeroUsize::get)).max(1)
+}
+
+/// Runs each of those that are there, on so many threads.
+pub(crate) fn each(
+    runs: &[Option<&Asked>],
+    threads: Option<usize>,
+    go_on: &(dyn Fn() -> bool + Sync),
+) -> Vec<Option<Option<Done>>> {
+    let next = AtomicUsize::new(0);
+    let done: Mutex<Vec<Option<Option<Done>>>> = Mutex::new(runs.iter().map(|_| None).collect());
+    let work = || {
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(asked) = runs.get(index) else { return };
+            let Some(asked) = asked.filter(|_| go_on()) else { continue };
+            let run = asked.go(&mut || go_on(), None);
+            done.lock().unwrap_or_else(PoisonError::into_inner)[index] = Some(run);
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 1..processors(threads).min(runs.len().max(1)) {
+            scope.spawn(work);
+        }
+        work();
+    });
+    done.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The plan of the arguments of a sweep.
+pub(crate) fn plan(
+    over: Option<&Bound<'_, PyDict>>,
+    vary: Option<&Bound<'_, PyDict>>,
+    cases: Option<u64>,
+    seed: u64,
+    sample: Option<&str>,
+) -> PyResult<Plan> {
+    let wrong = |message: String| PyValueError::new_err(message);
+    let mut axes = Vec::new();
+    for (path, values) in over.iter().flat_map(|over| over.iter()) {
+        let path: String = path.extract()?;
+        let text = match values.extract::<String>() {
+            Ok(text) => text,
+            Err(_) => {
+                let inline = values.py().import("stillpoint._toml")?.getattr("inline")?;
+                let items = values.try_iter()?.map(|item| inline.call1((item?,))?.extract::<String>());
+                items.collect::<PyResult<Vec<_>>>()?.join(",")
+            }
+        };
+        axes.push(Axis::parse(&format!("{path}={text}")).map_err(wrong)?);
+    }
+    let mut varied = Vec::new();
+    for (path, distribution) in vary.iter().flat_map(|vary| vary.iter()) {
+        let text = format!("{}={}", path.extract::<String>()?, distribution.extract::<String>()?);
+        varied.push(Variation::parse(&text).map_err(wrong)?);
+    }
+    if axes.is_empty() && varied.is_empty() {
+        return Err(wrong("give values in `over` or distributions in `vary`".to_owned()));
+    }
+    if varied.is_empty() != cases.is_none() {
+        return Err(wrong("`vary` and `cases` belong together".to_owned()));
+    }
+    let sampling = match sample {
+        None => Sampling::default(),
+        Some(name) => Sampling::ALL.into_iter().find(|one| one.name() == name).ok_or_else(|| {
+            let near = closest(name, Sampling::ALL.iter().map(|one| one.name()));
+            let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+            wrong(format!("no way to sample is called `{name}`{near}"))
+        })?,
+    };
+    let draw = Draw { sampling, samples: cases.unwrap_or(1).max(1), seed };
+    Plan::new(axes, varied, draw, None).map_err(wrong)
+}
+
+/// Answers all cases; columns by name.
+pub(crate) fn sweep<'py>(
+    py: Python<'py>,
+    scenario: &Scenario,
+    set: Vec<Override>,
+    plan: Plan,
+    (run, time_limit): (bool, f64),
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let question = Question { run, time_limit };
+    let cases = Cases::new(scenario.clone(), set, plan, question);
+    let cases = cases.map_err(|refusal| PyValueError::new_err(refusal.to_string()))?;
+    let count = cases.plan.cases();
+    let interrupt = Interrupt::new();
+    let watched = &interrupt;
+    let rows = Mutex::new(Vec::<Row>::new());
+    let take = |_: u64, answered: Vec<Row>| -> Result<(), Infallible> {
+        rows.lock().unwrap_or_else(PoisonError::into_inner).extend(answered);
+        Ok(())
+    };
+    py.detach(|| {
+        let parts = (0..count.div_ceil(ROWS)).map(|part| (part, part * ROWS..((part + 1) * ROWS).min(count)));
+        pool::answer(&cases, parts, processors(threads), &|| watched.go_on(), &|| (), &take)
+    })
+    .unwrap_or(false);
+    interrupt.check()?;
+    let mut rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
+    rows.sort_by_key(|row| row.case);
+    let all = PyDict::new(py);
+    for (index, column) in cases.columns().iter().enumerate() {
+        all.set_item(&column.name, array(py, column, rows.iter().map(|row| &row.cells[index]))?)?;
+    }
+    Ok(all)
+}
+
+/// A column: numbers as an array, `nan` where there is none; all else as a list.
+fn array<'py, 'c>(
+    py: Python<'py>,
+    column: &Column,
+    cells: impl Iterator<Item = &'c Cell>,
+) -> PyResult<Bound<'py, PyAny>> {
+    if column.kind == Kind::Number {
+        let number = |cell: &Cell| if let Cell::Number(number) = cell { *number } else { f64::NAN };
+        return Ok(PyArray1::from_vec(py, cells.map(number).collect()).into_any());
+    }
+    let list = PyList::empty(py);
+    for cell in cells {
+        match cell {
+            Cell::Empty => list.append(py.None())?,
+            Cell::Number(number) => list.append(number)?,
+            Cell::Whole(number) => list.append(number)?,
+            Cell::Word(word) => list.append(word.as_ref())?,
+            Cell::Flag(flag) => list.append(flag)?,
+        }
+    }
+    Ok(list.into_any())
+}

@@ -1,0 +1,236 @@
+"""Sensitivities, controllers, stepping by hand, many runs, paths, recordings."""
+
+import json
+import math
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stillpoint
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENARIOS = ROOT / "scenarios"
+
+SLIDER = {
+    "gravity": [0, 0, 0],
+    "simulate": {"start": "given", "duration": 2.0, "tolerance": 1e-11},
+    "body": [
+        {
+            "name": "mass",
+            "mass": 2.0,
+            "hinge": {"type": "prismatic", "axis": [1, 0, 0], "stiffness": 50.0, "position": 0.3},
+        }
+    ],
+    "motor": [{"name": "push", "type": "input", "hinge": "mass"}],
+    "output": [
+        {"name": "x", "type": "coordinate", "of": "mass"},
+        {"name": "at", "type": "position", "of": {"body": "mass", "at": [0, 0, 0]}},
+    ],
+}
+
+
+def program(*arguments):
+    answer = subprocess.run([sys.executable, "-m", "stillpoint", *arguments], capture_output=True, text=True)
+    return answer.returncode, answer.stdout, answer.stderr
+
+
+def held(x, v, u, t):
+    """The slider with its input held."""
+    w, rest = math.sqrt(50.0 / 2.0), u / 50.0
+    return rest + (x - rest) * math.cos(w * t) + v / w * math.sin(w * t), -(x - rest) * w * math.sin(w * t) + v * math.cos(w * t)
+
+
+def test_sensitivities_are_those_of_the_program():
+    path = str(SCENARIOS / "double_wishbone.toml")
+    code, out, err = program("statics", path, "--json", "--sensitivity", "camber", "frequency[0]")
+    assert code == 0, err
+    told = json.loads(out)["sensitivities"]
+    rest = stillpoint.load(path).equilibrium()
+    assert rest.sensitivity("camber") == told["camber"]
+    assert rest.sensitivity("frequency[0]") == told["frequency[0]"]
+    bar = stillpoint.load(SCENARIOS / "four_bar.toml").equilibrium()
+    several = bar.sensitivity("coupler point", ["gravity[0]"])["gravity[0]"]
+    assert several == [bar.sensitivity(f"coupler point[{i}]", ["gravity[0]"])["gravity[0]"] for i in range(3)]
+    with pytest.raises(KeyError, match="did you mean `camber`"):
+        rest.sensitivity("cambr")
+    with pytest.raises(KeyError, match="did you mean"):
+        rest.sensitivity("camber", ["strut.lenght"])
+
+
+def test_a_function_holds_its_input_between_instants():
+    calls = []
+
+    def control(time, outputs):
+        calls.append((time, outputs["x"]))
+        assert outputs["at"][0] == outputs["x"]
+        return -30.0 * outputs["x"]
+
+    run = stillpoint.describe(SLIDER).run(controller=control, period=0.125, rate=8)
+    x, v = 0.3, 0.0
+    for k in range(16):
+        assert calls[k][0] == 0.125 * k and abs(calls[k][1] - x) < 1e-9 and abs(run["x"][k] - x) < 1e-9
+        x, v = held(x, v, -30.0 * x, 0.125)
+    assert len(calls) == 16 and abs(run.q[0] - x) < 1e-9
+    assert abs(run["push.force"][0] + 9.0) < 1e-12
+
+
+def test_inputs_by_name_in_a_list_or_left():
+    scene = stillpoint.describe(SLIDER)
+    runs = [scene.run(controller=lambda t, y: answer, period=0.5) for answer in (2.0, [2.0], {"push": 2.0})]
+    assert runs[0].q[0] == runs[1].q[0] == runs[2].q[0] != scene.run(controller=lambda t, y: None, period=0.5).q[0]
+    with pytest.raises(KeyError, match="did you mean `push`"):
+        scene.run(controller=lambda t, y: {"pusch": 1.0}, period=0.5)
+    with pytest.raises(ValueError, match="2 numbers for 1 inputs"):
+        scene.run(controller=lambda t, y: [1.0, 2.0], period=0.5)
+    with pytest.raises(ValueError, match="`push` is (nan|NaN)"):
+        scene.run(controller=lambda t, y: math.nan, period=0.5)
+    with pytest.raises(TypeError, match="belong together"):
+        scene.run(controller=lambda t, y: 0.0)
+
+
+def test_an_exception_of_a_controller_ends_the_run_and_keeps_what_there_is():
+    class Mine(Exception):
+        pass
+
+    def control(time, outputs):
+        if time > 1.0:
+            raise Mine("enough")
+        return 0.0
+
+    with pytest.raises(Mine, match="enough") as caught:
+        stillpoint.describe(SLIDER).run(controller=control, period=0.25, rate=100)
+    run = caught.value.run
+    assert 1.23 < run.time[-1] <= 1.25 and abs(run["x"][-1] - held(0.3, 0, 0, run.time[-1])[0]) < 1e-9
+    assert "enough" in run.as_dict()["error"]
+
+
+def test_stepping_by_hand_is_a_run():
+    scene = stillpoint.describe(SLIDER)
+    simulator = scene.simulator()
+    assert simulator.time == 0 and simulator.q[0] == 0.3 and simulator.inputs == {"push": 0.0}
+    x, v = 0.3, 0.0
+    for k in range(20):
+        u = 5.0 * math.sin(k)
+        simulator.step(0.1, inputs={"push": u} if k % 2 else [u])
+        x, v = held(x, v, u, 0.1)
+        assert abs(simulator.q[0] - x) < 1e-8 and abs(simulator.v[0] - v) < 1e-8 and simulator.inputs["push"] == u
+        assert simulator.outputs["x"] == simulator.q[0]
+    kept = pickle.loads(pickle.dumps(simulator.state()))
+    simulator.advance(2.5)
+    after = simulator.q[0]
+    simulator.restore(kept)
+    assert simulator.time == kept[0]
+    simulator.advance(2.5)
+    assert abs(simulator.q[0] - after) < 1e-9
+    simulator.set(q=[0.1], v=[0.0], inputs=0.0, time=0.0)
+    simulator.advance(0.7)
+    assert abs(simulator.q[0] - held(0.1, 0, 0, 0.7)[0]) < 1e-8
+    with pytest.raises(ValueError, match="later than"):
+        simulator.advance(0.1)
+    with pytest.raises(ValueError, match="`q` has 2 numbers"):
+        simulator.set(q=[0, 1])
+
+
+def test_stepping_by_hand_meets_stops():
+    body = {"name": "ball", "mass": 1.0, "hinge": {"type": "prismatic", "axis": [0, 0, 1], "position": 1.0, "limits": {"low": 0.0, "restitution": 0.5}}}
+    scene = stillpoint.describe(body=[body], simulate={"start": "given", "duration": 2.0, "tolerance": 1e-10})
+    whole = scene.run(1.0)
+    simulator = scene.simulator()
+    for k in range(1, 11):
+        simulator.advance(k / 10)
+    np.testing.assert_allclose(simulator.q, whole.q, atol=1e-8)
+    assert [event["kind"] for event in simulator.events] == [event["kind"] for event in whole.events] != []
+
+
+def test_a_batch_has_the_bits_of_one_after_the_other():
+    scene = stillpoint.load(SCENARIOS / "double_pendulum.toml", set={"simulate.duration": 1.0, "simulate.start": "given"})
+    body = scene.bodies[0]
+    sets = [{f"{body}.mass": 1.0 + 0.1 * k} for k in range(6)] + [{f"{body}.mass": -1.0}]
+    together = scene.batch(sets, rate=20)
+    for set_, run in zip(sets[:6], together):
+        alone = scene.with_set(set_).run(rate=20)
+        assert all((run[name] == alone[name]).all() for name in alone.columns) and len(run.time) == 21
+    assert isinstance(together[6], stillpoint.SceneError)
+
+
+def test_a_sweep_has_a_row_a_case():
+    table = stillpoint.load(SCENARIOS / "spring_arm.toml").sweep({"gravity[2]": [-9.81, -1.62, -3.71]})
+    assert table["case"] == [0, 1, 2] and table["ok"] == [True] * 3 and list(table["gravity[2]"]) == [-9.81, -1.62, -3.71]
+    for g, residual in zip((-9.81, -1.62, -3.71), range(3)):
+        rest = stillpoint.load(SCENARIOS / "spring_arm.toml", set={"gravity[2]": g}).equilibrium()
+        name = rest.positions and next(iter(rest.positions))
+        column = next(key for key in table if key.startswith(f"{name}."))
+        assert table[column][residual] == rest.positions[name][0]
+    drawn = stillpoint.describe(SLIDER).sweep(vary={"mass.stiffness": "uniform(40, 60)"}, cases=8, seed=3, sample="sobol")
+    assert len(drawn["case"]) == 8 and 40 <= min(drawn["mass.stiffness"]) < max(drawn["mass.stiffness"]) <= 60
+    with pytest.raises(ValueError, match="did you mean `sobol`"):
+        stillpoint.describe(SLIDER).sweep(vary={"mass.stiffness": "uniform(40, 60)"}, cases=8, sample="sobl")
+    with pytest.raises(ValueError, match="mass.stifness|stiffness"):
+        stillpoint.describe(SLIDER).sweep({"mass.stifness": [1, 2]})
+
+
+def test_a_path_goes_around_folds():
+    path = stillpoint.load(SCENARIOS / "snap_through.toml").path()
+    kinds = [event["kind"] for branch in path.branches for event in branch.events]
+    assert kinds.count("fold") == 2 and path.complete
+    branch = path.branches[0]
+    assert len(branch) == len(branch.parameter) == len(branch.verdicts) == len(branch.q) == len(branch.potential)
+    with pytest.raises(KeyError, match="no output or coordinate"):
+        branch["nothing"]
+    slider = stillpoint.describe(SLIDER).path("mass.force", 0.0, 10.0, at=[5.0])
+    branch = slider.branches[0]
+    np.testing.assert_allclose(branch["x"], branch.parameter / 50.0, atol=1e-12)
+    assert set(branch.verdicts) == {"stable"} and 5.0 in branch.parameter
+    with pytest.raises(ValueError, match="which number moves"):
+        stillpoint.describe(SLIDER).path()
+
+
+def test_runs_become_recordings_and_come_back(tmp_path):
+    run = stillpoint.load(SCENARIOS / "stops.toml").run(1.0, rate=50)
+    run.save(tmp_path / "run.mcap")
+    again = stillpoint.open(tmp_path / "run.mcap")
+    assert again.columns == run.columns and again.units == run.units and again.as_dict() == run.as_dict()
+    assert all((again[name] == run[name]).all() for name in run.columns) and (again.time == run.time).all()
+    assert (again.q == run.q).all() and again.events == run.events
+    code, out, err = program("info", str(tmp_path / "run.mcap"), "--json")
+    assert code == 0, err
+    pickled = pickle.loads(pickle.dumps(run))
+    assert all((pickled[name] == run[name]).all() for name in run.columns)
+    run.report(tmp_path / "run.html")
+    assert "<html" in (tmp_path / "run.html").read_text(encoding="utf-8")[:200].lower()
+    code, _, err = program("run", str(SCENARIOS / "stops.toml"), "--quiet", "--out", str(tmp_path / "program.mcap"), "--set", "simulate.duration=1", "--set", "record.rate=50")
+    assert code == 0, err
+    theirs = stillpoint.open(tmp_path / "program.mcap")
+    assert all((theirs[name] == run[name]).all() for name in run.columns)
+    with pytest.raises(ValueError, match="ends in .mcap"):
+        run.save(tmp_path / "run.xlsx")
+    with pytest.raises(OSError):
+        stillpoint.open(tmp_path / "none.mcap")
+
+
+def test_equilibria_are_pickled():
+    rest = stillpoint.load(SCENARIOS / "spring_arm.toml").equilibrium()
+    again = pickle.loads(pickle.dumps(rest))
+    assert (again.q == rest.q).all() and again.verdict == rest.verdict
+
+
+def test_notebooks_show_tables():
+    scene = stillpoint.describe(SLIDER)
+    for thing in (scene, scene.equilibrium(), scene.run(0.1)):
+        assert "<table>" in thing._repr_html_()
+
+
+def test_stubs_name_what_there_is():
+    import ast
+
+    tree = ast.parse((Path(stillpoint.__file__).parent / "__init__.pyi").read_text(encoding="utf-8"))
+    stubs = {node.name: {item.name for item in node.body if isinstance(item, ast.FunctionDef)} for node in tree.body if isinstance(node, ast.ClassDef)}
+    for name in stillpoint.__all__:
+        thing = getattr(stillpoint, name)
+        if isinstance(thing, type) and not issubclass(thing, BaseException):
+            public = {attribute for attribute in vars(thing) if not attribute.startswith("_")}
+            assert public == {method for method in stubs[name] if not method.startswith("_")}, name
