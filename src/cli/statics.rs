@@ -116,16 +116,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             output::print(&format!("  recording    {} ({modes}, two seconds each)", path.display()))?;
         }
     }
-    if let Some(path) = arguments.save.as_deref().filter(|_| !found.converged) {
-        output::warning(&format!(
-            "`{}` is not written: this is not the equilibrium that was asked for",
-            path.display()
-        ));
-    } else if let Some(path) = arguments.save.as_deref() {
-        let inputs = inputs(&scenario.description, &found);
-        let text = start::text(&model, &found.position, &found.velocity, &inputs, &found.carried);
-        output::save(path, text.as_bytes())?;
-    }
+    arguments.save_start(&scenario, &model, &found)?;
     if common.json {
         output::print(&result.to_string())?;
     } else if let Some(followed) = followed.as_ref().filter(|_| !common.quiet) {
@@ -140,6 +131,19 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 }
 
 impl Arguments {
+    /// The start file that is asked for.
+    fn save_start(&self, scenario: &Scenario, model: &Model, found: &Equilibrium) -> anyhow::Result<()> {
+        let Some(path) = &self.save else { return Ok(()) };
+        if !found.converged {
+            let path = path.display();
+            output::warning(&format!("`{path}` is not written: this is not the equilibrium that was asked for"));
+            return Ok(());
+        }
+        let inputs = inputs(&scenario.description, found);
+        let text = start::text(model, &found.position, &found.velocity, &inputs, &found.carried);
+        output::save(path, text.as_bytes())
+    }
+
     /// The sensitivities that are asked for, on the terminal and in the result.
     fn tell_sensitivities(
         &self,

@@ -201,7 +201,7 @@ fn controllers_of_one_instant_read_the_same() {
                 [[controller]]\nname = \"two\"\ntype = \"expression\"\nperiod = 0.2\nsenses = [\"fa\"]\ndrives = [\"push b\"]\nexpression = \"2*fa\"\n";
     let mut u = [0.0, 0.0];
     let mut law = |k: usize, _: &DVector<f64>| {
-        u = [u[1] + 1.0, if k % 2 == 0 { 2.0 * u[0] } else { u[1] }];
+        u = [u[1] + 1.0, if k.is_multiple_of(2) { 2.0 * u[0] } else { u[1] }];
         DVector::from_vec(u.to_vec())
     };
     let (_, worst) = agrees(&masses(text), 0.1, &mut law);

@@ -102,7 +102,7 @@ pub(super) fn derivative(
     let mut sides = [1.0, -1.0].map(|side| (side, Tableau::new(SHRINK, center.len())));
     for level in 0..LEVELS {
         let h = first * SHRINK.powi(level as i32);
-        let [after, before] = [h, -h].map(|h| of(h));
+        let [after, before] = [h, -h].map(&mut *of);
         if let (Ok(after), Ok(before)) = (&after, &before) {
             let both = || after.iter().zip(before);
             central.push(both().map(|(after, before)| (after - before) / (2.0 * h)).collect());
