@@ -95,7 +95,7 @@ impl Simulator {
     /// Motors of type `input` by name: what they push with (N or N m).
     #[getter]
     fn inputs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let now = self.now();
+        let now = self.now().clone();
         inputs(py, &now.model, &now.inputs)
     }
 
@@ -129,23 +129,29 @@ impl Simulator {
     fn advance(&self, py: Python<'_>, time: f64) -> PyResult<()> {
         let interrupt = Interrupt::new();
         let watched = &interrupt;
-        let begin = self.now().time;
+        // Nobody waits for it with the interpreter in hand.
+        let mut now = self.now().clone();
+        let begin = now.time;
         if !(time > begin && time.is_finite()) {
             return Err(PyValueError::new_err(format!("`time` is {time}, allowed: later than {begin} s")));
         }
-        let done = py.detach(move || self.now().advance(time, &|| watched.go_on()));
+        let (now, done) = py.detach(move || {
+            let done = now.advance(time, &|| watched.go_on());
+            (now, done)
+        });
         interrupt.check()?;
-        done.map_err(|error| RunError::new_err(error.to_string()))
+        done.map_err(|error| RunError::new_err(error.to_string()))?;
+        *self.now() = now;
+        Ok(())
     }
 
     /// Goes on by so much (s); with inputs for that time, by name, or all of them in a list.
     #[pyo3(signature = (duration, inputs = None))]
     fn step(&self, py: Python<'_>, duration: f64, inputs: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         if let Some(wanted) = inputs {
-            let mut now = self.now();
-            let mut inputs = now.inputs.clone();
-            set(&now.model, wanted, &mut inputs)?;
-            now.inputs = inputs;
+            let mut now = self.now().clone();
+            set(&now.model, wanted, &mut now.inputs)?;
+            self.now().inputs = now.inputs;
         }
         let until = self.now().time + duration;
         self.advance(py, until)
@@ -160,8 +166,7 @@ impl Simulator {
         inputs: Option<&Bound<'_, PyAny>>,
         time: Option<f64>,
     ) -> PyResult<()> {
-        let mut now = self.now();
-        let mut next = now.clone();
+        let mut next = self.now().clone();
         for (name, given, own) in [("q", q, &mut next.state.position), ("v", v, &mut next.state.velocity)] {
             let Some(given) = given else { continue };
             if given.len() != own.len() || given.iter().any(|x| !x.is_finite()) {
@@ -172,7 +177,7 @@ impl Simulator {
             next.resume = None;
         }
         if let Some(wanted) = inputs {
-            set(&now.model, wanted, &mut next.inputs)?;
+            set(&next.model, wanted, &mut next.inputs)?;
         }
         if let Some(time) = time {
             if !(time >= 0.0 && time.is_finite()) {
@@ -180,7 +185,7 @@ impl Simulator {
             }
             (next.time, next.resume) = (time, None);
         }
-        *now = next;
+        *self.now() = next;
         Ok(())
     }
 
