@@ -14,6 +14,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("mesh", &["budget", "foreign"]),
     ("pages", &[]),
     ("spatial", &[]),
+    ("sparse", &[]),
     ("integrate", &[]),
     ("quantity", &["suggest"]),
     // `quantity` for what formulas measure.
@@ -26,15 +27,27 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("motion", &["element", "model", "pages", "spatial"]),
     ("transfer", &["element", "model", "motion", "pages", "spatial"]),
     ("contact", &[]),
-    ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
-    ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "spatial"]),
+    ("constraint", &["hinge", "model", "motion", "transfer", "sparse", "spatial"]),
+    ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
     // `hinge` for what loops lock.
     (
         "statics",
-        &["contact", "hinge", "model", "motion", "force", "constraint", "dynamics", "output", "transfer", "spatial"],
+        &[
+            "contact",
+            "hinge",
+            "model",
+            "motion",
+            "force",
+            "constraint",
+            "dynamics",
+            "output",
+            "transfer",
+            "sparse",
+            "spatial",
+        ],
     ),
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
     (
@@ -143,7 +156,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("resvg", &["record"]),
     ("allocator_api2", &["pages"]),
     ("hugealloc", &["pages"]),
-    ("faer", &["contact", "dynamics", "linear", "statics"]),
+    ("faer", &["contact", "dynamics", "linear", "sparse", "statics"]),
     ("clarabel", &["contact"]),
     ("wide", &["spatial", "motion"]),
     // `motion` for the halves of large trees, `cli` to make its thread one of the two.
