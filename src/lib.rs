@@ -109,6 +109,7 @@
 //! | [`formula`] | formulas in named variables with exact derivatives |
 //! | [`quantity`] | numbers with units |
 //! | [`pages`] | lists in large pages of memory |
+//! | [`sparse`] | sparse matrices, factorized in an order that keeps them so |
 //! | [`suggest`] | “did you mean …?” |
 //! | [`text_file`] | reading text, with a limit |
 //! | [`whole_file`] | writing files that appear whole or not at all |
@@ -144,6 +145,7 @@ pub mod record;
 #[cfg(feature = "scenario")]
 pub mod scenario;
 pub mod simulate;
+pub mod sparse;
 pub mod spatial;
 pub mod statics;
 #[cfg(feature = "study")]

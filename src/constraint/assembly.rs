@@ -56,7 +56,7 @@ fn close(model: &mut Model) -> Result<Assembly, Vec<Problem>> {
     let mut notes = Vec::new();
     let (given_gap, gap) = close_positions(model, &mut notes)?;
     let ranking = decide(model, &Mode::default(), &model.start_position, 0.0);
-    let rows = Constraints::every_row(model, &Mode::default());
+    let rows = Constraints::unplanned(model, &Mode::default());
     let mut problems = locked(model, &rows, &ranking.independent, &mut notes);
     problems.extend(overdriven(&rows, &ranking.independent));
     if !problems.is_empty() {
@@ -271,7 +271,7 @@ fn place_of(owner: Owner) -> Place {
 }
 
 fn cannot_close(model: &Model, widest: &OpenGap) -> Problem {
-    let rows = Constraints::every_row(model, &Mode::default());
+    let rows = Constraints::unplanned(model, &Mode::default());
     let owner = rows.elements.iter().find(|e| e.name == widest.element).map_or(Owner::Held(0), |e| e.owner);
     let locked: Vec<&str> = model.bodies.iter().filter(|body| body.hinge.lock).map(|body| body.name.as_str()).collect();
     let driven: Vec<&str> = model.drives.iter().map(|drive| drive.name.as_str()).collect();
@@ -297,7 +297,7 @@ fn listed(list: &[&str], quote: &str) -> String {
 fn turned_over(model: &Model, q: &[f64]) -> Option<Problem> {
     let mut motion = Motion::new(model);
     motion.update(model, q, &vec![0.0; model.velocity_count()]);
-    let rows = Constraints::every_row(model, &Mode::default());
+    let rows = Constraints::unplanned(model, &Mode::default());
     rows.elements.iter().find(|element| is_turned_over(element, model, &motion)).map(|element| Problem {
         element: place_of(element.owner),
         field: "between".to_owned(),
@@ -412,13 +412,13 @@ fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
 
 /// The largest change of a coordinate that was given (rad, or part of the scene's length): those of cables are not.
 fn largest_move(model: &Model, from: &[f64], to: &[f64]) -> f64 {
-    let mut largest = 0.0_f64;
+    let (length, mut largest) = (model.length_scale(), 0.0_f64);
     let of_cables = |body: usize| {
         let mut cables = model.beams.iter().filter(|beam| beam.is_cable);
         cables.any(|cable| (cable.root..=cable.root + cable.elements.len()).contains(&body))
     };
     for link in model.links.iter().filter(|link| !of_cables(link.body)) {
-        let per = link.joint.unit(model.length_scale());
+        let per = link.joint.unit(length);
         let (count, _) = link.joint.counts();
         for i in link.position..link.position + count {
             largest = largest.max((to[i] - from[i]).abs() / per);

@@ -9,17 +9,19 @@
 //!
 //! In that metric the lightest bodies move first. The tip of a long chain that is drawn straight would whip about by
 //! itself; [`Metric::Coordinates`] puts the unit matrix in place of `M⁻¹` and bends the chain as a whole. Short ways back
-//! onto the rows of long chains are taken like that: the tip would need a hundred steps.
+//! onto the rows of long chains are taken like that: the tip would need a hundred steps. So are those of many loops of one
+//! tree: all of them meet in `A`, but few share hinges.
 
 use super::component::between_ends;
 use super::rows::Owner;
 use super::{Constraints, Mode, Rate};
 use crate::model::Model;
 use crate::motion::{Motion, displace};
+use crate::sparse::{Gram, SparseRows};
 use crate::spatial::Wrench;
 use crate::transfer::Reduction;
 use crate::transfer::reduce::{Load, Singular};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// Gaps below this part of the component's reach are round-off.
 pub(crate) const ROUND_OFF: f64 = 1e-14;
@@ -75,13 +77,14 @@ impl Closer {
 pub(super) enum Metric {
     /// Little kinetic energy.
     Inertia,
-    /// Little change of the hinge coordinates (rad; m as part of the scene's length). Dense in the rows, as is the other one
-    /// where loops are long.
+    /// Little change of the hinge coordinates (rad; m as part of the scene's length). Sparse where loops are local.
     Coordinates,
 }
 
 /// A loop over so many links is long.
 const LONG: usize = 32;
+/// `A` is wide if its factorization takes the operations of rows that each reach over so many others.
+const WIDE: usize = 64;
 
 /// A model's rows, and the tree they push on.
 pub(super) struct Closing {
@@ -136,7 +139,8 @@ impl Closing {
     /// The metric for a short way back onto the rows.
     pub(super) fn nearby(&self) -> Metric {
         let longest = self.rows.elements.iter().map(|element| element.branches.iter().map(Vec::len).sum::<usize>());
-        match longest.max().is_some_and(|longest| longest >= LONG) {
+        let is_long = longest.max().is_some_and(|longest| longest >= LONG);
+        match is_long || self.rows.plan.operations() > self.rows.rank() * WIDE * WIDE {
             true => Metric::Coordinates,
             false => Metric::Inertia,
         }
@@ -257,22 +261,18 @@ impl Closing {
 
     /// `step ← −Bᵀ (B Bᵀ + μ)⁻¹ g`, the rows `B` taken in equal units of coordinates and gaps.
     fn bend(&mut self, model: &Model, damping: f64) {
-        let weights: DVector<f64> =
-            DVector::from_iterator(self.rows.rank(), self.rows.plan.rows().map(|row| self.rows.relative(row, 1.0)));
-        let mut gaps = DVector::zeros(self.rows.rank());
-        self.rows.rates(&self.motion, Rate::Gap, gaps.as_mut_slice());
-        let mut rows = DMatrix::<f64>::zeros(self.rows.rank(), self.rest.len());
-        self.gradient(model, |row, column, entry| rows[(row, column)] += entry);
-        let rows = DMatrix::from_fn(rows.nrows(), rows.ncols(), |i, j| weights[i] * rows[(i, j)] * self.units[j]);
-        let mut square = &rows * rows.transpose();
-        let shift = damping * square.diagonal().max();
-        (0..square.nrows()).for_each(|i| square[(i, i)] += shift);
-        gaps.component_mul_assign(&weights);
-        let multipliers = square.cholesky().map_or_else(|| DVector::zeros(gaps.len()), |factor| factor.solve(&gaps));
-        let step = rows.tr_mul(&multipliers);
-        for (i, unit) in self.units.iter().enumerate() {
-            self.step[i] = -unit * step[i];
-        }
+        let weights: Vec<f64> = self.rows.plan.rows().map(|row| self.rows.relative(row, 1.0)).collect();
+        let mut gaps = vec![0.0; self.rows.rank()];
+        self.rows.rates(&self.motion, Rate::Gap, &mut gaps);
+        gaps.iter_mut().zip(&weights).for_each(|(gap, weight)| *gap *= -weight);
+        let rows = SparseRows::of(self.rows.sparse_rows(model, &self.motion));
+        let rows = rows.map(|row, column, entry| weights[row] * entry * self.units[column]);
+        self.step.fill(0.0);
+        // Rows that are all nothing give no step.
+        let Some(gram) = Gram::damped(&rows, &vec![1.0; self.step.len()], damping) else { return };
+        gram.solve(&mut gaps);
+        rows.add_transposed(1.0, &gaps, &mut self.step);
+        self.step.iter_mut().zip(&self.units).for_each(|(step, unit)| *step *= unit);
     }
 
     fn shorten(&mut self) {

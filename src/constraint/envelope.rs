@@ -29,6 +29,11 @@ impl Envelope {
         Self { first, start, entries: vec![0.0; size], inverse: vec![0.0; n], smallest: 1.0 }
     }
 
+    /// Whether a row of this size has no entries, by its own entry on the diagonal.
+    pub(super) fn is_nothing(own: f64, size: f64) -> bool {
+        !(own > DEPENDENT * DEPENDENT * size)
+    }
+
     pub(super) fn clear(&mut self) {
         self.entries.fill(0.0);
     }
@@ -65,7 +70,7 @@ impl Envelope {
                 pivot -= g * l;
                 self.entries[at + column - first] = l;
             }
-            let dependent = !(pivot > DEPENDENT * own && own > DEPENDENT * DEPENDENT * sizes[row]);
+            let dependent = !(pivot > DEPENDENT * own) || Self::is_nothing(own, sizes[row]);
             self.inverse[row] = if dependent { 0.0 } else { 1.0 / pivot };
             self.smallest = self.smallest.min((pivot / sizes[row]).max(0.0));
         }

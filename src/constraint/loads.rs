@@ -1,7 +1,7 @@
 //! What rows push on links and hinges; of redundant rows, the least that balances.
 
 use super::row::{Ends, Rule};
-use super::{Constraints, Element, Owner};
+use super::{Constraints, Element, Envelope, Owner};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::motion::variation::LinkVariation;
@@ -157,17 +157,24 @@ impl Constraints {
         all.set_time(self.time);
         all.place(model, motion, q, true);
         all.assemble(model, motion, reduction);
+        all.size_rows();
         let mut unknown = vec![0; self.rules.len()];
         all.plan.rows().enumerate().for_each(|(index, row)| unknown[row] = index);
         let solved: Vec<usize> = self.plan.rows().collect();
-        let mut redundant: Vec<usize> = (0..self.rules.len()).filter(|row| !solved.contains(row)).collect();
+        let mut left_out = vec![true; self.rules.len()];
+        solved.iter().for_each(|row| left_out[*row] = false);
+        let mut redundant: Vec<usize> = (0..self.rules.len()).filter(|row| left_out[*row]).collect();
         redundant.iter().for_each(|row| self.not_unique[*row] = true);
         self.self_stresses.clear();
         // By rows, in the units of the sum of squares.
         let mut parts: Vec<Vec<f64>> = Vec::new();
         redundant.retain(|row| {
-            let mut part: Vec<f64> =
-                solved.iter().map(|other| all.matrix.get(unknown[*row], unknown[*other])).collect();
+            let own = unknown[*row];
+            if Envelope::is_nothing(all.matrix.get(own, own), all.sizes[own]) {
+                self.self_stresses.push(vec![(*row, self.weights[*row])]);
+                return false;
+            }
+            let mut part: Vec<f64> = solved.iter().map(|other| all.matrix.get(own, unknown[*other])).collect();
             self.matrix.solve(&mut part);
             for (part, other) in part.iter_mut().zip(&solved) {
                 *part *= self.weights[*row] / self.weights[*other];

@@ -18,6 +18,7 @@
 //! A row costs its way to the root and its neighbours: loops in a long chain cost a time proportional to their number.
 
 pub mod assembly;
+mod choose;
 mod close;
 mod component;
 mod envelope;
@@ -118,6 +119,13 @@ pub(crate) enum Rate<'a> {
 impl Constraints {
     /// All rows of a model in a mode, none left out.
     pub(crate) fn every_row(model: &Model, mode: &Mode) -> Self {
+        let mut all = Self::unplanned(model, mode);
+        all.keep(|_| true);
+        all
+    }
+
+    /// The rows of a model in a mode before it is said which of them are solved for.
+    fn unplanned(model: &Model, mode: &Mode) -> Self {
         let (elements, rules, given) = rows::of_model(model, mode);
         let ways: Vec<Vec<usize>> = elements.iter().map(|element| rows::way(model, element)).collect();
         let (mut weights, mut reaches) = (vec![1.0; rules.len()], vec![1.0; rules.len()]);
@@ -128,7 +136,7 @@ impl Constraints {
                 reaches[row] = lengths.reach;
             }
         }
-        let mut all = Self {
+        Self {
             placed: vec![Placed::default(); rules.len()],
             multipliers: vec![0.0; rules.len()],
             is_shared: false,
@@ -150,9 +158,7 @@ impl Constraints {
             unknowns: Vec::new(),
             sizes: Vec::new(),
             time: 0.0,
-        };
-        all.keep(|_| true);
-        all
+        }
     }
 
     /// The rows of a model; `None` where it has none. Which of them are independent is what [`assemble`] found, or is
@@ -180,7 +186,7 @@ impl Constraints {
     }
 
     fn of_independent(model: &Model, mode: &Mode, independent: Vec<bool>) -> Self {
-        let mut rows = Self::every_row(model, mode);
+        let mut rows = Self::unplanned(model, mode);
         rows.keep(|row| independent[row]);
         rows.independent = independent;
         rows

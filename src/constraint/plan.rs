@@ -57,11 +57,12 @@ impl Plan {
             plan.groups.push(group);
         }
         let mut at_link: Vec<Vec<usize>> = Vec::new();
+        let mut seen = vec![false; plan.groups.len()];
         for later in 0..plan.groups.len() {
             let way = &ways[plan.groups[later].element];
-            let mut earlier: Vec<usize> = way.iter().filter_map(|link| at_link.get(*link)).flatten().copied().collect();
+            let mut earlier = distinct(way.iter().filter_map(|link| at_link.get(*link)).flatten(), &mut seen);
             earlier.sort_unstable();
-            earlier.dedup();
+            earlier.iter().for_each(|group| seen[*group] = false);
             earlier.push(later);
             let mut first_column = plan.groups[later].first;
             for other in earlier {
@@ -81,10 +82,20 @@ impl Plan {
         plan
     }
 
+    /// Operations of a factorization, about.
+    pub(super) fn operations(&self) -> usize {
+        self.first_columns.iter().enumerate().map(|(row, first)| (row - first).pow(2)).sum()
+    }
+
     /// The rows in the order of the unknowns.
     pub(super) fn rows(&self) -> impl Iterator<Item = usize> + '_ {
         self.groups.iter().flat_map(|group| group.rows.iter().copied())
     }
+}
+
+/// Each index once; those that were come to are `seen`.
+fn distinct<'a>(indices: impl Iterator<Item = &'a usize>, seen: &mut [bool]) -> Vec<usize> {
+    indices.copied().filter(|index| !std::mem::replace(&mut seen[*index], true)).collect()
 }
 
 /// The places of the parts that two ways, both from tips to root, have in common.
@@ -116,18 +127,18 @@ fn reordered(elements: &[usize], ways: &[Vec<usize>]) -> Vec<usize> {
     for (index, element) in elements.iter().enumerate() {
         ways[*element].iter().for_each(|link| at_link[*link].push(index));
     }
+    let mut seen = vec![false; elements.len()];
     let neighbours: Vec<Vec<usize>> = elements
         .iter()
         .map(|element| {
-            let mut all: Vec<usize> = ways[*element].iter().flat_map(|link| at_link[*link].iter().copied()).collect();
+            let mut all = distinct(ways[*element].iter().flat_map(|link| &at_link[*link]), &mut seen);
+            all.iter().for_each(|index| seen[*index] = false);
             all.sort_unstable();
-            all.dedup();
             all
         })
         .collect();
     let mut by_degree: Vec<usize> = (0..elements.len()).collect();
     by_degree.sort_by_key(|index| neighbours[*index].len());
-    let mut seen = vec![false; elements.len()];
     let mut order = Vec::with_capacity(elements.len());
     for start in by_degree {
         if std::mem::replace(&mut seen[start], true) {

@@ -1,28 +1,22 @@
-//! Which rows are linearly independent: decided on closed positions, by a pivoted factorization of the rows themselves.
+//! Which rows are linearly independent: decided on closed positions, of the rows themselves (see [`super::choose`]).
 //!
 //! ```text
-//! (1)  Ĝ = W G L        rows of unit size over turns (rad) and slides (parts of the component's lever)
-//! (2)  P Ĝ Ĝᵀ Pᵀ = L Lᵀ    Cholesky with the largest pivot first; a pivot is the squared sine of the angle between a row
-//!                       and those chosen before it
+//! Ĝ = W G L        rows of unit size over turns (rad) and slides (parts of the component's lever)                (1)
 //! ```
 //!
 //! Rank is a matter of geometry: `Ĝ` knows no masses, and each component (see [`super::component`]) is decided by itself. The
 //! rows are looked at in the position itself and in closed positions around it: in a singular position (a change point, a dead
 //! centre) rows are linearly dependent that are not elsewhere, and those have to be kept.
 
+use super::choose::{self, DEPENDENT};
 use super::close::Closing;
 use super::component::{between_ends, components, lengths, members};
 use super::rows::Owner;
 use super::{Constraints, Mode};
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::sparse::SparseRows;
 
-/// A row is linearly dependent if the squared sine of its angle to the others is below this, and has no entries if their
-/// squares are below this part of those of the largest row of its element: axes that are parallel to five digits are meant to
-/// be parallel.
-const DEPENDENT: f64 = 1e-10;
-/// Pivots within this part of each other are equal: round-off must not choose among rows.
-const EQUAL: f64 = 1.0 + 1e-9;
 /// How far around the position is looked (rad; part of the component's reach).
 const AROUND: f64 = 0.05;
 /// Other positions that are looked at.
@@ -81,14 +75,28 @@ impl Constraints {
         for group in &self.plan.groups {
             members[of[group.element]].extend(group.first..group.first + group.rows.len());
         }
-        members.iter_mut().for_each(|members: &mut Vec<usize>| members.sort_by_key(|unknown| rows[*unknown]));
-        let mut scratch = vec![0.0; model.velocity_count()];
+        for members in &mut members {
+            members.retain(|unknown: &usize| !unknowns[*unknown].is_empty());
+            members.sort_by_key(|unknown| rows[*unknown]);
+        }
+        let mut column = vec![usize::MAX; model.velocity_count()];
         let classes: Vec<usize> =
             self.plan.groups.iter().flat_map(|g| g.rows.iter().map(|_| self.elements[g.element].class())).collect();
         for members in members.iter().filter(|members| !members.is_empty()) {
-            for unknown in choose(members, &unknowns, &classes, &mut scratch) {
-                kept[rows[unknown]] = true;
+            // The component's own columns.
+            let mut columns = 0;
+            for (velocity, _) in members.iter().flat_map(|row| &unknowns[*row]) {
+                if column[*velocity] == usize::MAX {
+                    column[*velocity] = columns;
+                    columns += 1;
+                }
             }
+            let own =
+                |row: &usize| unknowns[*row].iter().map(|(velocity, entry)| (column[*velocity], *entry)).collect();
+            let of_component = SparseRows::of(members.iter().map(own).collect());
+            let classes: Vec<usize> = members.iter().map(|unknown| classes[*unknown]).collect();
+            let independent = choose::independent(&of_component, &classes, columns);
+            members.iter().zip(independent).for_each(|(unknown, independent)| kept[rows[*unknown]] = independent);
         }
         kept
     }
@@ -120,8 +128,8 @@ impl Constraints {
         rows
     }
 
-    /// Eq. (1): velocities and entries of every row that is solved for; none of one that is nearly nothing beside the largest
-    /// of its element.
+    /// Eq. (1): velocities and entries of every row that is solved for; none of one whose square is below [`DEPENDENT`] times
+    /// that of the largest of its element.
     fn unit_rows(&mut self, model: &Model, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
         let levers = lengths(model, &self.elements, &self.rules, motion);
         let (mut of_unknown, mut slides) = (Vec::new(), vec![false; model.velocity_count()]);
@@ -153,43 +161,6 @@ impl Constraints {
             }
         }
         entries
-    }
-}
-
-/// Eq. (2) within one component: the independent ones of its `members`. `next_row` is zero, one per velocity.
-fn choose(members: &[usize], rows: &[Vec<(usize, f64)>], classes: &[usize], next_row: &mut [f64]) -> Vec<usize> {
-    let n = members.len();
-    let mut pivots: Vec<f64> = members.iter().map(|row| f64::from(u8::from(!rows[*row].is_empty()))).collect();
-    // By rows, what is not zero: chains of loops leave little.
-    let mut factor: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
-    let mut of_next = vec![0.0; n];
-    let mut open: Vec<usize> = (0..n).collect();
-    let mut chosen = Vec::new();
-    loop {
-        open.retain(|i| pivots[*i] > DEPENDENT);
-        let Some(class) = open.iter().map(|i| classes[members[*i]]).min() else { return chosen };
-        let candidates = open.iter().copied().filter(|i| classes[members[*i]] == class);
-        // Of equal ones the first, whatever round-off makes of them.
-        let Some(next) = candidates.reduce(|best, i| if pivots[i] > EQUAL * pivots[best] { i } else { best }) else {
-            return chosen;
-        };
-        let step = chosen.len();
-        chosen.push(members[next]);
-        open.retain(|i| *i != next);
-        let root = pivots[next].sqrt();
-        factor[next].iter().for_each(|(step, l)| of_next[*step] = *l);
-        rows[members[next]].iter().for_each(|(velocity, entry)| next_row[*velocity] += entry);
-        for i in &open {
-            let known: f64 = factor[*i].iter().map(|(step, l)| l * of_next[*step]).sum();
-            let entry: f64 = rows[members[*i]].iter().map(|(velocity, entry)| entry * next_row[*velocity]).sum();
-            let l = (entry - known) / root;
-            if l != 0.0 {
-                factor[*i].push((step, l));
-                pivots[*i] -= l * l;
-            }
-        }
-        factor[next].iter().for_each(|(step, _)| of_next[*step] = 0.0);
-        rows[members[next]].iter().for_each(|(velocity, _)| next_row[*velocity] = 0.0);
     }
 }
 

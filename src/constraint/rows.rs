@@ -71,16 +71,14 @@ pub(super) fn branches(model: &Model, mut a: usize, mut b: usize) -> [Vec<usize>
 
 /// The links from the ends of an element to the root, tips first; the ground is left out.
 pub(super) fn way(model: &Model, element: &Element) -> Vec<usize> {
-    let tips = element.links().unwrap_or(element.named);
+    let [mut a, mut b] = element.links().unwrap_or(element.named);
     let mut way = Vec::new();
-    for tip in tips {
-        let mut link = tip;
-        while link != 0 && !way.contains(&link) {
-            way.push(link);
-            link = model.links[link].parent;
-        }
+    // Parents have lower indices than their children.
+    while a.max(b) != 0 {
+        let link = a.max(b);
+        way.push(link);
+        [a, b] = [a, b].map(|tip| if tip == link { model.links[link].parent } else { tip });
     }
-    way.sort_unstable_by(|a, b| b.cmp(a));
     way
 }
 

@@ -1,10 +1,11 @@
 //! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
 
-use super::{Evaluated, Fault, SparseRows, System};
+use super::{Evaluated, Fault, System};
 use crate::constraint::{Constraints, Held, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
 use crate::model::Model;
 use crate::motion::variation::LinkVariation;
 use crate::motion::{Motion, displace};
+use crate::sparse::SparseRows;
 use crate::spatial::Wrench;
 use crate::transfer::reduce::Load;
 use faer::Mat;

@@ -22,7 +22,6 @@ pub use evaluated::{Balanced, Evaluated, Factorized};
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
-pub use sparse::{Gram, SparseRows};
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::constraint::Constraints;

@@ -2,12 +2,13 @@
 
 use super::applied;
 use super::border::{Border, PER_LINK};
-use super::sparse::{Sparse, SparseRows};
+use super::sparse::Sparse;
 use super::{Evaluated, Fault, System};
 use crate::force::Act;
 use crate::model::{End, Model};
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
+use crate::sparse::SparseRows;
 use crate::spatial::Wrench;
 use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Pair, Tangent, TangentMatrix};
 use nalgebra::{Matrix3, Vector3};

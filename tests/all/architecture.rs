@@ -14,6 +14,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("mesh", &["budget", "foreign"]),
     ("pages", &[]),
     ("spatial", &[]),
+    ("sparse", &[]),
     ("integrate", &[]),
     ("quantity", &["suggest"]),
     // `quantity` for what formulas measure.
@@ -26,8 +27,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("motion", &["element", "model", "pages", "spatial"]),
     ("transfer", &["element", "model", "motion", "pages", "spatial"]),
     ("contact", &[]),
-    ("constraint", &["hinge", "model", "motion", "transfer", "spatial"]),
-    ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "spatial"]),
+    ("constraint", &["hinge", "model", "motion", "transfer", "sparse", "spatial"]),
+    ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.
@@ -45,6 +46,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "output",
             "suggest",
             "transfer",
+            "sparse",
             "spatial",
         ],
     ),
@@ -155,7 +157,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("resvg", &["record"]),
     ("allocator_api2", &["pages"]),
     ("hugealloc", &["pages"]),
-    ("faer", &["contact", "dynamics", "linear", "statics"]),
+    ("faer", &["contact", "dynamics", "linear", "sparse", "statics"]),
     ("clarabel", &["contact"]),
     ("wide", &["spatial", "motion"]),
     // `motion` for the halves of large trees, `cli` to make its thread one of the two.

@@ -311,3 +311,61 @@ fn many_loops_count_their_directions_of_negative_curvature() {
     }
     assert!(hung >= 3, "{hung}");
 }
+
+/// A platform on parallel bars of one length, a parallelogram of loops of which all but one are redundant in the plane, with
+/// lengths and masses in other units; its hinges stand `at` along the ground.
+fn table(mut scene: Description, seed: u64, at: f64, [length, mass]: [f64; 2]) -> Description {
+    let mut random = Random::new(seed + 74_000);
+    let (axis, bars, angle) = ([0.0, -1.0, 0.0], 3 + random.below(5), random.between(0.6, 2.4));
+    let feet: Vec<f64> = (0..bars).map(|k| length * (k as f64 + random.between(-0.3, 0.3))).collect();
+    let rod = |name: &str, hinge: HingeDescription, times: f64| {
+        let inertia = mass * times * length * length;
+        BodyDescription::new(name, hinge).mass(mass * times).inertia([inertia, 1.1 * inertia, 0.9 * inertia])
+    };
+    let name = |k: usize| format!("bar{seed}_{k}");
+    for (k, foot) in feet.iter().enumerate() {
+        let hinge = HingeDescription::revolute(axis).on(GROUND, [at + foot, 0.0, 0.0]).position([angle]);
+        scene = scene.body(rod(&name(k), hinge, random.between(0.1, 1.0)));
+    }
+    let platform = format!("platform{seed}");
+    let hinge = HingeDescription::revolute(axis).on(&name(0), [length, 0.0, 0.0]).position([-angle]);
+    scene = scene.body(rod(&platform, hinge, random.between(0.1, 1.0)));
+    for k in 1..bars {
+        let between = [
+            Attachment::from((platform.as_str(), [feet[k] - feet[0], 0.0, 0.0])),
+            Attachment::from((name(k).as_str(), [length, 0.0, 0.0])),
+        ];
+        scene = scene.closure(LoopDescription {
+            name: format!("knot{seed}_{k}"),
+            closure: Closure::Hinge(HingeKind::Revolute { axis: [0.0, 1.0, 0.0].into() }),
+            between,
+            frame: nalgebra::UnitQuaternion::identity(),
+            second_frame: None,
+        });
+    }
+    scene
+}
+
+/// Which rows are redundant is a matter of geometry: the same whatever the masses and lengths are, and whatever else is in the
+/// scene. A platform on n bars moves in one way.
+#[test]
+fn redundant_rows_are_the_same_in_all_units() {
+    let of = |scales: &[[f64; 2]], first: u64| {
+        let mut scene = Description::new("tables").gravity([0.0, 0.0, -9.81]);
+        let mut at = 0.0;
+        for (k, scale) in scales.iter().enumerate() {
+            scene = table(scene, first + k as u64, at, *scale);
+            at += 20.0 * scale[0];
+        }
+        let assembly = stillpoint::constraint::assemble(build(&scene)).expect("an assembly").1;
+        assert_eq!(assembly.degrees_of_freedom, scales.len(), "{:?}", assembly.redundant);
+        assembly.redundant
+    };
+    let mut random = Random::new(75_000);
+    for seed in (0..60).step_by(3) {
+        let alone: Vec<_> = (0..3).flat_map(|k| of(&[[1.0, 1.0]], seed + k)).collect();
+        let scales: Vec<[f64; 2]> =
+            (0..3).map(|_| [10_f64.powf(random.between(-3.0, 3.0)), 10_f64.powf(random.between(-9.0, 9.0))]).collect();
+        assert_eq!(of(&scales, seed), alone, "seed {seed}: {scales:?}");
+    }
+}

@@ -11,8 +11,9 @@
 //! the rows, each of which makes one positive and one negative.
 
 use super::split::Across;
-use crate::dynamics::{Coefficients, SparseRows, System, TangentSolver};
+use crate::dynamics::{Coefficients, System, TangentSolver};
 use crate::model::Model;
+use crate::sparse::SparseRows;
 use faer::{Mat, Side};
 
 /// The rows, and what (1) needs of one factorization.

@@ -10,7 +10,7 @@
 //! [`super::split`], which has the general case by dense matrices.
 
 use super::split::{Motions, NEARLY, Split};
-use crate::dynamics::{Gram, SparseRows};
+use crate::sparse::{Gram, SparseRows};
 use std::sync::Arc;
 
 /// Rows whose smallest singular value is below this have squares, in `A`, that lose half of their digits.

@@ -29,8 +29,9 @@ use super::split::{Across, Branch, Given, Motions, NEARLY, Split, split};
 use super::stiffness::Stiffness;
 use super::{Landscape, Scales};
 use crate::constraint::{Closer, Constraints};
-use crate::dynamics::{Fault, Magnitudes, SparseRows, System, TangentSolver};
+use crate::dynamics::{Fault, Magnitudes, System, TangentSolver};
 use crate::model::Model;
+use crate::sparse::SparseRows;
 use faer::Mat;
 use std::sync::Arc;
 

@@ -57,13 +57,6 @@ struct Axis {
     h: Varied,
 }
 
-/// What a pair adds to a column and a row where its ways meet.
-#[derive(Debug, Clone, Copy, Default)]
-struct Gain {
-    wrench: (Quad, Quad),
-    row: Varied,
-}
-
 /// The sparse tangent of one model.
 #[derive(Debug, Clone)]
 pub struct TangentMatrix {
@@ -84,9 +77,12 @@ pub struct TangentMatrix {
     meetings: Vec<Meeting>,
     /// `S` that the links where pairs meet gain, ascending by link.
     sums: Vec<(usize, Carried)>,
-    /// What each coordinate's column and row gain, by coordinate and then from the tips: the link, and what.
-    gains: Vec<(usize, Gain)>,
+    /// Where each coordinate's column and row gain something: the links, by coordinate and then from the tips; what columns
+    /// gain there, and rows.
     gain_starts: Vec<usize>,
+    gain_links: Vec<usize>,
+    column_gains: Vec<(Quad, Quad)>,
+    row_gains: Vec<Varied>,
     axes: Vec<Axis>,
     left: Vec<Left>,
     balls: Vec<Three>,
@@ -122,8 +118,10 @@ impl TangentMatrix {
             across: Vec::new(),
             meetings: pairs.iter().map(meeting).collect(),
             sums: met.keys().map(|link| (*link, Carried::default())).collect(),
-            gains: Vec::new(),
             gain_starts: Vec::new(),
+            gain_links: Vec::new(),
+            column_gains: Vec::new(),
+            row_gains: Vec::new(),
             axes: vec![none; n],
             left: vec![Left::default(); model.links.len()],
             balls: vec![Three::default(); balls],
@@ -165,7 +163,10 @@ impl TangentMatrix {
         self.upper.fill(0.0);
         self.lower.fill(0.0);
         self.sums.iter_mut().for_each(|(_, sum)| *sum = Carried::default());
-        self.gains.iter_mut().for_each(|(_, gain)| *gain = Gain::default());
+        self.column_gains.fill(Default::default());
+        if !symmetric {
+            self.row_gains.fill(Varied::default());
+        }
         match accelerated {
             true => self.write::<ALL>(model, at, felt, symmetric),
             false => self.write::<PLACES>(model, at, felt, symmetric),
@@ -225,7 +226,7 @@ impl TangentMatrix {
         let mut b = pair.moves;
         while b != link {
             for j in self.of_link(b) {
-                let (mut force, mut moment) = B.times::<PARTS>(&self.axes[j].h);
+                let (force, mut moment) = B.times::<PARTS>(&self.axes[j].h);
                 let mut a = pair.feels;
                 while a != link {
                     for i in self.of_link(a) {
@@ -237,8 +238,8 @@ impl TangentMatrix {
                     a = self.parent(a);
                 }
                 if let Some(gain) = self.gain(j, link) {
-                    (force, moment) = (gain.wrench.0 + force, gain.wrench.1 + moment);
-                    gain.wrench = (force, moment);
+                    let gain = &mut self.column_gains[gain];
+                    *gain = (gain.0 + force, gain.1 + moment);
                 }
             }
             B.compose::<PARTS>(&self.left[b].arm, &self.left[b].swing);
@@ -251,7 +252,7 @@ impl TangentMatrix {
                 for i in self.of_link(a) {
                     let row = row::<PARTS>(&B, &self.axes[i]);
                     if let Some(gain) = self.gain(i, link) {
-                        gain.row.add_times::<PARTS>(1.0, &row);
+                        self.row_gains[gain].add_times::<PARTS>(1.0, &row);
                     }
                 }
             }
@@ -262,9 +263,10 @@ impl TangentMatrix {
         across
     }
 
-    fn gain(&mut self, coordinate: usize, link: usize) -> Option<&mut Gain> {
+    /// Which gain of a coordinate is that at a link.
+    fn gain(&self, coordinate: usize, link: usize) -> Option<usize> {
         let own = self.gain_starts[coordinate]..self.gain_starts[coordinate + 1];
-        self.gains[own].iter_mut().find(|(at, _)| *at == link).map(|(_, gain)| gain)
+        self.gain_links[own.clone()].binary_search_by(|at| link.cmp(at)).ok().map(|place| own.start + place)
     }
 
     /// An entry whose mirror image comes too.
@@ -362,8 +364,8 @@ impl TangentMatrix {
             if link == 0 {
                 break;
             }
-            if gained < self.gain_starts[j + 1] && self.gains[gained].0 == link {
-                let more = self.gains[gained].1.wrench;
+            if gained < self.gain_starts[j + 1] && self.gain_links[gained] == link {
+                let more = self.column_gains[gained];
                 (force, moment) = (force + more.0, moment + more.1);
                 gained += 1;
             }
@@ -386,8 +388,8 @@ impl TangentMatrix {
             if link == 0 {
                 break;
             }
-            if gained < self.gain_starts[j + 1] && self.gains[gained].0 == link {
-                row.add_times::<PARTS>(1.0, &self.gains[gained].1.row);
+            if gained < self.gain_starts[j + 1] && self.gain_links[gained] == link {
+                row.add_times::<PARTS>(1.0, &self.row_gains[gained]);
                 gained += 1;
             }
             for i in self.of_link(link) {

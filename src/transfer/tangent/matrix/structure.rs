@@ -1,6 +1,6 @@
 //! What is worked out once: the pattern of the matrix, the order in which its entries are come to, and where pairs meet.
 
-use super::{Gain, Meeting, Pair, TangentMatrix};
+use super::{Meeting, Pair, TangentMatrix};
 use crate::model::Model;
 
 impl TangentMatrix {
@@ -90,9 +90,11 @@ impl TangentMatrix {
         for links in &mut at {
             links.sort_unstable_by(|a, b| b.cmp(a));
             links.dedup();
-            self.gains.extend(links.iter().map(|link| (*link, Gain::default())));
-            self.gain_starts.push(self.gains.len());
+            self.gain_links.extend_from_slice(links);
+            self.gain_starts.push(self.gain_links.len());
         }
+        self.column_gains = vec![Default::default(); self.gain_links.len()];
+        self.row_gains = vec![Default::default(); self.gain_links.len()];
     }
 }
 

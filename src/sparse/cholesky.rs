@@ -16,7 +16,7 @@ use std::sync::Arc;
 const SUPERNODAL: SupernodalThreshold = SupernodalThreshold(0.3);
 
 /// Memory that a factorization works in.
-pub(super) struct Workspace(StackReq, pub(super) MemBuffer);
+pub(crate) struct Workspace(StackReq, pub(super) MemBuffer);
 
 impl std::fmt::Debug for Workspace {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -25,7 +25,7 @@ impl std::fmt::Debug for Workspace {
 }
 
 impl Workspace {
-    pub(super) fn new(size: StackReq) -> Self {
+    pub(crate) fn new(size: StackReq) -> Self {
         Self(size, MemBuffer::new(size))
     }
 }
@@ -38,7 +38,7 @@ impl Clone for Workspace {
 
 /// L Lᵀ or L D Lᵀ of a symmetric matrix.
 #[derive(Debug, Clone)]
-pub(super) struct Cholesky {
+pub(crate) struct Cholesky {
     symbolic: Arc<SymbolicCholesky<usize>>,
     values: Vec<f64>,
     workspace: Workspace,
@@ -46,7 +46,7 @@ pub(super) struct Cholesky {
 }
 
 impl Cholesky {
-    pub(super) fn new(pattern: Pattern<'_>) -> Self {
+    pub(crate) fn new(pattern: Pattern<'_>) -> Self {
         let parameters =
             CholeskySymbolicParams { supernodal_flop_ratio_threshold: SUPERNODAL, ..CholeskySymbolicParams::default() };
         let symbolic = factorize_symbolic_cholesky(square(pattern), Side::Upper, SymmetricOrdering::Amd, parameters)
@@ -65,7 +65,7 @@ impl Cholesky {
         }
     }
 
-    pub(super) fn llt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> bool {
+    pub(crate) fn llt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> bool {
         let (matrix, none) = (SparseColMatRef::new(square(pattern), upper), Default::default());
         let stack = MemStack::new(&mut self.workspace.1);
         self.values.fill(0.0);
@@ -76,7 +76,7 @@ impl Cholesky {
     }
 
     /// Returns the number of negative pivots; `None` if one is zero or not finite.
-    pub(super) fn ldlt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> Option<usize> {
+    pub(crate) fn ldlt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> Option<usize> {
         let (matrix, none) = (SparseColMatRef::new(square(pattern), upper), Default::default());
         let stack = MemStack::new(&mut self.workspace.1);
         self.values.fill(0.0);
@@ -111,7 +111,7 @@ impl Cholesky {
     }
 
     /// `x ← A⁻¹ x` with the last factorization, which was `L Lᵀ` or `L D Lᵀ`.
-    pub(super) fn solve(&mut self, x: &mut [f64]) {
+    pub(crate) fn solve(&mut self, x: &mut [f64]) {
         // The workspace is the only part that changes.
         let mut workspace = std::mem::replace(&mut self.workspace, Workspace::new(StackReq::EMPTY));
         self.solve_in(&mut workspace, x);
@@ -119,12 +119,12 @@ impl Cholesky {
     }
 
     /// Memory for [`Cholesky::solve_in`].
-    pub(super) fn another_workspace(&self) -> Workspace {
+    pub(crate) fn another_workspace(&self) -> Workspace {
         self.workspace.clone()
     }
 
     /// The same in other memory.
-    pub(super) fn solve_in(&self, workspace: &mut Workspace, x: &mut [f64]) {
+    pub(crate) fn solve_in(&self, workspace: &mut Workspace, x: &mut [f64]) {
         let n = x.len();
         let (x, stack) = (MatMut::from_column_major_slice_mut(x, n, 1), MemStack::new(&mut workspace.1));
         match self.is_llt {

@@ -87,34 +87,17 @@ pub struct Gram {
 }
 
 impl Gram {
-    /// Of rows and the weight of each velocity coordinate; `None` if the rows are linearly dependent to working precision.
+    /// Of rows and the weight of each column; `None` if the rows are linearly dependent to working precision.
     pub fn of(rows: &SparseRows, weights: &[f64]) -> Option<Self> {
-        let mut of_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); weights.len()];
-        for row in 0..rows.len() {
-            rows.row(row).for_each(|(column, value)| of_column[column].push((row, value)));
-        }
-        let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-        let mut sums = vec![0.0; rows.len()];
-        let mut seen = vec![usize::MAX; rows.len()];
-        for row in 0..rows.len() {
-            let first = columns.len();
-            for (column, value) in rows.row(row) {
-                for (other, with) in of_column[column].iter().take_while(|(other, _)| *other <= row) {
-                    if seen[*other] != row {
-                        seen[*other] = row;
-                        sums[*other] = 0.0;
-                        columns.push(*other);
-                    }
-                    sums[*other] += weights[column] * value * with;
-                }
-            }
-            if columns.len() == first {
-                return None;
-            }
-            columns[first..].sort_unstable();
-            values.extend(columns[first..].iter().map(|other| sums[*other]));
-            starts.push(columns.len());
-        }
+        Self::damped(rows, weights, 0.0)
+    }
+
+    /// The same with this part of its largest diagonal entry added to the diagonal.
+    pub(crate) fn damped(rows: &SparseRows, weights: &[f64], damping: f64) -> Option<Self> {
+        let (starts, columns, mut values) = products(rows, weights);
+        let diagonal = || starts[1..].iter().map(|next| next - 1);
+        let largest = diagonal().map(|at| values[at]).fold(0.0, f64::max);
+        diagonal().for_each(|at| values[at] += damping * largest);
         let mut cholesky = Cholesky::new((&starts, &columns));
         cholesky.llt((&starts, &columns), &values).then_some(())?;
         Some(Self { starts, columns, values, cholesky })
@@ -149,4 +132,34 @@ impl Gram {
         }
         (1.0 / size).sqrt()
     }
+}
+
+/// The upper triangle of `G W Gᵀ` with weights `W` of the columns: where each column begins, its rows, ascending, and the
+/// entries. Every diagonal entry is there.
+pub(crate) fn products(rows: &SparseRows, weights: &[f64]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+    let mut of_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); weights.len()];
+    for row in 0..rows.len() {
+        rows.row(row).for_each(|(column, value)| of_column[column].push((row, value)));
+    }
+    let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    let mut sums = vec![0.0; rows.len()];
+    let mut seen = vec![usize::MAX; rows.len()];
+    for row in 0..rows.len() {
+        let first = columns.len();
+        columns.push(row);
+        (seen[row], sums[row]) = (row, 0.0);
+        for (column, value) in rows.row(row) {
+            for (other, with) in of_column[column].iter().take_while(|(other, _)| *other <= row) {
+                if seen[*other] != row {
+                    (seen[*other], sums[*other]) = (row, 0.0);
+                    columns.push(*other);
+                }
+                sums[*other] += weights[column] * value * with;
+            }
+        }
+        columns[first..].sort_unstable();
+        values.extend(columns[first..].iter().map(|other| sums[*other]));
+        starts.push(columns.len());
+    }
+    (starts, columns, values)
 }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// L U of any matrix with a symmetric pattern.
 #[derive(Debug, Clone)]
-pub(super) struct General {
+pub(crate) struct General {
     symbolic: Arc<SymbolicLu<usize>>,
     numeric: NumericLu<usize, f64>,
     /// The whole pattern by columns, and of each entry its place in the upper triangle and whether it is below it.
@@ -22,7 +22,7 @@ pub(super) struct General {
 }
 
 impl General {
-    pub(super) fn new((starts, rows): Pattern<'_>) -> Self {
+    pub(crate) fn new((starts, rows): Pattern<'_>) -> Self {
         let n = starts.len() - 1;
         let mut columns: Vec<Vec<(usize, (usize, bool))>> = vec![Vec::new(); n];
         for j in 0..n {
@@ -51,7 +51,7 @@ impl General {
     }
 
     /// `[upper, lower]` by the places of the upper triangle; rows and columns that are held are those of the identity.
-    pub(super) fn factorize(&mut self, (_, rows): Pattern<'_>, [upper, lower]: [&[f64]; 2], held: &[bool]) -> bool {
+    pub(crate) fn factorize(&mut self, (_, rows): Pattern<'_>, [upper, lower]: [&[f64]; 2], held: &[bool]) -> bool {
         // Rows beside the coordinates are not held.
         let is_held = |i: usize| held.get(i).copied().unwrap_or(false);
         for j in 0..self.starts.len() - 1 {
@@ -71,7 +71,7 @@ impl General {
     }
 
     /// `x ← A⁻¹ x`.
-    pub(super) fn solve(&mut self, x: &mut [f64]) {
+    pub(crate) fn solve(&mut self, x: &mut [f64]) {
         let n = x.len();
         let (x, stack) = (MatMut::from_column_major_slice_mut(x, n, 1), MemStack::new(&mut self.workspace.1));
         LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);

@@ -19,18 +19,10 @@
 //! differ, `A₀ + t (A₁ − A₀)` is singular at a `t` within (0, 1) and `1 − A₁⁻¹ A₀` has the eigenvalue `1/(1 − t)`
 //! above 1: refinement then diverges. A refinement that contracts so says that the count holds.
 
-mod cholesky;
-mod general;
-mod rows;
-
-pub use rows::{Gram, SparseRows};
-
 use crate::model::Model;
+use crate::sparse::{Cholesky, General, SparseRows, times};
 use crate::transfer::tangent::{Applied, At, Pair, TangentMatrix};
-use cholesky::Cholesky;
-use faer::sparse::SymbolicSparseColMatRef;
 use faer::{Mat, Side};
-use general::General;
 
 /// A refinement contracts by this at least, or the count of negative pivots does not hold.
 const CONTRACTS: f64 = 0.1;
@@ -45,9 +37,6 @@ const MOST_DENSE: usize = 3000;
 const REGULARIZED: [f64; 3] = [1e-9, 1e-11, 1e-7];
 /// Sweeps of the equilibration: each halves the logarithm of how far the largest entry of a row is from one.
 const SWEEPS: usize = 5;
-
-/// Where each column of an upper triangle begins, and its rows, ascending.
-type Pattern<'a> = (&'a [usize], &'a [usize]);
 
 /// The tangent of a model as a sparse matrix, with rows or without, and its factorization.
 #[derive(Debug, Clone)]
@@ -345,23 +334,4 @@ impl Sparse {
     pub(super) fn negatives(&self) -> Option<usize> {
         self.negatives
     }
-}
-
-/// `y ← A x` for a symmetric matrix, from its upper triangle.
-fn times((starts, rows): Pattern<'_>, upper: &[f64], x: &[f64], y: &mut [f64]) {
-    y.fill(0.0);
-    for j in 0..x.len() {
-        let diagonal = starts[j + 1] - 1;
-        let mut sum = upper[diagonal] * x[j];
-        for at in starts[j]..diagonal {
-            y[rows[at]] += upper[at] * x[j];
-            sum += upper[at] * x[rows[at]];
-        }
-        y[j] += sum;
-    }
-}
-
-fn square<'a>((starts, rows): Pattern<'a>) -> SymbolicSparseColMatRef<'a, usize> {
-    let n = starts.len() - 1;
-    SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows)
 }
