@@ -156,6 +156,10 @@ pub fn precision(
     plan: &Plan,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Option<Study>, RunError> {
+    if let Some(rule) = model.contacts.first() {
+        let why = "no method has anything to do in a scene at rest".to_owned();
+        return Err(RunError::Contact { name: rule.name.clone(), why });
+    }
     let runs = REFERENCES[0].len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();
     let mut bench = Bench { model, start, plan, motion: Motion::new(model), runs, done: 0, go_on };
     let methods = bench.references();

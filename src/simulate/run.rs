@@ -9,6 +9,7 @@ use super::instant::{self, Outcome, sides};
 use super::ledger::{Ledger, interpolate};
 use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
+use super::resting::{self, AtRest};
 use super::sampler::Sampler;
 use super::search::Search;
 use super::settings::{Grid, Integrator, Resume, Settings};
@@ -108,10 +109,8 @@ pub(super) fn run_with(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
     search: Search,
 ) -> Result<Summary, RunError> {
-    check(model)?;
     let (begin, end) = (settings.begin(), end(model, settings));
     let mut motion = Motion::new(model);
-    motion.set_tolerance(settings.absolute_tolerance);
     let mut state = start.clone();
     motion
         .system
@@ -119,10 +118,16 @@ pub(super) fn run_with(
         .map_err(|fault| RunError::Sample { time: begin, fault })?;
     check_limits(model, &state)?;
     finite::check_start(model, &state, settings.tolerance)?;
+    let model = &resting::held(model, settings, &state)?;
+    if !model.contacts.is_empty() {
+        motion = Motion::new(model);
+    }
+    motion.set_tolerance(settings.absolute_tolerance);
     if model.has_boundaries() {
         motion.at(begin, &state.position, &state.velocity).keep_laws();
     }
     let outcome = instant::resolve(&mut motion, begin, &mut state, settings.absolute_tolerance, None)?;
+    resting::prove(&mut motion, begin, &state)?;
     let mut before = motion.energies(begin, &state.position, &state.velocity);
     before.kinetic += outcome.lost - outcome.work;
     let mut ledger = Ledger::new(model, begin, before);
@@ -157,17 +162,6 @@ pub(super) fn run_with(
     let outputs = run.sampler.outputs(&mut motion, &run.ledger, resume.time, &run.state)?;
     let summary = run.summary(&mut motion, settings, resume, before.kinetic + before.potential);
     Ok(Summary { outputs, ..summary })
-}
-
-/// Whether runs have everything that a scene has.
-///
-/// # Errors
-/// [`RunError::Contact`], which would be left out.
-pub fn check(model: &Model) -> Result<(), RunError> {
-    match model.contacts.first() {
-        Some(rule) => Err(RunError::Contact { name: rule.name.clone() }),
-        None => Ok(()),
-    }
 }
 
 /// The step of a fixed-step method; `None` for an adaptive one.
@@ -245,6 +239,11 @@ impl<'m> Run<'m> {
         }
     }
 
+    /// Whether contact holds the scene: what moves is refused.
+    fn rests(&self) -> bool {
+        !self.model.contacts.is_empty()
+    }
+
     /// Runs with one method, or from one to the other where the choice is the program's.
     fn go(
         &mut self,
@@ -258,7 +257,7 @@ impl<'m> Run<'m> {
         loop {
             let next = self.timetable.next(time);
             choice.restart();
-            if self.integrators.last() != Some(&choice.method) {
+            if !self.rests() && self.integrators.last() != Some(&choice.method) {
                 self.refuse_hopeless(motion, choice.method, time)?;
                 self.integrators.push(choice.method);
             }
@@ -285,7 +284,7 @@ impl<'m> Run<'m> {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0 }, recorder)?;
             }
-            self.choice = choice.said();
+            self.choice = if self.rests() { Some(resting::SAID.to_owned()) } else { choice.said() };
             let turned = turn.is_some();
             if let Some(turn) = turn {
                 self.turn(motion, settings, choice.method, Hit { time, turn })?;
@@ -347,6 +346,12 @@ impl<'m> Run<'m> {
         method: Method,
         time: f64,
     ) -> Result<Box<dyn Stepper<Motion>>, RunError> {
+        let end = self.timetable.end(self.timetable.next(time));
+        let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
+        if self.rests() {
+            let at_rest = AtRest::new(motion, start).map_err(|error| named(self.model, &error))?;
+            return Ok(Box::new(at_rest));
+        }
         let fixed = fixed_step(self.model, settings, method);
         let begins = settings.resume.filter(|resume| resume.time == time);
         let resumed = begins.filter(|resume| resume.method == method).and_then(|resume| resume.step);
@@ -361,8 +366,6 @@ impl<'m> Run<'m> {
             max_step: self.timetable.longest_step.filter(|_| fixed.is_none() && settings.step.is_none()),
             ..Options::default()
         };
-        let end = self.timetable.end(self.timetable.next(time));
-        let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
     }
 
@@ -456,6 +459,10 @@ impl<'m> Run<'m> {
         if let Turn::Stop(event) = turn {
             self.stopped_by = Some(self.model.events[event].name.clone());
             return Ok(());
+        }
+        if let Some(rule) = self.model.contacts.first() {
+            let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
+            return Err(RunError::Contact { name: rule.name.clone(), why });
         }
         let outcome = match turn {
             Turn::Switch(boundary) => {
