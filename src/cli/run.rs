@@ -56,7 +56,6 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
-    simulate::check(&model)?;
     // A file without velocities is a start at rest, and the method is chosen for that.
     let moves = model.start_velocity.iter().any(|v| *v != 0.0);
     if arguments.start.is_some() {
@@ -74,6 +73,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let from_file = || Some((given(&model), json!("given")));
     let started = if arguments.start.is_some() { from_file() } else { start(common, &mut scenario, &mut model)? };
     let Some((start, found)) = started else { return Ok(Exit::No) };
+    simulate::check(&model, &scenario.simulate, &start)?;
 
     let still = simulate::scene(&model);
     let found_text = found.to_string();

@@ -7,7 +7,6 @@ use crate::model::problem::number;
 use crate::statics::standing::{Giving, Interval, Mechanism, Standing};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
-use std::collections::HashSet;
 use std::fmt::Write;
 
 /// Forces that use less than this part of their cone stick; the rest is at its limit.
@@ -127,7 +126,7 @@ pub(super) fn text(model: &Model, standing: &Standing) -> String {
         ),
         Verdict::Falls => writeln!(out, "  falls        supports lack {} % of the loads", percent(-standing.slack)),
     };
-    let gives = standing.mechanism.as_ref().map(gives).unwrap_or_default();
+    let gives = standing.mechanism.as_ref().map(ToString::to_string).unwrap_or_default();
     let _ = match (standing.verdict, standing.friction_margin) {
         (Verdict::Falls, Some(part)) => {
             writeln!(out, "  friction     would hold from {} % of its coefficients; now {gives}", percent(part))
@@ -179,21 +178,3 @@ pub(super) fn text(model: &Model, standing: &Standing) -> String {
 
 /// Pairs of bodies that a report lists.
 const MOST_PAIRS: usize = 12;
-
-/// What a mechanism does, in words.
-fn gives(mechanism: &Mechanism) -> String {
-    let said = |list: &[Giving], verb: &str, hinge: &str, skip: &HashSet<&[String]>| -> Vec<String> {
-        let one = |one: &Giving| match &one.names[..] {
-            [name] => format!("`{name}` {hinge}"),
-            [a, b] => format!("`{b}` {verb} `{a}`"),
-            _ => String::new(),
-        };
-        list.iter().filter(|one| !skip.contains(&one.names[..])).take(3).map(one).collect()
-    };
-    let slides = said(&mechanism.slides, "slides on", "slips", &HashSet::new());
-    // Sliding dilates in this program: what slides is not said to open as well.
-    let sliding: HashSet<&[String]> = mechanism.slides.iter().map(|one| &one.names[..]).collect();
-    let opens = said(&mechanism.opens, "lifts off", "leaves its stop", &sliding);
-    let all: Vec<String> = slides.into_iter().chain(opens).collect();
-    if all.is_empty() { "nothing moves".to_owned() } else { all.join(", ") }
-}

@@ -363,12 +363,12 @@ pub(super) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
     let speed = summary.end_time / summary.wall.as_secs_f64().max(1e-9);
     let _ = writeln!(
         out,
-        "{} {} s in {} ({} real time) with {}",
+        "{} {} s in {} ({} real time) {}",
         bold(state),
         number(summary.end_time),
         duration(summary.wall),
         times(speed),
-        methods.join(", then ")
+        if methods.is_empty() { "at rest".to_owned() } else { format!("with {}", methods.join(", then ")) }
     );
     // Changes of the integrator are told of with the method.
     let events: Vec<_> = summary.events.iter().filter(|event| event.kind != Kind::Switch).collect();

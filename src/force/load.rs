@@ -98,6 +98,11 @@ impl Describe for Load {
 }
 
 impl LoadLaw {
+    /// A force (N) at a point that keeps its direction in space.
+    pub fn dead(on: End, force: Vector3<f64>) -> Self {
+        Self { on, force, torque: Vector3::zeros(), follows: false }
+    }
+
     #[inline]
     fn wrench(&self, links: &[LinkMotion]) -> Wrench {
         let Self { on, force, torque, follows } = self;

@@ -199,6 +199,16 @@ impl Motor {
         }
     }
 
+    /// Whether its force is the same at all times as long as its coordinate rests.
+    pub fn is_steady(&self) -> bool {
+        match &self.law {
+            MotorLaw::Constant(_) | MotorLaw::Input(_) | MotorLaw::Table { over: Over::Speed, .. } => true,
+            MotorLaw::Table { over: Over::Time, .. } => false,
+            MotorLaw::Pd { target, .. } => target.is_steady() && target.at(0.0).velocity == 0.0,
+            MotorLaw::Formula(formula) => !formula.uses(TIME),
+        }
+    }
+
     /// Whether its force at rest at t = 0 is the derivative of a potential that is known.
     pub fn has_potential(&self) -> bool {
         match &self.law {

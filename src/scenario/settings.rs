@@ -10,7 +10,7 @@ use crate::statics::settings::{Method, Settings as Statics, Want};
 const MOST_SAMPLES: f64 = 1e8;
 
 pub(super) fn simulate(scenario: &Reader<'_>) -> Simulate {
-    let mut settings = Simulate::default();
+    let mut settings = Simulate { gap: statics(scenario).gap, ..Simulate::default() };
     let Some(table) = scenario.table("simulate") else { return settings };
     match table.text("start") {
         Some("given") => settings.start = Start::Given,

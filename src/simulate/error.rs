@@ -11,14 +11,16 @@ pub enum RunError {
     /// The integrator cannot go on.
     #[error("{0}")]
     Step(String),
-    /// Contact, which runs do not have yet.
+    /// Contact of a scene that does not rest, which runs do not have yet.
     #[error(
-        "runs do not have contact (`{name}`) yet, and leaving it out would be another scene: `statics` says whether it stands; for \
-         a run take `[[contact]]` out"
+        "runs do not have contact in motion (`{name}`) yet, and {why}: leaving it out would be another scene; `statics` says \
+         whether it stands; for a run take `[[contact]]` out"
     )]
     Contact {
         /// The first one.
         name: String,
+        /// Why it does not rest.
+        why: String,
     },
     /// An explicit method on a scene that is far too stiff for it.
     #[error(

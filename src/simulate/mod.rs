@@ -20,6 +20,7 @@ mod passage;
 pub mod precision;
 pub mod problem;
 pub mod rest;
+mod resting;
 mod run;
 mod sampler;
 mod scene;
@@ -32,7 +33,8 @@ mod timetable;
 pub mod verify;
 
 pub use error::RunError;
-pub use run::{Summary, check, run, run_controlled};
+pub use resting::check;
+pub use run::{Summary, run, run_controlled};
 pub use scene::scene;
 pub use settings::{Grid, Integrator, Resume, Settings, Start};
 pub use state::State;

@@ -162,6 +162,10 @@ pub fn precision(
             "integrators are compared on one smooth motion, and the controller `{name}` sets its inputs at instants: take it out"
         )));
     }
+    if let Some(rule) = model.contacts.first() {
+        let why = "no method has anything to do in a scene at rest".to_owned();
+        return Err(RunError::Contact { name: rule.name.clone(), why });
+    }
     let runs = REFERENCES[0].len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();
     let mut bench = Bench { model, start, plan, motion: Motion::new(model), runs, done: 0, go_on };
     let methods = bench.references();

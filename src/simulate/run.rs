@@ -13,6 +13,7 @@ use super::instant::{self, Outcome, sides};
 use super::ledger::{Ledger, interpolate};
 use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
+use super::resting;
 use super::sampler::Sampler;
 use super::search::Search;
 use super::settings::{Integrator, Resume, Settings};
@@ -134,10 +135,8 @@ pub(super) fn run_with(
     search: Search,
     function: Option<Function<'_>>,
 ) -> Result<Summary, RunError> {
-    check(model)?;
     let (begin, end) = (settings.begin(), end(model, settings));
     let mut motion = Motion::new(model);
-    motion.set_tolerance(settings.absolute_tolerance);
     let mut state = start.clone();
     motion
         .system
@@ -145,10 +144,20 @@ pub(super) fn run_with(
         .map_err(|fault| RunError::Sample { time: begin, fault })?;
     check_limits(model, &state)?;
     finite::check_start(model, &state, settings.tolerance)?;
+    if let Some(rule) = model.contacts.first().filter(|_| function.is_some()) {
+        let why = "a function sets its inputs at instants".to_owned();
+        return Err(RunError::Contact { name: rule.name.clone(), why });
+    }
+    let model = &resting::held(model, settings, &state)?;
+    if !model.contacts.is_empty() {
+        motion = Motion::new(model);
+    }
+    motion.set_tolerance(settings.absolute_tolerance);
     if model.has_boundaries() {
         motion.at(begin, &state.position, &state.velocity).keep_laws();
     }
     let outcome = instant::resolve(&mut motion, begin, &mut state, settings.absolute_tolerance, None)?;
+    resting::prove(&mut motion, begin, &state)?;
     let mut before = motion.energies(begin, &state.position, &state.velocity);
     before.kinetic += outcome.lost - outcome.work;
     let mut ledger = Ledger::new(model, begin, before);
@@ -186,17 +195,6 @@ pub(super) fn run_with(
     let outputs = run.sampler.outputs(&mut motion, &run.ledger, resume.time, &run.state)?;
     let summary = run.summary(&mut motion, settings, resume, before.kinetic + before.potential);
     Ok(Summary { outputs, ..summary })
-}
-
-/// Whether runs have everything that a scene has.
-///
-/// # Errors
-/// [`RunError::Contact`], which would be left out.
-pub fn check(model: &Model) -> Result<(), RunError> {
-    match model.contacts.first() {
-        Some(rule) => Err(RunError::Contact { name: rule.name.clone() }),
-        None => Ok(()),
-    }
 }
 
 /// The step of a fixed-step method; `None` for an adaptive one.
@@ -280,6 +278,11 @@ impl Run<'_, '_> {
         }
     }
 
+    /// Whether contact holds the scene: what moves is refused.
+    fn rests(&self) -> bool {
+        !self.model.contacts.is_empty()
+    }
+
     /// Runs with one method, or from one to the other where the choice is the program's.
     fn go(
         &mut self,
@@ -293,7 +296,7 @@ impl Run<'_, '_> {
         loop {
             let next = self.next(time);
             choice.restart();
-            if self.integrators.last() != Some(&choice.method) {
+            if !self.rests() && self.integrators.last() != Some(&choice.method) {
                 self.refuse_hopeless(motion, choice.method, time)?;
                 self.integrators.push(choice.method);
             }
@@ -320,7 +323,7 @@ impl Run<'_, '_> {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0 }, recorder)?;
             }
-            self.choice = choice.said();
+            self.choice = if self.rests() { Some(resting::SAID.to_owned()) } else { choice.said() };
             let turned = turn.is_some();
             if let Some(turn) = turn {
                 self.turn(motion, settings, choice.method, Hit { time, turn })?;
@@ -453,6 +456,10 @@ impl Run<'_, '_> {
         if let Turn::Stop(event) = turn {
             self.stopped_by = Some(self.model.events[event].name.clone());
             return Ok(());
+        }
+        if let Some(rule) = self.model.contacts.first() {
+            let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
+            return Err(RunError::Contact { name: rule.name.clone(), why });
         }
         let outcome = match turn {
             Turn::Switch(boundary) => {

@@ -19,6 +19,8 @@ pub struct Settings {
     pub step: Option<f64>,
     /// For `generalized-alpha`: the part of motions far faster than the step that a step leaves, in [0, 1].
     pub rho_infinity: f64,
+    /// Contacts whose gap is at most this part of the smaller of both shapes are closed: `[statics] gap`.
+    pub gap: f64,
     /// Where an earlier run ended that this one goes on from; `None` for a run from t = 0.
     pub resume: Option<Resume>,
 }
@@ -33,6 +35,7 @@ impl Default for Settings {
             absolute_tolerance: 1e-8,
             step: None,
             rho_infinity: Options::default().rho_infinity,
+            gap: crate::statics::Settings::GAP,
             resume: None,
         }
     }

@@ -43,6 +43,8 @@ mod quantities;
 mod record;
 mod reference;
 mod rest;
+#[cfg(feature = "friction")]
+mod resting;
 mod resume;
 mod robust;
 mod ropes;

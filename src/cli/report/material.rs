@@ -94,9 +94,6 @@ impl Material {
             Ok(loaded) => loaded,
             Err(exit) => return Ok(Err(exit)),
         };
-        if !only_statics {
-            simulate::check(&model)?;
-        }
         let given = scenario.simulate.start == Start::Given && !only_statics;
         let found = if given { None } else { Some(statics::find(&mut scenario, &mut model)?) };
         let told = found.as_ref().map(|(found, wall)| statics::told(&scenario, &model, found, *wall)).transpose()?;

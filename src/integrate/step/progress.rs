@@ -49,6 +49,21 @@ impl Progress {
         Ok(Self { time, previous_time, end, position_count, state, dense, statistics: Statistics::default() })
     }
 
+    /// A run whose state is not to change, bit for bit.
+    pub(crate) fn at_rest<P: Problem>(problem: &P, start: Start<'_>) -> Result<Self, StepError> {
+        let mut progress = Self::new(problem, start)?;
+        progress.state = [start.position, start.velocity].concat();
+        Ok(progress)
+    }
+
+    /// One step to the end in which nothing moves.
+    pub(crate) fn stay(&mut self) {
+        if !self.finished() {
+            self.statistics.accept(self.end - self.time);
+            (self.previous_time, self.time) = (self.time, self.end);
+        }
+    }
+
     /// The time reached, in s.
     pub fn time(&self) -> f64 {
         self.time

@@ -4,6 +4,7 @@ use super::{Run, fixed_step, resumed_grid};
 use crate::integrate::{Method, Options, Start, Stepper};
 use crate::simulate::error::{RunError, named};
 use crate::simulate::problem::Motion;
+use crate::simulate::resting::AtRest;
 use crate::simulate::settings::{Grid, Resume, Settings};
 
 impl Run<'_, '_> {
@@ -18,6 +19,13 @@ impl Run<'_, '_> {
         method: Method,
         time: f64,
     ) -> Result<Box<dyn Stepper<Motion>>, RunError> {
+        let end = self.segment_end(self.next(time));
+        let carried = self.carried.take();
+        let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
+        if self.rests() {
+            let at_rest = AtRest::new(motion, start).map_err(|error| named(self.model, &error))?;
+            return Ok(Box::new(at_rest));
+        }
         let fixed = fixed_step(self.model, settings, method);
         let acted = self.control.as_ref().is_some_and(|control| control.acted(time));
         let begins = settings.resume.filter(|resume| resume.time == time);
@@ -26,11 +34,7 @@ impl Run<'_, '_> {
             relative: settings.tolerance,
             absolute: settings.absolute_tolerance,
             duration: Some(settings.duration),
-            step: fixed
-                .or(self.carried.take())
-                .or(settings.step.filter(|_| begins.is_none()))
-                .or(resumed)
-                .or(settings.step),
+            step: fixed.or(carried).or(settings.step.filter(|_| begins.is_none())).or(resumed).or(settings.step),
             // Of controllers every instant begins a grid.
             grid: begins.and(fixed).filter(|_| !acted).and_then(|step| resumed_grid(settings, step)),
             rho_infinity: settings.rho_infinity,
@@ -38,8 +42,6 @@ impl Run<'_, '_> {
             max_step: self.timetable.longest_step.filter(|_| fixed.is_none() && settings.step.is_none()),
             ..Options::default()
         };
-        let end = self.segment_end(self.next(time));
-        let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
         method.start(motion, &options, start).map_err(|error| named(self.model, &error))
     }
 

@@ -5,6 +5,8 @@ use super::supports::{Bearers, Bears};
 use crate::model::Model;
 use crate::motion::Motion;
 use nalgebra::Vector3;
+use std::collections::HashSet;
+use std::fmt;
 
 /// Rates below this part of the largest are none.
 const STILL: f64 = 1e-6;
@@ -29,6 +31,26 @@ pub struct Mechanism {
     pub bodies: Vec<(String, Vector3<f64>, Vector3<f64>)>,
     /// Hinge velocities.
     pub motion: Vec<f64>,
+}
+
+/// What slides and what opens, at most three of each.
+impl fmt::Display for Mechanism {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let said = |list: &[Giving], verb: &str, hinge: &str, skip: &HashSet<&[String]>| -> Vec<String> {
+            let one = |one: &Giving| match &one.names[..] {
+                [name] => format!("`{name}` {hinge}"),
+                [a, b] => format!("`{b}` {verb} `{a}`"),
+                _ => String::new(),
+            };
+            list.iter().filter(|one| !skip.contains(&one.names[..])).take(3).map(one).collect()
+        };
+        let slides = said(&self.slides, "slides on", "slips", &HashSet::new());
+        // Sliding dilates in this program: what slides is not said to open as well.
+        let sliding: HashSet<&[String]> = self.slides.iter().map(|one| &one.names[..]).collect();
+        let opens = said(&self.opens, "lifts off", "leaves its stop", &sliding);
+        let all: Vec<String> = slides.into_iter().chain(opens).collect();
+        if all.is_empty() { f.write_str("nothing moves") } else { f.write_str(&all.join(", ")) }
+    }
 }
 
 pub(super) fn mechanism(model: &Model, pose: &[f64], scene: &Scene, bearers: &Bearers, motion: &[f64]) -> Mechanism {

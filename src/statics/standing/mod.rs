@@ -28,7 +28,8 @@ use super::certify::equilibrium::Equilibrium;
 use super::certify::stability::Stability;
 use super::inverse::Held;
 use super::settings::{Margin, Settings};
-use crate::contact::support::{Certificate, Undecided, Verdict};
+pub use crate::contact::support::Verdict;
+use crate::contact::support::{Certificate, Undecided};
 use crate::dynamics::Fault;
 use crate::model::{Description, Model, Parameter};
 use nalgebra::Vector3;
@@ -184,30 +185,7 @@ pub fn standing(
         _ => None,
     };
     let mechanism = motion.map(|motion| mechanism::mechanism(model, pose, &scene, &bearers, &motion));
-    let (mut contacts, mut friction, mut stop_forces) = (Vec::new(), Vec::new(), Vec::new());
-    let largest = found.forces.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
-    for (i, bears) in bearers.list.iter().enumerate() {
-        let f = &found.forces[bearers.supports.range(i)];
-        // Of forces that are round-off no share can be said.
-        let bears_none = f.iter().all(|f| f.abs() <= 1e-9 * largest);
-        let share = if bears_none { 0.0 } else { bearers.supports.cones()[i].share(f).unwrap_or(0.0) };
-        match bears {
-            Bears::Contact(k) => {
-                let contact = scene.contacts[*k].clone();
-                contacts.push(ContactForce { force: contact.force(f), contact, share });
-            }
-            Bears::Friction { velocity } => {
-                friction.push(FrictionForce {
-                    hinge: model.label(*velocity),
-                    velocity: *velocity,
-                    force: f.to_vec(),
-                    share,
-                });
-            }
-            Bears::Stop { velocity, sign } => stop_forces.push((*velocity, sign * f[0])),
-            Bears::Other => {}
-        }
-    }
+    let Forces { contacts, friction, stops: stop_forces } = forces(model, &scene, &bearers, &found.forces);
     let stability = match found.verdict {
         Verdict::Stands if !scene.contacts.is_empty() => {
             Some(rolling::stability(model, pose, settings.gap, &bearers, &found.inner)?)
@@ -228,6 +206,66 @@ pub fn standing(
         certificate: found.certificate,
         stop_forces,
     })
+}
+
+/// What contacts, dry friction and stops bear, of the forces of all supports.
+struct Forces {
+    contacts: Vec<ContactForce>,
+    friction: Vec<FrictionForce>,
+    stops: Vec<(usize, f64)>,
+}
+
+fn forces(model: &Model, scene: &Scene, bearers: &Bearers, all: &[f64]) -> Forces {
+    let (mut contacts, mut friction, mut stops) = (Vec::new(), Vec::new(), Vec::new());
+    let largest = all.iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+    for (i, bears) in bearers.list.iter().enumerate() {
+        let f = &all[bearers.supports.range(i)];
+        // Of forces that are round-off no share can be said.
+        let bears_none = f.iter().all(|f| f.abs() <= 1e-9 * largest);
+        let share = if bears_none { 0.0 } else { bearers.supports.cones()[i].share(f).unwrap_or(0.0) };
+        match bears {
+            Bears::Contact(k) => {
+                let contact = scene.contacts[*k].clone();
+                contacts.push(ContactForce { force: contact.force(f), contact, share });
+            }
+            Bears::Friction { velocity } => {
+                friction.push(FrictionForce {
+                    hinge: model.label(*velocity),
+                    velocity: *velocity,
+                    force: f.to_vec(),
+                    share,
+                });
+            }
+            Bears::Stop { velocity, sign } => stops.push((*velocity, sign * f[0])),
+            Bears::Other => {}
+        }
+    }
+    Forces { contacts, friction, stops }
+}
+
+/// What contacts bear in a pose, and nothing else of [`Standing`].
+#[derive(Debug, Clone)]
+pub struct Bearing {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Of closed contacts, as in [`Standing::contacts`].
+    pub contacts: Vec<ContactForce>,
+    /// How it gives way if it falls.
+    pub mechanism: Mechanism,
+}
+
+/// Whether a pose stands and what its contacts bear; those are closed whose gap is at most `gap` times the size of the
+/// smaller shape.
+///
+/// # Errors
+/// [`Unanswered`].
+pub fn bearing(model: &Arc<Model>, gap: f64, pose: &[f64]) -> Result<Bearing, Unanswered> {
+    let scene = Scene::new(model, pose, gap)?;
+    let bearers = Bearers::new(model, pose, &scene)?;
+    let found = bearers.supports.standing(&bearers.load)?;
+    let mechanism = mechanism::mechanism(model, pose, &scene, &bearers, &found.motion);
+    let contacts = forces(model, &scene, &bearers, &found.forces).contacts;
+    Ok(Bearing { verdict: found.verdict, contacts, mechanism })
 }
 
 /// The inputs that hold a pose without friction, and with it the range of each, the others being free. Where these values are not

@@ -180,9 +180,14 @@ fn what_cannot_be_is_refused_with_its_place() {
     let answer = bench.call(&["statics", "scene.toml"]);
     assert!(answer.err.contains("overlap by 1.000e-2 m"), "{answer:#?}");
     // What runs do not have yet is not left out in silence.
-    bench.write("scene.toml", scene);
+    bench.write(
+        "scene.toml",
+        scene
+            .replace("[statics]", "[simulate]\nstart = \"given\"\n[statics]")
+            .replace("friction = 0.5", "friction = 0.01"),
+    );
     let answer = bench.call(&["run", "scene.toml"]);
-    assert!(answer.err.contains("runs do not have contact"), "{answer:#?}");
+    assert!(answer.err.contains("runs do not have contact in motion"), "{answer:#?}");
 }
 
 /// A box on a slope that an unknown push holds: without contact no push does, so its own value is clamped into what friction holds.
@@ -232,9 +237,19 @@ fn what_knows_no_contact_is_refused_where_it_is_asked() {
         assert!(answer.err.contains("neither contact nor dry friction") && answer.err.contains("^"), "{}", answer.err);
     }
     // Neither is a recording begun.
-    let answer = bench.call(&["run", "scene.toml"]).code(2);
-    assert!(answer.err.contains("runs do not have contact"), "{}", answer.err);
+    bench.write(
+        "other.toml",
+        text.replace("[statics]", "[simulate]\nstart = \"given\"\n[statics]")
+            .replace("friction = 0.5", "friction = 0.05"),
+    );
+    let answer = bench.call(&["run", "other.toml"]).code(2);
+    assert!(answer.err.contains("`box` slides on `floor`"), "{}", answer.err);
     assert_eq!(bench.names(), ["other.toml", "scene.toml"]);
+    // It stands: the run keeps it there, and so does a second one of another method.
+    let answer = bench.call(&["run", "scene.toml", "--verify", "--json"]).code(0).json();
+    assert_eq!((&answer["steps"], &answer["integrator"]), (&1.into(), &"".into()), "{answer}");
+    let answer = bench.call(&["precision", "scene.toml"]);
+    assert!(answer.err.contains("no method has anything to do"), "{}", answer.err);
 }
 
 #[test]

@@ -1,0 +1,152 @@
+//! Scenes that contact holds at rest: nothing moves, so that a run has nothing to integrate.
+//!
+//! With Coulomb's law a scene whose velocities are zero stays where it is if forces within the cones of its contacts balance
+//! its loads, and goes on to do so as long as those do not change: `(q, v) = (q₀, 0)` solves
+//!
+//! ```text
+//! (1)  M(q) q̈ = f(t, q, v) + Jᵀλ,    λ ∈ K(μ),    f(t, q₀, 0) = f(t₀, q₀, 0),    v(t₀) = 0
+//! ```
+//!
+//! Whether there are such forces is the question of statics ([`crate::statics::standing`]). Its forces act in the run as
+//! loads at the points of contact, so that reactions and outputs have them; (1) is then evaluated, and what it leaves of
+//! accelerations has to be nothing ([`STILL`]). Positions are kept bit for bit, by every method and for every duration.
+//!
+//! Where the forces at rest are not unique, those of least norm act. What moves, or does not stand, is refused.
+
+use super::error::RunError;
+use super::problem::Motion;
+use super::settings::Settings;
+use super::state::State;
+use crate::force::load::LoadLaw;
+use crate::force::{End, Force, Law};
+use crate::integrate::{Progress, Start, StepError, Stepper};
+use crate::model::Model;
+use crate::motion::Motion as Place;
+use crate::statics::standing::{Bearing, Verdict, bearing};
+use std::sync::Arc;
+
+/// What (1) may leave of accelerations, in parts of the scene's own: its loads are balanced to the tolerance of the conic
+/// program, 10⁻¹² of the largest of them, on bodies that may be 10⁵ times lighter than the heaviest.
+const STILL: f64 = 1e-7;
+
+/// What is said of the integrator.
+pub(super) const SAID: &str = "none: contact holds the scene at rest, by the forces of statics";
+
+/// Whether runs have everything that a scene has, from this state on.
+///
+/// # Errors
+/// [`RunError::Contact`] of what does not rest, which would be left out.
+pub fn check(model: &Arc<Model>, settings: &Settings, start: &State) -> Result<(), RunError> {
+    held(model, settings, start).map(drop)
+}
+
+/// A model without contact as it is; one with contact with what its contacts bear from `state` on as loads.
+///
+/// # Errors
+/// [`RunError::Contact`] where it does not rest from `state` to the end of the run.
+pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Arc<Model>, RunError> {
+    let Some(rule) = model.contacts.first() else { return Ok(Arc::clone(model)) };
+    let refuse = |why: String| RunError::Contact { name: rule.name.clone(), why };
+    if let Some(index) = state.velocity.iter().position(|v| *v != 0.0) {
+        return Err(refuse(format!(
+            "the hinge coordinate {} starts with {}",
+            model.label(index),
+            state.velocity[index]
+        )));
+    }
+    if let Some(name) = changes(model) {
+        return Err(refuse(format!("`{name}` changes with time")));
+    }
+    let found = bearing(model, settings.gap, &state.position).map_err(|why| refuse(why.to_string()))?;
+    match found.verdict {
+        Verdict::Stands => Ok(loaded(model, &state.position, &found)),
+        Verdict::Falls => Err(refuse(format!("the scene does not stand as it starts ({})", found.mechanism))),
+        Verdict::Wedged => Err(refuse("the scene stands only if its contacts are squeezed beforehand".to_owned())),
+    }
+}
+
+/// Proves that what is held does not accelerate: (1).
+///
+/// # Errors
+/// [`RunError::Contact`] where it does, [`RunError::Sample`] where that cannot be evaluated.
+pub(super) fn prove(motion: &mut Motion, time: f64, state: &State) -> Result<(), RunError> {
+    let Some(rule) = motion.model().contacts.first().cloned() else { return Ok(()) };
+    let model = Arc::clone(motion.model());
+    let (length, span) = (model.length_scale(), model.time_scale());
+    let mut a = vec![0.0; state.velocity.len()];
+    let fault = |fault| RunError::Sample { time, fault };
+    motion.accelerations(time, &state.position, &state.velocity, &mut a).map_err(fault)?;
+    for link in model.links.iter().skip(1) {
+        let unit = if link.joint.is_slide() { length } else { 1.0 } / (span * span);
+        let velocities = link.velocity..link.velocity + link.joint.counts().1;
+        // Written so that what is not a number is none.
+        if let Some(index) = velocities.into_iter().find(|i| !(a[*i].abs() <= STILL * unit)) {
+            let why = format!(
+                "its supports leave the hinge coordinate {} {:.3e} of acceleration",
+                model.label(index),
+                a[index]
+            );
+            return Err(RunError::Contact { name: rule.name, why });
+        }
+    }
+    Ok(())
+}
+
+/// A drive or motor that is not the same at all times.
+fn changes(model: &Model) -> Option<&str> {
+    let drive = model.drives.iter().find(|drive| !(drive.motion.is_steady() && drive.motion.at(0.0).velocity == 0.0));
+    let motor = || model.motors.iter().find(|motor| !motor.is_steady());
+    let controller = || model.controllers.first();
+    let motor = || motor().map(|motor| &*motor.name);
+    drive.map(|drive| &*drive.name).or_else(motor).or_else(|| controller().map(|one| &*one.name))
+}
+
+/// The model with the forces of its contacts as loads on both bodies: they have no power and, as pairs, no potential.
+fn loaded(model: &Arc<Model>, q: &[f64], found: &Bearing) -> Arc<Model> {
+    let mut place = Place::new(model);
+    place.update(model, q, &vec![0.0; model.velocity_count()]);
+    let mut forces = model.forces.to_vec();
+    for (k, one) in found.contacts.iter().enumerate() {
+        for (index, force) in one.contact.bodies.into_iter().zip([-one.force, one.force]) {
+            let body = &model.bodies[index];
+            let link = &place.links[body.link];
+            let point = link.turn.tr_mul(&(one.contact.point - link.position));
+            let on = End { link: body.link, body: Some(index), point };
+            let name = format!("contact {k} on {}", body.name);
+            forces.push(Force { name, law: Law::Load(LoadLaw::dead(on, force)) });
+        }
+    }
+    let mut loaded = Model::clone(model);
+    loaded.forces = forces.into();
+    Arc::new(loaded)
+}
+
+/// A step of any length along which nothing moves.
+pub(super) struct AtRest(Progress);
+
+impl AtRest {
+    /// From a start to its end.
+    ///
+    /// # Errors
+    /// As [`Method::start`](crate::integrate::Method::start).
+    pub(super) fn new(motion: &Motion, start: Start<'_>) -> Result<Self, StepError> {
+        Progress::at_rest(motion, start).map(Self)
+    }
+}
+
+impl Stepper<Motion> for AtRest {
+    fn step(&mut self, _: &mut Motion) -> Result<(), StepError> {
+        self.0.stay();
+        Ok(())
+    }
+
+    fn progress(&self) -> &Progress {
+        &self.0
+    }
+
+    fn interpolate(&mut self, _: &mut Motion, _: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {
+        q.copy_from_slice(self.0.position());
+        v.copy_from_slice(self.0.velocity());
+        Ok(())
+    }
+}
