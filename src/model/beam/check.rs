@@ -228,7 +228,7 @@ fn known_length(beam: &BeamDescription) -> f64 {
 fn check_rest(found: &mut Findings<'_>, beam: &BeamDescription) {
     let (name, length) = (&beam.name, known_length(beam));
     if let Some(bending) = beam.bending
-        && !(bending >= 0.0 && bending <= LARGEST)
+        && !(0.0..=LARGEST).contains(&bending)
     {
         found.add("bending", format!("the bending stiffness of `{name}` is {}", number(bending)), "allowed: ≥ 0 N m²");
     }

@@ -11,11 +11,14 @@ use stillpoint::model::couplings::{
 use stillpoint::model::description::{Attachment, GROUND};
 use stillpoint::model::{Model, Scalar};
 
+/// Two points on bodies, or on the ground.
+type Ends = [(Option<usize>, Point3<f64>); 2];
+
 /// A scene without its couplings, the same with them, and the gap of each.
 struct Closed {
     free: Arc<Model>,
     model: Arc<Model>,
-    rods: Vec<([(Option<usize>, Point3<f64>); 2], f64)>,
+    rods: Vec<(Ends, f64)>,
     driven: Option<Scalar>,
     geared: Option<([Scalar; 2], f64)>,
 }
@@ -91,7 +94,7 @@ impl Closed {
         Some(Self { model, ..closed })
     }
 
-    fn distance(&self, poses: &[Isometry3<f64>], ends: &[(Option<usize>, Point3<f64>); 2]) -> f64 {
+    fn distance(&self, poses: &[Isometry3<f64>], ends: &Ends) -> f64 {
         let [a, b] = ends.map(|(body, at)| body.map_or(at, |body| poses[body] * at));
         (b - a).norm()
     }
