@@ -49,7 +49,7 @@ struct Clock {
 impl Clock {
     /// With the first instant at a time (s) or after it.
     fn new(period: f64, begin: f64) -> Self {
-        Self { period, next: (begin / period * (1.0 - ROUNDING)).ceil() }
+        Self { period, next: (begin / period * (1.0 - ROUNDING) - ROUNDING).ceil() }
     }
 
     fn due(&self) -> f64 {

@@ -1,11 +1,11 @@
 """Recordings that are on their way."""
 
 import os
+import subprocess
 import sys
 import tempfile
 
 from ._stillpoint import open as _open
-from ._stillpoint import program
 
 
 def opened(recording: bytes):
@@ -23,7 +23,9 @@ def report(recording: bytes, page) -> None:
         path = os.path.join(folder, "run.mcap")
         with open(path, "wb") as file:
             file.write(recording)
-        code = program(["stillpoint", "report", path, "-o", os.fspath(page), "--quiet"])
+        # A process of its own: the program takes Ctrl-C for itself as long as it lives.
+        command = [sys.executable, "-m", "stillpoint", "report", path, "-o", os.fspath(page), "--quiet"]
+        done = subprocess.run(command, capture_output=True, text=True)
     # 1: the report says that something is not fine; it is written all the same.
-    if code not in (0, 1):
-        raise OSError(f"the report `{os.fspath(page)}` was not written")
+    if done.returncode not in (0, 1):
+        raise OSError(f"the report `{os.fspath(page)}` was not written: {done.stderr.strip()}")
