@@ -12,8 +12,9 @@ use std::sync::Arc;
 /// A plane is drawn this many times as large as the scene, and this part of it thick.
 const GROUND: f64 = 4.0;
 const THIN: f64 = 0.01;
-/// The ends of a beam's elements are drawn as balls of this part of its length.
+/// The ends of a beam's and of a cable's elements are drawn as balls of this part of its length.
 const POINT: f64 = 0.004;
+const CABLE_POINT: f64 = 0.002;
 
 /// What a picture of this model needs to know.
 pub fn scene(model: &Arc<Model>) -> Scene {
@@ -54,7 +55,7 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
     for beam in &model.beams {
         let point = ShapePicture {
             kind: "sphere".to_owned(),
-            size: vec![POINT * beam.length],
+            size: vec![if beam.is_cable { CABLE_POINT } else { POINT } * beam.length],
             file: None,
             position: [0.0; 3],
             quaternion: [1.0, 0.0, 0.0, 0.0],
@@ -67,11 +68,11 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
     pictures
 }
 
-/// A beam is drawn through the ends of its elements.
+/// A beam is drawn through the ends of its elements, a cable as ropes are.
 fn beam(beam: &Beam) -> LinePicture {
     let bodies = std::iter::once(beam.root).chain(beam.elements.iter().map(|element| element.body));
     let ends = bodies.map(|body| (Some(body), [0.0; 3])).collect();
-    LinePicture { name: beam.name.clone(), ends, spring: None, pulls_only: false }
+    LinePicture { name: beam.name.clone(), ends, spring: None, pulls_only: beam.is_cable }
 }
 
 /// One channel for each coordinate of the flexible element that ends at a body, if one does: `bend_y_0` is the mean, `bend_y_1`
