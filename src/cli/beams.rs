@@ -3,24 +3,20 @@
 use crate::dynamics::{BeamState, Fault, SectionForces, System};
 use crate::model::Model;
 use crate::model::problem::number;
-use crate::statics::Equilibrium;
+use crate::statics::{self, Equilibrium};
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
-/// The beams at a state, in balance with accelerations; at rest if there are none.
-pub(super) fn states(model: &Arc<Model>, q: &[f64], v: &[f64], at_rest: bool) -> Result<Vec<BeamState>, Fault> {
+/// The beams at a state of a run, with its accelerations.
+pub(super) fn moving(model: &Arc<Model>, q: &[f64], v: &[f64]) -> Result<Vec<BeamState>, Fault> {
     if model.beams.is_empty() {
         return Ok(Vec::new());
     }
     let mut system = System::new(model);
     let (mut a, mut residual) = (vec![0.0; v.len()], vec![0.0; v.len()]);
     let mut at = system.at(0.0, q, v);
-    // Also what loops push with.
     at.accelerations(&mut a)?;
     at.share_multipliers()?;
-    if at_rest {
-        a.fill(0.0);
-    }
     Ok(at.residual(&a, &mut residual)?.beams())
 }
 
@@ -45,7 +41,7 @@ pub(super) fn json(beams: &[BeamState]) -> Value {
 
 /// The beams of an equilibrium as text; `None` without beams.
 pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<Option<String>, Fault> {
-    let beams = states(model, &found.position, &found.velocity, true)?;
+    let beams = statics::beams(model, found)?;
     Ok((!beams.is_empty()).then(|| text(&beams)))
 }
 

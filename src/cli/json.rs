@@ -108,7 +108,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
     let stability = found.stability.as_ref();
     let modes: Vec<Value> = stability.map_or(Vec::new(), |s| s.modes.iter().map(mode).collect());
     let frequencies: Vec<f64> = stability.map_or(Vec::new(), |stability| stability.frequencies().collect());
-    let beams = beams::states(model, &found.position, &found.velocity, true);
+    let beams = crate::statics::beams(model, found);
     let beams = beams.map_or(Value::Null, |beams| beams::json(&beams));
     let mut value = json!({
         "converged": found.converged,
@@ -224,7 +224,7 @@ pub(super) fn run(model: &Arc<Model>, scenario: &str, recording: &str, start: Va
     let State { position, velocity } = &summary.state;
     let integrators: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
-    let beams = beams::states(model, position, velocity, false);
+    let beams = beams::moving(model, position, velocity);
     let beams = beams.map_or(Value::Null, |beams| beams::json(&beams));
     json!({
         "scenario": scenario,

@@ -36,7 +36,7 @@ pub use certify::modes::Mode;
 pub use certify::stability::{Stability, Verdict};
 pub use effort::{Iteration, Stage};
 pub use inverse::{Held, hold};
-pub use outputs::outputs;
+pub use outputs::{beams, outputs};
 pub use search::{Leftover, equilibrium, equilibrium_observed, equilibrium_watched, equilibrium_while, leftover};
 pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, influences, sensitivities};
 pub use settings::{Method, Settings, Want};

@@ -1,7 +1,7 @@
-//! The outputs of an equilibrium.
+//! The outputs of an equilibrium, and what its beams bear.
 
 use super::certify::equilibrium::Equilibrium;
-use crate::dynamics::{Fault, Powers, System};
+use crate::dynamics::{BeamState, Fault, Powers, System};
 use crate::model::Model;
 use crate::output::{Given, Outputs};
 use std::sync::Arc;
@@ -19,11 +19,7 @@ pub fn outputs(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<f64>, Faul
     if Outputs::asks_power(model) {
         powers = system.at(0.0, q, v).powers();
     }
-    if model.is_constrained() {
-        // Places the rows; what they push is known from the search.
-        system.at(0.0, q, v).accelerations(&mut rest.clone())?;
-        system.set_multipliers(&found.multipliers);
-    }
+    push_as_found(&mut system, found)?;
     let mut stops = rest.clone();
     for bearing in &found.stops {
         let stop = model.stops.iter().find(|stop| model.label(stop.velocity) == bearing.hinge);
@@ -40,4 +36,29 @@ pub fn outputs(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<f64>, Faul
     let given =
         Given { accelerations: &rest, reactions: &found.reactions, stops: &stops, energies, account: [0.0; 2], powers };
     Ok(outputs.evaluate(&balanced, &given)?.to_vec())
+}
+
+/// What flexible beams bear at a pose that statics found, in the order of the model; empty for a model without.
+///
+/// # Errors
+/// A pose that cannot be evaluated.
+pub fn beams(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<BeamState>, Fault> {
+    if model.beams.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut system = System::new(model);
+    push_as_found(&mut system, found)?;
+    let mut at = system.at(0.0, &found.position, &found.velocity);
+    at.share_multipliers()?;
+    let rest = vec![0.0; found.velocity.len()];
+    Ok(at.residual(&rest, &mut rest.clone())?.beams())
+}
+
+/// Places the rows of loops, drives and gears, which push as the search found: what locks and stops hold is not in the system.
+fn push_as_found(system: &mut System, found: &Equilibrium) -> Result<(), Fault> {
+    if system.model().is_constrained() {
+        system.at(0.0, &found.position, &found.velocity).accelerations(&mut vec![0.0; found.velocity.len()])?;
+        system.set_multipliers(&found.multipliers);
+    }
+    Ok(())
 }

@@ -126,6 +126,14 @@ fn closed(
     let way = Vector2::new(across.norm(), depth);
     let compliance = if cable.free.stretch { 1.0 / of.stiffness[(0, 0)] } else { 0.0 };
     if let Some(tension) = far.pretension {
+        if cable.sections.len() > 1 {
+            let message = format!("`{}` has several sections and a pretension", cable.name);
+            return Err((
+                "pretension",
+                message,
+                "its length follows from a tension where it has one section: give `length`",
+            ));
+        }
         let Some(length) = Catenary::tensioned(way, tension, compliance, weight.norm()) else {
             let message = format!("`{}` cannot have a tension of {} N between its ends", cable.name, number(tension));
             return Err((

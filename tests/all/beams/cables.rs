@@ -129,6 +129,10 @@ fn what_cannot_be_a_cable_is_said() {
     light.far.iter_mut().for_each(|far| far.pretension = Some(1.0));
     assert_eq!(refused(light), "`line` cannot have a tension of 1 N between its ends");
     assert_eq!(refused(cable("line", between, 1e6, 1.0).length(-1.0)), "the length of `line` is -1");
+    let mut tapered = cable("line", between, 1e6, 1.0);
+    tapered.far.iter_mut().for_each(|far| far.pretension = Some(1e3));
+    tapered.sections.push((1.0, tapered.sections[0].1));
+    assert_eq!(refused(tapered), "`line` has several sections and a pretension");
     let far = |body: &str| BeamDescription::cable("line", (GROUND, [0.0; 3]), (body, [0.0; 3])).length(9.0);
     let unknown = refused(far("nobody").stiffness([1e6; 6]).mass_per_length(1.0));
     assert_eq!(unknown, "there is no body `nobody`");

@@ -1,5 +1,6 @@
 //! Beams that loops, drives and gears close: the sweeps against the dense equations of motion with rows by differences.
 
+use super::statics::solve;
 use super::sweeps::{description, state};
 use crate::common::Random;
 use nalgebra::{DMatrix, DVector, Isometry3, Point3};
@@ -8,7 +9,9 @@ use stillpoint::dynamics::System;
 use stillpoint::model::couplings::{
     Closure, CoordinateName, DriveDescription, GearDescription, GearKind, LoopDescription, MotionDescription,
 };
-use stillpoint::model::description::{Attachment, GROUND};
+use stillpoint::model::description::{
+    Attachment, BeamDescription, BodyDescription, Description, GROUND, HingeDescription,
+};
 use stillpoint::model::{Model, Scalar};
 
 /// Two points on bodies, or on the ground.
@@ -172,4 +175,35 @@ fn couplings_through_beams_accelerate_as_the_dense_equations_say() {
         assert!(off < 1e-6, "seed {seed}: {off:.1e} of the accelerations");
     }
     assert!(tried > 60, "{tried}");
+}
+
+/// A boom on a pin and a rod, with a load on a slide that is locked: the pin bears no moment about its axis, and what the boom
+/// bears there is what the pin passes on. Without its lock the load would fall and the rod would bear less.
+#[test]
+fn what_a_boom_bears_at_its_pin_is_the_reaction_there() {
+    let boom = BeamDescription::new("boom", HingeDescription::revolute([0.0, 1.0, 0.0]))
+        .length(4.0)
+        .stiffness([1e7, 1e7, 1e7, 1e5, 1e5, 1e5])
+        .mass_per_length(20.0)
+        .marker("eye", 1.5);
+    let slide = HingeDescription::prismatic([0.0, 0.0, 1.0]).on("boom", "tip").locked();
+    let rod = LoopDescription {
+        name: "rod".to_owned(),
+        closure: Closure::Rod { length: 1.5_f64.hypot(1.0) },
+        between: [Attachment::from(("boom", "eye")), Attachment::from((GROUND, [0.0, 0.0, -1.0]))],
+        frame: Default::default(),
+        second_frame: None,
+    };
+    let load = BodyDescription::new("load", slide).mass(100.0).inertia([1.0; 3]);
+    let (model, found) = solve(&Description::new("Boom").beam(boom).body(load).closure(rod));
+    assert!(found.converged);
+    let beams = stillpoint::statics::beams(&model, &found).expect("finite");
+    let (root, passed) = (&beams[0].sections[0].forces, &found.reactions[model.body("boom").expect("its root")]);
+    // The rod holds the load's moment with an arm of less than a metre.
+    assert!(passed.force.norm() > 3.0 * 981.0, "{passed:?}");
+    assert!(
+        (root.fixed_rows::<3>(0).norm() - passed.force.norm()).abs() < 1e-8 * passed.force.norm(),
+        "{root} {passed:?}"
+    );
+    assert!(root[4].abs() < 1e-8 * 4.0 * passed.force.norm(), "{root}");
 }
