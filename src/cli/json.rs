@@ -210,11 +210,12 @@ pub(super) fn verified(verified: &Verified) -> Value {
 }
 
 fn event(event: &Occurrence) -> Value {
-    let Occurrence { time, kind, name, value, speed } = event;
+    let Occurrence { time, kind, name, value, speed, between } = event;
     let mut event = json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed });
     match kind {
         Kind::Force(_) => event["force"] = json!(name),
         Kind::Crossing | Kind::Switch => {}
+        _ if between.is_some() => event["between"] = json!(between),
         _ => event["hinge"] = json!(name),
     }
     event

@@ -51,10 +51,12 @@ impl Evaluated<'_> {
 
     /// Wrenches of the force elements and hinge forces.
     fn gather(&mut self) {
-        let System { model, laws, motion, applied, tau, outside, pushes, time, constraints, .. } = &mut *self.system;
-        if !model.forces.is_empty() || constraints.is_some() {
+        let System { model, laws, motion, applied, tau, outside, pressed, pushes, time, constraints, .. } =
+            &mut *self.system;
+        if !model.forces.is_empty() || constraints.is_some() || !pressed.is_empty() {
             applied::apply(laws, motion, applied);
         }
+        applied.iter_mut().zip(pressed).for_each(|(applied, pressed)| *applied += *pressed);
         applied::hinge::apply(model, self.q, self.v, tau);
         if !pushes.is_empty() {
             applied::motor::pushes(model, laws, *time, self.q, self.v, pushes);
@@ -69,8 +71,8 @@ impl Evaluated<'_> {
     /// A singular hinge, or the element whose numbers are not finite.
     pub fn accelerations(&mut self, a: &mut [f64]) -> Result<Factorized<'_>, Fault> {
         self.gather();
-        let System { model, motion, reduction, applied, tau, .. } = &mut *self.system;
-        let applied = if model.forces.is_empty() { &[] } else { applied.as_slice() };
+        let System { model, motion, reduction, applied, tau, pressed, .. } = &mut *self.system;
+        let applied = if model.forces.is_empty() && pressed.is_empty() { &[] } else { applied.as_slice() };
         if let Err(singular) = reduction.accelerations(model, motion, &Load { applied, tau }, a) {
             return Err(self.system.singular(&singular, self.q, self.v));
         }

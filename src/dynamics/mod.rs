@@ -28,7 +28,7 @@ use crate::constraint::Constraints;
 pub use crate::constraint::{Held, Mode};
 use crate::model::Model;
 use crate::model::motor::Push;
-use crate::motion::Motion;
+use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::transfer::balance::Balance;
 pub use crate::transfer::mass::MassAction;
@@ -57,6 +57,8 @@ pub struct System {
     scratch: Vec<f64>,
     /// Hinge forces from outside of the model; empty where none can come.
     outside: Vec<f64>,
+    /// What contacts push links with, at their root markers; empty without contact.
+    pressed: Vec<Wrench>,
     /// What motors and curves push with, in the order of [`Model::pushed`].
     pushes: Vec<Push>,
     /// The time at which drives and motors are looked at (s).
@@ -182,6 +184,7 @@ impl System {
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
             outside: vec![0.0; if smooth { 0 } else { model.velocity_count() }],
+            pressed: vec![Wrench::ZERO; if model.contacts.is_empty() { 0 } else { n }],
             pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
             constraints,
@@ -224,6 +227,22 @@ impl System {
     /// without stops.
     pub(crate) fn outside(&mut self) -> &mut [f64] {
         &mut self.outside
+    }
+
+    /// Wrenches on links at their root markers that evaluations take in from now on: what contacts push with. Empty for a model
+    /// without contact.
+    pub(crate) fn pressed(&mut self) -> &mut [Wrench] {
+        &mut self.pressed
+    }
+
+    /// Where every link is and how fast it moves, at the last place.
+    pub(crate) fn links(&self) -> &[LinkMotion] {
+        &self.motion.links
+    }
+
+    /// The time of the last place (s).
+    pub(crate) fn time(&self) -> f64 {
+        self.time
     }
 
     /// The factorization of the last accelerations, which were at `q` and `v`.

@@ -55,7 +55,8 @@ pub(super) struct Choice {
 impl Choice {
     /// `steady`: no motion or motor changes its rule on the way.
     pub(super) fn new(settings: &Settings, model: &Model, steady: bool) -> Self {
-        let smooth = model.stops.is_empty() && model.hinge_friction.is_empty();
+        let touches = !model.contacts.is_empty();
+        let smooth = model.stops.is_empty() && model.hinge_friction.is_empty() && !touches;
         let undisturbed = steady && smooth && !model.is_constrained();
         let explicit = match settings.tolerance <= HIGH_ORDER {
             _ if undisturbed && settings.tolerance > LIVES_ON_ITS_PAST => Method::Adams,
@@ -65,12 +66,15 @@ impl Choice {
         let implicit = if settings.tolerance <= HIGH_ORDER_STIFF { Method::Radau9 } else { Method::Sdirk4 };
         let (method, said) = match (settings.integrator, settings.start) {
             (Integrator::Method(method), _) => (method, String::new()),
+            (Integrator::Auto, _) if touches => {
+                (explicit, format!("{}, as contact in motion asks for", explicit.name()))
+            }
             (Integrator::Auto, Start::Equilibrium) => {
                 (implicit, format!("{}, the run starts at rest", implicit.name()))
             }
             (Integrator::Auto, Start::Given) => (explicit, format!("{}, no stiffness was met", explicit.name())),
         };
-        let auto = settings.integrator == Integrator::Auto;
+        let auto = settings.integrator == Integrator::Auto && !touches;
         let before =
             settings.resume.map(|resume| resume.method).filter(|was| auto && (*was == explicit || *was == implicit));
         let (method, said) = match before {

@@ -11,15 +11,22 @@ pub enum RunError {
     /// The integrator cannot go on.
     #[error("{0}")]
     Step(String),
-    /// Contact of a scene that does not rest, which runs do not have yet.
-    #[error(
-        "runs do not have contact in motion (`{name}`) yet, and {why}: leaving it out would be another scene; `statics` says \
-         whether it stands; for a run take `[[contact]]` out"
-    )]
+    /// Contact that a run cannot have.
+    #[error("contact `{name}`: {why}")]
     Contact {
         /// The first one.
         name: String,
-        /// Why it does not rest.
+        /// Why not.
+        why: String,
+    },
+    /// Bodies whose contact cannot be decided.
+    #[error("at t = {time} s the contact of `{}` and `{}` cannot be decided: {why}", .between[0], .between[1])]
+    Touch {
+        /// (s)
+        time: f64,
+        /// Names of the bodies.
+        between: [String; 2],
+        /// What is in the way.
         why: String,
     },
     /// An explicit method on a scene that is far too stiff for it.

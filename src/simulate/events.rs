@@ -12,6 +12,7 @@
 
 mod watched;
 
+use super::contact::Aspect;
 use super::error::RunError;
 use super::instant::sides;
 use super::ledger::interpolate;
@@ -53,6 +54,8 @@ enum Function {
     User(usize),
     /// Where a law changes that is smooth elsewhere.
     Law(Boundary),
+    /// What contacts do.
+    Contact(Aspect),
 }
 
 #[derive(Debug)]
@@ -109,6 +112,8 @@ pub(super) enum Turn {
     Relax(Side),
     /// A law changes: the step ends there, so that none goes across.
     Switch(Boundary),
+    /// Bodies meet or part, stick or slip; whether a force has left its cone.
+    Contact { at_limit: bool },
     /// The run ends; index of the event.
     Stop(usize),
 }
@@ -145,6 +150,7 @@ impl Events {
         let any = !model.stops.is_empty()
             || !model.hinge_friction.is_empty()
             || !model.events.is_empty()
+            || !model.contacts.is_empty()
             || model.has_boundaries();
         let velocity = |of: &Watched| match of {
             Watched::Position(index) => {
@@ -192,6 +198,7 @@ impl Events {
         }
         functions.extend((0..model.events.len()).map(Function::User));
         functions.extend(motion.system.boundaries().map(Function::Law));
+        functions.extend(motion.contacts.iter().flat_map(|contacts| contacts.aspects()).map(Function::Contact));
         self.state.clone_from(state);
         self.pressed = false;
         self.outputs.iter_mut().for_each(StateOutputs::forget);
@@ -208,6 +215,7 @@ impl Events {
                 Function::Speed(index) => motion.still(model.hinge_friction[index].velocity),
                 Function::Breakaway(index) => 10.0 * motion.still(model.hinge_friction[index].velocity),
                 Function::User(event) => ROUNDING * model.events[event].value.abs().max(1.0),
+                Function::Contact(aspect) => motion.contacts.as_ref().map_or(0.0, |contacts| contacts.band(aspect)),
                 Function::Law(boundary) => {
                     let is_speed = motion.switch(time, boundary, &self.state).is_speed;
                     motion.level(boundary, is_speed, self.tolerance)
@@ -219,6 +227,7 @@ impl Events {
                 Function::Speed(index) if model.hinge_friction[index].count != 1 => last[0] > 0.0,
                 Function::Reserve(_) | Function::Speed(_) => true,
                 Function::Breakaway(_) => false,
+                Function::Contact(_) => last[0] > -band,
                 Function::Law(boundary) => motion.system.side(boundary),
                 Function::User(_) => {
                     let old = before.iter().find(|watch| watch.function == function);
@@ -258,6 +267,7 @@ impl Events {
             left = right;
         }
         self.turn_along(motion, to);
+        motion.contacts.iter_mut().for_each(|contacts| contacts.turn_along());
         Ok(None)
     }
 
@@ -412,6 +422,7 @@ impl Events {
             Function::Speed(index) => positive.then_some(Turn::Still(index)),
             Function::Breakaway(index) => Some(Turn::Breakaway(index)),
             Function::Law(boundary) => Some(Turn::Switch(boundary)),
+            Function::Contact(aspect) => positive.then_some(Turn::Contact { at_limit: aspect == Aspect::Reserve }),
             Function::User(event) => {
                 (self.counts(model, index) && model.events[event].stops).then_some(Turn::Stop(event))
             }
@@ -448,7 +459,7 @@ impl Events {
             self.move_to(motion, stepper, time)?;
             let (speed, event) = (self.speed(motion, event, time), &motion.model().events[event]);
             let (kind, name, value) = (Kind::Crossing, event.name.clone(), event.value);
-            self.happened.push(Occurrence { time, kind, name, value, speed });
+            self.happened.push(Occurrence { time, kind, name, value, speed, between: None });
         }
         self.watches[index].positive = !self.watches[index].positive;
         Ok(())

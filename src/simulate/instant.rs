@@ -385,7 +385,7 @@ impl Instant<'_> {
         let model = self.motion.model();
         let stop = &model.stops[side.stop];
         let (name, value) = (model.bodies[stop.body].name.clone(), stop.limit(side.sign));
-        self.outcome.happened.push(Occurrence { time: self.time, kind, name, value, speed });
+        self.outcome.happened.push(Occurrence { time: self.time, kind, name, value, speed, between: None });
     }
 
     /// A stop that something without another way runs through.

@@ -46,6 +46,7 @@ impl Ledger {
         let flows = model.has_damping()
             || stops
             || !model.hinge_friction.is_empty()
+            || !model.contacts.is_empty()
             || !model.is_conservative()
             || !model.drives.is_empty()
             || !model.motors.is_empty();

@@ -3,6 +3,7 @@
 mod bordered;
 mod choice;
 mod complementarity;
+mod contact;
 pub mod control;
 mod couplings;
 mod dead_centre;

@@ -19,6 +19,12 @@ pub enum Kind {
     Slip,
     /// What slid comes to rest by dry friction.
     Stick,
+    /// Bodies struck each other.
+    Strikes,
+    /// Bodies that touched do no longer.
+    Lifts,
+    /// What slid on another body rolls.
+    Rolls,
     /// A crossing the user asked for.
     Crossing,
     /// A force element switched; what it calls that.
@@ -38,6 +44,9 @@ impl Kind {
             Self::Separation => "separation",
             Self::Slip => "slips",
             Self::Stick => "sticks",
+            Self::Strikes => "strikes",
+            Self::Lifts => "lifts",
+            Self::Rolls => "rolls",
             Self::Crossing => "crossing",
             Self::Force(name) => name,
             Self::Switch => "switch",
@@ -57,14 +66,24 @@ pub struct Occurrence {
     /// The value that was crossed (m or rad), of a rope the length of its path (m), of dry friction the coordinate (m or rad; 0 for a
     /// spherical hinge); of a switch the step that led there (s).
     pub value: f64,
-    /// How fast the number changed before (per second); of a switch nothing.
+    /// How fast the number changed before (per second); of a switch nothing; of bodies that strike each other the speed at which they
+    /// approach (m/s).
     pub speed: f64,
+    /// The names of two bodies that touch, if it is about them.
+    pub between: Option<[String; 2]>,
 }
 
 impl fmt::Display for Occurrence {
     /// Without the time.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { kind, name, value, speed, .. } = self;
+        let Self { kind, name, value, speed, between, .. } = self;
+        if let Some([one, other]) = between {
+            return match kind {
+                Kind::Strikes => write!(f, "`{other}` strikes `{one}` at {speed:.6} m/s"),
+                Kind::Lifts => write!(f, "`{other}` lifts off `{one}`"),
+                _ => write!(f, "`{other}` {} on `{one}`", kind.name()),
+            };
+        }
         match kind {
             Kind::Switch => write!(f, "`{name}` takes over after a step of {value:.3e} s"),
             Kind::Slip | Kind::Stick => write!(f, "`{name}` {} at {value:.6}", kind.name()),

@@ -1,6 +1,7 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
 use super::bordered::Bordered;
+use super::contact::Contacts;
 use super::error::RunError;
 use super::passage::Passage;
 use super::state::State;
@@ -8,6 +9,7 @@ use crate::dynamics::{Coefficients, DenseTangent, Energies, Evaluated, Fault, Po
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Model, StopLaw};
 use crate::simulate::nonsmooth::{Held, Nonsmooth, Phase, Side, within};
+use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::ops::Range;
 use std::sync::Arc;
@@ -44,6 +46,8 @@ pub struct Motion {
     tangent: Tangent,
     /// `None` for a model without stops and dry friction.
     pub(super) nonsmooth: Option<Nonsmooth>,
+    /// What touches; `None` for a model without contact, and one that contact holds at rest.
+    pub(super) contacts: Option<Box<Contacts>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
     passage: Option<Passage>,
     /// Scratch for residuals near those.
@@ -119,7 +123,8 @@ impl Motion {
         let room = |wanted: bool| vec![0.0; if wanted { model.velocity_count() } else { 0 }];
         let (allowed, balance) = (room(passage.is_some()), room(passage.is_some()));
         let runs = runs(model);
-        Self { system, runs, position_scales, velocity_scales, tangent, nonsmooth, passage, allowed, balance }
+        let contacts = None;
+        Self { system, runs, position_scales, velocity_scales, tangent, nonsmooth, contacts, passage, allowed, balance }
     }
 
     /// The system at a time (s) and a state, for what is recorded between steps.
@@ -140,15 +145,20 @@ impl Motion {
         if let Some(nonsmooth) = &self.nonsmooth {
             nonsmooth.press(q, v, self.system.outside());
         }
+        self.system.pressed().fill(Wrench::ZERO);
         if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
-            return passage.accelerations(&mut self.system, time, q, v, a);
+            passage.accelerations(&mut self.system, time, q, v, a)?;
+        } else {
+            let mut at = self.system.at(time, q, v);
+            let mut mass = at.accelerations(a)?;
+            if let Some(nonsmooth) = &mut self.nonsmooth {
+                nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
+            }
         }
-        let mut at = self.system.at(time, q, v);
-        let mut mass = at.accelerations(a)?;
-        if let Some(nonsmooth) = &mut self.nonsmooth {
-            nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
+        match &mut self.contacts {
+            Some(contacts) => contacts.correct(&mut self.system, q, v, a),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Brings a state onto loops, drives and gears, but for one that touches a singular position.
@@ -175,7 +185,15 @@ impl Motion {
         if let Some(nonsmooth) = &self.nonsmooth {
             nonsmooth.press(q, v, self.system.outside());
         }
+        if self.contacts.is_some() {
+            // What drives push with depends on what contacts push with.
+            let mut a = vec![0.0; v.len()];
+            if self.accelerations(time, q, v, &mut a).is_err() {
+                return Powers { input: f64::NAN, dissipated: f64::NAN };
+            }
+        }
         let mut powers = self.system.at(time, q, v).powers();
+        powers.dissipated += self.contacts.as_ref().map_or(0.0, |contacts| contacts.dissipated());
         powers.dissipated += self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.dissipated(q, v));
         powers
     }
@@ -317,6 +335,11 @@ impl Motion {
         REST_SPEEDS * tolerance * self.velocity_scales[velocity]
     }
 
+    /// The smallest of the speeds of slides that count as rest (m/s).
+    pub(super) fn slowest(&self, tolerance: f64) -> f64 {
+        REST_SPEEDS * tolerance * self.model().length_scale() / self.model().time_scale()
+    }
+
     /// From which speed on spherical hinges slide in the direction of their own angular velocity.
     pub(super) fn set_tolerance(&mut self, tolerance: f64) {
         let slow = SLOW * REST_SPEEDS * tolerance / self.model().time_scale();
@@ -408,10 +431,16 @@ impl Problem for Motion {
     }
 
     fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {
-        let Some(passage) = &mut self.passage else { return Ok(false) };
-        let settled = passage.settle(&mut self.system, time, q, v)?;
-        passage.advance(&settled);
-        Ok(settled.moved)
+        let mut moved = false;
+        if let Some(passage) = &mut self.passage {
+            let settled = passage.settle(&mut self.system, time, q, v)?;
+            passage.advance(&settled);
+            moved = settled.moved;
+        }
+        match &mut self.contacts {
+            Some(contacts) => Ok(contacts.project(&mut self.system, time, q, v)? || moved),
+            None => Ok(moved),
+        }
     }
 
     fn scales(&self) -> (&[f64], &[f64]) {

@@ -15,14 +15,14 @@
 
 use super::error::RunError;
 use super::problem::Motion;
-use super::settings::Settings;
+use super::settings::{Integrator, Settings};
 use super::state::State;
 use crate::force::load::LoadLaw;
 use crate::force::{End, Force, Law};
 use crate::integrate::{Progress, Start, StepError, Stepper};
-use crate::model::Model;
+use crate::model::{Model, StopLaw};
 use crate::motion::Motion as Place;
-use crate::statics::standing::{Bearing, Verdict, bearing};
+use crate::statics::standing::{Bearing, Verdict, bearing, overlap};
 use std::sync::Arc;
 
 /// What (1) may leave of accelerations, in parts of the scene's own: its loads are balanced to the tolerance of the conic
@@ -35,34 +35,47 @@ pub(super) const SAID: &str = "none: contact holds the scene at rest, by the for
 /// Whether runs have everything that a scene has, from this state on.
 ///
 /// # Errors
-/// [`RunError::Contact`] of what does not rest, which would be left out.
+/// [`RunError::Contact`] of what would be left out.
 pub fn check(model: &Arc<Model>, settings: &Settings, start: &State) -> Result<(), RunError> {
     held(model, settings, start).map(drop)
 }
 
-/// A model without contact as it is; one with contact with what its contacts bear from `state` on as loads.
+/// What contacts bear from `state` on as loads of a model, if they hold it at rest to the end of a run; `None` for a model
+/// without contact, and one that moves.
 ///
 /// # Errors
-/// [`RunError::Contact`] where it does not rest from `state` to the end of the run.
-pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Arc<Model>, RunError> {
-    let Some(rule) = model.contacts.first() else { return Ok(Arc::clone(model)) };
+/// [`RunError::Contact`] where that cannot be decided, and of what contact in motion does not have.
+pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Option<Arc<Model>>, RunError> {
+    let Some(rule) = model.contacts.first() else { return Ok(None) };
     let refuse = |why: String| RunError::Contact { name: rule.name.clone(), why };
-    if let Some(index) = state.velocity.iter().position(|v| *v != 0.0) {
-        return Err(refuse(format!(
-            "the hinge coordinate {} starts with {}",
-            model.label(index),
-            state.velocity[index]
-        )));
+    let moves = state.velocity.iter().any(|v| *v != 0.0) || !is_steady(model);
+    let found = match moves {
+        true => overlap(model, settings.gap, &state.position).map(|()| None),
+        false => bearing(model, settings.gap, &state.position).map(Some),
+    };
+    match found.map_err(|why| refuse(why.to_string()))? {
+        Some(found) if found.verdict == Verdict::Stands => return Ok(Some(loaded(model, &state.position, &found))),
+        Some(found) if found.verdict == Verdict::Wedged => {
+            return Err(refuse("the scene stands only if its contacts are squeezed beforehand".to_owned()));
+        }
+        _ => {}
     }
-    if let Some(name) = changes(model) {
-        return Err(refuse(format!("`{name}` changes with time")));
-    }
-    let found = bearing(model, settings.gap, &state.position).map_err(|why| refuse(why.to_string()))?;
-    match found.verdict {
-        Verdict::Stands => Ok(loaded(model, &state.position, &found)),
-        Verdict::Falls => Err(refuse(format!("the scene does not stand as it starts ({})", found.mechanism))),
-        Verdict::Wedged => Err(refuse("the scene stands only if its contacts are squeezed beforehand".to_owned())),
-    }
+    let missing = match settings.integrator {
+        Integrator::Method(method) if method.stability_reach().is_none() => {
+            format!(
+                "in motion it has explicit methods only, and `{}` is none: try `dopri5`, `dop853` or `auto`",
+                method.name()
+            )
+        }
+        _ if !model.hinge_friction.is_empty() => {
+            "contact in motion beside dry friction of hinges is not there yet".to_owned()
+        }
+        _ if model.contacts.iter().any(|rule| matches!(rule.law, StopLaw::Compliant { .. })) => {
+            "compliant contact in motion is not there yet: take `stiffness` and `damping` out".to_owned()
+        }
+        _ => return Ok(None),
+    };
+    Err(refuse(missing))
 }
 
 /// Proves that what is held does not accelerate: (1).
@@ -92,13 +105,10 @@ pub(super) fn prove(motion: &mut Motion, time: f64, state: &State) -> Result<(),
     Ok(())
 }
 
-/// A drive or motor that is not the same at all times.
-fn changes(model: &Model) -> Option<&str> {
+/// Whether no drive, motor or controller changes with time.
+pub(super) fn is_steady(model: &Model) -> bool {
     let drive = model.drives.iter().find(|drive| !(drive.motion.is_steady() && drive.motion.at(0.0).velocity == 0.0));
-    let motor = || model.motors.iter().find(|motor| !motor.is_steady());
-    let controller = || model.controllers.first();
-    let motor = || motor().map(|motor| &*motor.name);
-    drive.map(|drive| &*drive.name).or_else(motor).or_else(|| controller().map(|one| &*one.name))
+    drive.is_none() && model.motors.iter().all(|motor| motor.is_steady()) && model.controllers.is_empty()
 }
 
 /// The model with the forces of its contacts as loads on both bodies: they have no power and, as pairs, no potential.

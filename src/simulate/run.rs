@@ -2,6 +2,7 @@
 
 mod instants;
 mod stepper;
+mod touching;
 
 use super::choice::Choice;
 use super::control::{Control, Function};
@@ -144,12 +145,10 @@ pub(super) fn run_with(
         .map_err(|fault| RunError::Sample { time: begin, fault })?;
     check_limits(model, &state)?;
     finite::check_start(model, &state, settings.tolerance)?;
-    if let Some(rule) = model.contacts.first().filter(|_| function.is_some()) {
-        let why = "a function sets its inputs at instants".to_owned();
-        return Err(RunError::Contact { name: rule.name.clone(), why });
-    }
-    let model = &resting::held(model, settings, &state)?;
-    if !model.contacts.is_empty() {
+    let held = if function.is_some() { None } else { resting::held(model, settings, &state)? };
+    let rests = held.is_some();
+    let model = &held.unwrap_or_else(|| Arc::clone(model));
+    if rests {
         motion = Motion::new(model);
     }
     motion.set_tolerance(settings.absolute_tolerance);
@@ -157,7 +156,11 @@ pub(super) fn run_with(
         motion.at(begin, &state.position, &state.velocity).keep_laws();
     }
     let outcome = instant::resolve(&mut motion, begin, &mut state, settings.absolute_tolerance, None)?;
-    resting::prove(&mut motion, begin, &state)?;
+    match rests {
+        true => resting::prove(&mut motion, begin, &state)?,
+        false if model.contacts.is_empty() => {}
+        false => touching::allow(&mut motion, model, settings)?,
+    }
     let mut before = motion.energies(begin, &state.position, &state.velocity);
     before.kinetic += outcome.lost - outcome.work;
     let mut ledger = Ledger::new(model, begin, before);
@@ -188,7 +191,10 @@ pub(super) fn run_with(
         timetable: Timetable::new(model, [begin, end]),
         control: Control::new(model, begin, function),
         carried: None,
+        rests,
     };
+    run.touch(&mut motion, begin, false)?;
+    run.arm(&mut motion, begin);
     run.control(&mut motion, settings, begin)?;
     run.sampler.sample(&mut motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
     let resume = run.go(&mut motion, settings, recorder, go_on)?;
@@ -243,6 +249,8 @@ struct Run<'m, 'f> {
     control: Option<Control<'f>>,
     /// The step that would have followed the last one before an instant (s).
     carried: Option<f64>,
+    /// Whether contact holds the scene at rest, from its start to its end.
+    rests: bool,
 }
 
 impl Run<'_, '_> {
@@ -278,11 +286,6 @@ impl Run<'_, '_> {
         }
     }
 
-    /// Whether contact holds the scene: what moves is refused.
-    fn rests(&self) -> bool {
-        !self.model.contacts.is_empty()
-    }
-
     /// Runs with one method, or from one to the other where the choice is the program's.
     fn go(
         &mut self,
@@ -296,7 +299,7 @@ impl Run<'_, '_> {
         loop {
             let next = self.next(time);
             choice.restart();
-            if !self.rests() && self.integrators.last() != Some(&choice.method) {
+            if !self.rests && self.integrators.last() != Some(&choice.method) {
                 self.refuse_hopeless(motion, choice.method, time)?;
                 self.integrators.push(choice.method);
             }
@@ -321,9 +324,9 @@ impl Run<'_, '_> {
             let resume = self.resume(settings, choice.method, stepper.as_mut(), [origin, time]);
             if switch {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
-                self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0 }, recorder)?;
+                self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0, between: None }, recorder)?;
             }
-            self.choice = if self.rests() { Some(resting::SAID.to_owned()) } else { choice.said() };
+            self.choice = if self.rests { Some(resting::SAID.to_owned()) } else { choice.said() };
             let turned = turn.is_some();
             if let Some(turn) = turn {
                 self.turn(motion, settings, choice.method, Hit { time, turn })?;
@@ -341,8 +344,13 @@ impl Run<'_, '_> {
                 if self.is_due(time) {
                     self.carried = resume.step;
                     self.control(motion, settings, time)?;
-                    self.mark_all(recorder)?;
                 }
+                if motion.contacts.is_some() {
+                    // What drives and motors do may be another thing from here on.
+                    self.touch(motion, time, false)?;
+                    self.arm(motion, time);
+                }
+                self.mark_all(recorder)?;
             }
         }
     }
@@ -457,11 +465,17 @@ impl Run<'_, '_> {
             self.stopped_by = Some(self.model.events[event].name.clone());
             return Ok(());
         }
-        if let Some(rule) = self.model.contacts.first() {
-            let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
+        if let Some(rule) = self.model.contacts.first().filter(|_| self.rests || matches!(turn, Turn::Strike(_))) {
+            let what = if self.rests {
+                "a stop or dry friction lets go of what rests"
+            } else {
+                "a rigid stop is hit, which is not there yet beside contact in motion"
+            };
+            let why = format!("at t = {time} s {what}");
             return Err(RunError::Contact { name: rule.name.clone(), why });
         }
         let outcome = match turn {
+            Turn::Contact { .. } => Outcome::default(),
             Turn::Switch(boundary) => {
                 motion.system.cross(boundary);
                 Outcome::default()
@@ -471,6 +485,7 @@ impl Run<'_, '_> {
         };
         self.ledger.lose(outcome.lost);
         self.ledger.put_in(outcome.work);
+        self.touch(motion, time, turn == Turn::Contact { at_limit: true })?;
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
         if let Some(storm) = self.turns.see(time, self.end) {
@@ -480,8 +495,8 @@ impl Run<'_, '_> {
         }
         if let Some(events) = &mut self.events {
             events.happened.extend(outcome.happened);
-            events.arm(motion, time, &self.state);
         }
+        self.arm(motion, time);
         // A stiff stop that pushes from now on.
         if pushed { self.refuse_hopeless(motion, method, time) } else { Ok(()) }
     }

@@ -119,6 +119,14 @@ impl Solid {
         extents.fold(f64::INFINITY, f64::min)
     }
 
+    /// Its radius about its core (m); 0 for a plane.
+    pub fn radius(&self) -> f64 {
+        match self {
+            Self::Plane(_) => 0.0,
+            Self::Round(_, radius) => *radius,
+        }
+    }
+
     /// Radius of a ball about the origin of its shape that holds it (m); infinite for a plane.
     pub fn reach(&self) -> f64 {
         let Self::Round(core, radius) = self else { return f64::INFINITY };

@@ -1,5 +1,6 @@
 //! What is watched: the functions whose changes of sign are events, and their rates.
 
+use super::super::contact::Aspect;
 use super::super::nonsmooth::{Rubbing, rate_of};
 use super::super::problem::Motion;
 use super::super::state::State;
@@ -24,7 +25,11 @@ impl Events {
             self.press(motion, time);
             return self.along(motion, index, &self.accelerations);
         }
+        if let Function::Contact(aspect) = function {
+            return self.contact(motion, aspect, time)[1];
+        }
         match function {
+            Function::Contact(_) => 0.0,
             Function::Depth(side) => side.sign * self.state.velocity[model.stops[side.stop].velocity],
             Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Breakaway(_) => 0.0,
             Function::User(event) => {
@@ -42,6 +47,17 @@ impl Events {
             Watched::Point(end, axis) => motion.point_velocity(time, end, &self.state).dot(axis),
             Watched::Output(number) => self.output(motion, time, *number)[1],
         }
+    }
+
+    /// What contacts do at the state, and its rate.
+    fn contact(&mut self, motion: &mut Motion, aspect: Aspect, time: f64) -> [f64; 2] {
+        self.press(motion, time);
+        let Motion { contacts: Some(contacts), system, .. } = motion else { return [0.0; 2] };
+        let seen = contacts.watched(aspect, system);
+        if aspect == Aspect::Reserve && seen[0] < 0.0 && contacts.group(system, time, &self.state).unwrap_or(false) {
+            return [0.0; 2];
+        }
+        seen
     }
 
     /// A number of an output and its rate.
@@ -64,9 +80,13 @@ impl Events {
             self.press(motion, time);
             return self.reserves[held];
         }
+        if let Function::Contact(aspect) = function {
+            return self.contact(motion, aspect, time)[0];
+        }
         let model = &Arc::clone(motion.model());
         let State { position, velocity } = &self.state;
         match function {
+            Function::Contact(_) => 0.0,
             Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),
             Function::Push(side) => model.stops[side.stop].push(side.sign, position, velocity),
             Function::Reserve(held) => self.reserves[held],

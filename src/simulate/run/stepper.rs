@@ -22,7 +22,7 @@ impl Run<'_, '_> {
         let end = self.segment_end(self.next(time));
         let carried = self.carried.take();
         let start = Start { time, position: &self.state.position, velocity: &self.state.velocity, end };
-        if self.rests() {
+        if self.rests {
             let at_rest = AtRest::new(motion, start).map_err(|error| named(self.model, &error))?;
             return Ok(Box::new(at_rest));
         }

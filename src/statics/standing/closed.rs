@@ -115,7 +115,7 @@ impl Scene {
         for (index, body) in model.bodies.iter().enumerate().filter(|(index, _)| involved[*index]) {
             let pose = self.motion.body_pose(body);
             for shape in body.shapes.iter().filter(|shape| shape.collides) {
-                let solid = solid(shape).map_err(|why| Untouchable::Shape { body: body.name.clone(), why })?;
+                let solid = solid_of(shape).map_err(|why| Untouchable::Shape { body: body.name.clone(), why })?;
                 let world = pose * shape.pose;
                 let placed = solid.placed(&world);
                 let (middle, reach, size) = (world.translation.vector, solid.reach(), solid.size());
@@ -134,7 +134,8 @@ impl Scene {
         if far || links[0] == links[1] {
             return Ok(());
         }
-        let Some((rule, swap)) = rule(model, one.body, other.body) else { return Ok(()) };
+        let Some((rule, swap)) = rule_of(model, one.body, other.body) else { return Ok(()) };
+        let rule = &model.contacts[rule];
         let (one, other) = if swap { (other, one) } else { (one, other) };
         let between = || [one, other].map(|piece| model.bodies[piece.body].name.clone());
         let found = touch(&one.placed, &other.placed, slack);
@@ -154,8 +155,8 @@ impl Scene {
     }
 }
 
-/// The last rule that names a pair, and whether it names the second body first.
-fn rule(model: &Model, one: usize, other: usize) -> Option<(&ContactRule, bool)> {
+/// The last rule that names a pair, by its index, and whether it names the second body first.
+pub(crate) fn rule_of(model: &Model, one: usize, other: usize) -> Option<(usize, bool)> {
     let has = |rule: &ContactRule, side: usize, body: usize| rule.bodies[side].binary_search(&body).is_ok();
     let hangs = |body: usize, on: usize| model.bodies[body].parent == Some(on);
     let neighbours = hangs(one, other) || hangs(other, one);
@@ -169,14 +170,14 @@ fn rule(model: &Model, one: usize, other: usize) -> Option<(&ContactRule, bool)>
         };
         (rule.named || !neighbours).then_some(swap)
     };
-    model.contacts.iter().rev().find_map(|rule| Some((rule, fits(rule)?)))
+    model.contacts.iter().enumerate().rev().find_map(|(index, rule)| Some((index, fits(rule)?)))
 }
 
 /// What there is to do about a shape that cannot touch.
 const REFUSED: &str = "cannot yet: give the body boxes, capsules or spheres, and this shape `contact = false`";
 
 /// The solid of a shape, in the shape's axes.
-fn solid(shape: &Shape) -> Result<Solid, String> {
+pub(crate) fn solid_of(shape: &Shape) -> Result<Solid, String> {
     Ok(match &shape.geometry {
         Geometry::Plane(normal) => Solid::Plane(normal.normalize()),
         Geometry::Sphere(radius) => Solid::Round(Core::point(), *radius),

@@ -19,8 +19,10 @@ mod rolling;
 mod supports;
 
 pub use closed::{Contact, Untouchable};
+pub(crate) use closed::{rule_of, solid_of};
 pub use margins::{Interval, Margins};
 pub use mechanism::{Giving, Mechanism};
+pub(crate) use supports::column_of;
 
 use self::closed::Scene;
 use self::supports::{Bearers, Bears};
@@ -266,6 +268,15 @@ pub fn bearing(model: &Arc<Model>, gap: f64, pose: &[f64]) -> Result<Bearing, Un
     let mechanism = mechanism::mechanism(model, pose, &scene, &bearers, &found.motion);
     let contacts = forces(model, &scene, &bearers, &found.forces).contacts;
     Ok(Bearing { verdict: found.verdict, contacts, mechanism })
+}
+
+/// Whether shapes overlap in a pose by more than `gap` times the size of the smaller one.
+///
+/// # Errors
+/// [`Unanswered::Untouchable`] if they do, or cannot touch.
+pub fn overlap(model: &Model, gap: f64, pose: &[f64]) -> Result<(), Unanswered> {
+    Scene::new(model, pose, gap)?;
+    Ok(())
 }
 
 /// The inputs that hold a pose without friction, and with it the range of each, the others being free. Where these values are not

@@ -41,7 +41,7 @@ impl Bearers {
         let mut bearers = Self { supports: Supports::new(units.clone()), list: Vec::new(), load: load(model, pose)? };
         for (k, contact) in scene.contacts.iter().enumerate() {
             let ends = contact.bodies.map(|body| model.bodies[body].link);
-            let column = |along: &Vector3<f64>| column(model, &scene.motion, ends, &contact.point, along);
+            let column = |along: &Vector3<f64>| column_of(model, &scene.motion, ends, &contact.point, along);
             let frame = contact.frame();
             let friction = contact.friction.stick;
             match friction > 0.0 {
@@ -131,7 +131,7 @@ fn tied(model: &Arc<Model>, pose: &[f64]) -> Vec<Vec<(usize, f64)>> {
 }
 
 /// How a unit force along a direction at a point, on the second link and against the first, pushes the coordinates.
-fn column(
+pub(crate) fn column_of(
     model: &Model,
     motion: &Motion,
     ends: [usize; 2],

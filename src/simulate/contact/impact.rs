@@ -1,0 +1,155 @@
+//! Blows: what bodies that approach each other do to their velocities.
+//!
+//! ```text
+//! (1)  u⁺ = u⁻ + A λ,   K* ∋ (u⁺ + e u_n⁻ n) + μ |u_t⁺| n  ⊥  λ ∈ K(μ)      Newton's restitution, Coulomb's friction
+//! (2)  ΔT = ½ λ·(u⁺ + u⁻) + work of drives
+//! ```
+//!
+//! Blows without restitution are one problem. With it two bodies after the other meet, those first that approach fastest, as in a
+//! cradle: their points together, the others being as they are, until nothing approaches. By Kane's paradox (1) may gain
+//! energy: then e is halved, and zero in the end.
+
+use super::cone::{Answer, Law};
+use super::frame::{Frame, problem, responses};
+use super::pairs::restitution;
+use super::{Contacts, Trouble};
+use crate::dynamics::System;
+use crate::simulate::state::State;
+use nalgebra::Vector3;
+
+/// Blows one after the other at one instant; then all at once, without restitution.
+const MOST_BLOWS: usize = 400;
+/// Forces that change by less in a sweep are found.
+pub(super) const FOUND: f64 = 1e-13;
+/// Sweeps of the cone problem.
+pub(super) const MOST_SWEEPS: usize = 50_000;
+/// Energy that a blow may gain: this part of what moves.
+const GAINED: f64 = 1e-12;
+
+/// A blow that has been answered.
+#[derive(Debug, Clone)]
+pub(super) struct Blow {
+    pub(super) couple: usize,
+    /// Speed of approach (m/s), > 0.
+    pub(super) speed: f64,
+}
+
+/// What blows of an instant did.
+#[derive(Debug, Default)]
+pub(super) struct Blows {
+    pub(super) all: Vec<Blow>,
+    /// Energy that they took out at the contacts (J).
+    pub(super) lost: f64,
+}
+
+impl Contacts {
+    /// Whether a contact approaches.
+    pub(super) fn approaches(&self, frame: &Frame) -> bool {
+        frame.speed.x < -self.rest
+    }
+
+    /// (1) at all of `frames`, which belong to the state; the system is factorized there.
+    ///
+    /// # Errors
+    /// A problem without a solution that can be certified.
+    pub(super) fn blows(&mut self, system: &mut System, state: &mut State, frames: &[Frame]) -> Result<Blows, Trouble> {
+        let mut done = Blows::default();
+        let answers = responses(system, &state.position, &state.velocity, frames);
+        let mut speeds: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.speed).collect();
+        let bounces = |frame: &Frame| restitution(self.law(frame.key.couple).law) > 0.0;
+        let mut couples: Vec<usize> = frames.iter().map(|frame| frame.key.couple).collect();
+        couples.dedup();
+        let in_turn = couples.len() > 1 && frames.iter().any(|frame| self.approaches(frame) && bounces(frame));
+        for blow in 0..=MOST_BLOWS {
+            let worst = (0..frames.len()).min_by(|a, b| speeds[*a].x.total_cmp(&speeds[*b].x));
+            let Some(worst) = worst.filter(|worst| speeds[*worst].x < -self.rest) else { break };
+            let all = !in_turn || blow == MOST_BLOWS;
+            let taking: Vec<usize> =
+                (0..frames.len()).filter(|i| all || frames[*i].key.couple == frames[worst].key.couple).collect();
+            let part = if blow == MOST_BLOWS { 0.0 } else { 1.0 };
+            let found = self.blow(frames, &answers, &speeds, &taking, part)?;
+            for i in &taking {
+                if speeds[*i].x < -self.rest
+                    && !done.all[..].iter().rev().take(taking.len()).any(|b| all && b.couple == frames[*i].key.couple)
+                {
+                    done.all.push(Blow { couple: frames[*i].key.couple, speed: -speeds[*i].x });
+                    if !all {
+                        break;
+                    }
+                }
+            }
+            let mut change = vec![0.0; state.velocity.len()];
+            for (k, i) in taking.iter().enumerate() {
+                for c in 0..3 {
+                    change.iter_mut().zip(&answers[*i][c]).for_each(|(to, x)| *to += found.forces[k][c] * x);
+                }
+            }
+            let before = speeds.clone();
+            speeds.iter_mut().zip(frames).for_each(|(speed, frame)| *speed += frame.rates(&change));
+            let each = taking.iter().zip(&found.forces);
+            done.lost -= each.map(|(i, force)| 0.5 * force.dot(&(before[*i] + speeds[*i]))).sum::<f64>();
+            state.velocity.iter_mut().zip(&change).for_each(|(v, x)| *v += x);
+            if all {
+                break;
+            }
+        }
+        self.impacts += done.all.len();
+        Ok(done)
+    }
+
+    /// (1) at some of the contacts, the others being as they are.
+    fn blow(
+        &self,
+        frames: &[Frame],
+        answers: &[[Vec<f64>; 3]],
+        speeds: &[Vector3<f64>],
+        taking: &[usize],
+        part: f64,
+    ) -> Result<Answer, Trouble> {
+        let own: Vec<Frame> = taking.iter().map(|i| frames[*i].clone()).collect();
+        let own_answers: Vec<[Vec<f64>; 3]> = taking.iter().map(|i| answers[*i].clone()).collect();
+        let law = |frame: &Frame| {
+            let friction = self.law(frame.key.couple).friction;
+            Law::Coulomb { stick: friction.slide, slide: friction.slide }
+        };
+        let laws: Vec<Law> = own.iter().map(law).collect();
+        let zero = vec![Vector3::zeros(); own.len()];
+        let mut problem = problem(&own, &own_answers, zero.clone(), laws);
+        let size: f64 = speeds.iter().map(|u| u.norm()).fold(0.0, f64::max);
+        let mut last = None;
+        for share in [1.0, 0.5, 0.25, 0.0] {
+            problem.rates = taking
+                .iter()
+                .map(|i| {
+                    let mut rate = speeds[*i];
+                    if rate.x < -self.rest {
+                        rate.x *= 1.0 + part * share * restitution(self.law(frames[*i].key.couple).law);
+                    }
+                    rate
+                })
+                .collect();
+            let found = problem.solve(&zero, FOUND, MOST_SWEEPS);
+            if found.change > 1e-9 || found.forces.iter().any(|f| !f.iter().all(|x| x.is_finite())) {
+                last = Some(found);
+                continue;
+            }
+            let mut after = problem.clone();
+            after.rates = taking.iter().map(|i| speeds[*i]).collect();
+            let gained: f64 = (0..own.len())
+                .map(|k| 0.5 * found.forces[k].dot(&(speeds[taking[k]] + after.rate(k, &found.forces))))
+                .sum();
+            let most: f64 = found.forces.iter().map(|f| f.norm() * size).sum();
+            if gained <= GAINED * most {
+                return Ok(found);
+            }
+            last = Some(found);
+        }
+        let why = match last {
+            Some(found) if found.change > 1e-9 => {
+                format!("the impulses of {} simultaneous contacts are not found in {} sweeps", own.len(), found.sweeps)
+            }
+            _ => "every impulse that ends the approach would gain energy".to_owned(),
+        };
+        Err(Trouble::Contact { between: self.between(frames[taking[0]].key.couple), why })
+    }
+}

@@ -1,0 +1,234 @@
+//! Contact in motion, by events: between two events every contact is open, sticks (or rolls), or slips, and the motion is smooth.
+//!
+//! ```text
+//! (1)  M q̈ = f + Pᵀλ,   R q̈ + c = 0
+//!      R   the normal of every closed contact, and both tangents of what sticks
+//!      P   the same of what sticks; n − μ d of what slips in the direction d, which is not symmetric with R
+//! (2)  closed until λ_n < 0;   sticks until |λ_t| > μ_stick λ_n;   slips until u·d < 0;   open until gap < 0
+//! ```
+//!
+//! What follows from an event is decided by one cone problem for all contacts that touch ([`cone`]): on velocities
+//! ([`impact`]), then on accelerations ([`decide`]). Forces of (1) come from its rows alone, so that what sticks does not creep.
+//!
+//! **Linearly dependent rows** (a box on four corners): accelerations are unique if all stick, forces are not; taken are those of least
+//! norm. Whether a group still sticks is asked of the cone problem, not of them: there may be others within the cones.
+//!
+//! **The direction of slip** turns at a rate that grows without bound as the slip gets slower: `|u| φ̇ = a_⊥`, with `a_⊥` what accelerates
+//! it across. Where nothing does, it is kept: a row `u_⊥ = 0` whose force λ_⊥ is none ([`STRAIGHT`]) takes the stiffness out, and
+//! an event ends it as soon as there is one. A slip that turns has its own direction, kept within a step below the speed [`KEPT`] as a
+//! sphere's in `nonsmooth.rs`, eq. (6).
+
+mod cone;
+mod decide;
+mod frame;
+mod impact;
+mod pairs;
+mod rows;
+mod watch;
+
+use self::frame::Frame;
+use self::pairs::{Key, Pairs};
+use super::state::State;
+use crate::contact::geometry::feature::Meeting;
+use crate::dynamics::{Fault, System};
+use crate::model::Model;
+use crate::spatial::link::LinkAcceleration;
+use crate::statics::standing::Untouchable;
+pub(super) use decide::Told;
+use nalgebra::Vector3;
+use std::sync::Arc;
+pub(super) use watch::Aspect;
+
+/// A gap below this part of a shape's size is none: rounding of positions of some sizes.
+const GAP: f64 = 1e-9;
+/// A closed contact counts until its features are outside of where they are nearest by this part of the size.
+const LOOSE: f64 = 1e-7;
+/// A gap that is found open by this part of the size below zero was missed.
+const MISSED: f64 = 1e-6;
+
+/// What a closed contact does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Mode {
+    /// No relative motion of what touches: it rests, or rolls.
+    Stick,
+    /// It slips in this direction, inertial axes, or has no friction (zero).
+    Slip(Vector3<f64>),
+    /// It touches and others bear.
+    Spare,
+}
+
+/// A closed contact.
+#[derive(Debug, Clone)]
+pub(super) struct Closed {
+    key: Key,
+    pub(super) mode: Mode,
+    /// The gap that is kept (m).
+    gap: f64,
+    /// In the last place.
+    meeting: Meeting,
+    /// On the second body, inertial axes (N).
+    pub(super) force: Vector3<f64>,
+    /// Of the second body over the first (m/s).
+    slip: Vector3<f64>,
+    /// Whether it slips along a straight line, and the force across that, in parts of friction.
+    straight: bool,
+    across: f64,
+}
+
+/// The contacts of a run.
+#[derive(Debug)]
+pub(super) struct Contacts {
+    model: Arc<Model>,
+    pairs: Pairs,
+    pub(super) closed: Vec<Closed>,
+    /// Nothing moves and nothing will: the accelerations are zero, not rounding.
+    pub(super) resting: bool,
+    /// Below these a speed is none across and along the normal (m/s).
+    slow: f64,
+    rest: f64,
+    /// What forces are compared with (N).
+    scale: f64,
+    /// Of slips: below this speed their direction is kept (m/s).
+    kept: f64,
+    carried: Vec<LinkAcceleration>,
+    frames: Vec<Frame>,
+    pub(super) impacts: usize,
+    /// A gap below this part of a shape's size is none.
+    closing: f64,
+}
+
+/// Speeds below this part of the scene's are none where what touches slips.
+const SLOW: f64 = 1e-9;
+/// A slip goes straight on if what holds it there is less than this part of friction.
+const STRAIGHT: f64 = 1e-6;
+/// The direction of slip is kept below this part of the scene's speed.
+const KEPT: f64 = 1e-5;
+/// A rebound that rises by no more than this part of the scene's length is none: some roundings.
+const RISE: f64 = 64.0 * f64::EPSILON;
+
+impl Contacts {
+    /// The contacts of a model, none of them closed yet; at the first instant those are whose gap is at most `closing` of a shape's
+    /// size.
+    ///
+    /// # Errors
+    /// A shape that nothing can touch.
+    pub(super) fn new(model: &Arc<Model>, closing: f64) -> Result<Self, Untouchable> {
+        let speed = model.length_scale() / model.time_scale();
+        let acceleration = model.gravity.norm().max(speed / model.time_scale());
+        let mass: f64 = model.links.iter().map(|link| link.mass).fold(0.0, f64::max);
+        Ok(Self {
+            model: Arc::clone(model),
+            pairs: Pairs::new(model)?,
+            closed: Vec::new(),
+            resting: false,
+            slow: SLOW * speed,
+            rest: 4.0 * (2.0 * acceleration * RISE * model.length_scale()).sqrt(),
+            scale: mass * acceleration,
+            kept: KEPT * speed,
+            carried: Vec::new(),
+            frames: Vec::new(),
+            impacts: 0,
+            closing,
+        })
+    }
+
+    /// Speeds below those of the tolerance of a run are none.
+    pub(super) fn set_tolerance(&mut self, speed: f64) {
+        self.rest = self.rest.max(speed);
+    }
+
+    fn law(&self, couple: usize) -> &crate::model::ContactRule {
+        &self.model.contacts[self.pairs.couples[couple].rule]
+    }
+
+    /// The frames of closed contacts at the place of a system.
+    fn stand(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
+        let time = system.time();
+        let at = system.at(time, q, v);
+        let motion = at.motion();
+        frame::carried(motion, &self.model, &mut self.carried);
+        self.pairs.place(motion);
+        self.frames.clear();
+        for closed in &mut self.closed {
+            if let Some(found) = self.pairs.meeting(&closed.key) {
+                closed.meeting = found;
+            }
+            let frame = Frame::new(&self.model, motion, &self.pairs, &self.carried, closed.key, closed.meeting);
+            closed.slip = frame.slip();
+            self.frames.push(frame);
+        }
+    }
+
+    /// Frames of all contacts that touch in a place: those that were closed and still count, and those whose gap is none.
+    fn touching(&mut self, system: &mut System, time: f64, state: &State) -> Vec<Frame> {
+        let at = system.at(time, &state.position, &state.velocity);
+        let motion = at.motion();
+        frame::carried(motion, &self.model, &mut self.carried);
+        self.pairs.place(motion);
+        let mut found: Vec<(Key, Meeting)> = Vec::new();
+        for couple in 0..self.pairs.couples.len() {
+            let size = self.pairs.couples[couple].size;
+            let (closing, loose) = (self.closing, self.closing.max(LOOSE));
+            if self.pairs.apart(couple) > closing * size {
+                continue;
+            }
+            let first = found.len();
+            let closed = &self.closed;
+            self.pairs.meetings(couple, loose * size, loose * size, |meeting| {
+                let key = Key { couple, features: meeting.features };
+                let was = closed.iter().any(|closed| closed.key == key);
+                let counts = was || meeting.inside >= -closing * size && meeting.gap < closing * size;
+                // Deeper than that it is the far side of something thin.
+                let double = |(_, other): &(Key, Meeting)| {
+                    (other.point - meeting.point).norm() < 10.0 * LOOSE * size
+                        && other.normal.dot(&meeting.normal) > 1.0 - 1e-6
+                };
+                if counts && meeting.gap > -closing.max(MISSED) * size && !found[first..].iter().any(double) {
+                    found.push((key, meeting));
+                }
+            });
+        }
+        let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting);
+        found.into_iter().map(frame).collect()
+    }
+
+    /// The couples that touch and whether one of their contacts slips, with the relative spin.
+    fn told(&self) -> Vec<(usize, bool)> {
+        let mut told: Vec<(usize, bool)> = Vec::new();
+        for closed in &self.closed {
+            let slips = matches!(closed.mode, Mode::Slip(direction) if direction != Vector3::zeros());
+            match told.iter_mut().find(|(couple, _)| *couple == closed.key.couple) {
+                Some((_, any)) => *any |= slips,
+                None => told.push((closed.key.couple, slips)),
+            }
+        }
+        told
+    }
+
+    /// Names of the bodies of a couple.
+    fn between(&self, couple: usize) -> [String; 2] {
+        self.pairs.couples[couple].pieces.map(|piece| self.model.bodies[self.pairs.pieces[piece].body].name.clone())
+    }
+
+    /// Power that slips take out at the last place (W).
+    pub(super) fn dissipated(&self) -> f64 {
+        self.closed.iter().map(|closed| -closed.force.dot(&closed.slip)).sum()
+    }
+}
+
+/// What went wrong at a contact.
+#[derive(Debug, Clone)]
+pub(super) enum Trouble {
+    Fault(Fault),
+    /// Which bodies, and what.
+    Contact {
+        between: [String; 2],
+        why: String,
+    },
+}
+
+impl From<Fault> for Trouble {
+    fn from(fault: Fault) -> Self {
+        Self::Fault(fault)
+    }
+}

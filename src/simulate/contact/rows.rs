@@ -1,0 +1,237 @@
+//! Eq. (1) of the module: accelerations with the rows of closed contacts, and states kept on them.
+
+use super::frame::{Frame, along, respond};
+use super::{Closed, Contacts, Mode};
+use crate::dynamics::{Fault, System};
+use crate::spatial::Wrench;
+use nalgebra::{DMatrix, DVector, Vector3};
+
+/// Singular values below this part of the largest are those of linearly dependent rows.
+const RANK: f64 = 1e-9;
+/// Rounds of a projection of positions.
+const MOST_ROUNDS: usize = 6;
+
+/// One row of `R` and `P`.
+struct Row {
+    /// Index of the contact.
+    of: usize,
+    /// What it measures, and what it pushes, in the basis of the contact.
+    measures: Vector3<f64>,
+    pushes: Vector3<f64>,
+}
+
+impl Contacts {
+    /// The direction in which a contact slips.
+    fn direction(&self, closed: &Closed) -> Vector3<f64> {
+        let Mode::Slip(held) = closed.mode else { return Vector3::zeros() };
+        let (slip, speed) = (closed.slip, closed.slip.norm());
+        let n = closed.meeting.normal;
+        let flat = (held - n * n.dot(&held)).try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        if held == Vector3::zeros() || closed.straight || slip.dot(&flat) <= 0.0 {
+            return flat;
+        }
+        if speed >= self.kept {
+            return slip / speed;
+        }
+        let part = speed / self.kept;
+        (slip / self.kept + flat * (1.0 - part)).try_normalize(0.0).unwrap_or(flat)
+    }
+
+    fn rows(&self) -> Vec<Row> {
+        let mut rows = Vec::new();
+        for (of, (closed, frame)) in self.closed.iter().zip(&self.frames).enumerate() {
+            let mut add = |measures: Vector3<f64>, pushes: Vector3<f64>| rows.push(Row { of, measures, pushes });
+            match closed.mode {
+                Mode::Spare => {}
+                Mode::Stick => [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().for_each(|e| add(e, e)),
+                Mode::Slip(_) => {
+                    let friction = self.law(closed.key.couple).friction.slide;
+                    let d = frame.flat(&self.direction(closed));
+                    add(Vector3::x(), Vector3::new(1.0, -friction * d.x, -friction * d.y));
+                    if closed.straight {
+                        let across = Vector3::new(0.0, -d.y, d.x);
+                        add(across, across);
+                    }
+                }
+            }
+        }
+        rows
+    }
+
+    /// Adds to accelerations of the system without contact what closed contacts push; keeps their forces.
+    ///
+    /// # Errors
+    /// A system that cannot be evaluated.
+    pub(in crate::simulate) fn correct(
+        &mut self,
+        system: &mut System,
+        q: &[f64],
+        v: &[f64],
+        a: &mut [f64],
+    ) -> Result<(), Fault> {
+        self.stand(system, q, v);
+        let rows = self.rows();
+        self.closed.iter_mut().for_each(|closed| closed.force = Vector3::zeros());
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let answers = self.answers(system, q, v, &rows);
+        let rates = rows.iter().map(|row| {
+            let frame = &self.frames[row.of];
+            -(frame.rates(a) + frame.bias).dot(&row.measures)
+        });
+        let forces = solve(self.matrix(&rows, &answers), DVector::from_iterator(rows.len(), rates));
+        for ((row, answer), force) in rows.iter().zip(&answers).zip(forces.iter()) {
+            a.iter_mut().zip(answer).for_each(|(a, x)| *a += force * x);
+            let closed = &mut self.closed[row.of];
+            closed.force += self.frames[row.of].basis * (row.pushes * *force);
+            if closed.straight && row.measures.x == 0.0 {
+                closed.across = *force;
+            }
+        }
+        if self.resting {
+            a.fill(0.0);
+        }
+        self.press(system);
+        Ok(())
+    }
+
+    /// Hands the forces to the system, so that reactions and powers have them.
+    fn press(&self, system: &mut System) {
+        let places: Vec<_> = self.frames.iter().map(|frame| (frame.links, frame.meeting.point)).collect();
+        for ((links, point), closed) in places.into_iter().zip(&self.closed) {
+            for (link, sign) in links.into_iter().zip([-1.0, 1.0]) {
+                let (at, force) = (system.links()[link].position, closed.force * sign);
+                system.pressed()[link] += Wrench { force, moment: (point - at).cross(&force) };
+            }
+        }
+    }
+
+    /// `M⁻¹ Pᵀ`.
+    fn answers(&self, system: &mut System, q: &[f64], v: &[f64], rows: &[Row]) -> Vec<Vec<f64>> {
+        let mut impulse = vec![0.0; v.len()];
+        rows.iter()
+            .map(|row| {
+                impulse.fill(0.0);
+                self.frames[row.of].push(&row.pushes, &mut impulse);
+                let mut change = vec![0.0; v.len()];
+                respond(system, q, v, &impulse, &mut change);
+                change
+            })
+            .collect()
+    }
+
+    /// `R M⁻¹ Pᵀ`.
+    fn matrix(&self, rows: &[Row], answers: &[Vec<f64>]) -> DMatrix<f64> {
+        DMatrix::from_fn(rows.len(), rows.len(), |i, j| self.measured(&rows[i], &answers[j]))
+    }
+
+    fn measured(&self, row: &Row, x: &[f64]) -> f64 {
+        let frame = &self.frames[row.of];
+        (0..3).filter(|k| row.measures[*k] != 0.0).map(|k| row.measures[k] * along(&frame.columns[k], x)).sum()
+    }
+
+    /// Brings a state back onto closed contacts after a step; whether that changed it. The system has been evaluated there.
+    ///
+    /// # Errors
+    /// A system that cannot be evaluated.
+    pub(in crate::simulate) fn project(
+        &mut self,
+        system: &mut System,
+        time: f64,
+        q: &mut [f64],
+        v: &mut [f64],
+    ) -> Result<bool, Fault> {
+        if self.closed.is_empty() || self.resting {
+            return Ok(false);
+        }
+        let mut scratch = vec![0.0; v.len()];
+        let mut moved = false;
+        for _ in 0..MOST_ROUNDS {
+            let off = {
+                self.refresh(system, time, q, v, &mut scratch)?;
+                let off = |(closed, frame): (&Closed, &Frame)| match closed.mode {
+                    Mode::Spare => 0.0,
+                    _ => frame.meeting.gap - closed.gap,
+                };
+                self.closed.iter().zip(&self.frames).map(off).collect::<Vec<_>>()
+            };
+            let size = self.model.length_scale();
+            if !off.iter().any(|off| off.abs() > 1e-13 * size) {
+                break;
+            }
+            moved = true;
+            let by = self.lifted(system, q, v, &off);
+            System::displace(&self.model, q, &by);
+        }
+        let rows = self.kept_rows();
+        let speeds: Vec<f64> = rows.iter().map(|row| self.frames[row.of].speed.dot(&row.measures)).collect();
+        let tolerance = 1e-13 * v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        if !rows.is_empty() && speeds.iter().any(|u| u.abs() > tolerance) {
+            let answers = self.answers(system, q, v, &rows);
+            let change =
+                solve(self.matrix(&rows, &answers), DVector::from_iterator(rows.len(), speeds.iter().map(|u| -u)));
+            for (answer, f) in answers.iter().zip(change.iter()) {
+                v.iter_mut().zip(answer).for_each(|(v, x)| *v += f * x);
+            }
+            moved = true;
+        }
+        Ok(moved)
+    }
+
+    /// Frames and a factorization at a state.
+    pub(super) fn refresh(
+        &mut self,
+        system: &mut System,
+        time: f64,
+        q: &[f64],
+        v: &[f64],
+        a: &mut [f64],
+    ) -> Result<(), Fault> {
+        system.pressed().fill(Wrench::ZERO);
+        system.at(time, q, v).accelerations(a)?;
+        self.stand(system, q, v);
+        Ok(())
+    }
+
+    /// Rows that velocities have to meet: symmetric ones.
+    fn kept_rows(&self) -> Vec<Row> {
+        let mut rows = self.rows();
+        rows.iter_mut().for_each(|row| row.pushes = row.measures);
+        rows
+    }
+
+    /// The shortest displacement, in the metric of the inertia, that takes these gaps away.
+    pub(super) fn lifted(&self, system: &mut System, q: &[f64], v: &[f64], gaps: &[f64]) -> Vec<f64> {
+        let e = Vector3::x();
+        let rows: Vec<Row> = (0..gaps.len()).map(|of| Row { of, measures: e, pushes: e }).collect();
+        let answers = self.answers(system, q, v, &rows);
+        let found =
+            solve(self.matrix(&rows, &answers), DVector::from_iterator(gaps.len(), gaps.iter().map(|gap| -gap)));
+        let mut by = vec![0.0; v.len()];
+        for (answer, f) in answers.iter().zip(found.iter()) {
+            by.iter_mut().zip(answer).for_each(|(by, x)| *by += f * x);
+        }
+        by
+    }
+}
+
+/// The solution of least norm of rows that may be linearly dependent, each in units of its own entry.
+fn solve(mut matrix: DMatrix<f64>, mut rates: DVector<f64>) -> DVector<f64> {
+    let n = rates.len();
+    let units: Vec<f64> = (0..n).map(|i| matrix[(i, i)].abs().sqrt().recip()).collect();
+    let units: Vec<f64> = units.into_iter().map(|unit| if unit.is_finite() { unit } else { 0.0 }).collect();
+    for i in 0..n {
+        (0..n).for_each(|j| matrix[(i, j)] *= units[i] * units[j]);
+        rates[i] *= units[i];
+    }
+    let mut found = if n == 1 {
+        if matrix[(0, 0)] == 0.0 { DVector::zeros(1) } else { rates / matrix[(0, 0)] }
+    } else {
+        let parts = matrix.svd(true, true);
+        let cut = RANK * parts.singular_values.max();
+        parts.solve(&rates, cut).unwrap_or_else(|_| DVector::zeros(n))
+    };
+    found.iter_mut().zip(&units).for_each(|(x, unit)| *x *= unit);
+    found
+}

@@ -1,0 +1,183 @@
+//! Numbers whose change of sign is an event of contact.
+
+use super::cone::Law;
+use super::frame::{problem, responses};
+use super::{Contacts, GAP, LOOSE, Mode, STRAIGHT};
+use crate::dynamics::{Fault, System};
+use crate::simulate::state::State;
+use nalgebra::Vector3;
+
+/// What is watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::simulate) enum Aspect {
+    /// Gap of a couple where it is not closed.
+    Gap(usize),
+    /// How far the forces of all closed contacts are within their cones, in parts of the largest.
+    Reserve,
+    /// How far closed contacts are inside of where they count.
+    Inside,
+    /// How far what keeps slips straight is below [`super::STRAIGHT`].
+    Straight,
+    /// Slip of a closed contact along the direction in which it began.
+    Slip(usize),
+}
+
+/// Forces beyond their cones by less than this part are round-off of what balances them.
+pub(super) const BEYOND: f64 = 1e-8;
+
+impl Contacts {
+    /// What there is to watch in the mode.
+    pub(in crate::simulate) fn aspects(&self) -> Vec<Aspect> {
+        let mut aspects: Vec<Aspect> = (0..self.pairs.couples.len()).map(Aspect::Gap).collect();
+        if !self.closed.is_empty() {
+            aspects.extend([Aspect::Reserve, Aspect::Inside]);
+        }
+        let slips = |at: usize| matches!(self.closed[at].mode, Mode::Slip(direction) if direction != Vector3::zeros());
+        aspects.extend(self.closed.iter().any(|closed| closed.straight).then_some(Aspect::Straight));
+        aspects.extend((0..self.closed.len()).filter(|at| slips(*at)).map(Aspect::Slip));
+        aspects
+    }
+
+    /// What is rounding of an aspect.
+    pub(in crate::simulate) fn band(&self, aspect: Aspect) -> f64 {
+        match aspect {
+            Aspect::Gap(couple) => 1e-4 * GAP * self.pairs.couples[couple].size,
+            Aspect::Reserve => BEYOND,
+            Aspect::Inside | Aspect::Straight => 0.0,
+            Aspect::Slip(_) => 1e-3 * self.slow,
+        }
+    }
+
+    /// An aspect and its rate where [`Contacts::correct`] was last, whose hinge accelerations were `a`; rate 0 if it is not known.
+    pub(in crate::simulate) fn watched(&self, aspect: Aspect, system: &System) -> [f64; 2] {
+        match aspect {
+            Aspect::Gap(couple) => self.gap(couple, system),
+            Aspect::Reserve => [self.reserve(), 0.0],
+            Aspect::Inside => [self.inside(), 0.0],
+            Aspect::Straight => [STRAIGHT - self.bent(), 0.0],
+            Aspect::Slip(at) => {
+                let closed = &self.closed[at];
+                let Mode::Slip(held) = closed.mode else { return [1.0, 0.0] };
+                [closed.slip.dot(&held), 0.0]
+            }
+        }
+    }
+
+    /// The largest force that keeps a slip straight, in parts of friction.
+    pub(super) fn bent(&self) -> f64 {
+        let each = self.closed.iter().filter(|closed| closed.straight).map(|closed| {
+            let friction = self.law(closed.key.couple).friction.slide * closed.meeting.normal.dot(&closed.force);
+            closed.across.abs() / friction.abs().max(1e-9 * self.scale)
+        });
+        each.fold(0.0, f64::max)
+    }
+
+    fn inside(&self) -> f64 {
+        let each = self.closed.iter().map(|closed| {
+            let size = self.pairs.couples[closed.key.couple].size;
+            closed.meeting.inside + LOOSE * size
+        });
+        each.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The smallest gap of a couple among pairs that are not closed, and its rate.
+    fn gap(&self, couple: usize, system: &System) -> [f64; 2] {
+        let apart = self.pairs.apart(couple);
+        let [a, b] = self.pairs.couples[couple].pieces;
+        let links = [a, b].map(|piece| &system.links()[self.pairs.pieces[piece].link]);
+        let speed =
+            |i: usize, x: &Vector3<f64>| links[i].velocity + links[i].angular_velocity.cross(&(x - links[i].position));
+        if apart > 0.0 {
+            let (from, to) = (self.pairs.middle(a), self.pairs.middle(b));
+            let rate = (to - from).normalize().dot(&(speed(1, &to) - speed(0, &from)));
+            return [apart, rate];
+        }
+        let size = self.pairs.couples[couple].size;
+        let overlap = std::cell::OnceCell::new();
+        let mut best = [f64::INFINITY, 0.0];
+        self.pairs.meetings(couple, 0.0, f64::INFINITY, |meeting| {
+            let is_closed = self.closed.iter().any(|closed| {
+                closed.key.couple == couple
+                    && closed.mode != Mode::Spare
+                    && (closed.key.features == meeting.features
+                        || (closed.meeting.point - meeting.point).norm() < 10.0 * LOOSE * size)
+            });
+            // Features that are behind each other are none of shapes that are apart.
+            let counts = || meeting.gap > -GAP * size || *overlap.get_or_init(|| self.pairs.overlap(couple));
+            if !is_closed && meeting.gap < best[0] && counts() {
+                let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
+                best = [meeting.gap, meeting.normal.dot(&u)];
+            }
+        });
+        best
+    }
+
+    /// Of forces of least norm; of those that are best where rows are linearly dependent, see [`Contacts::group`].
+    fn reserve(&self) -> f64 {
+        let each = self.closed.iter().filter(|closed| closed.mode != Mode::Spare).map(|closed| {
+            let n = closed.meeting.normal.dot(&closed.force);
+            let across = (closed.force - closed.meeting.normal * n).norm();
+            let friction = self.law(closed.key.couple).friction.stick;
+            if closed.mode == Mode::Stick { n.min(friction * n - across) } else { n }
+        });
+        each.fold(f64::INFINITY, f64::min) / self.scale
+    }
+
+    /// Whether there are forces within the cones with the accelerations of the rows, those of least norm being none: asked of the
+    /// cone problem with slips as they are.
+    ///
+    /// # Errors
+    /// A system that cannot be evaluated.
+    pub(in crate::simulate) fn group(&mut self, system: &mut System, time: f64, state: &State) -> Result<bool, Fault> {
+        if self.closed.len() < 2 {
+            return Ok(false);
+        }
+        let State { position: q, velocity: v } = state;
+        let mut a = vec![0.0; v.len()];
+        let guess: Vec<Vector3<f64>> =
+            self.closed.iter().zip(&self.frames).map(|(closed, frame)| frame.basis.tr_mul(&closed.force)).collect();
+        self.refresh(system, time, q, v, &mut a)?;
+        let answers = responses(system, q, v, &self.frames);
+        let rates: Vec<Vector3<f64>> = self.frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
+        let laws = self.laws(&self.frames, 0.0);
+        let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
+        let found = problem(&self.frames, &answers, rates, laws).solve(&guess, 1e-13, 4000);
+        let holds = self.closed.iter().zip(&found.rates).all(|(closed, rate)| match closed.mode {
+            Mode::Stick => rate.amax() <= BEYOND * size,
+            Mode::Slip(_) | Mode::Spare => rate.x <= BEYOND * size,
+        });
+        Ok(holds)
+    }
+
+    /// The laws of contacts as they move; friction at rest is `less` than it is by that part.
+    pub(super) fn laws(&self, frames: &[super::Frame], less: f64) -> Vec<Law> {
+        let law = |frame: &super::Frame| {
+            let friction = self.law(frame.key.couple).friction;
+            let slip = frame.slip();
+            let held = self.closed.iter().find(|closed| closed.key == frame.key).map(|closed| closed.mode);
+            match (held, slip.norm()) {
+                (_, speed) if speed > self.slow => {
+                    Law::Sliding { friction: friction.slide, direction: frame.flat(&(slip / speed)) }
+                }
+                _ => Law::Coulomb {
+                    stick: friction.stick * (1.0 - less),
+                    slide: friction.slide.min(friction.stick * (1.0 - less)),
+                },
+            }
+        };
+        frames.iter().map(law).collect()
+    }
+
+    /// At the end of a step: what slips goes on in the direction that it has then.
+    pub(in crate::simulate) fn turn_along(&mut self) {
+        let kept = self.kept;
+        for closed in &mut self.closed {
+            if let Mode::Slip(direction) = &mut closed.mode
+                && *direction != Vector3::zeros()
+                && closed.slip.norm() > 1e-3 * kept
+            {
+                *direction = closed.slip.normalize();
+            }
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Contact in motion within the time loop.
+
+use super::Run;
+use crate::simulate::contact::{Contacts, Trouble};
+use crate::simulate::error::RunError;
+use crate::simulate::events::{Kind, Occurrence};
+use crate::simulate::problem::Motion;
+use crate::simulate::resting;
+use crate::simulate::settings::Settings;
+use std::sync::Arc;
+
+use crate::model::Model;
+
+/// Lets bodies touch from now on.
+///
+/// # Errors
+/// [`RunError::Contact`] of a shape that cannot.
+pub(super) fn allow(motion: &mut Motion, model: &Arc<Model>, settings: &Settings) -> Result<(), RunError> {
+    let refuse = |why: String| RunError::Contact { name: model.contacts[0].name.clone(), why };
+    let mut contacts = Contacts::new(model, settings.gap).map_err(|why| refuse(why.to_string()))?;
+    contacts.set_tolerance(motion.slowest(settings.absolute_tolerance));
+    motion.contacts = Some(Box::new(contacts));
+    Ok(())
+}
+
+fn told(time: f64, trouble: Trouble) -> RunError {
+    match trouble {
+        Trouble::Fault(fault) => RunError::Sample { time, fault },
+        Trouble::Contact { between, why } => RunError::Touch { time, between, why },
+    }
+}
+
+impl Run<'_, '_> {
+    /// Looks at events from a time on.
+    pub(super) fn arm(&mut self, motion: &mut Motion, time: f64) {
+        if let Some(events) = &mut self.events {
+            events.arm(motion, time, &self.state);
+        }
+    }
+
+    /// Resolves what contacts do at an instant, after everything else that changes there; `at_limit` if a force has left its cone.
+    ///
+    /// # Errors
+    /// [`RunError::Touch`], or a state that cannot be evaluated.
+    pub(super) fn touch(&mut self, motion: &mut Motion, time: f64, at_limit: bool) -> Result<(), RunError> {
+        let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
+        let before = system.at(time, &self.state.position, &self.state.velocity).energies();
+        let changed =
+            contacts.resolve(system, time, &mut self.state, at_limit).map_err(|trouble| told(time, trouble))?;
+        let after = system.at(time, &self.state.position, &self.state.velocity).energies();
+        self.ledger.lose(changed.lost);
+        // Only a blow does work on what drives move.
+        if changed.told.iter().any(|told| told.kind == Kind::Strikes) && !self.model.drives.is_empty() {
+            self.ledger.put_in(after.kinetic - before.kinetic + changed.lost);
+        }
+        let rules = &self.model.contacts;
+        let occurrence = |told: crate::simulate::contact::Told| Occurrence {
+            time,
+            kind: told.kind,
+            name: rules[told.rule].name.clone(),
+            value: 0.0,
+            speed: told.speed,
+            between: Some(told.between),
+        };
+        if let Some(events) = &mut self.events {
+            events.happened.extend(changed.told.into_iter().map(occurrence));
+        }
+        if resting::is_steady(self.model) && self.control.is_none() {
+            let mut a = vec![0.0; self.state.velocity.len()];
+            let fault = |fault| RunError::Sample { time, fault };
+            motion.accelerations(time, &self.state.position, &self.state.velocity, &mut a).map_err(fault)?;
+            if let Some(contacts) = &mut motion.contacts {
+                contacts.comes_to_rest(&mut self.state, &a);
+            }
+        }
+        Ok(())
+    }
+}
