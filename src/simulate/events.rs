@@ -267,7 +267,7 @@ impl Events {
             left = right;
         }
         self.turn_along(motion, to);
-        motion.contacts.iter_mut().for_each(|contacts| contacts.turn_along());
+        motion.contacts.iter_mut().for_each(|contacts| contacts.turn_along(to - from));
         Ok(None)
     }
 

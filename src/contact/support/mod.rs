@@ -29,8 +29,10 @@
 //! balance is missed, how far forces lie outside of their cones, and the gap between the bounds of (P) and (D).
 
 mod programs;
+mod slack;
 mod solver;
 
+pub use slack::slack;
 use std::ops::Range;
 
 /// What the forces of one support may be; eq. (2).

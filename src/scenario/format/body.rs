@@ -100,8 +100,8 @@ pub const SHAPE: Table = Table {
         Key::new("cylinder", ROUNDED, "Radius and length, along its z.").unit("m").example("[0.05, 1.0]"),
         Key::new(
             "capsule",
-            ROUNDED,
-            "Radius and length of the cylindrical part, along its z, with half spheres on both ends.",
+            EDGED,
+            "Radius (0: an edge) and length of the cylindrical part, along its z, with half spheres on both ends.",
         )
         .unit("m")
         .example("{ radius = 0.05, length = 1.0 }"),
@@ -145,12 +145,25 @@ pub const SHAPE: Table = Table {
     ],
 };
 
+/// The size of a capsule: without a radius it is an edge.
+const EDGED: Kind = Kind::Either(&[Kind::List(&NOT_NEGATIVE, &[2]), Kind::Table(&EDGE)]);
 const ROUNDED: Kind = Kind::Either(&[Kind::List(&POSITIVE, &[2]), Kind::Table(&ROUND)]);
 
-/// The size of a cylinder or capsule.
+/// The size of a capsule.
+const EDGE: Table = Table {
+    name: "size",
+    doc: "The size of a capsule; `[radius, length]` says the same.",
+    types: &[],
+    keys: &[
+        Key::new("radius", NOT_NEGATIVE, "Radius; 0 is an edge.").unit("m").required().example("0.05"),
+        Key::new("length", POSITIVE, "Length of the cylindrical part.").unit("m").required().example("1.0"),
+    ],
+};
+
+/// The size of a cylinder.
 pub const ROUND: Table = Table {
     name: "size",
-    doc: "The size of a cylinder or capsule; `[radius, length]` says the same.",
+    doc: "The size of a cylinder; `[radius, length]` says the same.",
     types: &[],
     keys: &[
         Key::new("radius", POSITIVE, "Radius.").unit("m").required().example("0.05"),

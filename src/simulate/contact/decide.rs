@@ -1,8 +1,9 @@
 //! An instant of contact: blows, what touches afterwards, and whether it sticks, slips or lifts.
 
-use super::cone::State as Did;
+use super::cone::{Answer, State as Did};
 use super::frame::{Frame, problem, responses};
-use super::impact::{FOUND, MOST_SWEEPS};
+use super::impact::FOUND;
+use super::watch::BEYOND;
 use super::{Closed, Contacts, GAP, Mode, STRAIGHT, Trouble};
 use crate::dynamics::{Fault, System};
 use crate::simulate::events::Kind;
@@ -15,8 +16,15 @@ const MOST_ROUNDS: usize = 60;
 const LESS: f64 = 1e-7;
 /// What slips accelerates by more than this part of the largest acceleration.
 const SLIPS: f64 = 1e-9;
-/// Accelerations below this part of the largest are round-off.
-const ROUND_OFF: f64 = 1e-9;
+/// What is open sinks by no more than this part of the largest acceleration.
+const SINKS: f64 = 1e-7;
+/// Directions that differ by less are one, of what slips and of what begins to.
+const PARALLEL: f64 = 1e-6;
+const ALIKE: f64 = 0.5;
+/// Turns of the directions of slips that begin.
+const MOST_TURNS: usize = 20;
+/// Sweeps of the cone problem until its modes are tried, more of them each time: they may be right long before its forces are.
+const SWEEPS: [usize; 3] = [200, 5_000, 50_000];
 /// The whole scene rests if nothing accelerates by more than this part of the scene's own acceleration: what forces within cones balance.
 const STILL: f64 = 1e-8;
 
@@ -135,6 +143,9 @@ impl Contacts {
 
     /// Takes from velocities what closed contacts do not allow, all of it below the speed of rest.
     fn hold(&mut self, system: &mut System, time: f64, state: &mut State) -> Result<(), Fault> {
+        let mut a = vec![0.0; state.velocity.len()];
+        self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
+        self.choose(system, &state.position, &state.velocity);
         self.project(system, time, &mut state.position, &mut state.velocity).map(drop)
     }
 
@@ -143,59 +154,132 @@ impl Contacts {
         if self.closed.is_empty() {
             return Ok(());
         }
-        let n = state.velocity.len();
-        let mut a = vec![0.0; n];
+        let mut a = vec![0.0; state.velocity.len()];
         self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
         let frames = self.frames.clone();
         let answers = responses(system, &state.position, &state.velocity, &frames);
         let rates: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
         let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
         let problem = problem(&frames, &answers, rates, self.laws(&frames, less));
-        let found = problem.solve(&vec![Vector3::zeros(); frames.len()], FOUND, MOST_SWEEPS);
-        if found.change > 1e-8 || found.forces.iter().any(|f| !f.iter().all(|x| x.is_finite())) {
-            let worst = found.forces.iter().position(|f| !f.iter().all(|x| x.is_finite()));
-            let between = self.between(frames[worst.unwrap_or(0)].key.couple);
-            let why = match worst {
-                Some(_) => {
-                    "pressing harder does not lift what slides there (Painlevé's paradox): rigid bodies with this \
-                            friction have no acceleration"
-                        .to_owned()
-                }
-                None => format!("the forces of {} contacts are not found in {} sweeps", frames.len(), found.sweeps),
-            };
-            return Err(Trouble::Contact { between, why });
+        let mut forces = vec![Vector3::zeros(); frames.len()];
+        let touching = std::mem::take(&mut self.closed);
+        for sweeps in SWEEPS {
+            let found = problem.solve(&forces, FOUND, sweeps);
+            if let Some(worst) = found.forces.iter().position(|f| !f.iter().all(|x| x.is_finite())) {
+                let why = "pressing harder does not lift what slides there (Painlevé's paradox): rigid bodies with this friction \
+                           have no acceleration";
+                return Err(Trouble::Contact { between: self.between(frames[worst].key.couple), why: why.to_owned() });
+            }
+            self.read(&touching, &frames, &found, size);
+            if self.fits(system, state, &frames, size)? || found.change <= FOUND {
+                return Ok(());
+            }
+            forces = found.forces;
         }
-        let mut kept = Vec::new();
-        for (k, mut closed) in std::mem::take(&mut self.closed).into_iter().enumerate() {
-            let (force, rate) = (found.forces[k], found.rates[k]);
+        let why = format!("the forces of {} contacts are not found", frames.len());
+        Err(Trouble::Contact { between: self.between(frames[0].key.couple), why })
+    }
+
+    /// Reads modes off an answer.
+    fn read(&mut self, touching: &[Closed], frames: &[Frame], found: &Answer, size: f64) {
+        // What has not been found yet slips if it does so clearly.
+        let slips = if found.change <= FOUND { SLIPS } else { SLIPS.max(1e-4) } * size;
+        self.closed.clear();
+        for (k, closed) in touching.iter().enumerate() {
+            let (force, rate, mut closed) = (found.forces[k], found.rates[k], closed.clone());
             let frictionless = self.law(closed.key.couple).friction.stick == 0.0;
             closed.mode = match (found.states[k], closed.mode) {
-                (Did::Open, _) if rate.x > ROUND_OFF * size => continue,
+                (Did::Open, _) if rate.x > slips => continue,
                 (Did::Open, _) => Mode::Spare,
                 (Did::Stick, _) => Mode::Stick,
                 (Did::Slip, _) if frictionless => Mode::Slip(Vector3::zeros()),
                 (Did::Slip, Mode::Slip(direction)) => Mode::Slip(direction),
-                (Did::Slip, _) if rate.yz().norm() <= SLIPS * size => Mode::Stick,
+                (Did::Slip, _) if rate.yz().norm() <= slips => Mode::Stick,
                 (Did::Slip, _) => {
-                    let against = -(frames[k].basis.column(1) * force.y + frames[k].basis.column(2) * force.z);
-                    let along = frames[k].basis.column(1) * rate.y + frames[k].basis.column(2) * rate.z;
-                    let direction = against.try_normalize(0.0).or_else(|| along.try_normalize(0.0));
+                    let across = |x: Vector3<f64>| frames[k].basis.column(1) * x.y + frames[k].basis.column(2) * x.z;
+                    let direction = (-across(force)).try_normalize(0.0).or_else(|| across(rate).try_normalize(0.0));
                     Mode::Slip(direction.unwrap_or_else(|| frames[k].basis.column(1).into_owned()))
                 }
             };
             closed.force = frames[k].basis * force;
-            closed.straight = matches!(closed.mode, Mode::Slip(direction) if direction != Vector3::zeros());
-            kept.push(closed);
+            closed.straight = false;
+            self.closed.push(closed);
         }
-        self.closed = kept;
-        self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
-        self.correct(system, &state.position, &state.velocity, &mut a)?;
-        if self.bent() > 1e-3 * STRAIGHT {
-            self.closed.iter_mut().for_each(|closed| closed.straight = false);
-        }
+        self.straighten();
         let largest = found.forces.iter().map(|f| f.amax()).fold(0.0, f64::max);
         self.scale = if largest > 0.0 { largest } else { self.scale };
-        Ok(())
+    }
+
+    /// Contacts of a couple that slip in one direction, nearly, do so straight on, in the mean of them.
+    fn straighten(&mut self) {
+        for at in 0..self.closed.len() {
+            let couple = self.closed[at].key.couple;
+            if self.closed[..at].iter().any(|closed| closed.key.couple == couple) {
+                continue;
+            }
+            let own: Vec<usize> = (at..self.closed.len()).filter(|i| self.closed[*i].key.couple == couple).collect();
+            let slip = |i: &usize| match self.closed[*i].mode {
+                Mode::Slip(direction) if direction != Vector3::zeros() => Some(direction),
+                _ => None,
+            };
+            let directions: Vec<Vector3<f64>> = own.iter().filter_map(slip).collect();
+            let Some(mean) = directions.iter().sum::<Vector3<f64>>().try_normalize(1e-3) else { continue };
+            let moves = own.iter().any(|i| self.closed[*i].slip.norm() > self.slow);
+            let near = if moves { PARALLEL } else { ALIKE };
+            let straight = directions.iter().all(|direction| (direction - mean).norm() <= near);
+            for i in own {
+                let closed = &mut self.closed[i];
+                if let Mode::Slip(direction) = &mut closed.mode
+                    && straight
+                    && *direction != Vector3::zeros()
+                {
+                    *direction = mean;
+                    closed.straight = true;
+                }
+            }
+        }
+    }
+
+    /// Turns slips that begin to where nothing keeps them straight; those that have a direction, and all if it is the `last` turn, go
+    /// on as they will.
+    fn turn(&mut self, last: bool) {
+        let mut couples: Vec<usize> =
+            self.closed.iter().filter(|closed| closed.straight).map(|closed| closed.key.couple).collect();
+        couples.dedup();
+        for couple in couples {
+            let own = |closed: &&Closed| closed.straight && closed.key.couple == couple;
+            let across: f64 = self.closed.iter().filter(own).map(|closed| closed.across).sum();
+            let moves = self.closed.iter().filter(own).any(|closed| closed.slip.norm() > self.slow);
+            let friction = self.rubs(couple);
+            let ends = last || moves || !(friction > 0.0);
+            for closed in self.closed.iter_mut().filter(|closed| closed.straight && closed.key.couple == couple) {
+                closed.straight = !ends;
+                if let Mode::Slip(direction) = &mut closed.mode
+                    && !ends
+                {
+                    let sideways = closed.meeting.normal.cross(direction);
+                    *direction = (*direction - sideways * (across / friction)).normalize();
+                }
+            }
+        }
+    }
+
+    /// Whether the rows of the modes give forces within their cones and let nothing sink that is open.
+    fn fits(&mut self, system: &mut System, state: &State, frames: &[Frame], size: f64) -> Result<bool, Fault> {
+        let (time, q, v) = (system.time(), &state.position, &state.velocity);
+        let mut a = vec![0.0; v.len()];
+        for turn in 0..=MOST_TURNS + 1 {
+            self.refresh(system, time, q, v, &mut a)?;
+            self.choose(system, q, v);
+            self.correct(system, q, v, &mut a)?;
+            let bent = self.bent();
+            if bent <= 1e-3 * STRAIGHT && (bent <= 1e-13 || turn == MOST_TURNS) {
+                break;
+            }
+            self.turn(turn >= MOST_TURNS);
+        }
+        let rises = |frame: &Frame| (frame.rates(&a) + frame.bias).x >= -SINKS * size;
+        Ok(self.reserve() >= -BEYOND && frames.iter().all(rises))
     }
 
     /// What has changed for couples, beside blows.

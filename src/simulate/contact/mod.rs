@@ -15,8 +15,7 @@
 //!
 //! **The direction of slip** turns at a rate that grows without bound as the slip gets slower: `|u| φ̇ = a_⊥`, with `a_⊥` what accelerates
 //! it across. Where nothing does, it is kept: a row `u_⊥ = 0` whose force λ_⊥ is none ([`STRAIGHT`]) takes the stiffness out, and
-//! an event ends it as soon as there is one. A slip that turns has its own direction, kept within a step below the speed [`KEPT`] as a
-//! sphere's in `nonsmooth.rs`, eq. (6).
+//! an event ends it as soon as there is one. A slip that turns has its own direction; below the speed [`KEPT`] that of the step's start.
 
 mod cone;
 mod decide;
@@ -35,7 +34,8 @@ use crate::model::Model;
 use crate::spatial::link::LinkAcceleration;
 use crate::statics::standing::Untouchable;
 pub(super) use decide::Told;
-use nalgebra::Vector3;
+use std::cell::OnceCell;
+use nalgebra::{DMatrix, DVector, Vector3};
 use std::sync::Arc;
 pub(super) use watch::Aspect;
 
@@ -92,6 +92,12 @@ pub(super) struct Contacts {
     kept: f64,
     carried: Vec<LinkAcceleration>,
     frames: Vec<Frame>,
+    /// `R M⁻¹ Pᵀ` and what rows lack without forces, in the last place.
+    last: (DMatrix<f64>, DVector<f64>),
+    /// Rows of the mode that are linearly independent.
+    independent: Vec<usize>,
+    /// How far forces are within their cones in the last place, once that is asked for.
+    reserve: OnceCell<f64>,
     pub(super) impacts: usize,
     /// A gap below this part of a shape's size is none.
     closing: f64,
@@ -101,8 +107,8 @@ pub(super) struct Contacts {
 const SLOW: f64 = 1e-9;
 /// A slip goes straight on if what holds it there is less than this part of friction.
 const STRAIGHT: f64 = 1e-6;
-/// The direction of slip is kept below this part of the scene's speed.
-const KEPT: f64 = 1e-5;
+/// The direction of a slip that turns is kept within a step below this part of the scene's speed.
+const KEPT: f64 = 1e-4;
 /// A rebound that rises by no more than this part of the scene's length is none: some roundings.
 const RISE: f64 = 64.0 * f64::EPSILON;
 
@@ -127,6 +133,9 @@ impl Contacts {
             kept: KEPT * speed,
             carried: Vec::new(),
             frames: Vec::new(),
+            last: (DMatrix::zeros(0, 0), DVector::zeros(0)),
+            independent: Vec::new(),
+            reserve: OnceCell::new(),
             impacts: 0,
             closing,
         })
@@ -192,10 +201,10 @@ impl Contacts {
         found.into_iter().map(frame).collect()
     }
 
-    /// The couples that touch and whether one of their contacts slips, with the relative spin.
+    /// The couples that bear and whether one of their contacts slips, with the relative spin.
     fn told(&self) -> Vec<(usize, bool)> {
         let mut told: Vec<(usize, bool)> = Vec::new();
-        for closed in &self.closed {
+        for closed in self.closed.iter().filter(|closed| closed.mode != Mode::Spare) {
             let slips = matches!(closed.mode, Mode::Slip(direction) if direction != Vector3::zeros());
             match told.iter_mut().find(|(couple, _)| *couple == closed.key.couple) {
                 Some((_, any)) => *any |= slips,

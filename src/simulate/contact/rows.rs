@@ -2,6 +2,7 @@
 
 use super::frame::{Frame, along, respond};
 use super::{Closed, Contacts, Mode};
+use crate::contact::support::{Cone, slack};
 use crate::dynamics::{Fault, System};
 use crate::spatial::Wrench;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -30,11 +31,7 @@ impl Contacts {
         if held == Vector3::zeros() || closed.straight || slip.dot(&flat) <= 0.0 {
             return flat;
         }
-        if speed >= self.kept {
-            return slip / speed;
-        }
-        let part = speed / self.kept;
-        (slip / self.kept + flat * (1.0 - part)).try_normalize(0.0).unwrap_or(flat)
+        if speed >= self.kept { slip / speed } else { flat }
     }
 
     fn rows(&self) -> Vec<Row> {
@@ -71,7 +68,8 @@ impl Contacts {
     ) -> Result<(), Fault> {
         self.stand(system, q, v);
         let rows = self.rows();
-        self.closed.iter_mut().for_each(|closed| closed.force = Vector3::zeros());
+        self.reserve.take();
+        self.closed.iter_mut().for_each(|closed| (closed.force, closed.across) = (Vector3::zeros(), 0.0));
         if rows.is_empty() {
             return Ok(());
         }
@@ -80,7 +78,9 @@ impl Contacts {
             let frame = &self.frames[row.of];
             -(frame.rates(a) + frame.bias).dot(&row.measures)
         });
-        let forces = solve(self.matrix(&rows, &answers), DVector::from_iterator(rows.len(), rates));
+        let (matrix, rates) = (self.matrix(&rows, &answers), DVector::from_iterator(rows.len(), rates));
+        let forces = self.solve(&matrix, &rates);
+        self.last = (matrix, rates);
         for ((row, answer), force) in rows.iter().zip(&answers).zip(forces.iter()) {
             a.iter_mut().zip(answer).for_each(|(a, x)| *a += force * x);
             let closed = &mut self.closed[row.of];
@@ -105,6 +105,32 @@ impl Contacts {
                 system.pressed()[link] += Wrench { force, moment: (point - at).cross(&force) };
             }
         }
+    }
+
+    /// Decides which rows of the mode are linearly independent, in the last place: by pivots of `R M⁻¹ Rᵀ`, the largest first.
+    pub(super) fn choose(&mut self, system: &mut System, q: &[f64], v: &[f64]) {
+        let rows = self.kept_rows();
+        let answers = self.answers(system, q, v, &rows);
+        self.independent = pivots(&self.matrix(&rows, &answers));
+    }
+
+    /// The solution of least norm, each row in units of its own entry: in the span of the independent rows.
+    fn solve(&self, matrix: &DMatrix<f64>, rates: &DVector<f64>) -> DVector<f64> {
+        let (n, kept) = (rates.len(), &self.independent);
+        if n == 1 {
+            return if matrix[(0, 0)] == 0.0 { DVector::zeros(1) } else { rates / matrix[(0, 0)] };
+        }
+        let units = units(matrix);
+        // λ = Bᵢᵀ (Bᵢ Bᵢᵀ)⁻¹ rᵢ by the QR factors of Bᵢᵀ.
+        let across = DMatrix::from_fn(n, kept.len(), |j, i| matrix[(kept[i], j)] * units[kept[i]] * units[j]);
+        let factors = across.qr();
+        let mut x = DVector::from_iterator(kept.len(), kept.iter().map(|i| rates[*i] * units[*i]));
+        if !factors.r().tr_solve_upper_triangular_mut(&mut x) {
+            x.fill(f64::NAN);
+        }
+        let mut found = factors.q() * x;
+        found.iter_mut().zip(&units).for_each(|(x, unit)| *x *= unit);
+        found
     }
 
     /// `M⁻¹ Pᵀ`.
@@ -169,8 +195,8 @@ impl Contacts {
         let tolerance = 1e-13 * v.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         if !rows.is_empty() && speeds.iter().any(|u| u.abs() > tolerance) {
             let answers = self.answers(system, q, v, &rows);
-            let change =
-                solve(self.matrix(&rows, &answers), DVector::from_iterator(rows.len(), speeds.iter().map(|u| -u)));
+            let rates = DVector::from_iterator(rows.len(), speeds.iter().map(|u| -u));
+            let change = self.solve(&self.matrix(&rows, &answers), &rates);
             for (answer, f) in answers.iter().zip(change.iter()) {
                 v.iter_mut().zip(answer).for_each(|(v, x)| *v += f * x);
             }
@@ -207,7 +233,7 @@ impl Contacts {
         let rows: Vec<Row> = (0..gaps.len()).map(|of| Row { of, measures: e, pushes: e }).collect();
         let answers = self.answers(system, q, v, &rows);
         let found =
-            solve(self.matrix(&rows, &answers), DVector::from_iterator(gaps.len(), gaps.iter().map(|gap| -gap)));
+            shortest(self.matrix(&rows, &answers), DVector::from_iterator(gaps.len(), gaps.iter().map(|gap| -gap)));
         let mut by = vec![0.0; v.len()];
         for (answer, f) in answers.iter().zip(found.iter()) {
             by.iter_mut().zip(answer).for_each(|(by, x)| *by += f * x);
@@ -216,11 +242,74 @@ impl Contacts {
     }
 }
 
+impl Contacts {
+    /// The largest slack of forces with the accelerations of the last place, see [`slack`], in parts of the scale; `None` if
+    /// forces are unique or that is not known.
+    pub(super) fn best(&self) -> Option<f64> {
+        let rows = self.rows();
+        let (matrix, rates) = &self.last;
+        if self.independent.len() == rows.len() || matrix.nrows() != rows.len() {
+            return None;
+        }
+        let units = units(matrix);
+        let n = rows.len();
+        let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * units[i] * units[j]);
+        let parts = scaled.svd(true, true);
+        let (u, v) = (parts.u.as_ref()?, parts.v_t.as_ref()?);
+        let cut = RANK * parts.singular_values.max();
+        let kept: Vec<usize> = (0..n).filter(|k| parts.singular_values[*k] > cut).collect();
+        if kept.len() == n {
+            return None;
+        }
+        // Forces in parts of the scale, slips straight on as free numbers.
+        let equation = |k: &usize| -> Vec<f64> { (0..n).map(|j| v[(*k, j)] / units[j]).collect() };
+        let equations: Vec<Vec<f64>> = kept.iter().map(equation).collect();
+        let right = kept.iter().map(|k| {
+            let rate: f64 = (0..n).map(|i| u[(i, *k)] * rates[i] * units[i]).sum();
+            rate / (parts.singular_values[*k] * self.scale)
+        });
+        let mut cones = Vec::new();
+        for row in &rows {
+            let closed = &self.closed[row.of];
+            match closed.mode {
+                Mode::Stick if row.measures.x != 0.0 => {
+                    cones.push(Cone::Coulomb { friction: self.law(closed.key.couple).friction.stick });
+                }
+                Mode::Stick | Mode::Spare => {}
+                Mode::Slip(_) if row.measures.x == 0.0 => cones.push(Cone::Free),
+                Mode::Slip(_) => cones.push(Cone::Ray),
+            }
+        }
+        slack(&equations, &right.collect::<Vec<_>>(), &cones).map(|(slack, _)| slack)
+    }
+}
+
+/// Rows of a symmetric positive semidefinite matrix that are linearly independent (Cholesky's factorization with complete pivoting).
+fn pivots(matrix: &DMatrix<f64>) -> Vec<usize> {
+    let (n, units) = (matrix.nrows(), units(matrix));
+    let mut left = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * units[i] * units[j]);
+    let mut kept = Vec::new();
+    for _ in 0..n {
+        let largest = (0..n).filter(|i| !kept.contains(i)).max_by(|a, b| left[(*a, *a)].total_cmp(&left[(*b, *b)]));
+        let Some(at) = largest.filter(|at| left[(*at, *at)] > RANK) else { break };
+        let column = left.column(at) / left[(at, at)].sqrt();
+        left -= &column * column.transpose();
+        kept.push(at);
+    }
+    kept.sort_unstable();
+    kept
+}
+
+/// What makes the rows of a matrix comparable: its diagonal is 1 with them.
+fn units(matrix: &DMatrix<f64>) -> Vec<f64> {
+    let unit = |i: usize| matrix[(i, i)].abs().sqrt().recip();
+    (0..matrix.nrows()).map(unit).map(|unit| if unit.is_finite() { unit } else { 0.0 }).collect()
+}
+
 /// The solution of least norm of rows that may be linearly dependent, each in units of its own entry.
-fn solve(mut matrix: DMatrix<f64>, mut rates: DVector<f64>) -> DVector<f64> {
+fn shortest(mut matrix: DMatrix<f64>, mut rates: DVector<f64>) -> DVector<f64> {
     let n = rates.len();
-    let units: Vec<f64> = (0..n).map(|i| matrix[(i, i)].abs().sqrt().recip()).collect();
-    let units: Vec<f64> = units.into_iter().map(|unit| if unit.is_finite() { unit } else { 0.0 }).collect();
+    let units = units(&matrix);
     for i in 0..n {
         (0..n).for_each(|j| matrix[(i, j)] *= units[i] * units[j]);
         rates[i] *= units[i];

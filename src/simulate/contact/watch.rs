@@ -1,10 +1,8 @@
 //! Numbers whose change of sign is an event of contact.
 
 use super::cone::Law;
-use super::frame::{problem, responses};
 use super::{Contacts, GAP, LOOSE, Mode, STRAIGHT};
-use crate::dynamics::{Fault, System};
-use crate::simulate::state::State;
+use crate::dynamics::System;
 use nalgebra::Vector3;
 
 /// What is watched.
@@ -66,10 +64,16 @@ impl Contacts {
     /// The largest force that keeps a slip straight, in parts of friction.
     pub(super) fn bent(&self) -> f64 {
         let each = self.closed.iter().filter(|closed| closed.straight).map(|closed| {
-            let friction = self.law(closed.key.couple).friction.slide * closed.meeting.normal.dot(&closed.force);
-            closed.across.abs() / friction.abs().max(1e-9 * self.scale)
+            let least = 1e-9 * self.scale;
+            closed.across.abs() / self.rubs(closed.key.couple).max(least)
         });
         each.fold(0.0, f64::max)
+    }
+
+    /// Friction of all that slips straight on of a couple (N).
+    pub(super) fn rubs(&self, couple: usize) -> f64 {
+        let own = self.closed.iter().filter(|closed| closed.straight && closed.key.couple == couple);
+        own.map(|closed| self.law(couple).friction.slide * closed.meeting.normal.dot(&closed.force)).sum()
     }
 
     fn inside(&self) -> f64 {
@@ -112,41 +116,20 @@ impl Contacts {
         best
     }
 
-    /// Of forces of least norm; of those that are best where rows are linearly dependent, see [`Contacts::group`].
-    fn reserve(&self) -> f64 {
+    /// Of forces of least norm; of those that are best if these are none and rows are linearly dependent.
+    pub(super) fn reserve(&self) -> f64 {
+        *self.reserve.get_or_init(|| self.look())
+    }
+
+    fn look(&self) -> f64 {
         let each = self.closed.iter().filter(|closed| closed.mode != Mode::Spare).map(|closed| {
             let n = closed.meeting.normal.dot(&closed.force);
             let across = (closed.force - closed.meeting.normal * n).norm();
             let friction = self.law(closed.key.couple).friction.stick;
             if closed.mode == Mode::Stick { n.min(friction * n - across) } else { n }
         });
-        each.fold(f64::INFINITY, f64::min) / self.scale
-    }
-
-    /// Whether there are forces within the cones with the accelerations of the rows, those of least norm being none: asked of the
-    /// cone problem with slips as they are.
-    ///
-    /// # Errors
-    /// A system that cannot be evaluated.
-    pub(in crate::simulate) fn group(&mut self, system: &mut System, time: f64, state: &State) -> Result<bool, Fault> {
-        if self.closed.len() < 2 {
-            return Ok(false);
-        }
-        let State { position: q, velocity: v } = state;
-        let mut a = vec![0.0; v.len()];
-        let guess: Vec<Vector3<f64>> =
-            self.closed.iter().zip(&self.frames).map(|(closed, frame)| frame.basis.tr_mul(&closed.force)).collect();
-        self.refresh(system, time, q, v, &mut a)?;
-        let answers = responses(system, q, v, &self.frames);
-        let rates: Vec<Vector3<f64>> = self.frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
-        let laws = self.laws(&self.frames, 0.0);
-        let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
-        let found = problem(&self.frames, &answers, rates, laws).solve(&guess, 1e-13, 4000);
-        let holds = self.closed.iter().zip(&found.rates).all(|(closed, rate)| match closed.mode {
-            Mode::Stick => rate.amax() <= BEYOND * size,
-            Mode::Slip(_) | Mode::Spare => rate.x <= BEYOND * size,
-        });
-        Ok(holds)
+        let least = each.fold(f64::INFINITY, f64::min) / self.scale;
+        if least < 0.0 { self.best().map_or(least, |best| best.max(least)) } else { least }
     }
 
     /// The laws of contacts as they move; friction at rest is `less` than it is by that part.
@@ -169,15 +152,18 @@ impl Contacts {
     }
 
     /// At the end of a step: what slips goes on in the direction that it has then.
-    pub(in crate::simulate) fn turn_along(&mut self) {
-        let kept = self.kept;
-        for closed in &mut self.closed {
-            if let Mode::Slip(direction) = &mut closed.mode
-                && *direction != Vector3::zeros()
-                && closed.slip.norm() > 1e-3 * kept
-            {
-                *direction = closed.slip.normalize();
+    pub(in crate::simulate) fn turn_along(&mut self, step: f64) {
+        let acceleration = self.model.gravity.norm();
+        for at in 0..self.closed.len() {
+            let friction = self.law(self.closed[at].key.couple).friction.slide;
+            let closed = &mut self.closed[at];
+            let (Mode::Slip(direction), speed) = (&mut closed.mode, closed.slip.norm()) else { continue };
+            if *direction == Vector3::zeros() || closed.straight || speed == 0.0 {
+                continue;
             }
+            // What hardly moves turns by a part: its direction is what the forces of a step leave of it.
+            let part = if speed > self.kept { 1.0 } else { (0.1 * speed / (step * friction * acceleration)).min(1.0) };
+            *direction = (*direction * (1.0 - part) + closed.slip * (part / speed)).normalize();
         }
     }
 }

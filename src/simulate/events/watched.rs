@@ -53,11 +53,7 @@ impl Events {
     fn contact(&mut self, motion: &mut Motion, aspect: Aspect, time: f64) -> [f64; 2] {
         self.press(motion, time);
         let Motion { contacts: Some(contacts), system, .. } = motion else { return [0.0; 2] };
-        let seen = contacts.watched(aspect, system);
-        if aspect == Aspect::Reserve && seen[0] < 0.0 && contacts.group(system, time, &self.state).unwrap_or(false) {
-            return [0.0; 2];
-        }
-        seen
+        contacts.watched(aspect, system)
     }
 
     /// A number of an output and its rate.
