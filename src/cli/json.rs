@@ -249,6 +249,8 @@ pub(super) fn run(model: &Arc<Model>, scenario: &str, recording: &str, start: Va
         "constraint_error": summary.constraint_error,
         "quaternion_error": quaternion_error(model, &summary.state),
         "events": summary.events.iter().map(event).collect::<Vec<_>>(),
+        "impacts": summary.impacts,
+        "capture_steps": summary.capture_steps,
         "stopped_by": summary.stopped_by,
         "samples": summary.samples,
         "final": {

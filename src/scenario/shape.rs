@@ -69,7 +69,8 @@ fn geometry(table: &Reader<'_>, solid: &str, folder: &Path) -> Option<Geometry> 
                 "cylinder" => Geometry::Cylinder { radius, length },
                 _ if length == 0.0 => {
                     let message = "a capsule of length 0 is a sphere".to_owned();
-                    let finding = Finding::error(table.span_of(solid), message).help("`sphere = radius`; a radius of 0 is a point");
+                    let finding = Finding::error(table.span_of(solid), message)
+                        .help("`sphere = radius`; a radius of 0 is a point");
                     table.findings.push_value(finding);
                     return None;
                 }

@@ -83,6 +83,10 @@ pub struct Summary {
     pub inputs: Vec<f64>,
     /// What the controllers remember at the end, in the order of the model.
     pub memories: Vec<Vec<f64>>,
+    /// Blows between bodies.
+    pub impacts: usize,
+    /// Steps that captured contacts instead of following their events.
+    pub capture_steps: usize,
     /// Number of samples handed to the recorder.
     pub samples: usize,
     /// Time spent in steps (s).
@@ -281,6 +285,8 @@ impl Run<'_, '_> {
             outputs: Vec::new(),
             inputs: motion.system.inputs().to_vec(),
             memories: self.control.map_or_else(Vec::new, |control| control.memories),
+            impacts: motion.contacts.as_ref().map_or(0, |contacts| contacts.impacts),
+            capture_steps: motion.contacts.as_ref().map_or(0, |contacts| contacts.captured()),
             samples: self.sampler.count,
             wall: self.wall,
         }
@@ -318,11 +324,14 @@ impl Run<'_, '_> {
                     return Err(self.creeps(motion, time, creep));
                 }
                 stopped |= !go_on(time, &self.state);
-                switch = turn.is_none() && choice.review(motion, stepper.as_ref());
+                switch = turn.is_none() && (choice.review(motion, stepper.as_ref()) || self.hands_back(motion, time));
             }
             self.statistics.add(stepper.statistics());
             let resume = self.resume(settings, choice.method, stepper.as_mut(), [origin, time]);
-            if switch {
+            if switch && self.hands_back(motion, time) {
+                self.hand_back(motion, time, choice.method)?;
+                self.mark_all(recorder)?;
+            } else if switch {
                 let (name, value) = (choice.method.name().to_owned(), time - stepper.previous_time());
                 self.mark(Occurrence { time, kind: Kind::Switch, name, value, speed: 0.0, between: None }, recorder)?;
             }
@@ -449,6 +458,9 @@ impl Run<'_, '_> {
             self.gap = self.gap.max(motion.at(until, &self.state.position, &self.state.velocity).gap());
         }
         self.sampler.close(motion, &mut self.ledger, stepper, until)?;
+        if let Some(contacts) = &mut motion.contacts {
+            self.ledger.lose(contacts.taken());
+        }
         self.ledger.close(&motion.energies(until, &self.state.position, &self.state.velocity));
         Ok(())
     }

@@ -71,6 +71,8 @@ pub struct Meeting {
 
 /// Edges that cross at a smaller angle have no normal of their own: their ends and faces do.
 const PARALLEL: f64 = 1e-6;
+/// A vertex of a solid that is turned by no more may be the next to touch a face (rad).
+const TILTED: f64 = 0.1;
 /// Triangles whose normals differ by less belong to one face.
 const FLAT: f64 = 1e-9;
 
@@ -165,6 +167,14 @@ impl Standing<'_> {
         others.map(|(_, v)| n.dot(&(at - v))).fold(f64::INFINITY, f64::min)
     }
 
+    /// How far all other vertices are before a face with this normal that a vertex touches, or turned behind it by less than
+    /// [`TILTED`] (m).
+    fn before(&self, n: &Vector3<f64>, vertex: u16) -> f64 {
+        let at = self.vertices[usize::from(vertex)];
+        let others = self.vertices.iter().enumerate().filter(|(i, _)| *i != usize::from(vertex));
+        others.map(|(_, v)| n.dot(&(v - at)) + TILTED * (v - at).norm()).fold(f64::INFINITY, f64::min)
+    }
+
     fn vertex_list(&self) -> impl Iterator<Item = Feature> + use<> {
         (0..self.vertices.len() as u16).map(Feature::Vertex)
     }
@@ -212,10 +222,12 @@ pub fn meeting(a: &Standing<'_>, b: &Standing<'_>, features: [Feature; 2]) -> Op
     match features {
         [Feature::Face(face), Feature::Vertex(vertex)] => {
             let (normal, foot, inside) = on_face(a, face, &b.vertices[usize::from(vertex)]);
+            let inside = if a.of.plane.is_some() { inside } else { inside.min(b.before(&normal, vertex)) };
             Some(make(normal, [foot, b.vertices[usize::from(vertex)]], [none; 2], inside))
         }
         [Feature::Vertex(vertex), Feature::Face(face)] => {
             let (normal, foot, inside) = on_face(b, face, &a.vertices[usize::from(vertex)]);
+            let inside = if b.of.plane.is_some() { inside } else { inside.min(a.before(&normal, vertex)) };
             Some(make(-normal, [a.vertices[usize::from(vertex)], foot], [none; 2], inside))
         }
         [Feature::Edge(one), Feature::Edge(other)] => {

@@ -107,6 +107,16 @@ impl Progress {
         problem.normalize(q);
     }
 
+    /// When the run ends, in s.
+    pub(crate) fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Takes note of an attempt that was given up.
+    pub(crate) fn reject(&mut self) {
+        self.statistics.rejected_steps += 1;
+    }
+
     /// What the run has cost so far.
     pub fn statistics(&self) -> &Statistics {
         &self.statistics

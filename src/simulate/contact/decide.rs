@@ -73,7 +73,7 @@ impl Contacts {
             if round == MOST_ROUNDS {
                 let worst = frames.iter().find(|frame| self.approaches(frame)).map_or(0, |frame| frame.key.couple);
                 let why = format!("{MOST_ROUNDS} rounds of blows at one instant leave them approaching");
-                return Err(Trouble::Contact { between: self.between(worst), why });
+                return Err(Trouble::Undecided { between: self.between(worst), why });
             }
             let blows = self.blows(system, state, &frames)?;
             changed.lost += blows.lost;
@@ -83,10 +83,14 @@ impl Contacts {
             }
         }
         let frames = self.meet(system, time, state)?;
+        if 3 * frames.len() > super::MOST_ROWS {
+            let why = format!("{} contacts are too many", frames.len());
+            return Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why });
+        }
         let near = |frame: &Frame| frame.speed.x < self.rest;
         let frames: Vec<Frame> = frames.into_iter().filter(near).collect();
         self.closing = GAP;
-        self.close(&frames);
+        self.close(&frames, struck.is_empty());
         self.hold(system, time, state)?;
         self.decide(system, time, state, if at_limit { LESS } else { -0.5 * LESS })?;
         self.tell(&before, &struck, &mut changed);
@@ -124,19 +128,24 @@ impl Contacts {
         Ok(())
     }
 
-    /// Contacts of these frames are closed from now on: those that slip do, others stick until it is decided.
-    fn close(&mut self, frames: &[Frame]) {
+    /// Contacts of these frames are closed from now on: those that slip do, others stick until it is decided; what stuck goes on to
+    /// if it is `undisturbed` by blows.
+    fn close(&mut self, frames: &[Frame], undisturbed: bool) {
         let closed = frames.iter().map(|frame| {
             let slip = frame.slip();
+            // Between two steps rows are met to the accuracy of the interpolation only.
+            let stuck = self.closed.iter().any(|was| was.key == frame.key && was.mode == Mode::Stick);
+            let slow = if undisturbed && stuck { self.kept } else { self.slow };
             let friction = self.law(frame.key.couple).friction;
-            let mode = match slip.norm() > self.slow {
+            let mode = match slip.norm() > slow {
                 _ if friction.stick == 0.0 => Mode::Slip(Vector3::zeros()),
                 true => Mode::Slip(slip.normalize()),
                 false => Mode::Stick,
             };
             let meeting = frame.meeting;
             let force = Vector3::zeros();
-            Closed { key: frame.key, mode, gap: meeting.gap, meeting, force, slip, straight: false, across: 0.0 }
+            let axis = frame.basis.column(1).into_owned();
+            Closed { key: frame.key, mode, axis, gap: meeting.gap, meeting, force, slip, straight: false, across: 0.0 }
         });
         self.closed = closed.collect();
     }
@@ -177,7 +186,7 @@ impl Contacts {
             forces = found.forces;
         }
         let why = format!("the forces of {} contacts are not found", frames.len());
-        Err(Trouble::Contact { between: self.between(frames[0].key.couple), why })
+        Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why })
     }
 
     /// Reads modes off an answer.

@@ -55,7 +55,8 @@ pub(super) fn carried(motion: &Motion, model: &Model, out: &mut Vec<LinkAccelera
 }
 
 impl Frame {
-    /// A contact where the links of `motion` are; `carried` as [`carried`].
+    /// A contact where the links of `motion` are; `carried` as [`carried`]. Its first tangent is that of `across`, so that it turns
+    /// with the normal and does not jump.
     pub(super) fn new(
         model: &Model,
         motion: &Motion,
@@ -63,10 +64,13 @@ impl Frame {
         carried: &[LinkAcceleration],
         key: Key,
         meeting: Meeting,
+        across: Option<Vector3<f64>>,
     ) -> Self {
         let pieces = pairs.couples[key.couple].pieces.map(|piece| &pairs.pieces[piece]);
         let links = pieces.map(|piece| piece.link);
-        let [first, second] = tangents(&meeting.normal);
+        let n = meeting.normal;
+        let first = across.and_then(|across| (across - n * n.dot(&across)).try_normalize(0.1));
+        let [first, second] = first.map_or_else(|| tangents(&n), |first| [first, n.cross(&first)]);
         let basis = Matrix3::from_columns(&[meeting.normal, first, second]);
         let moving = links.map(|link| &motion.links[link]);
         let (at, velocities) = (moving.map(|link| link.position), moving.map(|link| link.velocity));

@@ -150,6 +150,6 @@ impl Contacts {
             }
             _ => "every impulse that ends the approach would gain energy".to_owned(),
         };
-        Err(Trouble::Contact { between: self.between(frames[taking[0]].key.couple), why })
+        Err(Trouble::Undecided { between: self.between(frames[taking[0]].key.couple), why })
     }
 }

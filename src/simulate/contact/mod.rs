@@ -17,6 +17,7 @@
 //! it across. Where nothing does, it is kept: a row `u_⊥ = 0` whose force λ_⊥ is none ([`STRAIGHT`]) takes the stiffness out, and
 //! an event ends it as soon as there is one. A slip that turns has its own direction; below the speed [`KEPT`] that of the step's start.
 
+mod capture;
 mod cone;
 mod decide;
 mod frame;
@@ -33,9 +34,11 @@ use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use crate::spatial::link::LinkAcceleration;
 use crate::statics::standing::Untouchable;
+pub(super) use capture::Capture;
 pub(super) use decide::Told;
-use std::cell::OnceCell;
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::cell::OnceCell;
+use std::collections::VecDeque;
 use std::sync::Arc;
 pub(super) use watch::Aspect;
 
@@ -43,6 +46,11 @@ pub(super) use watch::Aspect;
 const GAP: f64 = 1e-9;
 /// A closed contact counts until its features are outside of where they are nearest by this part of the size.
 const LOOSE: f64 = 1e-7;
+/// More rows than this are not decided event by event.
+const MOST_ROWS: usize = 150;
+/// So many events within this part of the scene's time are a storm.
+const STORM: usize = 60;
+const BRIEF: f64 = 1e-2;
 /// A gap that is found open by this part of the size below zero was missed.
 const MISSED: f64 = 1e-6;
 
@@ -62,6 +70,8 @@ pub(super) enum Mode {
 pub(super) struct Closed {
     key: Key,
     pub(super) mode: Mode,
+    /// Its first tangent when it was closed.
+    axis: Vector3<f64>,
     /// The gap that is kept (m).
     gap: f64,
     /// In the last place.
@@ -99,6 +109,16 @@ pub(super) struct Contacts {
     /// How far forces are within their cones in the last place, once that is asked for.
     reserve: OnceCell<f64>,
     pub(super) impacts: usize,
+    /// Velocity coordinates of trees that contacts alone tie to each other.
+    trees: Vec<Vec<usize>>,
+    /// Whether captured steps are at work, and until when at least (s).
+    pub(super) capturing: bool,
+    until: f64,
+    /// The last span of theirs (s).
+    span: f64,
+    memory: capture::Memory,
+    /// Times of the last events (s).
+    recent: VecDeque<f64>,
     /// A gap below this part of a shape's size is none.
     closing: f64,
 }
@@ -137,6 +157,12 @@ impl Contacts {
             independent: Vec::new(),
             reserve: OnceCell::new(),
             impacts: 0,
+            trees: capture::trees(model),
+            capturing: false,
+            until: 0.0,
+            span: 0.0,
+            memory: capture::Memory::default(),
+            recent: VecDeque::new(),
             closing,
         })
     }
@@ -162,7 +188,8 @@ impl Contacts {
             if let Some(found) = self.pairs.meeting(&closed.key) {
                 closed.meeting = found;
             }
-            let frame = Frame::new(&self.model, motion, &self.pairs, &self.carried, closed.key, closed.meeting);
+            let (key, meeting, axis) = (closed.key, closed.meeting, Some(closed.axis));
+            let frame = Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, axis);
             closed.slip = frame.slip();
             self.frames.push(frame);
         }
@@ -197,7 +224,7 @@ impl Contacts {
                 }
             });
         }
-        let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting);
+        let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, None);
         found.into_iter().map(frame).collect()
     }
 
@@ -219,6 +246,44 @@ impl Contacts {
         self.pairs.couples[couple].pieces.map(|piece| self.model.bodies[self.pairs.pieces[piece].body].name.clone())
     }
 
+    /// Events could not go on at a time (s): captured steps do for a while.
+    pub(super) fn storms_at(&mut self, time: f64) {
+        let brief = BRIEF * self.model.time_scale();
+        // Twice as long as the last time, if that is not long ago.
+        let again = time - self.until < 10.0 * self.span;
+        self.span = if again { 2.0 * self.span } else { 5.0 * brief };
+        self.until = time + self.span;
+        self.recent.clear();
+    }
+
+    /// Takes note of an event; whether events come too often, or too much touches, to go on by them.
+    pub(super) fn storms(&mut self, time: f64) -> bool {
+        self.recent.push_back(time);
+        let brief = BRIEF * self.model.time_scale();
+        if self.recent.len() > STORM {
+            self.recent.pop_front();
+        }
+        let crowd = 3 * self.closed.len() > MOST_ROWS && !self.resting;
+        let storm = self.recent.len() >= STORM && time - self.recent[0] < brief;
+        if storm || crowd {
+            self.storms_at(time);
+        }
+        storm || crowd
+    }
+
+    /// Nothing moves any more: captured steps have found forces that hold everything.
+    pub(super) fn freeze(&mut self) {
+        self.capturing = false;
+        self.closed.clear();
+        self.frames.clear();
+        self.resting = true;
+    }
+
+    /// Captured steps so far.
+    pub(super) fn captured(&self) -> usize {
+        self.memory.steps
+    }
+
     /// Power that slips take out at the last place (W).
     pub(super) fn dissipated(&self) -> f64 {
         self.closed.iter().map(|closed| -closed.force.dot(&closed.slip)).sum()
@@ -231,6 +296,11 @@ pub(super) enum Trouble {
     Fault(Fault),
     /// Which bodies, and what.
     Contact {
+        between: [String; 2],
+        why: String,
+    },
+    /// The same, but captured steps may go on.
+    Undecided {
         between: [String; 2],
         why: String,
     },

@@ -30,7 +30,6 @@ pub(super) struct Couple {
     pub(super) pieces: [usize; 2],
     /// Index into the model's contacts.
     pub(super) rule: usize,
-    features: Vec<[Feature; 2]>,
     /// The smaller of both sizes (m).
     pub(super) size: f64,
 }
@@ -90,12 +89,10 @@ impl Pairs {
         }
         let (rule, swap) = rule_of(model, one.body, other.body)?;
         let pieces = if swap { [j, i] } else { [i, j] };
-        let identity = Isometry3::identity();
-        let [a, b] = pieces.map(|piece| self.pieces[piece].boundary.standing(&identity));
-        let features = pairs(&a, &b);
         let size = one.size.min(other.size);
         let size = if size.is_finite() { size } else { model.length_scale() };
-        (!features.is_empty()).then_some(Couple { pieces, rule, features, size })
+        let planes = [one, other].iter().all(|piece| piece.reach.is_infinite());
+        (!planes).then_some(Couple { pieces, rule, size })
     }
 
     /// Takes all shapes to where the links are.
@@ -107,6 +104,22 @@ impl Pairs {
 
     pub(super) fn middle(&self, piece: usize) -> Vector3<f64> {
         self.poses[piece].translation.vector
+    }
+
+    /// The largest relative speed of two shapes (m/s).
+    pub(super) fn fastest(&self, couple: usize, motion: &Motion) -> f64 {
+        let speed = |piece: usize| {
+            let (piece, at) = (&self.pieces[piece], &motion.links[self.pieces[piece].link]);
+            let middle = self.middle_of(piece, at);
+            let turning = if piece.reach.is_finite() { piece.reach } else { 0.0 };
+            (at.velocity + at.angular_velocity.cross(&(middle - at.position)), at.angular_velocity.norm() * turning)
+        };
+        let [a, b] = self.couples[couple].pieces.map(speed);
+        (a.0 - b.0).norm() + a.1 + b.1
+    }
+
+    fn middle_of(&self, piece: &Piece, at: &crate::motion::LinkMotion) -> Vector3<f64> {
+        (at.pose() * piece.place).translation.vector
     }
 
     fn standing(&self, piece: usize) -> Standing<'_> {
@@ -122,10 +135,10 @@ impl Pairs {
 
     /// All pairs of features of a couple that count to `loose` (m) and whose gap is below `far` (m).
     pub(super) fn meetings(&self, couple: usize, loose: f64, far: f64, mut put: impl FnMut(Meeting)) {
-        let Couple { pieces: [a, b], features, .. } = &self.couples[couple];
+        let Couple { pieces: [a, b], .. } = &self.couples[couple];
         let (a, b) = (self.standing(*a), self.standing(*b));
-        for features in features {
-            if let Some(found) = meeting(&a, &b, *features).filter(|found| found.inside >= -loose && found.gap < far) {
+        for features in pairs(&a, &b) {
+            if let Some(found) = meeting(&a, &b, features).filter(|found| found.inside >= -loose && found.gap < far) {
                 put(found);
             }
         }

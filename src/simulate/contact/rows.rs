@@ -66,6 +66,10 @@ impl Contacts {
         v: &[f64],
         a: &mut [f64],
     ) -> Result<(), Fault> {
+        if self.capturing || self.resting && self.closed.is_empty() {
+            self.carry(system, q, v, a);
+            return Ok(());
+        }
         self.stand(system, q, v);
         let rows = self.rows();
         self.reserve.take();
@@ -98,12 +102,8 @@ impl Contacts {
 
     /// Hands the forces to the system, so that reactions and powers have them.
     fn press(&self, system: &mut System) {
-        let places: Vec<_> = self.frames.iter().map(|frame| (frame.links, frame.meeting.point)).collect();
-        for ((links, point), closed) in places.into_iter().zip(&self.closed) {
-            for (link, sign) in links.into_iter().zip([-1.0, 1.0]) {
-                let (at, force) = (system.links()[link].position, closed.force * sign);
-                system.pressed()[link] += Wrench { force, moment: (point - at).cross(&force) };
-            }
+        for (frame, closed) in self.frames.iter().zip(&self.closed) {
+            press(system, frame.links, &frame.meeting.point, &closed.force);
         }
     }
 
@@ -298,6 +298,14 @@ fn pivots(matrix: &DMatrix<f64>) -> Vec<usize> {
     }
     kept.sort_unstable();
     kept
+}
+
+/// A force on the second of two links at a point, and its opposite on the first.
+pub(super) fn press(system: &mut System, links: [usize; 2], point: &Vector3<f64>, force: &Vector3<f64>) {
+    for (link, sign) in links.into_iter().zip([-1.0, 1.0]) {
+        let (at, force) = (system.links()[link].position, force * sign);
+        system.pressed()[link] += Wrench { force, moment: (point - at).cross(&force) };
+    }
 }
 
 /// What makes the rows of a matrix comparable: its diagonal is 1 with them.

@@ -2,6 +2,7 @@
 
 use super::{Run, fixed_step, resumed_grid};
 use crate::integrate::{Method, Options, Start, Stepper};
+use crate::simulate::contact::Capture;
 use crate::simulate::error::{RunError, named};
 use crate::simulate::problem::Motion;
 use crate::simulate::resting::AtRest;
@@ -25,6 +26,11 @@ impl Run<'_, '_> {
         if self.rests {
             let at_rest = AtRest::new(motion, start).map_err(|error| named(self.model, &error))?;
             return Ok(Box::new(at_rest));
+        }
+        if motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing) {
+            let tolerance = settings.tolerance;
+            let capture = Capture::new(motion, start, tolerance).map_err(|error| named(self.model, &error))?;
+            return Ok(Box::new(capture));
         }
         let fixed = fixed_step(self.model, settings, method);
         let acted = self.control.as_ref().is_some_and(|control| control.acted(time));

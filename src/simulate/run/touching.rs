@@ -1,6 +1,7 @@
 //! Contact in motion within the time loop.
 
 use super::Run;
+use crate::integrate::Method;
 use crate::simulate::contact::{Contacts, Trouble};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence};
@@ -26,7 +27,9 @@ pub(super) fn allow(motion: &mut Motion, model: &Arc<Model>, settings: &Settings
 fn told(time: f64, trouble: Trouble) -> RunError {
     match trouble {
         Trouble::Fault(fault) => RunError::Sample { time, fault },
-        Trouble::Contact { between, why } => RunError::Touch { time, between, why },
+        Trouble::Contact { between, why } | Trouble::Undecided { between, why } => {
+            RunError::Touch { time, between, why }
+        }
     }
 }
 
@@ -44,6 +47,9 @@ impl Run<'_, '_> {
     /// [`RunError::Touch`], or a state that cannot be evaluated.
     pub(super) fn touch(&mut self, motion: &mut Motion, time: f64, at_limit: bool) -> Result<(), RunError> {
         let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
+        if contacts.capturing {
+            return Ok(());
+        }
         let before = system.at(time, &self.state.position, &self.state.velocity).energies();
         let changed =
             contacts.resolve(system, time, &mut self.state, at_limit).map_err(|trouble| told(time, trouble))?;
@@ -73,6 +79,47 @@ impl Run<'_, '_> {
                 contacts.comes_to_rest(&mut self.state, &a);
             }
         }
+        if motion.contacts.as_mut().is_some_and(|contacts| contacts.storms(time)) {
+            self.take_over(motion, time, "capture");
+        }
+        Ok(())
+    }
+
+    /// Captured steps go on from here.
+    fn take_over(&mut self, motion: &mut Motion, time: f64, name: &str) {
+        if let Some(contacts) = motion.contacts.as_mut().filter(|_| name == "capture") {
+            contacts.capture();
+        }
+        if let Some(events) = &mut self.events {
+            let name = name.to_owned();
+            events.happened.push(Occurrence { time, kind: Kind::Switch, name, value: 0.0, speed: 0.0, between: None });
+        }
+    }
+
+    /// Whether captured steps may end: nothing changes, or nothing moves.
+    pub(super) fn hands_back(&self, motion: &Motion, time: f64) -> bool {
+        let steady = resting::is_steady(self.model) && self.control.is_none();
+        motion.contacts.as_ref().is_some_and(|contacts| contacts.is_calm(time) || steady && contacts.is_still())
+    }
+
+    /// Ends captured steps: events go on, or everything rests.
+    ///
+    /// # Errors
+    /// As [`Run::touch`].
+    pub(super) fn hand_back(&mut self, motion: &mut Motion, time: f64, method: Method) -> Result<(), RunError> {
+        let Some(contacts) = &mut motion.contacts else { return Ok(()) };
+        if contacts.is_still() {
+            contacts.freeze();
+            self.state.velocity.fill(0.0);
+        } else {
+            contacts.capturing = false;
+            self.touch(motion, time, false)?;
+        }
+        if motion.contacts.as_ref().is_some_and(|contacts| !contacts.capturing) {
+            self.take_over(motion, time, method.name());
+        }
+        self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
+        self.arm(motion, time);
         Ok(())
     }
 }
