@@ -376,6 +376,7 @@ pub(super) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
         let head = if line == 0 { "events" } else { "" };
         let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
         let what = match event.kind {
+            _ if event.between.is_some() => event.to_string(),
             Kind::Slip | Kind::Stick => format!("`{name}` {kind} at {value}"),
             _ => format!("{kind} of `{name}` at {value}, speed {}", number(event.speed)),
         };

@@ -79,7 +79,7 @@ impl fmt::Display for Occurrence {
         let Self { kind, name, value, speed, between, .. } = self;
         if let Some([one, other]) = between {
             return match kind {
-                Kind::Strikes => write!(f, "`{other}` strikes `{one}` at {speed:.6} m/s"),
+                Kind::Strikes => write!(f, "`{other}` strikes `{one}` at {speed:.4} m/s"),
                 Kind::Lifts => write!(f, "`{other}` lifts off `{one}`"),
                 _ => write!(f, "`{other}` {} on `{one}`", kind.name()),
             };

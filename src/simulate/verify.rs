@@ -84,6 +84,8 @@ pub fn verify(
     // What stability held, or could have held, is not given to an explicit method.
     let last = first.integrators.last().copied().unwrap_or(Method::Radau9);
     let method = match last {
+        // Contact in motion has explicit methods only.
+        Method::Dop853 if !model.contacts.is_empty() => Method::Dopri5,
         Method::Rk4 | Method::Dopri5 | Method::Adams | Method::Gauss => Method::Dop853,
         Method::Radau9 => Method::Radau5,
         Method::Dop853 | Method::Sdirk4 | Method::Radau5 | Method::GeneralizedAlpha => Method::Radau9,
@@ -97,7 +99,7 @@ pub fn verify(
         step: None,
         ..*settings
     };
-    let watched = !model.stops.is_empty() || !model.events.is_empty();
+    let watched = !model.stops.is_empty() || !model.events.is_empty() || !model.contacts.is_empty();
     let states = if watched { (STATES * first.statistics.steps as f64).clamp(1.0, MOST_STATES) } else { 1.0 };
     let rate = states / settings.duration;
     let mut scan = Scan { stops: &model.stops, scanned: 0, beyond: 0.0 };

@@ -53,7 +53,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
     (
         "simulate",
-        &["force", "hinge", "model", "motion", "dynamics", "output", "statics", "integrate", "record", "spatial"],
+        &["contact", "force", "hinge", "model", "motion", "dynamics", "output", "statics", "integrate", "record", "spatial"],
     ),
     // `model` for the mass properties of solids.
     ("import", &["budget", "foreign", "mesh", "model", "suggest", "text_file"]),

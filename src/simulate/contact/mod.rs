@@ -108,6 +108,8 @@ pub(super) struct Contacts {
     independent: Vec<usize>,
     /// How far forces are within their cones in the last place, once that is asked for.
     reserve: OnceCell<f64>,
+    /// The gap of each couple and its rate there, once that is asked for.
+    gaps: Vec<OnceCell<[f64; 2]>>,
     pub(super) impacts: usize,
     /// Velocity coordinates of trees that contacts alone tie to each other.
     trees: Vec<Vec<usize>>,
@@ -141,10 +143,12 @@ impl Contacts {
     pub(super) fn new(model: &Arc<Model>, closing: f64) -> Result<Self, Untouchable> {
         let speed = model.length_scale() / model.time_scale();
         let acceleration = model.gravity.norm().max(speed / model.time_scale());
+        let pairs = Pairs::new(model)?;
         let mass: f64 = model.links.iter().map(|link| link.mass).fold(0.0, f64::max);
         Ok(Self {
             model: Arc::clone(model),
-            pairs: Pairs::new(model)?,
+            gaps: vec![OnceCell::new(); pairs.couples.len()],
+            pairs,
             closed: Vec::new(),
             resting: false,
             slow: SLOW * speed,

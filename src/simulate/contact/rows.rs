@@ -6,6 +6,7 @@ use crate::contact::support::{Cone, slack};
 use crate::dynamics::{Fault, System};
 use crate::spatial::Wrench;
 use nalgebra::{DMatrix, DVector, Vector3};
+use std::cell::OnceCell;
 
 /// Singular values below this part of the largest are those of linearly dependent rows.
 const RANK: f64 = 1e-9;
@@ -73,6 +74,7 @@ impl Contacts {
         self.stand(system, q, v);
         let rows = self.rows();
         self.reserve.take();
+        self.gaps.iter_mut().for_each(|gap| *gap = OnceCell::new());
         self.closed.iter_mut().for_each(|closed| (closed.force, closed.across) = (Vector3::zeros(), 0.0));
         if rows.is_empty() {
             return Ok(());

@@ -52,7 +52,7 @@ impl Contacts {
     /// An aspect and its rate where [`Contacts::correct`] was last, whose hinge accelerations were `a`; rate 0 if it is not known.
     pub(in crate::simulate) fn watched(&self, aspect: Aspect, system: &System) -> [f64; 2] {
         match aspect {
-            Aspect::Gap(couple) => self.gap(couple, system),
+            Aspect::Gap(couple) => *self.gaps[couple].get_or_init(|| self.gap(couple, system)),
             Aspect::Reserve => [self.reserve(), 0.0],
             Aspect::Inside => [self.inside(), 0.0],
             Aspect::Straight => [STRAIGHT - self.bent(), 0.0],

@@ -51,8 +51,18 @@ impl Run<'_, '_> {
             return Ok(());
         }
         let before = system.at(time, &self.state.position, &self.state.velocity).energies();
-        let changed =
-            contacts.resolve(system, time, &mut self.state, at_limit).map_err(|trouble| told(time, trouble))?;
+        let kept = self.state.clone();
+        let changed = match contacts.resolve(system, time, &mut self.state, at_limit) {
+            Ok(changed) => changed,
+            // What one cone problem does not decide steps do, one after the other.
+            Err(Trouble::Undecided { .. }) => {
+                self.state = kept;
+                contacts.storms_at(time);
+                self.take_over(motion, time, "capture");
+                return Ok(());
+            }
+            Err(trouble) => return Err(told(time, trouble)),
+        };
         let after = system.at(time, &self.state.position, &self.state.velocity).energies();
         self.ledger.lose(changed.lost);
         // Only a blow does work on what drives move.

@@ -179,15 +179,6 @@ fn what_cannot_be_is_refused_with_its_place() {
     bench.write("scene.toml", scene.replace("position = [0, 0, 0.1,", "position = [0, 0, 0.09,"));
     let answer = bench.call(&["statics", "scene.toml"]);
     assert!(answer.err.contains("overlap by 1.000e-2 m"), "{answer:#?}");
-    // What runs do not have yet is not left out in silence.
-    bench.write(
-        "scene.toml",
-        scene
-            .replace("[statics]", "[simulate]\nstart = \"given\"\n[statics]")
-            .replace("friction = 0.5", "friction = 0.01"),
-    );
-    let answer = bench.call(&["run", "scene.toml"]);
-    assert!(answer.err.contains("runs do not have contact in motion"), "{answer:#?}");
 }
 
 /// A box on a slope that an unknown push holds: without contact no push does, so its own value is clamped into what friction holds.

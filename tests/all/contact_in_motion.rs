@@ -1,0 +1,250 @@
+//! Contact in motion, by events, against closed forms and conservation laws.
+
+use crate::common::Random;
+use nalgebra::{UnitQuaternion, Vector3};
+use std::fmt::Write as _;
+use std::sync::Arc;
+use stillpoint::constraint::assemble;
+use stillpoint::integrate::Method;
+use stillpoint::model::Model;
+use stillpoint::record::{Memory, Opening};
+use stillpoint::scenario::parse;
+use stillpoint::simulate::events::Occurrence;
+use stillpoint::simulate::{self, Integrator, Settings, State, Summary, run};
+
+const G: f64 = 9.80665;
+
+fn read(text: &str) -> Arc<Model> {
+    let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
+    assemble(Model::build(&scenario.description).unwrap()).unwrap().0
+}
+
+fn go(model: &Arc<Model>, duration: f64, tolerance: f64, method: Method) -> Summary {
+    let settings = Settings {
+        start: simulate::Start::Given,
+        duration,
+        tolerance,
+        absolute_tolerance: tolerance,
+        integrator: Integrator::Method(method),
+        ..Settings::default()
+    };
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let scene = simulate::scene(model);
+    let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
+    run(model, &settings, 1.0 / duration, &start, &mut memory, &mut |_, _| true)
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn exact(text: &str, duration: f64) -> Summary {
+    go(&read(text), duration, 1e-11, Method::Dop853)
+}
+
+fn kinds(summary: &Summary) -> Vec<&str> {
+    summary.events.iter().map(|event| event.kind.name()).collect()
+}
+
+const FLOOR: &str = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n";
+
+/// A free body: mass, moments of inertia, shape, position, turn, velocity, angular velocity.
+fn body(
+    name: &str,
+    mass: f64,
+    inertia: [f64; 3],
+    shape: &str,
+    pose: (Vector3<f64>, UnitQuaternion<f64>),
+    speed: [f64; 6],
+) -> String {
+    let (at, q) = pose;
+    format!(
+        "[[body]]\nname = \"{name}\"\nmass = {mass:?}\ninertia = {inertia:?}\nshape = {shape}\nhinge = {{ type = \"free\", \
+         position = {:?}, velocity = {speed:?} }}\n",
+        [at.x, at.y, at.z, q.w, q.i, q.j, q.k]
+    )
+}
+
+fn contact(friction: f64, restitution: f64) -> String {
+    format!("[[contact]]\nbetween = [\"*\", \"*\"]\nfriction = {friction:?}\nrestitution = {restitution:?}\n")
+}
+
+fn level(z: f64) -> (Vector3<f64>, UnitQuaternion<f64>) {
+    (Vector3::z() * z, UnitQuaternion::identity())
+}
+
+/// Reference `incline_slides`, at any heading: just beyond the cone a box slides by g (sin φ − μ cos φ) t²/2.
+#[test]
+fn a_box_slides_beyond_its_cone() {
+    let mut random = Random::new(71);
+    for part in [1.0 + 1e-6, 1.001, 1.1, 2.0] {
+        for _ in 0..3 {
+            let (friction, mass) = (random.between(0.1, 0.6), random.between(0.1, 50.0));
+            let phi = (part * friction).atan();
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), random.between(-3.0, 3.0))
+                * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), phi);
+            let normal = turn * Vector3::z();
+            let text = FLOOR.replace("[0, 0, 1]", &format!("{:?}", [normal.x, normal.y, normal.z]))
+                + &body("box", mass, [0.05 * mass; 3], "{ box = [0.4, 0.3, 0.1] }", (normal * 0.05, turn), [0.0; 6])
+                + &contact(friction, 0.0);
+            let summary = exact(&text, 2.0);
+            let moved = Vector3::from_column_slice(&summary.state.position[..3]) - normal * 0.05;
+            let expected = turn * Vector3::x() * (G * (phi.sin() - friction * phi.cos()) * 2.0);
+            assert!((moved - expected).norm() < 1e-9, "{part}: {moved:?} {expected:?}");
+            assert!(summary.energy_drift < 1e-9 * mass, "{summary:?}");
+        }
+    }
+}
+
+/// Reference `sliding_block`, `sphere_slides_then_rolls`, `hoop_slides_then_rolls`: what slides stops, or rolls, when it should, and
+/// stays where it stops.
+#[test]
+fn what_slides_comes_to_rest_or_rolls() {
+    let box_ = body(
+        "box",
+        2.0,
+        [0.0133, 0.0333, 0.0333],
+        "{ box = [0.4, 0.2, 0.2] }",
+        level(0.1),
+        [4.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    );
+    let summary = exact(&(FLOOR.to_owned() + &box_ + &contact(0.3, 0.0)), 12.0);
+    assert_eq!(kinds(&summary), ["sticks"]);
+    assert!((summary.events[0].time - 4.0 / (0.3 * G)).abs() < 1e-9);
+    assert!((summary.state.position[0] - 16.0 / (0.6 * G)).abs() < 1e-9);
+    assert!(summary.state.velocity.iter().all(|v| *v == 0.0));
+    for k in [0.4, 0.5, 2.0 / 3.0, 1.0] {
+        let ball = body("ball", 1.0, [k * 0.01; 3], "{ sphere = 0.1 }", level(0.1), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let summary = exact(&(FLOOR.to_owned() + &ball + &contact(0.2, 0.0)), 1.5);
+        assert_eq!(kinds(&summary), ["rolls"], "{k}");
+        assert!((summary.events[0].time - 3.0 * k / ((1.0 + k) * 0.2 * G)).abs() < 1e-9, "{k}");
+        assert!((summary.state.velocity[0] - 3.0 / (1.0 + k)).abs() < 1e-9, "{k}");
+    }
+}
+
+/// Reference `bouncing_ball`: each blow at its time, and rest where their series ends.
+#[test]
+fn a_ball_bounces_and_comes_to_rest() {
+    for e in [0.5, 0.8] {
+        let ball = body("ball", 1.0, [0.001; 3], "{ sphere = 0.05 }", level(1.05), [0.0; 6]);
+        let summary = exact(&(FLOOR.to_owned() + &ball + &contact(0.3, e)), 6.0);
+        let first = (2.0 / G).sqrt();
+        let blows: Vec<&Occurrence> = summary.events.iter().filter(|event| event.kind.name() == "strikes").collect();
+        let tenth = first * (1.0 + 2.0 * (1..10).map(|k| f64::powi(e, k)).sum::<f64>());
+        assert!((blows[0].time - first).abs() < 1e-12 && (blows[9].time - tenth).abs() < 1e-10);
+        let rest = first * (1.0 + e) / (1.0 - e);
+        let last = blows.last().unwrap();
+        assert!((last.time - rest).abs() < 1e-5 && summary.impacts == blows.len(), "{} {rest}", last.time);
+        assert!(summary.state.velocity.iter().all(|v| *v == 0.0) && (summary.state.position[2] - 0.05).abs() < 1e-12);
+    }
+}
+
+/// Reference `rocking_block` (Housner 1963): time and loss of the first blow.
+#[test]
+fn a_block_rocks_from_edge_to_edge() {
+    let (b, h, tilt) = (0.1_f64, 0.4_f64, 0.1_f64);
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), tilt);
+    let at = Vector3::z() * (b * tilt.sin() + h * tilt.cos());
+    let inertia = [10.0 * (0.04 + 0.64) / 12.0, 10.0 * (0.04 + 0.64) / 12.0, 10.0 * 0.08 / 12.0];
+    let block = body("block", 10.0, inertia, "{ box = [0.2, 0.2, 0.8] }", (at, turn), [0.0; 6]);
+    let summary = exact(&(FLOOR.to_owned() + &block + &contact(1.0, 0.0)), 0.3);
+    assert_eq!(kinds(&summary), ["strikes"]);
+    assert!((summary.events[0].time - 0.264_758_625_578_136_3).abs() < 1e-8, "{:?}", summary.events);
+    // (1 − ratio²) of what was kinetic is lost: ratio = 1 − 3/2 sin² α.
+    let (alpha, reach) = ((b / h).atan(), b.hypot(h));
+    let before = 10.0 * G * reach * (1.0 - (alpha - tilt).cos()) - 10.0 * G * reach * (1.0 - alpha.cos());
+    let ratio: f64 = 1.0 - 1.5 * alpha.sin().powi(2);
+    let lost = before.abs() * (1.0 - ratio * ratio);
+    assert!((summary.dissipated - lost).abs() < 1e-8, "{} {lost}", summary.dissipated);
+}
+
+/// Reference `newtons_cradle`: blows go from neighbour to neighbour.
+#[test]
+fn the_last_ball_of_a_cradle_leaves_alone() {
+    let mut text = "gravity = [0, 0, 0]\n".to_owned();
+    for i in 0..5 {
+        let (at, speed) = if i == 0 { (-0.1, 1.0) } else { (0.1 * f64::from(i), 0.0) };
+        write!(
+            text,
+            "[[body]]\nname = \"b{i}\"\nmass = 1\ninertia = [0.001, 0.001, 0.001]\nshape = {{ sphere = 0.05 }}\n\
+             hinge = {{ type = \"prismatic\", axis = [1, 0, 0], position = {at:?}, velocity = {speed:?} }}\n"
+        )
+        .unwrap();
+    }
+    let summary = exact(&(text + &contact(0.0, 1.0)), 1.0);
+    assert_eq!((summary.impacts, kinds(&summary)), (4, vec!["strikes"; 4]));
+    let off = summary.state.velocity.iter().zip([0.0, 0.0, 0.0, 0.0, 1.0]).map(|(v, expected)| (v - expected).abs());
+    assert!(off.fold(0.0, f64::max) < 1e-9, "{:?}", summary.state.velocity);
+}
+
+/// Reference `falling_ladder`: a smooth one leaves the wall where its top has come down to two thirds of its height.
+#[test]
+fn a_falling_ladder_leaves_the_wall() {
+    let (length, angle, mass) = (2.0_f64, 1.221_730_476_396_030_6_f64, 5.0);
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle - std::f64::consts::FRAC_PI_2);
+    let at = Vector3::new(0.5 * length * angle.cos(), 0.0, 0.5 * length * angle.sin());
+    let inertia = mass * length * length / 12.0;
+    let text = FLOOR.to_owned()
+        + &FLOOR.replace("floor", "wall").replace("[0, 0, 1]", "[1, 0, 0]")
+        + &body("ladder", mass, [inertia, inertia, 1e-3], "{ capsule = [0, 2.0] }", (at, turn), [0.0; 6])
+        + &contact(0.0, 0.0);
+    let summary = exact(&text, 0.8);
+    assert_eq!(kinds(&summary), ["lifts"]);
+    assert!((summary.events[0].time - 0.597_629_856_579_229_3).abs() < 1e-8, "{:?}", summary.events);
+    assert!((summary.state.velocity[0] - 1.344_722_914_847_565).abs() < 1e-8, "{:?}", summary.state.velocity);
+}
+
+/// Reference `belt_stick_slip`: what a belt carries along sticks and slips in turn, with static friction above kinetic.
+#[test]
+fn a_belt_makes_a_block_stick_and_slip() {
+    let text = "[[body]]\nname = \"belt\"\nmass = 1\nshape = { plane = [0, 0, 1] }\n\
+                hinge = { type = \"prismatic\", axis = [1, 0, 0], velocity = 0.2 }\n\
+                [[drive]]\nname = \"motor\"\nhinge = \"belt\"\ntype = \"expression\"\nexpression = \"0.2*t\"\n"
+        .to_owned()
+        + &body("block", 1.0, [0.01; 3], "{ box = [0.2, 0.2, 0.2] }", level(0.1), [0.2, 0.0, 0.0, 0.0, 0.0, 0.0])
+        + "[[force]]\nname = \"spring\"\ntype = \"spring\"\nstiffness = 50\nlength = 10\n\
+           between = [{ body = \"ground\", at = [-10, 0, 0.1] }, { body = \"block\", at = [0, 0, 0] }]\n\
+           [[contact]]\nbetween = [\"belt\", \"block\"]\nfriction = { stick = 0.6, slide = 0.4 }\n";
+    let summary = exact(&text, 3.0);
+    let kinds = kinds(&summary);
+    assert_eq!(kinds[..4], ["slips", "sticks", "slips", "sticks"]);
+    let times: Vec<f64> = summary.events.iter().map(|event| event.time).collect();
+    assert!((times[0] - 0.6 * G / 50.0 / 0.2).abs() < 1e-9, "{times:?}");
+    assert!((times[1] - times[0] - 0.620_983_834_223_171_2).abs() < 1e-8, "{times:?}");
+    assert!((times[2] - times[1] - 0.392_266).abs() < 1e-8, "{times:?}");
+}
+
+/// Thrown cubes tumble to rest: no blow and no slip gains energy, all of it is booked, and nothing sinks.
+#[test]
+fn thrown_cubes_come_to_rest() {
+    let mut random = Random::new(72);
+    for case in 0..6 {
+        let axis = nalgebra::Unit::new_normalize(Vector3::from_fn(|_, _| random.between(-1.0, 1.0)));
+        let turn = UnitQuaternion::from_axis_angle(&axis, random.between(0.0, 3.0));
+        let speed = [0; 6].map(|_| random.between(-1.0, 1.0));
+        let (friction, restitution) = (random.between(0.2, 0.6), random.between(0.0, 0.4));
+        let cube = body("cube", 1.0, [1.0 / 600.0; 3], "{ box = [0.1, 0.1, 0.1] }", (Vector3::z() * 0.2, turn), speed);
+        let summary =
+            go(&read(&(FLOOR.to_owned() + &cube + &contact(friction, restitution))), 2.0, 1e-9, Method::Dop853);
+        assert!(summary.energy_drift < 1e-4, "{case}: {}", summary.energy_drift);
+        assert!(summary.capture_steps > 0 || summary.energy_drift < 1e-7, "{case}: {}", summary.energy_drift);
+        assert!(summary.energy_end < summary.energy_start);
+        let rests = summary.state.velocity.iter().all(|v| v.abs() < 1e-6);
+        assert!(rests && (summary.state.position[2] - 0.05).abs() < 1e-6, "{case}: {:?}", summary.state);
+    }
+}
+
+/// The error follows the tolerance across blows and slips, with any explicit method.
+#[test]
+fn errors_follow_the_tolerance_across_events() {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.3);
+    let at = Vector3::z() * (0.1 * 0.3_f64.sin() + 0.3 * 0.3_f64.cos());
+    let block =
+        body("block", 1.0, [0.03, 0.04, 0.01], "{ box = [0.2, 0.2, 0.6] }", (at, turn), [0.3, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let model = read(&(FLOOR.to_owned() + &block + &contact(0.3, 0.0)));
+    let best = go(&model, 0.6, 1e-13, Method::Dop853).state;
+    for method in [Method::Dopri5, Method::Dop853] {
+        for tolerance in [1e-5, 1e-7, 1e-9] {
+            let found = go(&model, 0.6, tolerance, method).state;
+            let off = found.position.iter().zip(&best.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 20.0 * tolerance, "{method:?} {tolerance:e}: {off:e}");
+        }
+    }
+}
