@@ -1,8 +1,8 @@
 //! What beams bear, as text and as JSON.
 
+use super::text::{number, without_noise};
 use crate::dynamics::{BeamState, Fault, SectionForces, System};
 use crate::model::Model;
-use crate::model::problem::number;
 use crate::statics::{self, Equilibrium};
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
@@ -42,15 +42,15 @@ pub(super) fn json(beams: &[BeamState]) -> Value {
 /// The beams of an equilibrium as text; `None` without beams.
 pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<Option<String>, Fault> {
     let beams = statics::beams(model, found)?;
-    Ok((!beams.is_empty()).then(|| text(&beams)))
+    Ok((!beams.is_empty()).then(|| text(&beams, model.length_scale())))
 }
 
-/// Of a beam its tip and the largest moment, of a cable its tensions; and the discretization error.
-fn text(beams: &[BeamState]) -> String {
+/// Of a beam its tip and the largest moment, of a cable its tensions; and the discretization error. `length` is that of the scene (m).
+fn text(beams: &[BeamState], length: f64) -> String {
     let mut lines = Vec::new();
     for beam in beams {
-        lines.push(format!("  {:<10} `{}`", if beam.is_cable { "cable" } else { "beam" }, beam.name));
-        let mut line = |what: &str, text: String| lines.push(format!("    {what:<10} {text}"));
+        lines.push(format!("  {:<12} `{}`", if beam.is_cable { "cable" } else { "beam" }, beam.name));
+        let mut line = |what: &str, text: String| lines.push(format!("  {:<12} {what:<10} {text}", ""));
         let by = |of: &dyn Fn(&SectionForces) -> f64| beam.sections.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
         let moment = |section: &SectionForces| section.forces.fixed_rows::<3>(3).norm();
         if beam.is_cable {
@@ -62,7 +62,8 @@ fn text(beams: &[BeamState]) -> String {
             }
         } else {
             let p = beam.tip.translation.vector;
-            line("tip", format!("{} {} {} m", number(p.x), number(p.y), number(p.z)));
+            let [x, y, z] = [p.x, p.y, p.z].map(|along| number(without_noise(along, length)));
+            line("tip", format!("{x} {y} {z} m"));
             if let Some(most) = by(&moment) {
                 line("moment", format!("{} N m at s = {} m", number(moment(most)), number(most.s)));
             }

@@ -66,7 +66,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         };
         wrong += usize::from(errors > 0);
         if !arguments.json && !arguments.quiet && errors == 0 {
-            output::print(&format!("{name}: fine"))?;
+            output::print(&format!("{name}: {}", output::verdict("fine", true)))?;
         }
         results.push(json!({ "scenario": name, "valid": errors == 0, "errors": errors, "models": models }));
     }

@@ -257,7 +257,7 @@ fn pair_samples(
 fn report(arguments: &Arguments, differences: &[Difference], missing: &[Vec<String>; 2], times: &Times) -> String {
     let different: Vec<&Difference> = differences.iter().filter(|one| !one.within(arguments)).collect();
     let columns = count(differences.len(), "column", "columns");
-    let mut out = match (different.len(), differences.first().filter(|one| one.largest > 0.0)) {
+    let said = match (different.len(), differences.first().filter(|one| one.largest > 0.0)) {
         (0, None) if times.only_first + times.only_second > 0 => {
             format!("{columns} are the same to the last bit at the times that both have")
         }
@@ -267,6 +267,7 @@ fn report(arguments: &Arguments, differences: &[Difference], missing: &[Vec<Stri
         }
         (many, _) => format!("{many} of {columns} {}", if many == 1 { "differs" } else { "differ" }),
     };
+    let mut out = output::verdict(&said, different.is_empty());
     for one in different.iter().take(MOST_LINES) {
         out += &format!("\n  {}", line(one));
     }

@@ -32,7 +32,7 @@ impl Light {
     pub(super) fn json(&self) -> Value {
         let ratio = self.inertia / self.carried;
         json!({
-            "hinge": self.hinge,
+            "hinge": super::json::bare(&self.hinge),
             "inertia": self.inertia,
             "carried": self.carried,
             "ratio": ratio,

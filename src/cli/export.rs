@@ -21,10 +21,11 @@ use std::path::{Path, PathBuf};
 pub(super) struct Arguments {
     /// The recording, an MCAP file, finished or not
     recording: PathBuf,
-    /// Write CSV: a name ending in .csv is one file with all columns, any other a folder with one file per channel
-    #[arg(long, value_name = "FILE.csv|DIR", required_unless_present = "parquet")]
+    /// Write CSV: a name ending in .csv is one file with all columns, `-` is standard output, a name without an ending a folder with one
+    /// file per channel
+    #[arg(long, value_name = "FILE.csv|-|DIR", required_unless_present = "parquet")]
     csv: Option<PathBuf>,
-    /// Write Parquet: a name ending in .parquet is one file, any other a folder with one file per channel
+    /// Write Parquet: a name ending in .parquet is one file, a name without an ending a folder with one file per channel
     #[arg(long, value_name = "FILE.parquet|DIR")]
     parquet: Option<PathBuf>,
     /// Only this channel (hinges, energy, reactions, couplings, outputs, tf) or this column (upper.angle); may be repeated
@@ -63,6 +64,16 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
     }
     let mut written = Vec::new();
+    if let Some(target) = arguments.csv.as_deref().filter(|target| target.as_os_str() == "-") {
+        let named = target.display();
+        if arguments.json || arguments.parquet.is_some() {
+            bail!(
+                "`--csv {named}` writes the table on standard output, and nothing else can go there: leave out `--json` and `--parquet`"
+            );
+        }
+        let export = Export { recording: &recording, tables: &tables, places: &places };
+        return export.print().map(|()| Exit::Done);
+    }
     if let Some(target) = &arguments.csv {
         written.extend(Export { recording: &recording, tables: &tables, places: &places }.write(
             target,
@@ -121,6 +132,14 @@ impl Export<'_> {
         if target.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension)) {
             return Ok(vec![self.sheet(target.to_owned(), self.places, create)?]);
         }
+        // A folder is what a user names without an ending, or what is there.
+        if let Some(ending) = target.extension().filter(|_| !target.is_dir()) {
+            bail!(
+                "`{}`: what is written is {extension}, not {}: name a file that ends in .{extension}, or a folder",
+                target.display(),
+                ending.display()
+            );
+        }
         if target.is_file() {
             bail!("`{}` is a file: name a folder, or a file that ends in .{extension}", target.display());
         }
@@ -142,11 +161,31 @@ impl Export<'_> {
         Ok(Written { file, rows, columns: places.len() + 1 })
     }
 
+    /// Writes all columns on standard output. A reader that has seen enough is no error.
+    fn print(&self) -> anyhow::Result<()> {
+        let sheet = delimited::over(std::io::stdout().lock(), &self.columns(self.places));
+        match sheet.and_then(|sheet| self.rows(sheet, self.places)) {
+            Err(error) if output::is_closed(&error) => Ok(()),
+            printed => printed.map(|_| ()).context("cannot write to standard output"),
+        }
+    }
+
+    /// The time, and what was chosen.
+    fn columns(&self, places: &[Place]) -> Vec<Column> {
+        std::iter::once(samples::clock(self.recording, self.tables))
+            .chain(places.iter().map(|place| place.column.clone()))
+            .collect()
+    }
+
     fn fill(&self, file: &Path, places: &[Place], create: Create) -> anyhow::Result<usize> {
-        let mut columns = vec![Column { name: "time".into(), unit: "s".into() }];
-        columns.extend(places.iter().map(|place| place.column.clone()));
         let whole = WholeFile::create(file)?;
-        let mut sheet = create(whole.handle()?, &columns)?;
+        let written = self.rows(create(whole.handle()?, &self.columns(places))?, places)?;
+        whole.finish()?;
+        Ok(written)
+    }
+
+    /// Hands every sample to a sheet; how many there were.
+    fn rows(&self, mut sheet: Box<dyn Sheet + '_>, places: &[Place]) -> anyhow::Result<usize> {
         let mut rows = Rows::new(self.tables, places);
         let mut written = 0;
         samples::each(self.recording, |sample| {
@@ -154,7 +193,6 @@ impl Export<'_> {
             sheet.row(sample.time, &mut rows.read(sample))
         })?;
         sheet.finish()?;
-        whole.finish()?;
         Ok(written)
     }
 }

@@ -1,5 +1,6 @@
 //! `info`: what is in a recording.
 
+use super::samples::clock;
 use super::text::{self, count, number};
 use super::{Exit, output};
 use crate::record::file::{ChannelSurvey, Ending, Survey};
@@ -128,10 +129,16 @@ fn as_text(recording: &Recording, survey: &Survey, statics: &Value, outcome: &Va
     line("state", &state(recording, survey).1);
     line("written by", &format!("stillpoint {}", recording.version));
     let samples = samples(survey);
+    let along = clock(recording, &Table::all(scene));
     line(
         "samples",
         &match span(survey) {
-            Some((first, last)) if samples > 0 => format!("{samples}, from {} s to {} s", number(first), number(last)),
+            Some((first, last)) if samples > 0 && along.name == "time" => {
+                format!("{samples}, from {} s to {} s", number(first), number(last))
+            }
+            Some((first, last)) if samples > 0 => {
+                format!("{samples}, {} from {} to {}", along.name, number(first), number(last))
+            }
             _ => "none".to_owned(),
         },
     );
@@ -141,8 +148,8 @@ fn as_text(recording: &Recording, survey: &Survey, statics: &Value, outcome: &Va
         "start",
         &match statics["stability"].as_str() {
             Some(verdict) => format!(
-                "{verdict} equilibrium, residual {} N or N m",
-                text::small(statics["residual_force"].as_f64().unwrap_or(f64::NAN))
+                "{verdict} equilibrium, residual {} of the forces that cancel",
+                text::small(statics["relative_residual"].as_f64().unwrap_or(f64::NAN))
             ),
             None => "as given".to_owned(),
         },

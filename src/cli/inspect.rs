@@ -76,11 +76,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         return Ok(Exit::Done);
     }
     output::print(&text::heading(&model, &scenario.name))?;
+    let along = |x: f64| text::number(text::without_noise(x, model.length_scale()));
     output::print(&format!(
         "  centre       {}, {}, {} m\n  energy       kinetic {} J, potential {} J\n",
-        text::number(center.x),
-        text::number(center.y),
-        text::number(center.z),
+        along(center.x),
+        along(center.y),
+        along(center.z),
         text::number(energies.kinetic),
         text::number(energies.potential)
     ))?;
@@ -111,26 +112,32 @@ fn center_of_mass(model: &Model, at: &Evaluated<'_>) -> Vector3<f64> {
 
 /// One line per hinge, in columns.
 fn table(model: &Model, accelerations: &[f64]) -> String {
-    // What cancels in an acceleration: others in the scene, and what fast turning needs.
-    let fastest = model.start_velocity.iter().fold(0.0_f64, |m, v| m.max(v * v));
-    let largest = accelerations.iter().fold(fastest, |m, a| m.max(a.abs()));
-    let show = |list: &[f64]| match list {
+    let (length, gravity) = (model.length_scale(), model.gravity.norm());
+    let fastest = model.start_velocity.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    // What cancels in an acceleration: others in the scene, gravity, and what fast turning needs.
+    let usual = gravity.max(gravity / length).max(fastest * fastest);
+    let largest = accelerations.iter().fold(usual, |m, a| m.max(a.abs()));
+    // Numbers, each with the size beside which it is round-off.
+    let show = |list: &[f64], scale: &dyn Fn(usize) -> f64| match list {
         [] => "–".to_owned(),
-        _ => list.iter().map(|x| text::number(*x)).collect::<Vec<_>>().join(" "),
+        _ => {
+            let shown = |(at, x): (usize, &f64)| text::number(text::without_noise(*x, scale(at)));
+            list.iter().enumerate().map(shown).collect::<Vec<_>>().join(" ")
+        }
     };
     let mut rows = vec![["body", "hinge", "parent", "position", "velocity", "acceleration"].map(str::to_owned)];
     for body in model.bodies.iter().filter(|body| !body.is_element) {
         let hinge = &body.hinge;
         let (positions, velocities) = hinge.kind.counts();
         let rates = hinge.velocity..hinge.velocity + velocities;
-        let sums: Vec<f64> = accelerations[rates.clone()].iter().map(|a| text::without_noise(*a, largest)).collect();
+        let extent = |at: usize| if hinge.kind.positions()[at].1 == "m" { length } else { 1.0 };
         rows.push([
             body.name.clone(),
             hinge.kind.name().to_owned(),
             body.parent.map_or("ground", |parent| &model.bodies[parent].name).to_owned(),
-            show(&model.start_position[hinge.position..hinge.position + positions]),
-            show(&model.start_velocity[rates]),
-            show(&sums),
+            show(&model.start_position[hinge.position..hinge.position + positions], &extent),
+            show(&model.start_velocity[rates.clone()], &|_| fastest),
+            show(&accelerations[rates], &|_| largest),
         ]);
     }
     let widths: [usize; 6] = std::array::from_fn(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0));

@@ -2,7 +2,7 @@
 
 use super::beams;
 use crate::constraint::LoopReaction;
-use crate::dynamics::System;
+use crate::dynamics::{BeamState, Fault, System};
 use crate::model::{Model, Output};
 use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::verify::{Verified, quaternion_error};
@@ -11,6 +11,11 @@ use crate::spatial::{Pose, Wrench};
 use crate::statics::Equilibrium;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
+
+/// A name without the quotes that it has in messages.
+pub(super) fn bare(name: &str) -> String {
+    name.replace('`', "")
+}
 
 /// One list per hinge, by the name of the body it carries; welded bodies have none.
 pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Value {
@@ -30,13 +35,13 @@ pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Val
 
 /// Loops and gears with redundant rows.
 pub(super) fn redundant(redundant: &[(String, usize, usize)]) -> Value {
-    let one = |(name, redundant, rows): &(String, usize, usize)| json!({ "element": name, "redundant": redundant, "rows": rows });
+    let one = |(name, redundant, rows): &(String, usize, usize)| json!({ "element": bare(name), "redundant": redundant, "rows": rows });
     Value::Array(redundant.iter().map(one).collect())
 }
 
 /// Names and lists of numbers.
 fn lists(lists: &[(String, Vec<f64>)]) -> Value {
-    Value::Object(lists.iter().map(|(name, list)| (name.clone(), json!(list))).collect())
+    Value::Object(lists.iter().map(|(name, list)| (bare(name), json!(list))).collect())
 }
 
 /// What the loops pass, by their names.
@@ -108,8 +113,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
     let stability = found.stability.as_ref();
     let modes: Vec<Value> = stability.map_or(Vec::new(), |s| s.modes.iter().map(mode).collect());
     let frequencies: Vec<f64> = stability.map_or(Vec::new(), |stability| stability.frequencies().collect());
-    let beams = crate::statics::beams(model, found);
-    let beams = beams.map_or(Value::Null, |beams| beams::json(&beams));
+    let (beams, unknown) = told_of_beams(crate::statics::beams(model, found));
     let mut value = json!({
         "converged": found.converged,
         "balanced": found.balanced,
@@ -135,7 +139,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "damped_modes": stability.map_or(Vec::new(), |s| s.damped.iter().map(damped).collect::<Vec<_>>()),
         "reactions": reactions(model, &found.reactions),
         "beams": beams,
-        "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": name, "force": force })).collect::<Vec<_>>(),
+        "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": bare(name), "force": force })).collect::<Vec<_>>(),
         "stops": found.stops.iter().map(bearing).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "drives": pushes(&found.drive_forces),
@@ -144,7 +148,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "multipliers": lists(&found.carried),
         "redundant": redundant(&found.redundant),
         "loop_reactions": loops(model, &found.loops),
-        "notes": found.notes,
+        "notes": found.notes.iter().cloned().chain(unknown).collect::<Vec<_>>(),
         "wall_seconds": wall_seconds,
     });
     if let Some(standing) = &found.standing {
@@ -156,9 +160,17 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
     value
 }
 
+/// The key `beams`; `null` if what they bear cannot be computed, and the note that says why.
+fn told_of_beams(beams: Result<Vec<BeamState>, Fault>) -> (Value, Option<String>) {
+    match beams {
+        Ok(beams) => (beams::json(&beams), None),
+        Err(fault) => (Value::Null, Some(format!("what the beams bear is not known: {fault}"))),
+    }
+}
+
 fn bearing(stop: &crate::statics::Bearing) -> Value {
     json!({
-        "hinge": stop.hinge,
+        "hinge": bare(&stop.hinge),
         "side": if stop.low { "low" } else { "high" },
         "limit": stop.limit,
         "load": stop.load,
@@ -225,8 +237,7 @@ pub(super) fn run(model: &Arc<Model>, scenario: &str, recording: &str, start: Va
     let State { position, velocity } = &summary.state;
     let integrators: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;
-    let beams = beams::moving(model, position, velocity);
-    let beams = beams.map_or(Value::Null, |beams| beams::json(&beams));
+    let (beams, unknown) = told_of_beams(beams::moving(model, position, velocity));
     json!({
         "scenario": scenario,
         "recording": recording,
@@ -259,6 +270,7 @@ pub(super) fn run(model: &Arc<Model>, scenario: &str, recording: &str, start: Va
             "bodies": poses(model, &summary.poses),
         },
         "beams": beams,
+        "notes": unknown.into_iter().collect::<Vec<_>>(),
         "outputs": outputs(model, &summary.outputs),
         "wall_seconds": summary.wall.as_secs_f64(),
     })

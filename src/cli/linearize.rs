@@ -4,7 +4,8 @@ mod bode;
 mod files;
 
 use super::inputs::Inputs;
-use super::{Common, Exit, json, output, scene, statics, text};
+use super::palette::Theme;
+use super::{Common, Exit, json, output, pixels, scene, statics, text};
 use crate::linear::{self, Input, Mat, Place, Signal, StateSpace};
 use crate::model::motor::MotorLawDescription;
 use crate::model::{Description, Model, StopLaw};
@@ -33,8 +34,11 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.json|npz|mat")]
     out: Option<PathBuf>,
     /// Plot the frequency response from every input to every output there
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(long, value_name = "FILE.svg|png|pdf")]
     bode: Option<PathBuf>,
+    /// Paper and ink of that plot
+    #[arg(long, value_enum, value_name = "THEME", default_value_t, requires = "bode")]
+    theme: Theme,
     /// Also the equations from step to step (s), inputs held constant over each
     #[arg(long, value_name = "STEP", value_parser = positive, allow_negative_numbers = true)]
     discretize: Option<f64>,
@@ -94,7 +98,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     }
     if let Some(path) = &arguments.bode {
         let title = if model.title.is_empty() { &scenario.name } else { &model.title };
-        output::save(path, bode::draw(&found, title)?.as_bytes())?;
+        output::save(path, &pixels::by_name(path)?(bode::draw(&found, title, arguments.theme)?)?)?;
     }
     if common.json {
         output::print(&answer.to_string())?;
@@ -230,10 +234,16 @@ fn report(model: &Model, name: &str, found: &StateSpace) -> String {
         out += &format!("\n  follow       {}", found.dependent.join(", "));
     }
     let all = found.eigenvalues();
-    for (line, [re, im]) in all.iter().take(MOST_LINES).enumerate() {
+    // Computed eigenvalues are those of a matrix that is wrong by round-off.
+    let round_off = found.a.nrows() as f64 * f64::EPSILON * found.a.norm_l2();
+    let told = || all.iter().take(MOST_LINES);
+    let part = |of: f64| if of.abs() <= round_off { 0.0 } else { of };
+    let [real, imaginary] =
+        [0, 1].map(|k| text::aligned(told().map(|value| if k == 0 { part(value[0]) } else { part(value[1]).abs() })));
+    for (line, ((value, re), im)) in told().zip(real).zip(imaginary).enumerate() {
         let head = if line == 0 { "eigenvalues" } else { "" };
-        let sign = if *im < 0.0 { '-' } else { '+' };
-        out += &format!("\n  {head:<12} {} {sign} {}i 1/s", text::number(*re), text::number(im.abs()));
+        let sign = if value[1] < 0.0 { '-' } else { '+' };
+        out += &format!("\n  {head:<12} {re} {sign} {im}i 1/s");
     }
     if all.len() > MOST_LINES {
         out += &format!("\n  {:<12} … and {} more (--json has all)", "", all.len() - MOST_LINES);

@@ -18,6 +18,7 @@ mod json;
 mod linearize;
 mod man;
 mod new;
+mod number;
 mod output;
 mod palette;
 mod path;
@@ -90,6 +91,10 @@ impl From<Exit> for ExitCode {
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Significant digits of numbers in reports; JSON and tables have all
+    #[arg(long, global = true, value_name = "N", default_value_t = number::USUAL_DIGITS)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=17))]
+    digits: u8,
 }
 
 #[derive(Debug, Subcommand)]
@@ -252,6 +257,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<f
             return if error.use_stderr() { Exit::Wrong.into() } else { Exit::Done.into() };
         }
     };
+    number::show_digits(cli.digits);
     let result = match cli.command {
         Command::Run(arguments) => run::main(&arguments),
         Command::Statics(arguments) => statics::main(&arguments),

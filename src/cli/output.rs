@@ -18,6 +18,12 @@ pub(super) fn print(text: &str) -> anyhow::Result<()> {
     }
 }
 
+/// Whether an error is that of a reader that went away: no error of ours.
+pub(super) fn is_closed(error: &anyhow::Error) -> bool {
+    let io = error.chain().filter_map(|cause| cause.downcast_ref::<std::io::Error>());
+    io.into_iter().any(|error| error.kind() == ErrorKind::BrokenPipe)
+}
+
 /// A line on standard output before work whose result goes elsewhere: a disk that is full there is said, and stops
 /// nothing. The program ends with an error all the same.
 pub(super) fn announce(text: &str) {
@@ -122,6 +128,11 @@ pub(super) fn warning(text: &str) {
 
 fn paint(text: &str, code: &str, color: bool) -> String {
     if color { format!("\u{1b}[{code}m{text}\u{1b}[0m") } else { text.to_owned() }
+}
+
+/// A verdict on standard output: green if it is the one hoped for, red if it is not.
+pub(super) fn verdict(text: &str, fine: bool) -> String {
+    paint(text, if fine { "1;32" } else { "1;31" }, in_color(std::io::stdout().is_terminal()))
 }
 
 /// Text made bold where standard output shows it.

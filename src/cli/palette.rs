@@ -1,6 +1,7 @@
-//! What plots have in common: colours readable on white and by the colour-blind (Okabe and Ito), and axes.
+//! What plots have in common: colours that the colour-blind tell apart (Okabe and Ito), on light and on dark paper, and axes.
 
 use super::text;
+use clap::ValueEnum;
 use plotters::style::RGBColor;
 
 pub(super) const BLUE: RGBColor = RGBColor(0, 114, 178);
@@ -9,7 +10,7 @@ pub(super) const GREEN: RGBColor = RGBColor(0, 158, 115);
 pub(super) const PURPLE: RGBColor = RGBColor(204, 121, 167);
 
 /// For many lines, without yellow.
-pub(super) const COLORS: [RGBColor; 9] = [
+const COLORS: [RGBColor; 9] = [
     BLUE,
     VERMILION,
     GREEN,
@@ -20,6 +21,52 @@ pub(super) const COLORS: [RGBColor; 9] = [
     RGBColor(120, 120, 120),
     RGBColor(140, 80, 20),
 ];
+
+/// Paper and ink of a plot.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Theme {
+    /// Dark on white
+    #[default]
+    Light,
+    /// Light on nearly black
+    Dark,
+}
+
+impl Theme {
+    pub(super) fn paper(self) -> RGBColor {
+        match self {
+            Self::Light => RGBColor(255, 255, 255),
+            Self::Dark => RGBColor(24, 26, 31),
+        }
+    }
+
+    pub(super) fn ink(self) -> RGBColor {
+        match self {
+            Self::Light => RGBColor(0, 0, 0),
+            Self::Dark => RGBColor(228, 230, 235),
+        }
+    }
+
+    /// A colour as it is read on this paper: lighter on dark one.
+    pub(super) fn shown(self, color: RGBColor) -> RGBColor {
+        let lighter = |part: u8| part + (255 - part) / 3;
+        match (self, color) {
+            (Self::Light, _) => color,
+            (Self::Dark, RGBColor(0, 0, 0)) => self.ink(),
+            (Self::Dark, RGBColor(red, green, blue)) => RGBColor(lighter(red), lighter(green), lighter(blue)),
+        }
+    }
+
+    /// The colours of many lines, over and over.
+    pub(super) fn colors(self) -> impl Iterator<Item = RGBColor> {
+        COLORS.into_iter().cycle().map(move |color| self.shown(color))
+    }
+
+    /// The colour of a line among many.
+    pub(super) fn color(self, line: usize) -> RGBColor {
+        self.shown(COLORS[line % COLORS.len()])
+    }
+}
 
 /// A number at an axis: no minus before a zero.
 pub(super) fn tick(x: f64, range: (f64, f64)) -> String {
@@ -32,4 +79,33 @@ pub(super) fn range(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let room = 0.05 * (high - low);
     let room = if room > 0.0 { room } else { 1e-3 * high.abs().max(1.0) };
     (low - room, high + room)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COLORS, RGBColor, Theme};
+
+    /// Relative luminance (WCAG 2).
+    fn luminance(RGBColor(red, green, blue): RGBColor) -> f64 {
+        let linear = |part: u8| {
+            let part = f64::from(part) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue)
+    }
+
+    #[test]
+    fn lines_stand_out_from_the_paper() {
+        for theme in [Theme::Light, Theme::Dark] {
+            let contrast = |color| {
+                let [a, b] = [luminance(color), luminance(theme.paper())];
+                (a.max(b) + 0.05) / (a.min(b) + 0.05)
+            };
+            assert!(contrast(theme.ink()) > 12.0);
+            // The lightest of Okabe and Ito on white have 2.2.
+            for color in COLORS {
+                assert!(contrast(theme.shown(color)) > 2.1, "{theme:?} {color:?}");
+            }
+        }
+    }
 }

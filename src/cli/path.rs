@@ -2,9 +2,11 @@
 
 mod plot;
 
+use super::number::exact;
 use super::output::{self, Interrupt, Progress, bold};
 use super::{Common, json, run, text};
 use crate::model::Model;
+use crate::record::scene::Channel;
 use crate::record::{Energy, Opening, Outcome, Recorder, Sample, Scene};
 use crate::scenario::Scenario;
 use crate::simulate;
@@ -76,13 +78,12 @@ pub(super) fn main(
 /// The coordinate that was asked for, else the one that moves most.
 fn coordinate(settings: &Settings, model: &Model, path: &Path) -> Coordinate {
     let positions = |body: &crate::model::Body| {
-        let names = body.hinge.kind.positions();
         let one = |(i, (name, unit)): (usize, &(&str, &'static str))| Coordinate {
             at: body.hinge.position + i,
-            name: if names.len() == 1 { format!("{} {name}", body.name) } else { format!("{} ({name})", body.name) },
+            name: format!("{}.{name}", body.name),
             unit,
         };
-        names.iter().enumerate().map(one).collect::<Vec<_>>()
+        body.hinge.kind.positions().iter().enumerate().map(one).collect::<Vec<_>>()
     };
     let all: Vec<Coordinate> = model.bodies.iter().flat_map(positions).collect();
     if let Some(asked) = &settings.coordinate
@@ -116,9 +117,10 @@ impl Followed {
     fn table(&self, model: &Arc<Model>, path: &std::path::Path) -> anyhow::Result<()> {
         let mut csv = csv::Writer::from_writer(WholeFile::create(path)?);
         let scene = simulate::scene(model);
-        let fixed = ["branch", "point", "arclength", "parameter", "stability", "unstable_directions", "event"];
-        let more = ["relative_residual", "potential"];
-        let coordinates = scene.positions.iter().map(|one| format!("{} {} ({})", one.body, one.name, one.unit));
+        let parameter = format!("parameter [{}]", self.unit());
+        let fixed = ["branch", "point", "arclength", &parameter, "stability", "unstable_directions", "event"];
+        let more = ["relative_residual", "potential [J]"];
+        let coordinates = scene.positions.iter().map(|one| format!("{}.{} [{}]", one.body, one.name, one.unit));
         let outputs = scene.outputs.iter().map(|one| format!("{} [{}]", one.name, one.unit));
         csv.write_record(fixed.iter().chain(&more).map(|name| (*name).to_owned()).chain(coordinates).chain(outputs))?;
         for (index, branch) in self.path.branches.iter().enumerate() {
@@ -127,24 +129,26 @@ impl Followed {
                 let fields = [
                     index.to_string(),
                     at.to_string(),
-                    point.arclength.to_string(),
-                    point.parameter.to_string(),
+                    exact(point.arclength),
+                    exact(point.parameter),
                     point.verdict.name().to_owned(),
                     point.unstable_directions.to_string(),
                     event.to_owned(),
-                    point.relative_residual.to_string(),
-                    point.potential.to_string(),
+                    exact(point.relative_residual),
+                    exact(point.potential),
                 ];
-                let numbers = point.position.iter().chain(&point.outputs).map(f64::to_string);
+                let numbers = point.position.iter().chain(&point.outputs).copied().map(exact);
                 csv.write_record(fields.into_iter().chain(numbers))?;
             }
         }
         Ok(output::whole(csv)?.finish()?)
     }
 
-    /// One sample per point; arclength stands for time, branch after branch.
+    /// One sample per point; arclength stands for time, branch after branch, and the parameter after the outputs.
     fn record(&self, scenario: &Scenario, model: &Arc<Model>, path: &std::path::Path) -> anyhow::Result<()> {
-        let still = Scene { couplings: Vec::new(), watched: false, ..simulate::scene(model) };
+        let mut still = Scene { couplings: Vec::new(), watched: false, ..simulate::scene(model) };
+        let (name, unit) = (self.settings.parameter.clone(), self.unit().to_owned());
+        still.outputs.push(Channel { body: String::new(), name, unit });
         let statics = json::statics(model, &self.path.start, 0.0).to_string();
         let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
         let mut file = run::recording_file(path, true)?.begin(&opening)?;
@@ -153,6 +157,7 @@ impl Followed {
         for branch in &self.path.branches {
             for point in &branch.points {
                 let energy = Energy { potential: point.potential, ..Energy::default() };
+                let outputs: Vec<f64> = point.outputs.iter().copied().chain([point.parameter]).collect();
                 file.sample(&Sample {
                     time: before + point.arclength,
                     positions: &point.position,
@@ -161,7 +166,7 @@ impl Followed {
                     bodies: &point.poses,
                     reactions: &point.reactions,
                     couplings: &[],
-                    outputs: &point.outputs,
+                    outputs: &outputs,
                     energy,
                 })?;
             }
@@ -200,7 +205,7 @@ impl Followed {
         let branch = |branch: &Branch| {
             json!({
                 "parent": branch.parent.map(|(index, at)| json!({ "branch": index, "point": at })),
-                "end": end(branch),
+                "end": json::bare(&end(branch)),
                 "points": branch.points.iter().map(point).collect::<Vec<_>>(),
             })
         };

@@ -106,12 +106,7 @@ pub(super) fn sample(footage: &Footage, at: Option<f64>) -> anyhow::Result<Owned
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
-    let kind = arguments.out.extension().and_then(|extension| extension.to_str()).map(str::to_ascii_lowercase);
-    let encode: pixels::Encode = match kind.as_deref() {
-        Some("svg") => |svg| Ok(svg.into_bytes()),
-        Some("png") => pixels::png()?,
-        _ => bail!("`{}`: the name of a picture ends in .svg or .png", arguments.out.display()),
-    };
+    let encode = pixels::by_name(&arguments.out)?;
     Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let shown = sample(&footage, arguments.at)?;

@@ -3,6 +3,7 @@
 pub(super) mod draw;
 
 use super::inputs::Inputs;
+use super::palette::Theme;
 use super::samples::{self, Place, Rows};
 use super::text::count;
 use super::{Exit, output, pixels};
@@ -17,12 +18,15 @@ pub(super) struct Arguments {
     /// Recordings, then the columns to plot: `upper.angle`, `kinetic`, or a whole channel (hinges, energy, reactions, couplings, outputs, tf)
     #[arg(value_name = "FILE... CHANNEL", required = true)]
     what: Vec<String>,
-    /// Where the picture goes: its name ends in .svg or .png; default: the first recording's name with .svg in this folder
-    #[arg(long, short = 'o', value_name = "FILE.svg|png")]
+    /// Where the picture goes: its name ends in .svg, .png or .pdf; default: the first recording's name with .svg in this folder
+    #[arg(long, short = 'o', value_name = "FILE.svg|png|pdf")]
     out: Option<PathBuf>,
-    /// The column along x, in place of the time
+    /// The column along x, in place of the time; of a path, in place of its parameter
     #[arg(long, value_name = "COLUMN")]
     x: Option<String>,
+    /// Paper and ink
+    #[arg(long, value_enum, value_name = "THEME", default_value_t)]
+    theme: Theme,
     /// Print one JSON object on standard output and nothing else there
     #[arg(long)]
     json: bool,
@@ -74,15 +78,14 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     };
     let inputs = Inputs::new(recordings.iter().map(|recording| recording.path.as_path()));
     let title = &recordings[0].scene.title;
-    let across = match &arguments.x {
-        Some(name) => format!("{name} ({})", along(&recordings[0], name)?.column.unit),
-        None => "time (s)".to_owned(),
-    };
+    let tables = Table::all(&recordings[0].scene);
+    let across = along(&recordings[0], &tables, arguments.x.as_deref())?
+        .map_or_else(|| samples::clock(&recordings[0], &tables), |place| place.column);
+    let across = draw::with_unit(&across.name, &across.unit);
     inputs.spare(&out)?;
-    let is_png = out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    let png = is_png.then(pixels::png).transpose()?;
-    let picture = draw::draw(&lines, if title.is_empty() { first } else { title }, &across)?;
-    output::save(&out, &png.map_or_else(|| Ok(picture.clone().into_bytes()), |png| png(picture.clone()))?)?;
+    let encode = pixels::by_name(&out)?;
+    let picture = draw::draw(&lines, if title.is_empty() { first } else { title }, &across, arguments.theme)?;
+    output::save(&out, &encode(picture)?)?;
     if arguments.json {
         let line = |line: &Line| json!({ "label": line.label, "unit": line.unit, "points": line.points.len() });
         let lines: Vec<_> = lines.iter().map(line).collect();
@@ -98,12 +101,16 @@ fn is_recording(text: &str) -> bool {
     path.is_file() || path.extension().is_some_and(|extension| extension == "mcap" || extension == "partial")
 }
 
-/// The column along x.
-fn along(recording: &Recording, name: &str) -> anyhow::Result<Place> {
-    let found = samples::columns(&Table::all(&recording.scene), name)
+/// The column along x: what is asked for, else the parameter of a path; `None` for the time, or the arclength.
+fn along(recording: &Recording, tables: &[Table], name: Option<&str>) -> anyhow::Result<Option<Place>> {
+    let Some(name) = name else { return Ok(samples::parameter(recording, tables)) };
+    if name == samples::clock(recording, tables).name {
+        return Ok(None);
+    }
+    let found = samples::columns(tables, name)
         .with_context(|| format!("nothing can be plotted of `{}`", recording.path.display()))?;
     match &found[..] {
-        [one] => Ok(one.clone()),
+        [one] => Ok(Some(one.clone())),
         _ => bail!("`--x {name}` are {} columns: name one of them", found.len()),
     }
 }
@@ -136,7 +143,8 @@ fn read(
             points: Vec::new(),
         })
         .collect();
-    places.extend(x.map(|name| along(recording, name)).transpose()?);
+    let x = along(recording, &tables, x)?;
+    places.extend(x.clone());
     let mut rows = Rows::new(&tables, &places);
     let mut row = Vec::new();
     samples::each(recording, |sample| {

@@ -2,6 +2,7 @@
 
 mod plot;
 
+use super::number::exact;
 use super::output::{self, Interrupt, Progress};
 use super::{Common, Exit, run, scene, text};
 use crate::integrate::Method;
@@ -24,8 +25,8 @@ pub(super) struct Arguments {
     /// Recommend a method for this error
     #[arg(long, value_name = "ERROR", default_value_t = 1e-6, allow_negative_numbers = true, value_parser = positive)]
     error: f64,
-    /// Give up a run after this many seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 30.0, allow_negative_numbers = true, value_parser = positive)]
+    /// Give up a run after this many seconds; more show smaller errors of the slow methods
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5, allow_negative_numbers = true, value_parser = positive)]
     limit: f64,
 }
 
@@ -46,7 +47,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
     }
-    let Some((start, found)) = run::start(common, &mut scenario, &mut model)? else { return Ok(Exit::No) };
+    let Some((start, found)) = run::start(common, &mut scenario, &mut model, false)? else { return Ok(Exit::No) };
     let plan = Plan::new(&model, scenario.simulate.duration, Duration::from_secs_f64(arguments.limit));
     let outcome = {
         let mut progress = Progress::new(1.0, common.quiet || common.json);
@@ -122,7 +123,7 @@ fn write_csv(study: &Study, path: &Path) -> anyhow::Result<()> {
     for point in &study.points {
         let (tolerance, step) = setting(point);
         let (errors, counters) = (point.outcome.as_ref().ok(), &point.statistics);
-        let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
+        let number = |x: Option<f64>| x.map_or(String::new(), exact);
         csv.write_record([
             point.method.name().to_owned(),
             number(tolerance),
@@ -225,7 +226,7 @@ fn row(point: &Point) -> String {
     };
     let begin = format!("{:<17} {setting:>16}", point.method.name());
     match &point.outcome {
-        Err(why) => format!("{begin}  failed: {why}"),
+        Err(why) => format!("{begin}  {why}"),
         Ok(errors) => {
             let counters = &point.statistics;
             format!(

@@ -3,6 +3,7 @@
 use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
 use super::{Common, Exit, json, output, run, scene, statics, text};
+use crate::model::Model;
 use crate::record::{Fanout, Opening, Outcome, Recorder};
 use crate::simulate::rest::{Largest, Rest, TOLERANCE, rest};
 use crate::simulate::{self, RunError};
@@ -20,6 +21,9 @@ pub(super) struct Arguments {
     /// Record the proof there
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// Print all of the equilibrium, as `statics` does, not one line of it
+    #[arg(long, short)]
+    verbose: bool,
 }
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
@@ -39,7 +43,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let statics = json::statics(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
         output::announce(&text::heading(&model, &scenario.name));
-        output::announce(&text::statics(&model, &found, wall));
+        output::announce(&text::equilibrium(&model, &found, wall, arguments.verbose));
     }
     if !found.balanced {
         if common.json {
@@ -80,7 +84,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::print(&result.to_string())?;
     } else if !common.quiet {
         let moves = found.velocity.iter().any(|v| *v != 0.0);
-        output::print(&to_text(&proof, moves))?;
+        output::print(&to_text(&model, &proof, moves))?;
     }
     Ok(match (proof.interrupted, proof.rested) {
         (true, _) => Exit::Interrupted,
@@ -103,8 +107,21 @@ fn to_json(proof: &Rest, statics: Value) -> Value {
     })
 }
 
+/// A displacement, or with `per` a speed, in the unit of its hinge; without one if the hinge has coordinates of several.
+fn of_hinge(model: &Model, largest: &Largest, per: &str) -> String {
+    let body = model.bodies.iter().find(|body| body.name == largest.hinge);
+    let mut units: Vec<&str> =
+        body.map_or(&[][..], |body| body.hinge.kind.velocities()).iter().map(|(_, unit)| *unit).collect();
+    units.dedup();
+    let value = text::small(largest.value);
+    match units[..] {
+        [unit] => format!("{value} {}{per}", unit.trim_end_matches("/s")),
+        _ => format!("{value}{}", if per.is_empty() { "" } else { " per second" }),
+    }
+}
+
 /// `moves`: the equilibrium is a steady motion.
-fn to_text(proof: &Rest, moves: bool) -> String {
+fn to_text(model: &Model, proof: &Rest, moves: bool) -> String {
     let steady = if moves { ", beside the steady motion" } else { "" };
     let seconds = text::number(proof.duration);
     let Some(growth) = &proof.growth else {
@@ -115,17 +132,18 @@ fn to_text(proof: &Rest, moves: bool) -> String {
             None => String::new(),
         };
         return format!(
-            "{}: in {seconds} s{until} no hinge moved further than {} (`{}`; allowed {TOLERANCE:.0e} m or rad) or faster than {} per second{steady}",
-            output::bold(answer),
-            text::small(proof.displacement.value),
+            "{}: in {seconds} s{until} no hinge moved further than {} (`{}`; allowed {TOLERANCE:.0e}) or faster than {} (`{}`){steady}",
+            output::verdict(answer, proof.rested),
+            of_hinge(model, &proof.displacement, ""),
             proof.displacement.hinge,
-            text::small(proof.speed.value),
+            of_hinge(model, &proof.speed, "/s"),
+            proof.speed.hinge,
         );
     };
     let observed = growth.observed.map_or("not seen in time".to_owned(), text::number);
     format!(
         "{}: pushed by a millionth, `{}` leaves; growth {observed} per second, predicted {}",
-        output::bold("not at rest"),
+        output::verdict("not at rest", false),
         growth.hinge,
         text::number(growth.predicted)
     )

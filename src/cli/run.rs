@@ -4,6 +4,7 @@ use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
 use super::{Common, Exit, json, output, scene, statics, text};
 use crate::model::Model;
+use crate::model::description::BodyDescription;
 use crate::record::view::{Sink, Viewer};
 use crate::record::{self, Fanout, Opening, Outcome, Recorder, RecordingFile};
 use crate::scenario::{Scenario, start};
@@ -31,6 +32,9 @@ pub(super) struct Arguments {
     /// Run once more, tighter and by another method, and say what the run is wrong by at its end
     #[arg(long)]
     verify: bool,
+    /// Print all of the equilibrium, as `statics` does, not one line of it
+    #[arg(long, short)]
+    verbose: bool,
     #[command(flatten)]
     viewers: Viewers,
 }
@@ -71,7 +75,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         output::announce(&text::heading(&model, &scenario.name));
     }
     let from_file = || Some((given(&model), json!("given")));
-    let started = if arguments.start.is_some() { from_file() } else { start(common, &mut scenario, &mut model)? };
+    let started = if arguments.start.is_some() {
+        from_file()
+    } else {
+        start(common, &mut scenario, &mut model, arguments.verbose)?
+    };
     let Some((start, found)) = started else { return Ok(Exit::No) };
     simulate::check(&model, &scenario.simulate, &start)?;
 
@@ -96,11 +104,13 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     run.go(&start, found, recorder)
 }
 
-/// The state to start from and what is said of it in JSON; `None` where there is no equilibrium to start from.
+/// The state to start from and what is said of it in JSON; `None` where there is no equilibrium to start from. On a terminal all that
+/// statics says of it if `verbose`, else one line.
 pub(super) fn start(
     common: &Common,
     scenario: &mut Scenario,
     model: &mut Arc<Model>,
+    verbose: bool,
 ) -> anyhow::Result<Option<(State, Value)>> {
     if scenario.simulate.start == Start::Given {
         return Ok(Some((given(model), json!("given"))));
@@ -108,7 +118,7 @@ pub(super) fn start(
     let (found, wall) = statics::find(scenario, model)?;
     let (value, _) = statics::told(scenario, model, &found, wall)?;
     if !common.json && !common.quiet {
-        output::announce(&text::statics(model, &found, wall));
+        output::announce(&text::equilibrium(model, &found, wall, verbose));
     }
     if !found.converged {
         if common.json {
@@ -120,14 +130,16 @@ pub(super) fn start(
     if found.stability.as_ref().is_some_and(|s| s.unstable_directions > 0) && !common.quiet {
         output::warning("the run starts on an unstable equilibrium: it stays there until something disturbs it");
     }
-    if model.start_velocity.iter().any(|v| *v != 0.0) && !common.quiet {
+    // Those of the model follow also from drives.
+    let gives = |body: &BodyDescription| body.hinge.velocity.iter().any(|v| *v != 0.0);
+    if scenario.description.bodies.iter().any(gives) && !common.quiet {
         output::warning("the scenario gives velocities, but the run starts at rest; use `start = \"given\"` for them");
     }
     for (name, force) in found.holding.iter().filter(|(_, force)| force.abs() > 1e-9) {
         if !common.quiet {
             output::warning(&format!(
-                "the lock of {name} held {} N or N m; it is released at the start of the run",
-                text::number(*force)
+                "the lock of {name} held {}; it is released at the start of the run",
+                text::borne(model, name, *force)
             ));
         }
     }

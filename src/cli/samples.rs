@@ -5,6 +5,7 @@ use crate::record::table::Column;
 use crate::record::{OwnedSample, Recording, Table};
 use crate::suggest;
 use anyhow::anyhow;
+use serde_json::Value;
 use std::path::Path;
 
 /// A recording; that it was not finished is said.
@@ -19,6 +20,21 @@ pub(super) fn warn_if_cut(recording: &Recording, quiet: bool) {
     if !recording.complete && !quiet {
         output::warning(&format!("`{}` was not finished: this is what was kept of it", recording.path.display()));
     }
+}
+
+/// The column of a recorded path that has its parameter; `None` of a run.
+pub(super) fn parameter(recording: &Recording, tables: &[Table]) -> Option<Place> {
+    let outcome: Value = serde_json::from_str(recording.outcome.as_deref()?).ok()?;
+    outcome["branches"].as_array()?;
+    let table = tables.iter().position(|table| table.name == "outputs")?;
+    let index = tables[table].columns.len().checked_sub(1)?;
+    Some(Place { table, index, column: tables[table].columns[index].clone() })
+}
+
+/// What a recording goes along: time, of a path arclength.
+pub(super) fn clock(recording: &Recording, tables: &[Table]) -> Column {
+    let (name, unit) = if parameter(recording, tables).is_some() { ("arclength", "1") } else { ("time", "s") };
+    Column { name: name.to_owned(), unit: unit.to_owned() }
 }
 
 /// Calls `take` with every sample.
@@ -72,8 +88,15 @@ const MOST_NAMES: usize = 40;
 fn unknown(tables: &[Table], name: &str) -> anyhow::Error {
     let known = || tables.iter().flat_map(|table| &table.columns).map(|column| column.name.as_str());
     let names = || tables.iter().map(|table| table.name).chain(known());
-    let hint = match suggest::closest(name, names()) {
+    // What else the body that is named has.
+    let of_body = name.rsplit_once('.').map(|(body, last)| (format!("{body}."), last));
+    let own = of_body.as_ref().map_or(Vec::new(), |(body, _)| {
+        known().filter(|column| column.starts_with(body.as_str())).take(MOST_NAMES).collect::<Vec<_>>()
+    });
+    let ends = of_body.as_ref().and_then(|(_, last)| own.iter().find(|column| column.ends_with(last)));
+    let hint = match suggest::closest(name, names()).or(ends.copied()) {
         Some(near) => format!("did you mean `{near}`?"),
+        None if !own.is_empty() => format!("of it there are {}", own.join(", ")),
         None => {
             let part: Vec<&str> = known().filter(|column| column.contains(name)).take(MOST_NAMES).collect();
             let (what, list) = match part.is_empty() {

@@ -3,10 +3,11 @@
 use super::{Common, Exit, output, text};
 use crate::constraint::{self, Constraints};
 use crate::dynamics::System;
+use crate::model::problem::number;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
 use crate::statics::leftover;
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -75,7 +76,7 @@ pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<R
         Err(other) => return Err(other.into()),
     };
     for (address, before, now) in started.changes.iter().filter(|_| !common.quiet) {
-        let (before, now) = (text::number(*before), text::number(*now));
+        let (before, now) = (number(*before), number(*now));
         output::note(&format!("{}: `{address}` is {now} (the scenario says {before})", path.display()));
     }
     scenario.description = started.description;
@@ -85,13 +86,36 @@ pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<R
         // The scene is put together as the scenario has it.
         let model = assemble(common, Model::build(&scenario.description).map_err(listed)?)?;
         let Model { start_position, start_velocity, .. } = &*started.model;
-        return Ok(Ok((scenario, model.starting_in(start_position, start_velocity))));
+        let model = model.starting_in(start_position, start_velocity);
+        check_closed(path, &model, scenario.simulate.begin())?;
+        return Ok(Ok((scenario, model)));
     }
     let model = assemble(common, started.model)?;
     if !common.quiet {
         check_start(path, &model, &started.multipliers)?;
     }
     Ok(Ok((scenario, model)))
+}
+
+/// Loops of a state to go on from may be open by this part of the scene's length.
+const OPEN: f64 = 1e-6;
+
+/// Refuses a state to go on from with open loops: it goes on as it stands, without assembly.
+fn check_closed(path: &Path, model: &Arc<Model>, time: f64) -> anyhow::Result<()> {
+    if model.loops.is_empty() {
+        return Ok(());
+    }
+    let of_file = || path.display().to_string();
+    let (q, v) = (&model.start_position, &model.start_velocity);
+    let mut system = System::new(model);
+    let mut at = system.at(time, q, v);
+    at.accelerations(&mut vec![0.0; v.len()]).with_context(of_file)?;
+    at.share_multipliers().with_context(of_file)?;
+    let open = |gap: f64| !(gap <= OPEN * model.length_scale());
+    match at.loop_reactions().iter().find(|closed| open(closed.gap)) {
+        Some(closed) => bail!("{}: loop `{}` is open by {} m there", of_file(), closed.name, number(closed.gap)),
+        None => Ok(()),
+    }
 }
 
 /// Multipliers that differ by more than this part of the largest are not those of this scene.
@@ -104,9 +128,9 @@ fn check_start(path: &Path, model: &Arc<Model>, multipliers: &[(String, Vec<f64>
     if let Some(left) = leftover(model, q, v).with_context(of_file)? {
         let share = text::small(left.relative);
         output::warning(&format!(
-            "{}: the start does not hold itself: {} N or N m in {} are not balanced ({share} of the forces there)",
+            "{}: the start does not hold itself: {} in {} is not balanced ({share} of the forces there)",
             path.display(),
-            text::number(left.force),
+            text::borne(model, &left.hinge, left.force),
             left.hinge
         ));
     }
@@ -126,8 +150,8 @@ fn check_start(path: &Path, model: &Arc<Model>, multipliers: &[(String, Vec<f64>
             output::warning(&format!(
                 "{}: {name} pushes with {} here, the file says {}: the scene is not the one that it was written for",
                 path.display(),
-                text::number(*now),
-                text::number(*before)
+                number(*now),
+                number(*before)
             ));
         }
     }

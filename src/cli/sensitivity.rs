@@ -1,6 +1,6 @@
 //! `statics --sensitivity`: what an equilibrium and its outputs answer to the numbers of the scene.
 
-use super::text::number;
+use super::text::{aligned, number};
 use crate::model::{Description, Model, Parameter};
 use crate::statics::{Equilibrium, Sensitivities, sensitivities};
 use anyhow::anyhow;
@@ -61,11 +61,12 @@ pub(super) fn text(table: &Sensitivities) -> String {
         }
         let size = |share: Option<f64>| share.map_or(-1.0, f64::abs);
         felt.sort_by(|a, b| size(b.2).total_cmp(&size(a.2)).then(b.1.abs().total_cmp(&a.1.abs())));
-        for (column, derivative, share) in felt.iter().take(MOST_LINES) {
+        let shown = aligned(felt.iter().take(MOST_LINES).map(|(_, derivative, _)| *derivative));
+        for ((column, _, share), shown) in felt.iter().zip(shown) {
             let one = &table.parameters[*column];
             let share = share.map_or_else(|| "      –  ".to_owned(), |share| format!("{share:>+9.4}"));
             let per = per(unit, one.unit);
-            let _ = writeln!(out, "  {:<12} {share}  {:<28} {} {per}", "", one.address, number(*derivative));
+            let _ = writeln!(out, "  {:<12} {share}  {:<28} {} {per}", "", one.address, shown);
         }
         let rest = felt.len().saturating_sub(MOST_LINES);
         let none = derivatives.iter().filter(|x| **x == Some(0.0)).count();

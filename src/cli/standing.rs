@@ -1,9 +1,9 @@
 //! Whether a scene with friction or contact stands, in words and as JSON.
 
-use super::text::count;
+use super::output::verdict;
+use super::text::{count, number};
 use crate::contact::support::Verdict;
 use crate::model::Model;
-use crate::model::problem::number;
 use crate::statics::standing::{Giving, Interval, Mechanism, Standing};
 use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
@@ -33,7 +33,7 @@ pub(super) fn json(model: &Model, standing: &Standing) -> Value {
             "use": one.share,
         })
     };
-    let of_hinge = |one: &crate::statics::standing::FrictionForce| json!({ "hinge": one.hinge.replace('`', ""), "force": one.force, "use": one.share });
+    let of_hinge = |one: &crate::statics::standing::FrictionForce| json!({ "hinge": super::json::bare(&one.hinge), "force": one.force, "use": one.share });
     let mut margins: Map<String, Value> =
         standing.margins.numbers.iter().map(|one| (one.name.clone(), range(one))).collect();
     if let Some(part) = standing.friction_margin {
@@ -115,16 +115,17 @@ pub(super) fn text(model: &Model, standing: &Standing) -> String {
         n => format!(" ({})", count(n, "self-stress", "self-stresses")),
     };
     let percent = |part: f64| number((1e4 * part).round() / 100.0);
+    let said = verdict(standing.verdict.name(), standing.verdict == Verdict::Stands);
     let _ = match standing.verdict {
         Verdict::Stands => {
-            writeln!(out, "  stands       {on}{stresses}, {} % of the loads to spare", percent(standing.slack))
+            writeln!(out, "  {said}       {on}{stresses}, {} % of the loads to spare", percent(standing.slack))
         }
         Verdict::Wedged => writeln!(
             out,
-            "  wedged       {on}{stresses}: it stands only if it has been squeezed, with at least {} N",
+            "  {said}       {on}{stresses}: it stands only if it has been squeezed, with at least {} N",
             number(standing.squeeze.unwrap_or(0.0))
         ),
-        Verdict::Falls => writeln!(out, "  falls        supports lack {} % of the loads", percent(-standing.slack)),
+        Verdict::Falls => writeln!(out, "  {said}        supports lack {} % of the loads", percent(-standing.slack)),
     };
     let gives = standing.mechanism.as_ref().map(ToString::to_string).unwrap_or_default();
     let _ = match (standing.verdict, standing.friction_margin) {
@@ -149,7 +150,9 @@ pub(super) fn text(model: &Model, standing: &Standing) -> String {
     }
     for one in standing.friction.iter().filter(|one| one.share > 0.0) {
         let force = one.force.iter().map(|f| number(*f)).collect::<Vec<_>>().join(", ");
-        let _ = writeln!(out, "  holds        {}: {force} ({} % of its friction)", one.hinge, percent(one.share));
+        let unit = model.labelled(&one.hinge).map_or("", |at| model.force_unit(at));
+        let _ =
+            writeln!(out, "  holds        {}: {force} {unit} ({} % of its friction)", one.hinge, percent(one.share));
     }
     let mut pairs: Vec<([usize; 2], Vector3<f64>, f64)> = Vec::new();
     for one in &standing.contacts {

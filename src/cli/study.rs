@@ -2,6 +2,7 @@
 
 mod plot;
 
+use super::palette::Theme;
 use super::text::{count, number, small};
 use super::{Exit, inputs::Inputs, output};
 use crate::study::reader::Reader;
@@ -22,6 +23,9 @@ pub(super) struct Arguments {
     /// Draw one column there: its histogram, its course over the input that matters most, and what every input does to it
     #[arg(long, value_name = "FILE.svg", requires = "of")]
     svg: Option<PathBuf>,
+    /// Paper and ink of that plot
+    #[arg(long, value_enum, value_name = "THEME", default_value_t, requires = "svg")]
+    theme: Theme,
     /// Print one JSON object on standard output and nothing else there
     #[arg(long)]
     json: bool,
@@ -66,7 +70,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         outputs.extend(study.output(name, unit, asked)?);
     }
     if let Some((path, output)) = arguments.svg.as_ref().zip(outputs.first()) {
-        output::save(path, plot::draw(&study, output)?.as_bytes())?;
+        output::save(path, plot::draw(&study, output, arguments.theme)?.as_bytes())?;
     }
     if arguments.json {
         let list: Vec<Value> = outputs.iter().map(|output| study.json(output)).collect();

@@ -1,13 +1,14 @@
 //! Reports for people.
 
-use super::output::bold;
+mod ended;
+
+pub(super) use super::number::{aligned, number, small, without_noise};
+use super::output::{bold, verdict};
 use crate::constraint::Assembly;
-pub(super) use crate::model::problem::number;
-use crate::model::{Model, Output};
-use crate::simulate::Summary;
-use crate::simulate::events::Kind;
-use crate::simulate::verify::{Verified, VerifiedEvents};
-use crate::statics::{Equilibrium, Mode, Stability};
+use crate::contact::support;
+use crate::model::{Body, Model, Output};
+use crate::statics::{DampedMode, Equilibrium, Mode, Stability, Verdict};
+pub(super) use ended::{run, verified};
 use std::fmt::Write;
 use std::time::Duration;
 
@@ -15,10 +16,6 @@ use std::time::Duration;
 const MOST_LINES: usize = 8;
 /// Zero-stiffness motions among them.
 const MOST_IDLE: usize = 3;
-/// What is left of a sum of numbers of size one that should cancel.
-const ROUND_OFF: f64 = 1e-12;
-/// Below this tolerance the share of a step is no longer a three-hundredth of it.
-const FLOOR: f64 = 2.7e-11;
 /// A smaller part of critical damping is round-off.
 const UNDAMPED: f64 = 1e-10;
 
@@ -70,34 +67,18 @@ pub(super) fn couplings(assembly: &Assembly) -> Vec<String> {
     assembly.redundant.iter().map(redundant).collect()
 }
 
-/// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.
-pub(super) fn small(x: f64) -> String {
-    match x.abs() {
-        0.0 => "0".to_owned(),
-        size if (1e-3..1e4).contains(&size) => {
-            let digits = (1.0 - size.log10().floor()).max(0.0) as usize;
-            format!("{x:.digits$}")
-        }
-        _ => format!("{x:.1e}"),
-    }
-}
-
-/// Zero where a number is round-off beside others of size `scale`.
-pub(super) fn without_noise(x: f64, scale: f64) -> f64 {
-    if x.abs() <= ROUND_OFF * scale { 0.0 } else { x }
-}
-
 fn numbers(list: impl Iterator<Item = f64>) -> String {
     list.map(number).collect::<Vec<_>>().join(", ")
 }
 
-/// The certificate of statics.
-pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> String {
-    let mut out = String::new();
-    let verdict = match (&found.stability, found.balanced) {
-        (Some(stability), true) => format!("{} equilibrium", stability.verdict.name()),
-        _ if found.stage == "given" => "the pose does not stand".to_owned(),
-        _ => "no equilibrium found".to_owned(),
+/// The verdict of statics, how it was found, and how long that took.
+fn found_by(found: &Equilibrium, wall: Duration) -> String {
+    let (text, fine) = match (&found.stability, found.balanced) {
+        (Some(stability), true) => {
+            (format!("{} equilibrium", stability.verdict.name()), stability.verdict != Verdict::Unstable)
+        }
+        _ if found.stage == "given" => ("the pose does not stand".to_owned(), false),
+        _ => ("no equilibrium found".to_owned(), false),
     };
     let stage = match found.stage {
         "start" if found.balanced => "the guess is one already".to_owned(),
@@ -105,14 +86,51 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         "inverse" | "given" => "of the given pose".to_owned(),
         stage => format!("{}, {stage}", count(found.iterations, "step", "steps")),
     };
-    let _ = writeln!(out, "{} ({stage}, {})", bold(&verdict), duration(wall));
-    let _ = writeln!(
-        out,
-        "  residual     {} of the forces that cancel ({} N or N m; acceleration {})",
-        small(found.relative_residual),
-        small(found.residual_force),
-        small(found.residual_acceleration)
-    );
+    format!("{} ({stage}, {})", verdict(&text, fine), duration(wall))
+}
+
+/// What proves the equilibrium: the residual beside the forces that cancel, and where it is largest.
+fn residual(model: &Model, found: &Equilibrium) -> String {
+    let share = format!("{} of the forces that cancel", small(found.relative_residual));
+    match found.residual_at.filter(|_| found.residual_force > 0.0) {
+        Some(at) => {
+            let (force, unit) = (small(found.residual_force), model.force_unit(at));
+            format!("{share} (at most {force} {unit}, in {})", model.label(at))
+        }
+        None => share,
+    }
+}
+
+/// The certificate of statics that a run begins with: one line, with what a person should know. All of it if it is asked for, or if
+/// nothing can begin.
+pub(super) fn equilibrium(model: &Model, found: &Equilibrium, wall: Duration, verbose: bool) -> String {
+    let Some(stability) = found.stability.as_ref().filter(|_| found.converged && !verbose) else {
+        return statics(model, found, wall);
+    };
+    let mut out =
+        format!("{}: residual {} of the forces that cancel", found_by(found, wall), small(found.relative_residual));
+    if found.standing.as_ref().is_some_and(|standing| standing.verdict == support::Verdict::Stands) {
+        out += ", stands";
+    }
+    if let Some(fastest) =
+        stability.modes.iter().map(|mode| mode.growth_rate).max_by(f64::total_cmp).filter(|rate| *rate > 0.0)
+    {
+        let _ = write!(out, ", grows {} per second", number(fastest));
+    }
+    if let Some(first) = stability.frequencies().find(|frequency| *frequency > 0.0) {
+        let _ = write!(out, ", first mode {} Hz", number(first));
+    }
+    for note in &found.notes {
+        let _ = write!(out, "\n  note         {note}");
+    }
+    out
+}
+
+/// The certificate of statics.
+pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> String {
+    let mut out = String::new();
+    let _ = writeln!(out, "{}", found_by(found, wall));
+    let _ = writeln!(out, "  residual     {}", residual(model, found));
     if let Some(standing) = &found.standing {
         out += &super::standing::text(model, standing);
     }
@@ -120,9 +138,11 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         modes(&mut out, stability);
         damped_modes(&mut out, stability);
     }
-    for (line, (name, value)) in found.unknowns.iter().enumerate() {
+    let inputs = aligned(found.unknowns.iter().map(|(_, value)| *value));
+    let width = found.unknowns.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    for (line, ((name, _), value)) in found.unknowns.iter().zip(inputs).enumerate() {
         let head = if line == 0 { "inputs" } else { "" };
-        let _ = writeln!(out, "  {head:<12} {name} = {}", number(*value));
+        let _ = writeln!(out, "  {head:<12} {name:<width$} = {}", value.trim_end());
     }
     if found.stages.len() > 1 {
         stages(&mut out, found);
@@ -163,34 +183,52 @@ fn modes(out: &mut String, stability: &Stability) {
         })
         .take(MOST_LINES)
         .collect();
-    for (line, mode) in told.iter().enumerate() {
-        let what = match mode.growth_rate > 0.0 {
-            true => format!("grows {} per second", number(mode.growth_rate)),
-            false if mode.frequency_hz == 0.0 => "zero stiffness".to_owned(),
-            false => format!("{} Hz", number(mode.frequency_hz)),
-        };
+    let mut hertz = aligned(told.iter().filter(|mode| is_oscillation(mode)).map(|mode| mode.frequency_hz)).into_iter();
+    let what = |mode: &&Mode| match mode.growth_rate > 0.0 {
+        true => format!("grows {} per second", number(mode.growth_rate)),
+        false if mode.frequency_hz == 0.0 => "zero stiffness".to_owned(),
+        false => format!("{} Hz", hertz.next().unwrap_or_default()),
+    };
+    let what = padded(told.iter().map(what));
+    for (line, (mode, what)) in told.iter().zip(what).enumerate() {
         let head = if line == 0 { "modes" } else { "" };
-        let _ = writeln!(out, "  {head:<12} {what:<24} {}", carriers(&mode.shares));
+        let _ = writeln!(out, "  {head:<12} {what}   {}", carriers(&mode.shares));
     }
     left_out(out, stability.modes.len() - told.len());
 }
 
-/// The damped modes.
+fn is_oscillation(mode: &Mode) -> bool {
+    mode.growth_rate <= 0.0 && mode.frequency_hz > 0.0
+}
+
+/// The damped modes: frequency, damping ratio ζ and decay.
 fn damped_modes(out: &mut String, stability: &Stability) {
-    for (line, mode) in stability.damped.iter().take(MOST_LINES).enumerate() {
+    let told = &stability.damped[..stability.damped.len().min(MOST_LINES)];
+    let swings = || told.iter().filter(|mode| mode.frequency_hz > 0.0);
+    let ratio = |mode: &DampedMode| if mode.damping_ratio.abs() < UNDAMPED { 0.0 } else { mode.damping_ratio };
+    let [hertz, ratios] = [aligned(swings().map(|mode| mode.frequency_hz)), aligned(swings().map(ratio))];
+    let mut swing = hertz.into_iter().zip(ratios).map(|(hertz, ratio)| format!("{hertz} Hz   ζ {ratio}   "));
+    let what = |mode: &DampedMode| {
         let decay = match mode.decay_rate {
-            _ if mode.damping_ratio.abs() < UNDAMPED => "undamped".to_owned(),
+            _ if ratio(mode) == 0.0 => "undamped".to_owned(),
             rate if rate < 0.0 => format!("grows {} per second", number(-rate)),
             rate => format!("decays {} per second", number(rate)),
         };
-        let what = match mode.frequency_hz {
-            0.0 => decay,
-            hz => format!("{} Hz, {decay}", number(hz)),
-        };
+        if mode.frequency_hz > 0.0 { swing.next().unwrap_or_default() + &decay } else { decay }
+    };
+    let what = padded(told.iter().map(what));
+    for (line, (mode, what)) in told.iter().zip(what).enumerate() {
         let head = if line == 0 { "damped" } else { "" };
-        let _ = writeln!(out, "  {head:<12} {what:<42} {}", carriers(&mode.shares));
+        let _ = writeln!(out, "  {head:<12} {what}   {}", carriers(&mode.shares));
     }
     more(out, stability.damped.len());
+}
+
+/// Texts of one column, all of the same width.
+fn padded(texts: impl Iterator<Item = String>) -> Vec<String> {
+    let texts: Vec<String> = texts.collect();
+    let width = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0);
+    texts.iter().map(|text| format!("{text:<width$}")).collect()
 }
 
 /// What every stage of the search worked.
@@ -212,24 +250,23 @@ fn stages(out: &mut String, found: &Equilibrium) {
 
 /// What drives, motors, locks and stops bear.
 fn bearings(out: &mut String, model: &Model, found: &Equilibrium) {
-    let weight = model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0);
+    let weight = weight(model);
     let motors = model.motor_forces(&found.position, &found.velocity);
-    let drives = model.drives.iter().map(|drive| drive.coordinate.slides);
-    pushes(out, "drives", &found.drive_forces, drives);
-    pushes(out, "motors", &motors, model.motors.iter().map(|motor| motor.coordinate.slides));
+    let of = |force: f64| without_noise(force, weight);
+    let drives = model.drives.iter().map(|drive| drive.coordinate.velocity);
+    let motored = model.motors.iter().map(|motor| motor.coordinate.velocity);
+    let named = |forces: Vec<(String, f64)>, at: Vec<usize>| {
+        let one = |((name, force), at): ((String, f64), usize)| (name, of(force), model.force_unit(at));
+        forces.into_iter().zip(at).map(one).collect::<Vec<_>>()
+    };
+    pushes(out, "drives", &named(found.drive_forces.clone(), drives.collect()));
+    pushes(out, "motors", &named(motors, motored.collect()));
     for (name, force) in &found.holding {
-        let held = match without_noise(*force, weight) {
-            0.0 => "nothing".to_owned(),
-            force => format!("{} N or N m", number(force)),
-        };
-        let _ = writeln!(out, "  locked       {name} holds {held}");
+        let _ = writeln!(out, "  locked       {name} holds {}", borne(model, name, of(*force)));
     }
     for stop in &found.stops {
         let side = if stop.low { "low" } else { "high" };
-        let load = match without_noise(stop.load, weight) {
-            0.0 => "nothing".to_owned(),
-            load => format!("{} N or N m", number(load)),
-        };
+        let load = borne(model, &stop.hinge, of(stop.load));
         let depth = if stop.depth > 0.0 { format!(", {} deep", number(stop.depth)) } else { String::new() };
         let _ = writeln!(
             out,
@@ -240,20 +277,44 @@ fn bearings(out: &mut String, model: &Model, found: &Equilibrium) {
     }
 }
 
+/// The weight of a scene, or its moment about a length of the scene if that is larger (N, N m).
+fn weight(model: &Model) -> f64 {
+    model.total_mass() * model.gravity.norm() * model.length_scale().max(1.0)
+}
+
+/// A force along a coordinate with its unit, in words.
+pub(super) fn borne(model: &Model, label: &str, force: f64) -> String {
+    match force {
+        0.0 => "nothing".to_owned(),
+        force => format!("{} {}", number(force), model.labelled(label).map_or("", |at| model.force_unit(at))),
+    }
+}
+
 /// What drives or motors push with.
-fn pushes(out: &mut String, title: &str, forces: &[(String, f64)], slides: impl Iterator<Item = bool>) {
-    for (line, ((name, force), slides)) in forces.iter().zip(slides).take(MOST_LINES).enumerate() {
+fn pushes(out: &mut String, title: &str, forces: &[(String, f64, &str)]) {
+    let told = &forces[..forces.len().min(MOST_LINES)];
+    let shown = aligned(told.iter().map(|(_, force, _)| *force));
+    for (line, ((name, _, unit), force)) in told.iter().zip(shown).enumerate() {
         let head = if line == 0 { title } else { "" };
-        let _ = writeln!(out, "  {head:<12} {name:<20} {} {}", number(*force), if slides { "N" } else { "N m" });
+        let _ = writeln!(out, "  {head:<12} {name:<20} {force} {unit}");
     }
     more(out, forces.len());
 }
 
 /// The outputs, one line each; `None` without any.
 pub(super) fn outputs(model: &Model, values: &[f64]) -> Option<String> {
+    let (length, weight) = (model.length_scale(), weight(model));
+    // What is round-off beside the scene; of other units nothing is known.
+    let scale = |unit: &str| match unit {
+        "m" => length,
+        "rad" | "1" => 1.0,
+        "N" | "N m" | "J" => weight,
+        _ => 0.0,
+    };
     let line = |(index, output): (usize, &Output)| {
         let head = if index == 0 { "outputs" } else { "" };
-        let shown = numbers(values.get(output.range()).unwrap_or_default().iter().copied());
+        let of = values.get(output.range()).unwrap_or_default().iter().zip(&output.units);
+        let shown = numbers(of.map(|(value, unit)| without_noise(*value, scale(unit))));
         let mut units: Vec<&str> = output.units.iter().map(String::as_str).filter(|unit| *unit != "1").collect();
         units.dedup();
         format!("  {head:<12} {:<20} {shown} {}", output.name, units.join(", ")).trim_end().to_owned()
@@ -283,141 +344,24 @@ fn left_out(out: &mut String, count: usize) {
 }
 
 fn pose(out: &mut String, model: &Model, position: &[f64], title: &str) {
-    let hinges = model.bodies.iter().filter(|body| body.hinge.kind.counts().0 > 0);
-    let total = hinges.clone().count();
+    let hinges: Vec<&Body> = model.bodies.iter().filter(|body| body.hinge.kind.counts().0 > 0).collect();
     let length = model.length_scale();
-    for (line, body) in hinges.take(MOST_LINES).enumerate() {
-        let names: Vec<&str> = body.hinge.kind.positions().iter().map(|(name, _)| *name).collect();
-        let head = if line == 0 { title } else { "" };
+    let told = &hinges[..hinges.len().min(MOST_LINES)];
+    let values = |body: &Body| -> Vec<f64> {
         let scales = body.hinge.kind.positions().iter().map(|(_, unit)| if *unit == "m" { length } else { 1.0 });
-        let values = numbers(scales.zip(&position[body.hinge.position..]).map(|(scale, x)| without_noise(*x, scale)));
-        let _ = writeln!(out, "  {head:<12} {:<20} {} = {values}", body.name, names.join(", "));
-    }
-    more(out, total);
-}
-
-/// What `run --verify` found.
-pub(super) fn verified(verified: &Verified) -> String {
-    let kinds = [
-        (verified.length, "m"),
-        (verified.angle, "rad"),
-        (verified.speed, "m/s"),
-        (verified.rate, "rad/s"),
-        (verified.time, "s"),
-    ];
-    let parts: Vec<String> = kinds
-        .iter()
-        .filter(|(error, _)| *error > 0.0)
-        .map(|(error, unit)| format!("{} {unit}", small(*error)))
-        .collect();
-    let errors = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
-    let (method, tolerance) = (verified.method.name(), verified.tolerance);
-    let mut out = format!("  error        {errors} at the end, estimated by a second run: {method} at {tolerance:.0e}");
-    if let Some(VerifiedEvents { events, same, apart, differ_from, scanned, beyond }) = &verified.events {
-        let _ = write!(out, "\n  checked      {same} of {} in both runs", count(*events, "event", "events"));
-        if *same > 0 {
-            let _ = write!(out, ", times within {} s", small(*apart));
-        }
-        if let Some(time) = differ_from {
-            let _ = write!(out, "; they differ from {} s on", number(*time));
-        }
-        let passed = if *beyond > 0.0 { format!("by {} at most", small(*beyond)) } else { "nowhere".to_owned() };
-        let _ = write!(out, "\n               rigid stops passed {passed} in {}", count(*scanned, "state", "states"));
-    }
-    out
-}
-
-/// The energies of a run; what is below the round-off of their scale is 0, and that is said.
-fn energies(model: &Model, summary: &Summary) -> String {
-    let Summary { energy_start, energy_end, work, dissipated, energy_drift, .. } = *summary;
-    // Heights are known to the round-off of the scene's length, whatever the sum of their energies is.
-    let weight = model.total_mass() * model.gravity.norm() * model.length_scale();
-    let scale =
-        [energy_start, energy_end, work, dissipated].iter().fold(weight, |scale, energy| scale.max(energy.abs()));
-    let shown = |energy: f64| without_noise(energy, scale);
-    let part = |what: &str, energy: f64| match shown(energy) {
-        0.0 => String::new(),
-        energy => format!(", {} J {what}", number(energy)),
+        scales.zip(&position[body.hinge.position..]).map(|(scale, x)| without_noise(*x, scale)).collect()
     };
-    let is_noise = |energy: &f64| *energy != 0.0 && shown(*energy) == 0.0;
-    let floor = match [energy_start, energy_end, energy_drift].iter().any(is_noise) {
-        true => format!(" (0: below the round-off of {} J)", small(ROUND_OFF * scale)),
-        false => String::new(),
-    };
-    format!(
-        "{} J at the start, {} J at the end{}{}, unaccounted for {} J at most{floor}",
-        number(shown(energy_start)),
-        number(shown(energy_end)),
-        part("put in", work),
-        part("dissipated", dissipated),
-        small(shown(energy_drift)),
-    )
-}
-
-/// The end of a run.
-pub(super) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
-    let mut out = String::new();
-    let methods: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
-    let counters = &summary.statistics;
-    let state = if summary.interrupted { "stopped at" } else { "simulated" };
-    let speed = summary.end_time / summary.wall.as_secs_f64().max(1e-9);
-    let _ = writeln!(
-        out,
-        "{} {} s in {} ({} real time) {}",
-        bold(state),
-        number(summary.end_time),
-        duration(summary.wall),
-        times(speed),
-        if methods.is_empty() { "at rest".to_owned() } else { format!("with {}", methods.join(", then ")) }
-    );
-    // Changes of the integrator are told of with the method.
-    let events: Vec<_> = summary.events.iter().filter(|event| event.kind != Kind::Switch).collect();
-    for (line, event) in events.iter().take(MOST_LINES).enumerate() {
-        let head = if line == 0 { "events" } else { "" };
-        let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
-        let what = match event.kind {
-            _ if event.between.is_some() => event.to_string(),
-            Kind::Slip | Kind::Stick => format!("`{name}` {kind} at {value}"),
-            _ => format!("{kind} of `{name}` at {value}, speed {}", number(event.speed)),
+    let names = |body: &Body| body.hinge.kind.positions().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    let is_single = |body: &&&Body| body.hinge.kind.counts().0 == 1;
+    let mut single = aligned(told.iter().filter(is_single).flat_map(|body| values(body))).into_iter();
+    let width = told.iter().filter(is_single).map(|body| names(body).len()).max().unwrap_or(0);
+    for (line, body) in told.iter().enumerate() {
+        let head = if line == 0 { title } else { "" };
+        let (names, shown) = match is_single(&body) {
+            true => (format!("{:<width$}", names(body)), single.next().unwrap_or_default()),
+            false => (names(body), numbers(values(body).into_iter())),
         };
-        let _ = writeln!(out, "  {head:<12} {time} s: {what}");
+        let _ = writeln!(out, "  {head:<12} {:<20} {names} = {}", body.name, shown.trim_end());
     }
-    more(&mut out, events.len());
-    if let Some(event) = &summary.stopped_by {
-        let _ = writeln!(out, "  ended        by the event `{event}`");
-    }
-    if let Some(choice) = &summary.choice {
-        let _ = writeln!(out, "  method       {choice}");
-    }
-    let work: Vec<String> = [
-        (counters.acceleration_evaluations, "acceleration", "accelerations"),
-        (counters.residual_evaluations, "force balance", "force balances"),
-        (counters.jacobian_evaluations, "Jacobian", "Jacobians"),
-    ]
-    .iter()
-    .filter(|(n, ..)| *n > 0)
-    .map(|(n, one, many)| format!("{n} {}", if *n == 1 { one } else { many }))
-    .collect();
-    let _ =
-        writeln!(out, "  steps        {} ({} rejected), {}", counters.steps, counters.rejected_steps, work.join(", "));
-    // Rounding adds up as a random walk: √n of n steps.
-    let rounding = f64::EPSILON * (counters.steps as f64).sqrt();
-    if counters.error_sum > summary.tolerance {
-        let _ = writeln!(
-            out,
-            "  accuracy     the errors of {} steps add up to {} at most, above the tolerance of {:.0e}: {}; rounding adds {}",
-            counters.steps,
-            small(counters.error_sum),
-            summary.tolerance,
-            match summary.tolerance < FLOOR {
-                true => "no step is held to less than 9e-14",
-                false => "a tighter one brings them down",
-            },
-            small(rounding)
-        );
-    }
-    let _ = writeln!(out, "  energy       {}", energies(model, summary));
-    let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));
-    let _ = write!(out, "  to see it    stillpoint view {recording}");
-    out
+    more(out, hinges.len());
 }

@@ -1,7 +1,7 @@
 //! `watch`: the equilibrium, or the run, again whenever a file of the scene is saved.
 
 use super::inputs::Inputs;
-use super::output::{Interrupt, bold};
+use super::output::Interrupt;
 use super::report::material::Material;
 use super::report::{self, words};
 use super::text::number;
@@ -93,7 +93,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 
 /// The verdict, and what differs from the time before.
 fn tell(now: &Material, before: Option<&Material>) -> anyhow::Result<()> {
-    output::print(&bold(&words::verdict(now).text))?;
+    let words::Verdict { text, fine } = words::verdict(now);
+    output::print(&output::verdict(&text, fine))?;
     let Some(before) = before else { return frequencies(now) };
     let changes = [poses(now, before), modes(now, before)];
     let mut any = false;

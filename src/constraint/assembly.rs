@@ -127,7 +127,7 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     let moved = largest_move(model, &given, &q);
     if moved > MOVED {
         notes.push(format!(
-            "the given positions did not close the loops (gap {} m); taken is {near}, up to {} away",
+            "the given positions are a guess that leaves the loops open by {} m: closed to {near}, up to {} away",
             number(given_gap),
             number(moved)
         ));

@@ -72,7 +72,7 @@ pub struct System {
 pub enum Fault {
     /// A hinge that nothing with inertia resists.
     #[error(
-        "the hinge of `{body}` has no inertia to accelerate in this position: pivot {pivot} (a point mass on its own axis, which needs `inertia`, or a gimbal lock?)"
+        "the hinge of `{body}` has no inertia to accelerate in this position, or next to none beside what it carries (pivot {pivot:.1e}): a point mass on its own axis needs `inertia`; a link far lighter than its load needs more of it, or a `fixed` hinge; a gimbal lock needs another position"
     )]
     Singular {
         /// Body.

@@ -22,8 +22,8 @@ impl Freedom for Universal {
     const CLOSES: Option<&'static str> = 
         Some("Turns about the first of `axes` (on the first body) and about the second (on the second body).");
     const AXES: usize = 2;
-    const POSITIONS: Names = &[("first angle", "rad"), ("second angle", "rad")];
-    const VELOCITIES: Names = &[("first rate", "rad/s"), ("second rate", "rad/s")];
+    const POSITIONS: Names = &[("first_angle", "rad"), ("second_angle", "rad")];
+    const VELOCITIES: Names = &[("first_rate", "rad/s"), ("second_rate", "rad/s")];
     const ORDER: Option<[&'static str; 2]> = Some(["about the first axis, about the second"; 2]);
 
     fn read(keys: &dyn Keys) -> Self {

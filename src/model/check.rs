@@ -87,7 +87,7 @@ fn check_mass(found: &mut Findings, element: Element, name: &str, mass: &MassPro
     } else if !unphysical && large > (small + middle) * (1.0 + TRIANGLE_SLACK) {
         let short = 100.0 * (large - small - middle) / large;
         let message = format!(
-            "no body can have the inertia of `{name}`: the largest principal moment exceeds the sum of the others by \
+            "no body can have the inertia of `{name}`: the sum of its two smaller principal moments falls short of the largest by \
              {short:.3} % ({shown})"
         );
         let help = "inertia is about the centre of mass, in body axes; a flat body sits exactly on the limit";

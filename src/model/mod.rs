@@ -285,6 +285,16 @@ impl Model {
         })
     }
 
+    /// What a force along a velocity coordinate is measured in: `N` along slides, `N m` about axes.
+    pub fn force_unit(&self, velocity: usize) -> &'static str {
+        if self.lengths().any(|length| length == velocity) { "N" } else { "N m" }
+    }
+
+    /// The velocity coordinate of this [`label`](Self::label).
+    pub fn labelled(&self, label: &str) -> Option<usize> {
+        (0..self.velocity_count()).find(|velocity| self.label(*velocity) == label)
+    }
+
     /// A velocity coordinate for people: the body's name, and which coordinate where its hinge has several.
     pub fn label(&self, velocity: usize) -> String {
         let body = &self.bodies[self.coordinates[velocity].body];

@@ -54,19 +54,24 @@ pub enum Element {
 
 /// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.
 pub fn number(x: f64) -> String {
+    significant(x, 6)
+}
+
+/// So many significant digits (≥ 1) without trailing zeros; the digits before the point are never rounded away.
+pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".to_owned();
     }
     let size = x.abs().log10().floor();
     if !(-4.0..7.0).contains(&size) {
-        let shown = format!("{x:.5e}");
+        let shown = format!("{x:.*e}", digits - 1);
         return match shown.split_once('e') {
             Some((digits, power)) => format!("{}e{power}", without_zeros(digits)),
             None => shown,
         };
     }
-    let digits = (5.0 - size).max(0.0) as usize;
-    without_zeros(&format!("{x:.digits$}")).to_owned()
+    let decimals = (digits as f64 - 1.0 - size).max(0.0) as usize;
+    without_zeros(&format!("{x:.decimals$}")).to_owned()
 }
 
 fn without_zeros(digits: &str) -> &str {
@@ -85,11 +90,13 @@ impl fmt::Display for Problem {
 
 #[cfg(test)]
 mod tests {
-    use super::number;
+    use super::{number, significant};
 
     #[test]
     fn numbers_are_as_short_as_they_can_be() {
         let shown = [-9.80665, 0.1, 100.0, 2.5e-9, 1.0 / 3.0, 123456789.0, -0.0, f64::NAN].map(number);
         assert_eq!(shown, ["-9.80665", "0.1", "100", "2.5e-9", "0.333333", "1.23457e8", "0", "NaN"]);
+        assert_eq!([123456.7, 0.99996, 2.345e-9].map(|x| significant(x, 4)), ["123457", "1", "2.345e-9"]);
+        assert_eq!(significant(0.1 + 0.2, 17), "0.30000000000000004");
     }
 }

@@ -122,7 +122,7 @@ pub struct LoadPicture {
 pub struct Channel {
     /// Body whose hinge it belongs to; drive, motor, gear or loop.
     pub body: String,
-    /// Name of the coordinate within the hinge: `angle`, `x`, `quaternion w`; of what is pushed: `torque`, `force.x`, `gap`.
+    /// Name of the coordinate within the hinge: `angle`, `x`, `qw`; of what is pushed: `torque`, `force.x`, `gap`.
     pub name: String,
     /// SI unit.
     pub unit: String,

@@ -52,9 +52,11 @@ fn common(table: &Reader<'_>, mut beam: BeamDescription) -> Option<BeamDescripti
     beam.elements = table.count("elements").unwrap_or(beam.elements);
     beam.degree = table.count("degree").unwrap_or(beam.degree);
     beam.sections = sections(table, &name)?;
-    beam.material = table.table("material").and_then(|material| {
+    beam.material = table.table("material").map(|material| {
         let poisson = material.number("poisson").unwrap_or(0.3);
-        Some(Material { young: material.number("young")?, poisson, density: material.number("density")? })
+        // A number that cannot be read is an error already: that there is no material would be said besides.
+        let [young, density] = ["young", "density"].map(|key| material.number(key).unwrap_or(1.0));
+        Material { young, poisson, density }
     });
     beam.mass_per_length = table.number("mass_per_length");
     beam.rotary = table.vector("rotary");

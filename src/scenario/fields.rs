@@ -100,7 +100,8 @@ impl Range {
             Self::Above(low) => format!("> {low}"),
             Self::Between(low, high) => format!("{low} … {high}"),
         };
-        if unit.is_empty() { range } else { format!("{range} {unit}") }
+        // Which of several units it is depends on the hinge.
+        if unit.is_empty() || unit.contains(" or ") { range } else { format!("{range} {unit}") }
     }
 }
 

@@ -253,6 +253,7 @@ fn read(
     let path = path::read(&whole, &description, numbers);
     let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));
     settings::check_samples(&whole, &simulate, &record);
+    settings::check_periods(&whole, &simulate, &description);
     settings::check_supports(&whole, &description);
     contact::check_neighbours(&whole, &description);
     Scenario {
@@ -279,7 +280,9 @@ fn checked<'a>(document: &'a DeTable<'a>, folder: &Path, findings: &'a Findings)
 
 /// What is wrong with the model of a scene, at its places in the document.
 fn report(document: &DeTable<'_>, description: &Description, spans: &SpanTable<'_>, findings: &Findings) {
-    if !(description.bodies.is_empty() && description.beams.is_empty() && document.contains_key("body")) {
+    // Of elements that could not be read it is said why; that there are none would be said besides.
+    let written = ["body", "beam", "cable"].iter().any(|key| document.contains_key(*key));
+    if !(description.bodies.is_empty() && description.beams.is_empty() && written) {
         spans::report(spans, problems(description, findings.errors() > 0), findings);
     }
 }

@@ -11,7 +11,7 @@ pub(super) use parameters::{PARAMETERS, Parameters};
 
 use super::fields::{Key, Kind};
 use super::findings::{Finding, Findings};
-use super::format::{BUSHING_VALUES, SCENARIO};
+use super::format::{BUSHING_VALUES, FRICTION, SCENARIO};
 use super::naming::{Element, written};
 use crate::formula::{Formula, FormulaError};
 use crate::hinge::{HingeKind, Names};
@@ -270,6 +270,7 @@ impl Pass<'_> {
                 let tables = items.first().is_some_and(|item| item.get_ref().is_table());
                 let fits = |kind: &&Kind| match kind {
                     Kind::List(Kind::Table(_), _) => tables,
+                    Kind::List(Kind::Either(_), _) => !nested,
                     Kind::List(Kind::List(..), _) => nested,
                     Kind::List(..) => !nested && !tables,
                     _ => false,
@@ -325,7 +326,13 @@ impl Pass<'_> {
         if place.key.unit == super::fields::ANY_UNIT {
             return None;
         }
-        let all: Vec<&'static str> = place.key.unit.split(" or ").filter(|unit| !unit.is_empty()).collect();
+        // Friction at rest and in motion has the unit of the key that holds both: none between bodies.
+        let outer = place.element.within.filter(|_| place.element.table.name == FRICTION.name);
+        let (unit, at) = match outer.and_then(|outer| outer.table.declarations(place.outer?).next()) {
+            Some(key) => (key.unit, place.element.index.as_slice()),
+            None => (place.key.unit, at),
+        };
+        let all: Vec<&'static str> = unit.split(" or ").filter(|unit| !unit.is_empty()).collect();
         if let [both] = all[..]
             && let Some((along, about)) = both.split_once(" and ")
         {

@@ -75,6 +75,24 @@ pub(super) fn record(scenario: &Reader<'_>) -> crate::record::Settings {
     }
 }
 
+/// The instants of one controller in a run: at a microsecond each a quarter of an hour.
+const MOST_INSTANTS: f64 = 1e9;
+
+/// A controller that acts more often than any run could follow is refused before it.
+pub(super) fn check_periods(scenario: &Reader<'_>, simulate: &Simulate, description: &Description) {
+    for (table, one) in scenario.tables("controller").iter().zip(&description.controllers) {
+        let instants = simulate.duration / one.period;
+        if instants > MOST_INSTANTS {
+            let message = format!(
+                "controller `{}` acts every {:e} s: {instants:.1e} times in {} s, more than {MOST_INSTANTS:.0e}",
+                one.name, one.period, simulate.duration
+            );
+            let finding = Finding::error(table.span_of("period"), message).label("too many instants");
+            scenario.findings.push(finding.help("a period is in seconds, as `0.001` or `\"1 ms\"`"));
+        }
+    }
+}
+
 /// A recording that no disk would hold is refused before the run.
 pub(super) fn check_samples(scenario: &Reader<'_>, simulate: &Simulate, record: &crate::record::Settings) {
     let samples = record.rate * simulate.duration;

@@ -6,6 +6,7 @@ use super::reader::Reader;
 use crate::mesh::Mesh;
 use crate::model::description::Description;
 use crate::model::shape::{Geometry, Shape};
+use crate::suggest::closest;
 use nalgebra::{Isometry3, Translation3, Vector3};
 use std::path::Path;
 use toml::Spanned;
@@ -94,7 +95,7 @@ fn round(table: &Reader<'_>, solid: &str) -> Option<(f64, f64)> {
 fn color(table: &Reader<'_>, owner: &str) -> Option<[f64; 4]> {
     let value = table.value("color")?;
     let color = match value.get_ref() {
-        DeValue::String(text) => hex(text),
+        DeValue::String(text) => hex(text).or_else(|| named(text)),
         _ => match table.numbers("color")?[..] {
             [r, g, b] => Some([r, g, b, 1.0]),
             [r, g, b, a] => Some([r, g, b, a]),
@@ -102,11 +103,50 @@ fn color(table: &Reader<'_>, owner: &str) -> Option<[f64; 4]> {
         },
     };
     if color.is_none() {
-        let message = format!("shape of body `{owner}`: `color` must look like \"#rrggbb\" or \"#rrggbbaa\"");
-        let finding = Finding::error(Spanned::span(value), message).help("for example `color = \"#cc3311\"`");
+        let message = format!("shape of body `{owner}`: `color` must be \"#rrggbb\", \"#rrggbbaa\", or a name");
+        let names = NAMED.map(|(name, _)| name).join(", ");
+        let near = value.get_ref().as_str().and_then(|text| closest(text, NAMED.iter().map(|(name, _)| *name)));
+        let near = near.map_or(String::new(), |near| format!("did you mean \"{near}\"? "));
+        let help = format!("{near}names are {names}; or for example `color = \"#cc3311\"`");
+        let finding = Finding::error(Spanned::span(value), message).help(help);
         table.findings.push_value(finding);
     }
     color
+}
+
+/// The sixteen colours of HTML, and some more of CSS with their values there.
+const NAMED: [(&str, u32); 24] = [
+    ("black", 0x000000),
+    ("silver", 0xc0c0c0),
+    ("gray", 0x808080),
+    ("white", 0xffffff),
+    ("maroon", 0x800000),
+    ("red", 0xff0000),
+    ("purple", 0x800080),
+    ("fuchsia", 0xff00ff),
+    ("green", 0x008000),
+    ("lime", 0x00ff00),
+    ("olive", 0x808000),
+    ("yellow", 0xffff00),
+    ("navy", 0x000080),
+    ("blue", 0x0000ff),
+    ("teal", 0x008080),
+    ("aqua", 0x00ffff),
+    ("orange", 0xffa500),
+    ("gold", 0xffd700),
+    ("brown", 0xa52a2a),
+    ("pink", 0xffc0cb),
+    ("violet", 0xee82ee),
+    ("turquoise", 0x40e0d0),
+    ("steelblue", 0x4682b4),
+    ("grey", 0x808080),
+];
+
+fn named(text: &str) -> Option<[f64; 4]> {
+    let (_, rgb) = NAMED.iter().find(|(name, _)| name.eq_ignore_ascii_case(text))?;
+    let [_, parts @ ..] = rgb.to_be_bytes();
+    let [red, green, blue] = parts.map(|part| f64::from(part) / 255.0);
+    Some([red, green, blue, 1.0])
 }
 
 fn hex(text: &str) -> Option<[f64; 4]> {
@@ -143,6 +183,7 @@ mod tests {
     fn hex_colors_have_six_or_eight_digits() {
         assert_eq!(hex("#ff0033"), Some([1.0, 0.0, 0.2, 1.0]));
         assert_eq!(hex("#ff003300"), Some([1.0, 0.0, 0.2, 0.0]));
+        assert_eq!((named("Orange"), named("orang")), (hex("#ffa500"), None));
         for wrong in ["", "ff0033", "#ff003", "#ff003g", "#+f0033", "#äöü"] {
             assert_eq!(hex(wrong), None, "{wrong}");
         }

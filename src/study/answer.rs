@@ -132,9 +132,15 @@ impl<'a> Listing<'a, '_> {
         if standing::is_for(model) {
             self.standing(scenario, found);
         }
-        self.number("N or N m", &|| "residual_force".to_owned(), found.map(|found| found.residual_force));
+        // In a scene with slides and axes the largest may be of either.
+        let [force, acceleration] = match model.lengths().count() {
+            0 => ["N m", "rad/s²"],
+            lengths if lengths == model.velocity_count() => ["N", "m/s²"],
+            _ => ["", ""],
+        };
+        self.number(force, &|| "residual_force".to_owned(), found.map(|found| found.residual_force));
         self.number(
-            "m/s² or rad/s²",
+            acceleration,
             &|| "residual_acceleration".to_owned(),
             found.map(|found| found.residual_acceleration),
         );

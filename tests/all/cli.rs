@@ -22,6 +22,8 @@ mod start;
 #[cfg(feature = "parquet")]
 mod studies;
 mod sweep;
+mod truths;
+mod words;
 
 use crate::scenarios::file;
 use assert_cmd::Command;

@@ -315,7 +315,7 @@ hinge = { type = "fixed" }
     4 | hinge = { type = "free", parent = "b" }
       |                                   ^^^
 
-    error: no body can have the inertia of `c`: the largest principal moment exceeds the sum of the others by 33.333 % (principal moments 1, 1, 3 kg m²)
+    error: no body can have the inertia of `c`: the sum of its two smaller principal moments falls short of the largest by 33.333 % (principal moments 1, 1, 3 kg m²)
      --> scene.toml:8:11
       |
     8 | inertia = [1.0, 1.0, 3.0]

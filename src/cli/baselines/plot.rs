@@ -1,7 +1,7 @@
 //! Plots of a comparison: residual against iteration of one scene, time against size of several.
 
 use super::super::frame;
-use super::super::palette::{BLUE, GREEN, PURPLE, VERMILION};
+use super::super::palette::{BLUE, GREEN, PURPLE, Theme, VERMILION};
 use super::{Row, Run};
 use crate::statics::Method;
 use plotters::prelude::*;
@@ -44,7 +44,6 @@ pub(super) fn residuals(rows: &[Row], title: &str) -> anyhow::Result<String> {
         lines.collect(),
         &format!("{title}: residual against iteration"),
         ["iterations, time steps", "largest unbalanced force, relative"],
-        SeriesLabelPosition::LowerRight,
     )
 }
 
@@ -67,33 +66,24 @@ pub(super) fn times(runs: &[Run], title: &str) -> anyhow::Result<String> {
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         Line { label: method.name(), color: color(method), points, failed }
     });
-    draw(
-        lines.collect(),
-        &format!("{title}: time of the search"),
-        ["degrees of freedom", "time (s)"],
-        SeriesLabelPosition::UpperLeft,
-    )
+    draw(lines.collect(), &format!("{title}: time of the search"), ["degrees of freedom", "time (s)"])
 }
 
-fn draw(lines: Vec<Line>, title: &str, axes: [&str; 2], legend: SeriesLabelPosition) -> anyhow::Result<String> {
+fn draw(lines: Vec<Line>, title: &str, axes: [&str; 2]) -> anyhow::Result<String> {
     let all = || lines.iter().flat_map(|line| line.points.iter().copied());
-    frame::svg(|root| {
-        let mut chart = frame::logarithmic(root, title, all(), axes)?;
+    let theme = Theme::default();
+    frame::svg(frame::SIZE, theme, |root| {
+        let (area, mut legend) = frame::with_legend(root, theme);
+        let mut chart = frame::logarithmic(&area, theme, title, all(), axes)?;
         for Line { label, color, points, failed } in lines.iter().filter(|line| !line.points.is_empty()) {
-            let style = color.stroke_width(2);
-            chart
-                .draw_series(LineSeries::new(points.iter().copied(), style))?
-                .label(if failed.is_empty() {
-                    (*label).to_owned()
-                } else {
-                    format!("{label} (crossed: not what was wanted)")
-                })
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
-            chart.draw_series(
-                points.iter().filter(|at| !failed.contains(at)).map(|at| Circle::new(*at, 4, color.filled())),
-            )?;
-            chart.draw_series(failed.iter().map(|at| Cross::new(*at, 6, style)))?;
+            let style = color.stroke_width(frame::px(2));
+            chart.draw_series(LineSeries::new(points.iter().copied(), style))?;
+            let found = points.iter().filter(|at| !failed.contains(at));
+            chart.draw_series(found.map(|at| Circle::new(*at, frame::at(4), color.filled())))?;
+            chart.draw_series(failed.iter().map(|at| Cross::new(*at, frame::at(6), style)))?;
+            let crossed = if failed.is_empty() { "" } else { " (crossed: not what was wanted)" };
+            legend.line(&format!("{label}{crossed}"), style, None)?;
         }
-        frame::legend(&mut chart, legend)
+        Ok(())
     })
 }

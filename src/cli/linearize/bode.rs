@@ -1,10 +1,9 @@
 //! The frequency response as a plot: sizes above, phases below, over frequency.
 
 use super::super::frame::{self, Area};
-use super::super::palette::COLORS;
+use super::super::palette::Theme;
 use crate::linear::{Mat, StateSpace, c64};
 use anyhow::bail;
-use plotters::chart::SeriesLabelPosition;
 use plotters::prelude::*;
 use std::f64::consts::TAU;
 
@@ -25,7 +24,7 @@ struct Curve {
 ///
 /// # Errors
 /// Without inputs or outputs, and if the drawing library gives up.
-pub(super) fn draw(found: &StateSpace, title: &str) -> anyhow::Result<String> {
+pub(super) fn draw(found: &StateSpace, title: &str, theme: Theme) -> anyhow::Result<String> {
     let pairs = found.inputs.len() * found.outputs.len();
     if pairs == 0 {
         bail!("a Bode plot needs an input and an output: name them with `--input` and `--output`");
@@ -34,10 +33,10 @@ pub(super) fn draw(found: &StateSpace, title: &str) -> anyhow::Result<String> {
         bail!("{pairs} curves are more than {MOST}: choose with `--input` and `--output`");
     }
     let curves = curves(found);
-    frame::svg(|root| {
+    frame::svg(frame::SIZE, theme, |root| {
         let (above, below) = root.split_vertically(root.dim_in_pixel().1 * 3 / 5);
-        sizes(&above, &curves, &format!("{title}: frequency response"))?;
-        phases(&below, &curves)
+        sizes(&above, theme, &curves, &format!("{title}: frequency response"))?;
+        phases(&below, theme, &curves)
     })
 }
 
@@ -69,21 +68,21 @@ fn curves(found: &StateSpace) -> Vec<Curve> {
     curves
 }
 
-fn sizes(area: &Area<'_>, curves: &[Curve], title: &str) -> anyhow::Result<()> {
+fn sizes(area: &Area<'_>, theme: Theme, curves: &[Curve], title: &str) -> anyhow::Result<()> {
     let all = curves.iter().flat_map(|curve| curve.points.iter().map(|[f, size, _]| (*f, *size)));
-    let mut chart = frame::logarithmic(area, title, all.filter(|(_, size)| *size > 0.0), ["frequency (Hz)", "size"])?;
-    for (Curve { name, points }, color) in curves.iter().zip(COLORS.into_iter().cycle()) {
-        let style = color.stroke_width(2);
+    let all = all.filter(|(_, size)| *size > 0.0);
+    let (area, mut legend) = frame::with_legend(area, theme);
+    let mut chart = frame::logarithmic(&area, theme, title, all, ["frequency (Hz)", "size"])?;
+    for (Curve { name, points }, color) in curves.iter().zip(theme.colors()) {
+        let style = color.stroke_width(frame::px(2));
         let line = points.iter().filter(|[_, size, _]| *size > 0.0).map(|[f, size, _]| (*f, *size));
-        chart
-            .draw_series(LineSeries::new(line, style))?
-            .label(name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
+        chart.draw_series(LineSeries::new(line, style))?;
+        legend.line(name, style, None)?;
     }
-    frame::legend(&mut chart, SeriesLabelPosition::LowerLeft)
+    Ok(())
 }
 
-fn phases(area: &Area<'_>, curves: &[Curve]) -> anyhow::Result<()> {
+fn phases(area: &Area<'_>, theme: Theme, curves: &[Curve]) -> anyhow::Result<()> {
     let all = || curves.iter().flat_map(|curve| &curve.points);
     let span =
         |of: usize| all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[of]), high.max(x[of])));
@@ -92,10 +91,12 @@ fn phases(area: &Area<'_>, curves: &[Curve]) -> anyhow::Result<()> {
     let up = ((up.0 / 90.0).floor() * 90.0, (up.1 / 90.0).ceil().max((up.0 / 90.0).floor() + 1.0) * 90.0);
     let hertz = |x: &f64| format!("{:.0e}", 10.0_f64.powf(*x));
     let degrees = |y: &f64| format!("{y:.0}");
-    let mut chart = frame::linear(area, "", (across, up), [("frequency (Hz)", &hertz), ("phase (degrees)", &degrees)])?;
-    for (curve, color) in curves.iter().zip(COLORS.into_iter().cycle()) {
+    let axes: [frame::Axis<'_>; 2] = [("frequency (Hz)", &hertz), ("phase (degrees)", &degrees)];
+    let (area, _) = frame::with_legend(area, theme);
+    let mut chart = frame::linear(&area, theme, "", (across, up), axes)?;
+    for (curve, color) in curves.iter().zip(theme.colors()) {
         let line = curve.points.iter().map(|[f, _, phase]| (f.log10(), *phase));
-        chart.draw_series(LineSeries::new(line, color.stroke_width(2)))?;
+        chart.draw_series(LineSeries::new(line, color.stroke_width(frame::px(2))))?;
     }
     Ok(())
 }

@@ -1,10 +1,12 @@
-//! The plot of a path: parameter against coordinate.
+//! The plot of a path: a coordinate over the parameter.
 
-use super::super::frame;
-use super::super::palette::{BLUE, GREEN, VERMILION, range, tick};
+use super::super::frame::{self, at, px};
+use super::super::palette::{BLUE, GREEN, Theme, VERMILION, range, tick};
+use super::super::plot::draw::with_unit;
 use super::Followed;
 use crate::statics::Verdict;
 use crate::statics::path::{EventKind, PathPoint};
+use plotters::element::IntoDynElement;
 use plotters::prelude::*;
 
 fn color(verdict: Verdict) -> RGBColor {
@@ -15,75 +17,62 @@ fn color(verdict: Verdict) -> RGBColor {
     }
 }
 
-/// Stable solid, unstable dashed, events marked; as SVG.
+/// The coordinate over the parameter: stable solid, unstable dashed, events marked; as SVG.
 ///
 /// # Errors
 /// Where the drawing library gives up.
 pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
     let points = || followed.path.branches.iter().flat_map(|branch| branch.points.iter());
-    let place = |point: &PathPoint| (followed.drawn(point), point.parameter);
+    let place = |point: &PathPoint| (point.parameter, followed.drawn(point));
     let across = range(points().map(|point| place(point).0));
     let up = range(points().map(|point| place(point).1));
     let coordinate = &followed.coordinate;
-    let names = [
-        format!("{} ({})", coordinate.name, coordinate.unit),
-        format!("{} ({})", followed.settings.parameter, followed.unit()),
-    ];
-    let title = format!("{title}: equilibria");
-    frame::svg(|root| {
+    let names =
+        [with_unit(&followed.settings.parameter, followed.unit()), with_unit(&coordinate.name, coordinate.unit)];
+    let (title, theme) = (format!("{title}: equilibria"), Theme::default());
+    frame::svg(frame::SIZE, theme, |root| {
+        let (area, mut legend) = frame::with_legend(root, theme);
         let axes: [frame::Axis<'_>; 2] = [(&names[0], &|x| tick(*x, across)), (&names[1], &|y| tick(*y, up))];
-        let mut chart = frame::linear(root, &title, (across, up), axes)?;
+        let mut chart = frame::linear(&area, theme, &title, (across, up), axes)?;
         for verdict in [Verdict::Stable, Verdict::Unstable, Verdict::Neutral] {
-            let style = color(verdict).stroke_width(2);
-            let mut named = false;
-            for run in runs(followed, verdict) {
-                let line: Vec<(f64, f64)> = run.into_iter().map(place).collect();
-                let drawn = match verdict {
-                    Verdict::Unstable => chart.draw_series(DashedLineSeries::new(line, 8, 5, style))?,
-                    _ => chart.draw_series(LineSeries::new(line, style))?,
+            let style = color(verdict).stroke_width(px(2));
+            let dashes = (verdict == Verdict::Unstable).then_some((8, 5));
+            let all = runs(followed, verdict);
+            for run in &all {
+                let line: Vec<(f64, f64)> = run.iter().map(|point| place(point)).collect();
+                match dashes {
+                    Some((dash, gap)) => chart.draw_series(DashedLineSeries::new(line, at(dash), at(gap), style))?,
+                    None => chart.draw_series(LineSeries::new(line, style))?,
                 };
-                if !named {
-                    drawn.label(verdict.name()).legend(move |(x, y)| {
-                        let middle = if verdict == Verdict::Unstable { x + 9 } else { x + 12 };
-                        let from = if verdict == Verdict::Unstable { x + 15 } else { middle };
-                        EmptyElement::at((0, 0))
-                            + PathElement::new([(x, y), (middle, y)], style)
-                            + PathElement::new([(from, y), (x + 24, y)], style)
-                    });
-                    named = true;
-                }
+            }
+            if !all.is_empty() {
+                legend.line(verdict.name(), style, dashes)?;
             }
         }
         for kind in [EventKind::Fold, EventKind::Bifurcation, EventKind::Flutter, EventKind::Stop, EventKind::Lift] {
             let mine = |point: &&PathPoint| point.event.as_ref().is_some_and(|event| event.kind == kind);
             let marks: Vec<(f64, f64)> = points().filter(mine).map(place).collect();
-            if marks.is_empty() {
-                continue;
+            for (x, y) in &marks {
+                let (x, y) = chart.backend_coord(&(*x, *y));
+                root.draw(&mark(kind, (x, y)))?;
             }
-            let series =
-                match kind {
-                    EventKind::Fold => {
-                        chart.draw_series(marks.iter().map(|at| Circle::new(*at, 6, BLACK.filled()).into_dyn()))?
-                    }
-                    EventKind::Bifurcation => chart
-                        .draw_series(marks.iter().map(|at| TriangleMarker::new(*at, 8, BLACK.filled()).into_dyn()))?,
-                    EventKind::Flutter => chart
-                        .draw_series(marks.iter().map(|at| Cross::new(*at, 7, BLACK.stroke_width(2)).into_dyn()))?,
-                    EventKind::Stop => chart
-                        .draw_series(marks.iter().map(|at| TriangleMarker::new(*at, 8, BLUE.filled()).into_dyn()))?,
-                    EventKind::Lift => chart
-                        .draw_series(marks.iter().map(|at| Circle::new(*at, 6, BLUE.stroke_width(2)).into_dyn()))?,
-                };
-            series.label(kind.name()).legend(move |(x, y)| match kind {
-                EventKind::Fold => Circle::new((x + 12, y), 5, BLACK.filled()).into_dyn(),
-                EventKind::Bifurcation => TriangleMarker::new((x + 12, y), 7, BLACK.filled()).into_dyn(),
-                EventKind::Flutter => Cross::new((x + 12, y), 6, BLACK.stroke_width(2)).into_dyn(),
-                EventKind::Stop => TriangleMarker::new((x + 12, y), 7, BLUE.filled()).into_dyn(),
-                EventKind::Lift => Circle::new((x + 12, y), 5, BLUE.stroke_width(2)).into_dyn(),
-            });
+            if !marks.is_empty() {
+                legend.entry(kind.name(), |(x, y)| mark(kind, (x + at(14), y)))?;
+            }
         }
-        frame::legend(&mut chart, SeriesLabelPosition::UpperRight)
+        Ok(())
     })
+}
+
+/// What marks an event.
+fn mark<'a>(kind: EventKind, place: (i32, i32)) -> frame::Element<'a> {
+    match kind {
+        EventKind::Fold => Circle::new(place, at(6), BLACK.filled()).into_dyn(),
+        EventKind::Bifurcation => TriangleMarker::new(place, at(8), BLACK.filled()).into_dyn(),
+        EventKind::Flutter => Cross::new(place, at(7), BLACK.stroke_width(px(2))).into_dyn(),
+        EventKind::Stop => TriangleMarker::new(place, at(8), BLUE.filled()).into_dyn(),
+        EventKind::Lift => Circle::new(place, at(6), BLUE.stroke_width(px(2))).into_dyn(),
+    }
 }
 
 /// Stretches of neighbouring points of one kind; where the kind changes, both stretches reach the point between.

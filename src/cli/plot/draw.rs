@@ -1,28 +1,22 @@
 //! The picture: one panel per unit above a common axis.
 
-use super::super::palette::{COLORS, range, tick};
+use super::super::frame::{self, Area, ROW, px};
+use super::super::palette::{Theme, range, tick};
 use super::Line;
 use plotters::prelude::*;
 
-/// The library draws on whole points: this many of them are a pixel.
-const FINE: u32 = 10;
-const WIDTH: u32 = 1120 * FINE;
-/// Room for the names right of the curves.
-const LEGEND: u32 = 300 * FINE;
-const PANEL: u32 = 300 * FINE;
-const CAPTION: u32 = 40 * FINE;
-/// Height of a line of the legend.
-const ROW: i32 = 20 * FINE as i32;
+/// Width, height of a panel, and room for the title (pixels).
+const WIDTH: u32 = 1120;
+const PANEL: u32 = 300;
+const CAPTION: u32 = 40;
 /// Longer series are thinned: so many stretches of time, and of each its lowest and its highest point.
 const STRETCHES: usize = 1000;
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// As SVG; `across` is what the axis along x is called.
 ///
 /// # Errors
 /// Where the drawing library gives up.
-pub(in crate::cli) fn draw(lines: &[Line], title: &str, across: &str) -> anyhow::Result<String> {
+pub(in crate::cli) fn draw(lines: &[Line], title: &str, across: &str, theme: Theme) -> anyhow::Result<String> {
     let mut units: Vec<&str> = Vec::new();
     for line in lines {
         if !units.contains(&line.unit.as_str()) {
@@ -31,79 +25,74 @@ pub(in crate::cli) fn draw(lines: &[Line], title: &str, across: &str) -> anyhow:
     }
     let times = span(lines.iter().flat_map(finite).map(|(time, _)| time));
     let of_unit = |unit: &str| lines.iter().filter(|line| line.unit == unit).collect::<Vec<_>>();
-    let heights: Vec<u32> =
-        units.iter().map(|unit| PANEL.max(60 * FINE + ROW as u32 * of_unit(unit).len() as u32)).collect();
-    let height = CAPTION + heights.iter().sum::<u32>();
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
-        root.fill(&WHITE)?;
-        let mut rest = root.titled(title, ("sans-serif", 22 * FINE))?;
+    let heights: Vec<u32> = units.iter().map(|unit| PANEL.max(60 + ROW * of_unit(unit).len() as u32)).collect();
+    frame::svg((WIDTH, CAPTION + heights.iter().sum::<u32>()), theme, |root| {
+        let mut rest = root.titled(title, frame::letters(theme, 22))?;
         for (unit, height) in units.iter().zip(heights) {
-            let (area, below) = rest.split_vertically(height);
+            let (area, below) = rest.split_vertically(px(height));
             rest = below;
-            panel(&area, &of_unit(unit), (across, unit), times)?;
+            panel(&area, &of_unit(unit), (across, unit), times, theme)?;
         }
-        root.present()?;
-    }
-    // As large as it is meant; the points stay.
-    let size = |edge: u32| (edge.to_string(), (edge / FINE).to_string());
-    let (width, height) = (size(WIDTH), size(height));
-    let fine = format!("width=\"{}\" height=\"{}\"", width.0, height.0);
-    Ok(svg.replacen(&fine, &format!("width=\"{}\" height=\"{}\"", width.1, height.1), 1))
+        Ok(())
+    })
+}
+
+/// What is measured in a unit, for an axis; of one curve its name.
+fn quantity(lines: &[&Line], unit: &str) -> String {
+    let name = match (lines, unit) {
+        ([one], _) => one.label.as_str(),
+        (_, "m") => "length",
+        (_, "rad") => "angle",
+        (_, "m/s") => "speed",
+        (_, "rad/s") => "angular velocity",
+        (_, "m/s²") => "acceleration",
+        (_, "rad/s²") => "angular acceleration",
+        (_, "N") => "force",
+        (_, "N m") => "moment",
+        (_, "J") => "energy",
+        (_, "W") => "power",
+        _ => "value",
+    };
+    with_unit(name, unit)
+}
+
+/// `angle (rad)`; numbers without a unit have none.
+pub(in crate::cli) fn with_unit(name: &str, unit: &str) -> String {
+    if matches!(unit, "" | "1") { name.to_owned() } else { format!("{name} ({unit})") }
 }
 
 /// The curves of one unit, and their names beside them.
-fn panel(area: &Area<'_>, lines: &[&Line], (across, unit): (&str, &str), times: (f64, f64)) -> anyhow::Result<()> {
-    let (curves, legend) = area.split_horizontally(WIDTH - LEGEND);
+fn panel(
+    area: &Area<'_>,
+    lines: &[&Line],
+    (across, unit): (&str, &str),
+    times: (f64, f64),
+    theme: Theme,
+) -> anyhow::Result<()> {
+    let (curves, mut legend) = frame::with_legend(area, theme);
     let values = range(lines.iter().flat_map(|line| finite(line)).map(|(_, value)| value));
     let values = if values.0.is_finite() && values.1.is_finite() { values } else { (0.0, 1.0) };
-    let mut chart = ChartBuilder::on(&curves)
-        .margin(12 * FINE)
-        .x_label_area_size(46 * FINE)
-        .y_label_area_size(86 * FINE)
-        .build_cartesian_2d(times.0..times.1, values.0..values.1)?;
-    chart
-        .configure_mesh()
-        .x_desc(across)
-        .y_desc(format!("({unit})"))
-        .x_label_formatter(&|x| tick(*x, times))
-        .y_label_formatter(&|y| tick(*y, values))
-        .label_style(("sans-serif", 15 * FINE))
-        .axis_desc_style(("sans-serif", 16 * FINE))
-        .set_all_tick_mark_size(5 * FINE)
-        .axis_style(BLACK.mix(0.6).stroke_width(FINE))
-        .bold_line_style(BLACK.mix(0.12).stroke_width(FINE))
-        .light_line_style(TRANSPARENT)
-        .draw()?;
-    for (row, line) in lines.iter().enumerate() {
-        let RGBColor(red, green, blue) = COLORS[line.color % COLORS.len()];
-        // Every recording after the first is darker and has dashes of its own, so that curves that coincide are both seen.
-        let darker = 1 + u8::from(line.file > 0);
-        let style = RGBColor(red / darker, green / darker, blue / darker).stroke_width(17 * FINE / 10);
+    let up = quantity(lines, unit);
+    let axes: [frame::Axis<'_>; 2] = [(across, &|x| tick(*x, times)), (&up, &|y| tick(*y, values))];
+    let mut chart = frame::linear(&curves, theme, "", (times, values), axes)?;
+    for line in lines {
+        // Every recording after the first is nearer to the ink and has dashes of its own, so that curves that coincide are both seen.
+        let (color, ink) = (theme.color(line.color), theme.ink());
+        let [red, green, blue] = [(color.0, ink.0), (color.1, ink.1), (color.2, ink.2)]
+            .map(|(a, b)| if line.file > 0 { a / 2 + b / 2 } else { a });
+        let style = RGBColor(red, green, blue).stroke_width(px(17) / 10);
         let points = thinned(finite(line));
-        let fine = FINE as i32;
-        let y = 22 * fine + ROW * row as i32;
-        let sample = [(0, y), (28 * fine, y)];
-        match [None, Some((9 * fine, 6 * fine)), Some((3 * fine, 5 * fine))][line.file.min(2)] {
-            None => {
-                chart.draw_series(LineSeries::new(points, style))?;
-                legend.draw(&PathElement::new(sample, style))?;
-            }
+        let dashes = [None, Some((9, 6)), Some((3, 5))][line.file.min(2)];
+        match dashes {
+            None => chart.draw_series(LineSeries::new(points, style))?,
             Some((dash, gap)) => {
-                chart.draw_series(DashedLineSeries::new(points, dash, gap, style))?;
-                for start in (0..28 * fine).step_by((dash + gap) as usize) {
-                    let end = (start + dash).min(28 * fine);
-                    legend.draw(&PathElement::new([(start, y), (end, y)], style))?;
-                }
+                chart.draw_series(DashedLineSeries::new(points, frame::at(dash), frame::at(gap), style))?
             }
-        }
-        let name = format!("{} ({unit})", line.label);
-        legend.draw(&Text::new(name, (36 * fine, y - 7 * fine), ("sans-serif", 14 * FINE)))?;
+        };
+        legend.line(&with_unit(&line.label, unit), style, dashes)?;
     }
     Ok(())
 }
-
 fn finite(line: &Line) -> Vec<(f64, f64)> {
     line.points.iter().copied().filter(|(time, value)| time.is_finite() && value.is_finite()).collect()
 }

@@ -1,7 +1,7 @@
 //! The work–precision plot.
 
 use super::super::frame;
-use super::super::palette::COLORS;
+use super::super::palette::Theme;
 use crate::integrate::Method;
 use crate::simulate::precision::Study;
 use plotters::prelude::*;
@@ -26,17 +26,17 @@ pub(super) fn draw(study: &Study, title: &str) -> anyhow::Result<Option<String>>
     }
     let title = format!("{title}: error against time");
     let axes = ["time of the steps (s)", "largest error (rad, scene lengths, the same per scene time)"];
-    let drawn = frame::svg(|root| {
-        let mut chart = frame::logarithmic(root, &title, all(), axes)?;
+    let theme = Theme::default();
+    let drawn = frame::svg(frame::SIZE, theme, |root| {
+        let (area, mut legend) = frame::with_legend(root, theme);
+        let mut chart = frame::logarithmic(&area, theme, &title, all(), axes)?;
         for Line { label, color, points } in &lines {
-            let style = color.stroke_width(2);
-            chart
-                .draw_series(LineSeries::new(points.iter().copied(), style))?
-                .label(label)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
-            chart.draw_series(points.iter().map(|point| Circle::new(*point, 4, color.filled())))?;
+            let style = color.stroke_width(frame::px(2));
+            chart.draw_series(LineSeries::new(points.iter().copied(), style))?;
+            chart.draw_series(points.iter().map(|point| Circle::new(*point, frame::at(4), color.filled())))?;
+            legend.line(label, style, None)?;
         }
-        frame::legend(&mut chart, SeriesLabelPosition::UpperRight)
+        Ok(())
     });
     drawn.map(Some)
 }
@@ -54,5 +54,5 @@ fn lines(study: &Study) -> Vec<Line> {
         Line { label, color, points }
     };
     let measured = |(method, _): &(Method, RGBColor)| study.points.iter().any(|point| point.method == *method);
-    Method::ALL.into_iter().zip(COLORS.into_iter().cycle()).filter(measured).map(of_method).collect()
+    Method::ALL.into_iter().zip(Theme::default().colors()).filter(measured).map(of_method).collect()
 }

@@ -1,5 +1,6 @@
 //! The curves of a run, and its numbers in single precision.
 
+use super::super::palette::Theme;
 use super::super::plot::{Line, draw};
 use super::super::samples::Rows;
 use super::super::samples::{self, Place};
@@ -46,7 +47,7 @@ pub(super) fn curves(material: &Material) -> anyhow::Result<Vec<String>> {
             0 => title.to_owned(),
             more => format!("{title}: the first {} of {}", shown.len(), shown.len() + more),
         };
-        drawn.push(draw::draw(&lines, &title, "time (s)")?);
+        drawn.push(draw::draw(&lines, &title, "time (s)", Theme::default())?);
     }
     Ok(drawn)
 }

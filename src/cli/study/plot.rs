@@ -1,7 +1,7 @@
 //! One column of a study: histogram, course over the input that matters most, and a tornado of the coefficients.
 
 use super::super::frame::{self, Area};
-use super::super::palette::{BLUE, VERMILION, range, tick};
+use super::super::palette::{BLUE, Theme, VERMILION, range, tick};
 use super::{MOST_INPUTS, Output, Study};
 use plotters::prelude::*;
 
@@ -14,7 +14,7 @@ const MOST_POINTS: u64 = 3000;
 ///
 /// # Errors
 /// If the dataset cannot be read, or the drawing library gives up.
-pub(super) fn draw(study: &Study, output: &Output) -> anyhow::Result<String> {
+pub(super) fn draw(study: &Study, output: &Output, theme: Theme) -> anyhow::Result<String> {
     let last = study.inputs.len();
     let ends = output.moments.ends[last];
     let effects = output.regression.as_ref().map_or(&[][..], |regression| &regression.effects);
@@ -32,59 +32,61 @@ pub(super) fn draw(study: &Study, output: &Output) -> anyhow::Result<String> {
     })?;
     let unit = if output.unit.is_empty() { String::new() } else { format!(" ({})", output.unit) };
     let name = format!("{}{unit}", output.name);
-    frame::svg(|root| {
-        let (above, below) = root.split_vertically(320);
-        histogram(&above, &name, ends, &bars)?;
-        let (left, right) = below.split_horizontally(480);
+    frame::svg(frame::SIZE, theme, |root| {
+        let (above, below) = root.split_vertically(root.dim_in_pixel().1 / 2);
+        histogram(&above, theme, &name, ends, &bars)?;
+        let (left, right) = below.split_horizontally(root.dim_in_pixel().0 / 2);
         if let Some(first) = first {
-            scatter(&left, [&study.inputs[first], &name], &points)?;
+            scatter(&left, theme, [&study.inputs[first], &name], &points)?;
         }
         let effects: Vec<(&str, f64, f64)> = effects
             .iter()
             .take(MOST_INPUTS)
             .map(|effect| (study.inputs[effect.input].as_str(), effect.coefficient, effect.confidence))
             .collect();
-        tornado(&right, &effects)
+        tornado(&right, theme, &effects)
     })
 }
 
-fn histogram(area: &Area<'_>, name: &str, ends: (f64, f64), bars: &[u64]) -> anyhow::Result<()> {
+fn histogram(area: &Area<'_>, theme: Theme, name: &str, ends: (f64, f64), bars: &[u64]) -> anyhow::Result<()> {
     let (across, most) = (range([ends.0, ends.1].into_iter()), bars.iter().copied().max().unwrap_or(1) as f64);
     let up = (0.0, 1.05 * most);
     let axes: [frame::Axis<'_>; 2] = [(name, &|x| tick(*x, across)), ("cases", &|y| tick(*y, up))];
-    let mut chart = frame::linear(area, "distribution", (across, up), axes)?;
+    let mut chart = frame::linear(area, theme, "distribution", (across, up), axes)?;
     let width = (ends.1 - ends.0) / bars.len() as f64;
     let bar = |(index, cases): (usize, &u64)| {
         let left = ends.0 + index as f64 * width;
-        Rectangle::new([(left, 0.0), (left + width, *cases as f64)], BLUE.mix(0.7).filled())
+        Rectangle::new([(left, 0.0), (left + width, *cases as f64)], theme.shown(BLUE).mix(0.7).filled())
     };
     chart.draw_series(bars.iter().enumerate().map(bar))?;
     Ok(())
 }
 
-fn scatter(area: &Area<'_>, names: [&str; 2], points: &[(f64, f64)]) -> anyhow::Result<()> {
+fn scatter(area: &Area<'_>, theme: Theme, names: [&str; 2], points: &[(f64, f64)]) -> anyhow::Result<()> {
     let (across, up) = (range(points.iter().map(|point| point.0)), range(points.iter().map(|point| point.1)));
     let axes: [frame::Axis<'_>; 2] = [(names[0], &|x| tick(*x, across)), (names[1], &|y| tick(*y, up))];
-    let mut chart = frame::linear(area, "what matters most", (across, up), axes)?;
-    chart.draw_series(points.iter().map(|point| Circle::new(*point, 2, BLUE.mix(0.4).filled())))?;
+    let mut chart = frame::linear(area, theme, "what matters most", (across, up), axes)?;
+    chart.draw_series(
+        points.iter().map(|point| Circle::new(*point, frame::at(2), theme.shown(BLUE).mix(0.4).filled())),
+    )?;
     Ok(())
 }
 
 /// Bars of the coefficients, the largest on top, with their confidence intervals.
-fn tornado(area: &Area<'_>, effects: &[(&str, f64, f64)]) -> anyhow::Result<()> {
+fn tornado(area: &Area<'_>, theme: Theme, effects: &[(&str, f64, f64)]) -> anyhow::Result<()> {
     let ends =
         effects.iter().flat_map(|(_, coefficient, confidence)| [coefficient - confidence, coefficient + confidence]);
     let (across, up) = (range(ends.chain([0.0])), (-(effects.len().max(1) as f64), 0.0));
     let axes: [frame::Axis<'_>; 2] =
         [("standardized regression coefficient", &|x| tick(*x, across)), ("", &|_| String::new())];
-    let mut chart = frame::linear(area, "what every input does", (across, up), axes)?;
+    let mut chart = frame::linear(area, theme, "what every input does", (across, up), axes)?;
     for (index, (name, coefficient, confidence)) in effects.iter().enumerate() {
         let y = -(index as f64);
-        let color = if *coefficient < 0.0 { VERMILION } else { BLUE };
+        let color = theme.shown(if *coefficient < 0.0 { VERMILION } else { BLUE });
         chart.draw_series([Rectangle::new([(0.0, y - 0.15), (*coefficient, y - 0.85)], color.mix(0.7).filled())])?;
         let interval = [(coefficient - confidence, y - 0.5), (coefficient + confidence, y - 0.5)];
-        chart.draw_series([PathElement::new(interval, BLACK.stroke_width(2))])?;
-        chart.draw_series([Text::new((*name).to_owned(), (across.0, y - 0.08), ("sans-serif", 14))])?;
+        chart.draw_series([PathElement::new(interval, theme.ink().stroke_width(frame::px(2)))])?;
+        chart.draw_series([Text::new((*name).to_owned(), (across.0, y - 0.08), frame::letters(theme, 14))])?;
     }
     Ok(())
 }

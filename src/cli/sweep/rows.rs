@@ -1,7 +1,8 @@
 //! Rows of a study as they are shown: on a terminal, as JSON, as CSV.
 
 use super::super::output;
-use super::super::text::{count, number};
+use super::super::text::{count, number, without_noise};
+use crate::model::Model;
 use crate::study::plan::Value;
 use crate::study::{Cases, Cell, Row};
 use crate::whole_file::WholeFile;
@@ -21,6 +22,8 @@ pub(super) struct Rows<'c> {
     list: Option<Vec<serde_json::Value>>,
     lines: Vec<String>,
     pub(super) failed: u64,
+    /// Of the scene (m): beside it a smaller number is round-off.
+    length: f64,
 }
 
 impl<'c> Rows<'c> {
@@ -31,7 +34,8 @@ impl<'c> Rows<'c> {
             table.write_record(cases.columns().iter().map(|column| &column.name))?;
         }
         let list = json.then(Vec::new);
-        Ok(Self { cases, next: 0, early: BTreeMap::new(), table, list, lines: Vec::new(), failed: 0 })
+        let length = Model::build(&cases.scenario().description).map_or(0.0, |model| model.length_scale());
+        Ok(Self { cases, next: 0, early: BTreeMap::new(), table, list, lines: Vec::new(), failed: 0, length })
     }
 
     pub(super) fn take(&mut self, part: u64, rows: Vec<Row>) -> anyhow::Result<()> {
@@ -51,7 +55,7 @@ impl<'c> Rows<'c> {
         if let Some(list) = &mut self.list {
             list.push(json(self.cases, row));
         } else if self.lines.len() < MOST_LINES {
-            self.lines.push(line(self.cases, row));
+            self.lines.push(line(self.cases, row, self.length));
         }
         Ok(())
     }
@@ -109,7 +113,7 @@ fn json(cases: &Cases, row: &Row) -> serde_json::Value {
     json!({ "case": row.case, "values": values, "ok": true, "result": result })
 }
 
-fn line(cases: &Cases, row: &Row) -> String {
+fn line(cases: &Cases, row: &Row, length: f64) -> String {
     let shown = |value: Value<'_>| match value {
         Value::Written(text, _) => text.to_owned(),
         Value::Drawn(drawn) => number(drawn),
@@ -120,7 +124,15 @@ fn line(cases: &Cases, row: &Row) -> String {
         Some(why) => format!("failed: {why}"),
         None => {
             let shown = |(name, cell): (&str, &Cell)| match cell {
-                Cell::Number(x) => format!("{name} {}", number(*x)),
+                Cell::Number(x) => {
+                    let column = cases.columns().iter().find(|column| column.name == name);
+                    let scale = column.map_or(0.0, |column| match &*column.unit {
+                        "m" => length,
+                        "rad" | "1" => 1.0,
+                        _ => 0.0,
+                    });
+                    format!("{name} {}", number(without_noise(*x, scale)))
+                }
                 Cell::Word(word) => word.to_string(),
                 other => format!("{name} {other}"),
             };

@@ -29,13 +29,17 @@ impl Default for Painter {
 }
 
 impl Painter {
+    /// How texts are read: with our letters.
+    pub(super) fn options(&self) -> Options<'_> {
+        Options { fontdb: self.fonts.clone(), font_family: "DejaVu Sans".into(), ..Options::default() }
+    }
+
     /// Paints a text, with `halvings` times four samples for each pixel: faces have sharp edges, which only samples smooth.
     ///
     /// # Errors
     /// If it is no SVG, or has no size that can be painted.
     pub fn paint(&self, svg: &str, halvings: u32) -> Result<Pixels, String> {
-        let options = Options { fontdb: self.fonts.clone(), font_family: "DejaVu Sans".into(), ..Options::default() };
-        let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
+        let tree = Tree::from_str(svg, &self.options()).map_err(|error| error.to_string())?;
         let edges = [tree.size().width(), tree.size().height()].map(|edge| edge.ceil() as u32);
         let blank = |times: u32| {
             let [width, height] = edges.map(|edge| edge.saturating_mul(times));

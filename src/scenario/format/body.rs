@@ -134,7 +134,7 @@ pub const SHAPE: Table = Table {
         Key::new(
             "color",
             Kind::Either(&[Kind::List(&Kind::Number(Range::Between(0.0, 1.0)), &[3, 4]), Kind::Text]),
-            "Red, green, blue and perhaps opacity, each 0 … 1; or \"#rrggbb\".",
+            "Red, green, blue and perhaps opacity, each 0 … 1; \"#rrggbb\"; or a name as \"red\".",
         )
         .example("[0.8, 0.2, 0.1]"),
         Key::new(

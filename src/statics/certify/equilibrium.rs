@@ -44,6 +44,8 @@ pub struct Equilibrium {
     pub residual_acceleration: f64,
     /// Largest unbalanced hinge force (N, N m), locked hinges left out.
     pub residual_force: f64,
+    /// The velocity coordinate that it is along; `None` if nothing is free to move.
+    pub residual_at: Option<usize>,
     /// The same relative to the forces that cancel there.
     pub relative_residual: f64,
     /// What rounding alone may leave of the forces there, relative to them: nobody can ask for less.
@@ -180,6 +182,8 @@ pub(in crate::statics) fn certify(
     let holding: Vec<(String, f64)> =
         (0..rest.len()).filter(|i| model.coordinates[*i].lock).map(|i| (model.label(i), residual[i])).collect();
     notes.extend(balanced.then(|| round_off_note(&place)).flatten());
+    let by_size = |a: &usize, b: &usize| place.force[*a].abs().total_cmp(&place.force[*b].abs());
+    let largest = (0..place.force.len()).max_by(by_size);
     let verdict = stability.as_ref().map(|s| s.verdict);
     if verdict == Some(Verdict::Unstable) && settings.want == Want::Stable {
         notes.push("only an unstable equilibrium was found; `want = \"any\"` would accept it".to_owned());
@@ -197,7 +201,8 @@ pub(in crate::statics) fn certify(
         factorizations,
         stiffness_evaluations,
         residual_acceleration,
-        residual_force: place.force.iter().fold(0.0, |m, f| m.max(f.abs())),
+        residual_force: largest.map_or(0.0, |at| place.force[at].abs()),
+        residual_at: largest.map(|at| free[at]),
         relative_residual: place.residual().0,
         round_off: place.round_off(),
         drive_forces,

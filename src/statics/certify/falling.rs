@@ -28,7 +28,7 @@ use crate::force::Act;
 use crate::hinge::Condition;
 use crate::model::couplings::Closure;
 use crate::model::problem::number;
-use crate::model::{Coordinate, CurveOver, Drive, Model};
+use crate::model::{Coordinate, CurveOver, Drive, Model, Motor};
 use crate::motion::Motion;
 use crate::statics::problem::place::BALANCED;
 use faer::{Mat, Side};
@@ -360,9 +360,13 @@ impl<'m> Scene<'m> {
         let leads = all().max_by(|a, b| (motion[*a] * of(*a).force).total_cmp(&(motion[*b] * of(*b).force)))?;
         let link = of(leads).link;
         let body = &self.model.bodies[self.model.links[link].body].name;
+        let (turning, strong) = match &self.motors(columns, motion).join("`, `")[..] {
+            "" => ("turns", String::new()),
+            motors => ("winds up", format!(": `{motors}` is stronger than the load")),
+        };
         let note = if self.model.links[link].joint.is_angle() {
             let moment = number(rate / motion[leads].abs());
-            format!("turns for ever: nothing balances {moment} N m in `{body}`, the same all the way")
+            format!("{turning} for ever: nothing balances {moment} N m in `{body}`, the same all the way{strong}")
         } else {
             let speed = self.velocity(link, columns, motion);
             let (force, along) = (number(rate / speed.norm()), speed.normalize());
@@ -371,12 +375,22 @@ impl<'m> Scene<'m> {
                 true => {
                     format!("falls for ever: nothing holds `{body}` against gravity {along} ({force} N all the way)")
                 }
-                false => format!("is pushed for ever: nothing holds `{body}` against {force} N {along}"),
+                false => format!("is pushed for ever: nothing holds `{body}` against {force} N {along}{strong}"),
             }
         };
         let fixed = |row: &Row| row.fixed || !row.parts.iter().any(|(column, _)| columns.contains(column));
         let everywhere = all().all(|k| of(k).fixed) && self.rows.iter().all(fixed);
         Some(Fall { everywhere, note })
+    }
+
+    /// The motors that push along a motion.
+    fn motors(&self, columns: &[usize], motion: &[f64]) -> Vec<&'m str> {
+        let velocity = |k: usize| self.model.links[self.columns[columns[k]].link].velocity;
+        let pushes = |motor: &&Motor| {
+            let at = (0..columns.len()).find(|k| velocity(*k) == motor.coordinate.velocity);
+            at.zip(motor.constant()).is_some_and(|(k, force)| force * motion[k] > 0.0)
+        };
+        self.model.motors.iter().filter(pushes).map(|motor| motor.name.as_str()).collect()
     }
 
     /// How fast a motion moves a link, eq. (1).

@@ -21,7 +21,7 @@ fn a_path_is_written_as_table_plot_and_recording() {
     let table = read("arch.path.csv");
     let mut lines = table.lines();
     let head: Vec<&str> = lines.next().expect("a head").split(',').collect();
-    assert_eq!((head[3], head[head.len() - 1]), ("parameter", "joint distance (m)"));
+    assert_eq!((head[3], head[head.len() - 1]), ("parameter [N]", "joint.distance [m]"));
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len(), points.len());
     for (row, point) in rows.iter().zip(points) {
@@ -34,7 +34,7 @@ fn a_path_is_written_as_table_plot_and_recording() {
     assert!(rows.iter().any(|row| row[4] == "unstable") && rows.iter().filter(|row| row[6] == "fold").count() == 2);
 
     let plot = read("arch.path.svg");
-    for text in ["push.force[2] (N)", "joint distance (m)", "unstable", "fold"] {
+    for text in ["push.force[2] (N)", "joint.distance (m)", "unstable", "fold"] {
         assert!(plot.contains(text), "no `{text}` in the plot");
     }
     // Arclength stands for time, and the joint is where the table has it.
@@ -60,4 +60,38 @@ fn a_path_over_what_does_not_exist_is_a_wrong_call_and_one_without_a_start_answe
     assert_eq!(found["path"]["complete"], false);
     assert!(found["path"]["notes"][0].as_str().expect("a note").contains("no equilibrium at `rod.force` = 1000"));
     assert!(bench.names().is_empty(), "nothing to write");
+}
+
+#[test]
+fn a_recorded_path_goes_along_its_arclength_and_is_plotted_over_its_parameter() {
+    let bench = Bench::new();
+    bench.call(&["statics", &shipped("snap_through"), "--quiet", "--out", "arch"]).code(0);
+    let plot = |more: &[&str]| {
+        bench.call(&[&["plot", "arch.path.mcap", "joint.distance", "-o", "x.svg"][..], more].concat()).code(0);
+        std::fs::read_to_string(bench.path().join("x.svg")).expect("a plot")
+    };
+    assert!(plot(&[]).contains("push.force[2] (N)"));
+    let along = plot(&["--x", "arclength"]);
+    assert!(along.contains("\narclength\n") && !along.contains("time"), "{along}");
+    assert!(plot(&["--x", "potential"]).contains("potential (J)"));
+    assert!(
+        bench.call(&["plot", "arch.path.mcap", "joint.distance", "--x", "time"]).code(2).err.contains("no channel")
+    );
+    assert!(bench.call(&["info", "arch.path.mcap"]).code(0).out.contains("arclength from 0 to"));
+    // The recording has the parameters of the table, at its arclengths.
+    let read = |text: &str, names: [&str; 2]| -> Vec<[f64; 2]> {
+        let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let head = lines.next().expect("a head");
+        let columns = names.map(|name| head.iter().position(|one| *one == name).expect(name));
+        lines.map(|row| columns.map(|column| row[column].parse().expect("a number"))).collect()
+    };
+    let recorded = bench.call(&["export", "arch.path.mcap", "--csv", "-"]).code(0).out;
+    let recorded = read(&recorded, ["arclength [1]", "push.force[2] [N]"]);
+    let table = std::fs::read_to_string(bench.path().join("arch.path.csv")).expect("a table");
+    let table = read(&table, ["arclength", "parameter [N]"]);
+    assert_eq!(recorded.len(), table.len());
+    for (recorded, written) in recorded.iter().zip(&table) {
+        // Times of recordings are whole nanoseconds.
+        assert!((recorded[0] - written[0]).abs() <= 1e-9 && recorded[1] == written[1], "{recorded:?} {written:?}");
+    }
 }

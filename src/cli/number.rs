@@ -1,0 +1,77 @@
+//! Numbers as reports show them; JSON and tables have all digits.
+
+use crate::model::problem::significant;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Significant digits without `--digits`.
+pub(super) const USUAL_DIGITS: u8 = 4;
+/// What is left of a sum of numbers of size one that should cancel.
+pub(super) const ROUND_OFF: f64 = 1e-12;
+
+/// Significant digits of a number in a report, set once by `--digits`.
+static DIGITS: AtomicUsize = AtomicUsize::new(USUAL_DIGITS as usize);
+
+/// Sets how many significant digits reports show.
+pub(super) fn show_digits(digits: u8) {
+    DIGITS.store(usize::from(digits), Ordering::Relaxed);
+}
+
+/// As many significant digits as reports show, without trailing zeros: `-9.807`, `0.1`, `2.5e-9`.
+pub(super) fn number(x: f64) -> String {
+    significant(x, DIGITS.load(Ordering::Relaxed))
+}
+
+/// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.
+pub(super) fn small(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        size if (1e-3..1e4).contains(&size) => {
+            let digits = (1.0 - size.log10().floor()).max(0.0) as usize;
+            format!("{x:.digits$}")
+        }
+        _ => format!("{x:.1e}"),
+    }
+}
+
+/// Zero where a number is round-off beside others of size `scale`.
+pub(super) fn without_noise(x: f64, scale: f64) -> f64 {
+    if x.abs() <= ROUND_OFF * scale { 0.0 } else { x }
+}
+
+/// Numbers of one column, their decimal points below each other: all of the same width.
+pub(super) fn aligned(numbers: impl IntoIterator<Item = f64>) -> Vec<String> {
+    let shown: Vec<String> = numbers.into_iter().map(number).collect();
+    // Where the decimal point is, or would be.
+    let point = |text: &String| text.find(['.', 'e']).unwrap_or(text.len());
+    let before = shown.iter().map(point).max().unwrap_or(0);
+    let after = shown.iter().map(|text| text.len() - point(text)).max().unwrap_or(0);
+    let pad = |text: &String| {
+        let point = point(text);
+        format!("{:>before$}{:<after$}", &text[..point], &text[point..])
+    };
+    shown.iter().map(pad).collect()
+}
+
+/// A number of a table that programs read: the shortest digits that give the number back, with an exponent where that is shorter.
+pub(super) fn exact(x: f64) -> String {
+    format!("{x:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{aligned, exact};
+
+    #[test]
+    fn decimal_points_stand_below_each_other() {
+        assert_eq!(aligned([0.5135, 73.57, -101.0, 2.5e-9]), ["   0.5135", "  73.57  ", "-101     ", "   2.5e-9"]);
+        assert!(aligned([]).is_empty());
+    }
+
+    #[test]
+    fn exact_numbers_come_back() {
+        for x in [0.1 + 0.2, 1e300, 5e-324, -0.0, 1.0, 123456789.0] {
+            assert_eq!(exact(x).parse::<f64>().map(f64::to_bits), Ok(x.to_bits()));
+            assert!(exact(x).len() < 25);
+        }
+    }
+}

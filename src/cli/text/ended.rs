@@ -1,0 +1,139 @@
+//! Reports of a run that has ended.
+
+use super::super::number::ROUND_OFF;
+use super::super::output::bold;
+use super::{MOST_LINES, count, duration, more, number, small, times, without_noise};
+use crate::model::Model;
+use crate::simulate::Summary;
+use crate::simulate::events::Kind;
+use crate::simulate::verify::{Verified, VerifiedEvents};
+use std::fmt::Write;
+
+/// Below this tolerance the share of a step is no longer a three-hundredth of it.
+const FLOOR: f64 = 2.7e-11;
+
+/// What `run --verify` found.
+pub(in crate::cli) fn verified(verified: &Verified) -> String {
+    let kinds = [
+        (verified.length, "m"),
+        (verified.angle, "rad"),
+        (verified.speed, "m/s"),
+        (verified.rate, "rad/s"),
+        (verified.time, "s"),
+    ];
+    let parts: Vec<String> = kinds
+        .iter()
+        .filter(|(error, _)| *error > 0.0)
+        .map(|(error, unit)| format!("{} {unit}", small(*error)))
+        .collect();
+    let errors = if parts.is_empty() { "nothing".to_owned() } else { parts.join(", ") };
+    let (method, tolerance) = (verified.method.name(), verified.tolerance);
+    let mut out = format!("  error        {errors} at the end, estimated by a second run: {method} at {tolerance:.0e}");
+    if let Some(VerifiedEvents { events, same, apart, differ_from, scanned, beyond }) = &verified.events {
+        let _ = write!(out, "\n  checked      {same} of {} in both runs", count(*events, "event", "events"));
+        if *same > 0 {
+            let _ = write!(out, ", times within {} s", small(*apart));
+        }
+        if let Some(time) = differ_from {
+            let _ = write!(out, "; they differ from {} s on", number(*time));
+        }
+        let passed = if *beyond > 0.0 { format!("by {} at most", small(*beyond)) } else { "nowhere".to_owned() };
+        let _ = write!(out, "\n               rigid stops passed {passed} in {}", count(*scanned, "state", "states"));
+    }
+    out
+}
+
+/// The energies of a run; what is below the round-off of their scale is 0, and that is said.
+fn energies(model: &Model, summary: &Summary) -> String {
+    let Summary { energy_start, energy_end, work, dissipated, energy_drift, .. } = *summary;
+    // Heights are known to the round-off of the scene's length, whatever the sum of their energies is.
+    let weight = model.total_mass() * model.gravity.norm() * model.length_scale();
+    let scale =
+        [energy_start, energy_end, work, dissipated].iter().fold(weight, |scale, energy| scale.max(energy.abs()));
+    let shown = |energy: f64| without_noise(energy, scale);
+    let part = |what: &str, energy: f64| match shown(energy) {
+        0.0 => String::new(),
+        energy => format!(", {} J {what}", number(energy)),
+    };
+    let is_noise = |energy: &f64| *energy != 0.0 && shown(*energy) == 0.0;
+    let floor = match [energy_start, energy_end, energy_drift].iter().any(is_noise) {
+        true => format!(" (0: below the round-off of {} J)", small(ROUND_OFF * scale)),
+        false => String::new(),
+    };
+    format!(
+        "{} J at the start, {} J at the end{}{}, unaccounted for {} J at most{floor}",
+        number(shown(energy_start)),
+        number(shown(energy_end)),
+        part("put in", work),
+        part("dissipated", dissipated),
+        small(shown(energy_drift)),
+    )
+}
+
+/// The end of a run.
+pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
+    let mut out = String::new();
+    let methods: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
+    let counters = &summary.statistics;
+    let state = if summary.interrupted { "stopped at" } else { "simulated" };
+    let speed = summary.end_time / summary.wall.as_secs_f64().max(1e-9);
+    let _ = writeln!(
+        out,
+        "{} {} s in {} ({} real time) {}",
+        bold(state),
+        number(summary.end_time),
+        duration(summary.wall),
+        times(speed),
+        if methods.is_empty() { "at rest".to_owned() } else { format!("with {}", methods.join(", then ")) }
+    );
+    // Changes of the integrator are told of with the method.
+    let events: Vec<_> = summary.events.iter().filter(|event| event.kind != Kind::Switch).collect();
+    for (line, event) in events.iter().take(MOST_LINES).enumerate() {
+        let head = if line == 0 { "events" } else { "" };
+        let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
+        let what = match event.kind {
+            _ if event.between.is_some() => event.to_string(),
+            Kind::Slip | Kind::Stick => format!("`{name}` {kind} at {value}"),
+            _ => format!("{kind} of `{name}` at {value}, speed {}", number(event.speed)),
+        };
+        let _ = writeln!(out, "  {head:<12} {time} s: {what}");
+    }
+    more(&mut out, events.len());
+    if let Some(event) = &summary.stopped_by {
+        let _ = writeln!(out, "  ended        by the event `{event}`");
+    }
+    if let Some(choice) = &summary.choice {
+        let _ = writeln!(out, "  method       {choice}");
+    }
+    let work: Vec<String> = [
+        (counters.acceleration_evaluations, "acceleration", "accelerations"),
+        (counters.residual_evaluations, "force balance", "force balances"),
+        (counters.jacobian_evaluations, "Jacobian", "Jacobians"),
+    ]
+    .iter()
+    .filter(|(n, ..)| *n > 0)
+    .map(|(n, one, many)| format!("{n} {}", if *n == 1 { one } else { many }))
+    .collect();
+    let _ =
+        writeln!(out, "  steps        {} ({} rejected), {}", counters.steps, counters.rejected_steps, work.join(", "));
+    // Rounding adds up as a random walk: √n of n steps.
+    let rounding = f64::EPSILON * (counters.steps as f64).sqrt();
+    if counters.error_sum > summary.tolerance {
+        let _ = writeln!(
+            out,
+            "  accuracy     the errors of {} steps add up to {} at most, above the tolerance of {:.0e}: {}; rounding adds {}",
+            counters.steps,
+            small(counters.error_sum),
+            summary.tolerance,
+            match summary.tolerance < FLOOR {
+                true => "no step is held to less than 9e-14",
+                false => "a tighter one brings them down",
+            },
+            small(rounding)
+        );
+    }
+    let _ = writeln!(out, "  energy       {}", energies(model, summary));
+    let _ = writeln!(out, "  recording    {recording} ({})", count(summary.samples, "sample", "samples"));
+    let _ = write!(out, "  to see it    stillpoint view {recording}");
+    out
+}
