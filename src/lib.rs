@@ -126,6 +126,8 @@ pub mod constraint;
 pub mod contact;
 pub mod dynamics;
 pub mod element;
+#[cfg(feature = "fmu")]
+pub mod fmu;
 pub mod force;
 pub mod foreign;
 pub mod formula;
@@ -145,6 +147,7 @@ pub mod record;
 #[cfg(feature = "scenario")]
 pub mod scenario;
 pub mod simulate;
+pub mod simulator;
 pub mod sparse;
 pub mod spatial;
 pub mod statics;

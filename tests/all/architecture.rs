@@ -55,6 +55,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         "simulate",
         &["force", "hinge", "model", "motion", "dynamics", "output", "statics", "integrate", "record", "spatial"],
     ),
+    ("simulator", &["integrate", "model", "record", "simulate"]),
     // `model` for the mass properties of solids.
     ("import", &["budget", "foreign", "mesh", "model", "suggest", "text_file"]),
     // `force` for the tables of curves.
@@ -75,6 +76,25 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "statics",
             "record",
             "suggest",
+            "text_file",
+        ],
+    ),
+    // `linear` for what pushes, `record` for channels.
+    (
+        "fmu",
+        &[
+            "constraint",
+            "dynamics",
+            "integrate",
+            "linear",
+            "model",
+            "output",
+            "quantity",
+            "record",
+            "scenario",
+            "simulate",
+            "simulator",
+            "statics",
             "text_file",
         ],
     ),
@@ -101,6 +121,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             // `element` for the mass of beams.
             "element",
             "contact",
+            "fmu",
             "foreign",
             "whole_file",
             "import",
@@ -153,6 +174,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("clap_complete", &["cli"]),
     ("clap_mangen", &["cli"]),
     ("plotters", &["cli"]),
+    ("zip", &["cli"]),
     ("gif", &["cli"]),
     ("resvg", &["record"]),
     ("allocator_api2", &["pages"]),
