@@ -68,7 +68,7 @@ impl Simulator {
     }
 
     /// Where it is.
-    pub fn now(&self) -> &Snapshot {
+    pub fn snapshot(&self) -> &Snapshot {
         &self.now
     }
 
@@ -137,11 +137,11 @@ impl Simulator {
         }
     }
 
-    /// Puts it at a snapshot. Events after it are forgotten.
+    /// Puts it elsewhere: where it has been before, or at a state from outside. What has happened so far stays told.
     ///
     /// # Errors
     /// If the numbers of the snapshot do not fit the model.
-    pub fn restore(&mut self, snapshot: Snapshot) -> Result<(), AnotherScene> {
+    pub fn place(&mut self, snapshot: Snapshot) -> Result<(), AnotherScene> {
         let lengths = |now: &Snapshot| {
             let memories: Vec<usize> = now.memories.iter().map(Vec::len).collect();
             (now.state.position.len(), now.state.velocity.len(), now.inputs.len(), memories)
@@ -149,8 +149,18 @@ impl Simulator {
         if lengths(&snapshot) != lengths(&self.now) {
             return Err(AnotherScene);
         }
-        self.events.retain(|event| event.time <= snapshot.time);
         (self.now, self.outputs) = (snapshot, None);
+        Ok(())
+    }
+
+    /// As [`place`](Self::place), back in time: events after it have not happened.
+    ///
+    /// # Errors
+    /// As [`place`](Self::place).
+    pub fn restore(&mut self, snapshot: Snapshot) -> Result<(), AnotherScene> {
+        let time = snapshot.time;
+        self.place(snapshot)?;
+        self.events.retain(|event| event.time <= time);
         Ok(())
     }
 }

@@ -43,6 +43,10 @@ type Code = c_int;
 /// `fmi3LogMessageCallback`: environment, status, category, message.
 type LogMessage = unsafe extern "C" fn(*mut c_void, Code, *const c_char, *const c_char);
 
+/// For the program to know the library by.
+#[used]
+static MARK: &str = stillpoint::fmu::MARK;
+
 /// The version of the interface.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi3GetVersion() -> *const c_char {

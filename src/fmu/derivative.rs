@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// `∂y/∂u · seed` of every number of the outputs; not a number for one whose variation is not known. A limit of a motor that is
 /// reached holds its force.
 pub(super) fn of_outputs(simulator: &Simulator, seed: &[f64]) -> Result<Vec<f64>, FmuError> {
-    let now = simulator.now();
+    let now = simulator.snapshot();
     let model = Arc::new(simulator.model().continued(&now.inputs, &now.memories));
     smooth(&model, &now.state.position)?;
     let mut system = System::new(&model);

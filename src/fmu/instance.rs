@@ -169,7 +169,7 @@ impl Instance {
         }
         let mut simulator = Simulator::new(model, settings, state);
         simulator.begin(self.now.begin);
-        let forces = simulator.now().inputs.clone();
+        let forces = simulator.snapshot().inputs.clone();
         for (variable, value) in &given {
             let Role::Input(place) = variable.role else { continue };
             if (forces[place] - value).abs() > SAME_INPUT * forces[place].abs().max(value.abs()) {
@@ -211,10 +211,10 @@ impl Instance {
         let (role, start) = (variable.role.clone(), variable.start.unwrap_or(f64::NAN));
         let given = self.now.given.get(&reference).copied();
         match role {
-            Role::Time => Ok(self.now.simulator.as_ref().map_or(self.now.begin, |one| one.now().time)),
+            Role::Time => Ok(self.now.simulator.as_ref().map_or(self.now.begin, |one| one.snapshot().time)),
             Role::Parameter => Ok(given.unwrap_or(start)),
             Role::Input(place) => Ok(match &self.now.simulator {
-                Some(simulator) => simulator.now().inputs[place],
+                Some(simulator) => simulator.snapshot().inputs[place],
                 None => given.unwrap_or(start),
             }),
             Role::Position(_) | Role::Velocity(_) | Role::Output(_) => {
@@ -222,8 +222,8 @@ impl Instance {
                 self.order(&when, "of outputs from initialization mode on")?;
                 let simulator = self.started()?;
                 match role {
-                    Role::Position(place) => Ok(simulator.now().state.position[place]),
-                    Role::Velocity(place) => Ok(simulator.now().state.velocity[place]),
+                    Role::Position(place) => Ok(simulator.snapshot().state.position[place]),
+                    Role::Velocity(place) => Ok(simulator.snapshot().state.velocity[place]),
                     Role::Output(place) => Ok(simulator.outputs()?[place]),
                     Role::Time | Role::Input(_) | Role::Parameter => Ok(f64::NAN),
                 }
@@ -263,7 +263,7 @@ impl Instance {
             }
         }
         if let Some(simulator) = self.now.simulator.as_mut().filter(|_| stepping) {
-            let mut all = simulator.now().inputs.clone();
+            let mut all = simulator.snapshot().inputs.clone();
             inputs.iter().for_each(|(place, value)| all[*place] = *value);
             simulator.set_inputs(&all);
         } else {
@@ -285,7 +285,7 @@ impl Instance {
         let Some(simulator) = &mut self.now.simulator else {
             return Err(FmuError::Scene("there is no scene".to_owned()));
         };
-        let now = simulator.now().time;
+        let now = simulator.snapshot().time;
         if !(step > 0.0 && step.is_finite()) {
             return Err(FmuError::Time(format!("the step is {step} s, allowed: a finite number > 0")));
         }
@@ -301,13 +301,13 @@ impl Instance {
         if let Some(stop) = stop.filter(|stop| until - stop > SAME_POINT * step) {
             return Err(FmuError::Time(format!("the step leads to {until} s, the stop time is {stop} s")));
         }
-        if let Some(event) = &simulator.now().stopped_by {
+        if let Some(event) = &simulator.snapshot().stopped_by {
             return Err(FmuError::Time(format!("the event `{event}` has ended the run at {now} s")));
         }
         let before = simulator.events().len();
         simulator.advance(until, &|| true)?;
         let events = simulator.events()[before..].iter().map(|event| (event.time, event.to_string())).collect();
-        Ok(Stepped { time: simulator.now().time, stopped_by: simulator.now().stopped_by.clone(), events })
+        Ok(Stepped { time: simulator.snapshot().time, stopped_by: simulator.snapshot().stopped_by.clone(), events })
     }
 
     /// How outputs answer at once to inputs that move along `seed`, at this place and time: `∂y/∂u · seed`. Hinge coordinates and

@@ -28,6 +28,9 @@ pub use variables::{Role, Variable, Variables};
 
 use crate::simulate::RunError;
 
+/// What the library within FMUs holds, for the program to know it by: both have to be of one version.
+pub const MARK: &str = concat!("stillpoint ", env!("CARGO_PKG_VERSION"), ", functions of FMI 3.0");
+
 /// Why a call is refused, or failed. The instance is then as it was before the call.
 #[derive(Debug, thiserror::Error)]
 pub enum FmuError {

@@ -71,7 +71,7 @@ fn maybe<T>(value: &Value, read: impl FnOnce(&Value) -> Option<T>) -> Option<Opt
 impl Situation {
     /// As JSON.
     pub(super) fn to_bytes(&self, token: &str) -> Vec<u8> {
-        let snapshot = self.simulator.as_ref().map(|simulator| written(simulator.now()));
+        let snapshot = self.simulator.as_ref().map(|simulator| written(simulator.snapshot()));
         let value = json!({
             "token": token,
             "phase": self.phase as u8,

@@ -72,13 +72,16 @@ impl Variables {
             list.push(Variable { start, ..variable(&parameter.address, parameter.quantity.unit(), Role::Parameter) });
         }
         let channels = simulate::scene(model);
-        let hinge = |role: fn(usize) -> Role| {
-            move |(place, channel): (usize, &crate::record::scene::Channel)| {
-                variable(&format!("{}.{}", channel.body, channel.name), &channel.unit, role(place))
-            }
-        };
-        list.extend(channels.positions.iter().enumerate().map(hinge(Role::Position)));
-        list.extend(channels.velocities.iter().enumerate().map(hinge(Role::Velocity)));
+        for (place, channel) in channels.positions.iter().enumerate() {
+            list.push(variable(&format!("{}.{}", channel.body, channel.name), &channel.unit, Role::Position(place)));
+        }
+        // Coordinates of beams and their rates share a name, as in recordings: `rod/1.bend_y_0_dot` is the rate.
+        let positions: HashSet<(&str, &str)> = channels.positions.iter().map(|one| (&*one.body, &*one.name)).collect();
+        for (place, channel) in channels.velocities.iter().enumerate() {
+            let dot = if positions.contains(&(&*channel.body, &*channel.name)) { "_dot" } else { "" };
+            let name = format!("{}.{}{dot}", channel.body, channel.name);
+            list.push(variable(&name, &channel.unit, Role::Velocity(place)));
+        }
         let accumulated = accumulated(model);
         let mut left_out = Vec::new();
         for (output, accumulated) in model.outputs.iter().zip(accumulated) {
