@@ -72,14 +72,21 @@ fn line(reference: usize, variable: &Variable) -> String {
 /// Each unit once, with the powers of base units that it is made of.
 fn units(out: &mut String, list: &[Variable]) {
     let all: BTreeSet<&str> = list.iter().map(|one| one.unit.as_str()).filter(|unit| !unit.is_empty()).collect();
+    let power = |(symbol, power): (&str, i8)| match power {
+        0 => String::new(),
+        _ => format!(" {symbol}=\"{power}\""),
+    };
     *out += "  <UnitDefinitions>\n";
     for unit in all {
-        let powers = Dimension::of(unit).map(Dimension::powers);
-        let base: String = powers
-            .into_iter()
-            .flatten()
-            .filter(|(_, power)| *power != 0)
-            .fold(String::new(), |text, (symbol, power)| format!("{text} {symbol}=\"{power}\""));
+        let base = match Dimension::of(unit) {
+            Ok(dimension) => dimension.powers().map(power).concat(),
+            // Of pure numbers.
+            Err(_) if unit == "1" => String::new(),
+            Err(_) => {
+                *out += &format!("    <Unit name=\"{}\"/>\n", escape(unit));
+                continue;
+            }
+        };
         *out += &format!("    <Unit name=\"{}\"><BaseUnit{base}/></Unit>\n", escape(unit));
     }
     *out += "  </UnitDefinitions>\n\n";

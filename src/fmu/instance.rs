@@ -208,27 +208,25 @@ impl Instance {
     /// Without such a variable; if an output is asked for before initialization; if there is no equilibrium.
     pub fn value(&mut self, reference: u32) -> Result<f64, FmuError> {
         let variable = self.variables.get(reference)?;
-        let (role, start) = (variable.role.clone(), variable.start.unwrap_or(f64::NAN));
-        let given = self.now.given.get(&reference).copied();
-        match role {
+        let given = || self.now.given.get(&reference).copied().or(variable.start).unwrap_or_default();
+        match variable.role {
             Role::Time => Ok(self.now.simulator.as_ref().map_or(self.now.begin, |one| one.snapshot().time)),
-            Role::Parameter => Ok(given.unwrap_or(start)),
+            Role::Parameter => Ok(given()),
             Role::Input(place) => Ok(match &self.now.simulator {
                 Some(simulator) => simulator.snapshot().inputs[place],
-                None => given.unwrap_or(start),
+                None => given(),
             }),
-            Role::Position(_) | Role::Velocity(_) | Role::Output(_) => {
-                let when = [Phase::Initialization, Phase::Step, Phase::Terminated];
-                self.order(&when, "of outputs from initialization mode on")?;
-                let simulator = self.started()?;
-                match role {
-                    Role::Position(place) => Ok(simulator.snapshot().state.position[place]),
-                    Role::Velocity(place) => Ok(simulator.snapshot().state.velocity[place]),
-                    Role::Output(place) => Ok(simulator.outputs()?[place]),
-                    Role::Time | Role::Input(_) | Role::Parameter => Ok(f64::NAN),
-                }
-            }
+            Role::Position(place) => Ok(self.observed()?.snapshot().state.position[place]),
+            Role::Velocity(place) => Ok(self.observed()?.snapshot().state.velocity[place]),
+            Role::Output(place) => Ok(self.observed()?.outputs()?[place]),
         }
+    }
+
+    /// The simulator, if outputs may be read now.
+    fn observed(&mut self) -> Result<&mut Simulator, FmuError> {
+        let when = [Phase::Initialization, Phase::Step, Phase::Terminated];
+        self.order(&when, "of outputs from initialization mode on")?;
+        self.started()
     }
 
     /// Sets variables: parameters until initialization ends, inputs until the end; all of them or, with an error, none.
