@@ -87,7 +87,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         counts.for_each(|(what, count)| answer[what] = count);
         output::print(&Value::to_string(&answer))?;
     } else if !common.quiet {
-        let list: Vec<String> = counts.iter().map(|(what, count)| format!("{count} {what}")).collect();
+        let word = |what: &'static str, count| if count == 1 { what.trim_end_matches('s') } else { what };
+        let list: Vec<String> = counts.iter().map(|(what, count)| format!("{count} {}", word(what, *count))).collect();
         let heading = text::heading(&scene.model, &scene.scenario.name);
         output::print(&format!(
             "{heading}\n  variables    {}\n  platform     {}\n  wrote        {}",
