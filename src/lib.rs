@@ -77,7 +77,8 @@
 //! | `record` | recordings: [`record::file`] |
 //! | `view` | streaming to the Rerun viewer and `.rrd` files: [`record::view`]; needs `record` |
 //! | `study` | many cases of a scenario: [`study`]; needs `scenario` |
-//! | `cli` | the program: [`cli`]; needs `import`, `record` and `study` |
+//! | `fmu` | co-simulation by FMI 3.0: [`fmu`]; needs `scenario` |
+//! | `cli` | the program: [`cli`]; needs `fmu`, `import`, `record` and `study` |
 //! | `parquet` | datasets of studies, `export --parquet`; needs `study` |
 //! | `friction` | [`statics::standing`]: whether scenes with contact or dry friction stand |
 //! | `count-allocations` | what `bench` says of the allocator; needs `cli` |
@@ -101,10 +102,12 @@
 //! | [`integrate`] | time stepping; knows nothing of mechanics |
 //! | [`record`] | the samples of a run: memory, MCAP files, the Rerun picture |
 //! | [`simulate`] | the time loop, the energy ledger, the rest proof |
+//! | [`simulator`] | a scene that is stepped from outside |
 //! | [`mesh`] | triangle meshes from files: STL, OBJ, glTF |
 //! | [`import`] | models of other programs (URDF, MJCF), turned into scenario text |
 //! | [`scenario`] | scenario files: the only place that knows TOML |
 //! | [`study`] | many cases of one scenario: plans, distributions, rows, datasets |
+//! | [`fmu`] | co-simulation by FMI 3.0 |
 //! | [`cli`] | the program: the only place that prints |
 //! | [`formula`] | formulas in named variables with exact derivatives |
 //! | [`quantity`] | numbers with units |
@@ -126,6 +129,8 @@ pub mod constraint;
 pub mod contact;
 pub mod dynamics;
 pub mod element;
+#[cfg(feature = "fmu")]
+pub mod fmu;
 pub mod force;
 pub mod foreign;
 pub mod formula;
@@ -145,6 +150,7 @@ pub mod record;
 #[cfg(feature = "scenario")]
 pub mod scenario;
 pub mod simulate;
+pub mod simulator;
 pub mod sparse;
 pub mod spatial;
 pub mod statics;

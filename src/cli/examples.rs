@@ -93,6 +93,11 @@ Examples:
   stillpoint export pendulum.mcap --csv angle.csv --channel rod.angle --channel rod.rate
   stillpoint export pendulum.mcap --parquet pendulum.parquet";
 
+pub(super) const FMU: &str = "\
+Examples:
+  stillpoint fmu scenarios/machine_on_mounts.toml --parameter machine.mass --describe
+  stillpoint fmu scenarios/machine_on_mounts.toml --library libstillpoint_fmu.so -o machine.fmu";
+
 pub(super) const PLOT: &str = "\
 Examples:
   stillpoint plot pendulum.mcap rod.angle rod.rate

@@ -20,17 +20,28 @@ impl Inputs {
 
     /// The scenario with its models and meshes, and the start file.
     pub(super) fn of_scenario(common: &Common, scenario: &Scenario, start: Option<&Path>) -> Self {
-        let models = scenario.models.iter().flat_map(|model| &model.sources).map(|source| source.path.as_path());
-        let shapes = scenario.description.bodies.iter().flat_map(|body| &body.shapes);
-        let meshes = shapes.filter_map(|shape| match &shape.geometry {
-            Geometry::Mesh { file, .. } => Some(file.as_path()),
-            _ => None,
-        });
-        let scenario = Some(common.scenario.as_path()).filter(|path| path.as_os_str() != "-");
-        let mut all: Vec<PathBuf> = models.chain(meshes).chain(scenario).chain(start).map(Path::to_owned).collect();
+        let own = Some(common.scenario.as_path()).filter(|path| path.as_os_str() != "-");
+        let mut all: Vec<PathBuf> =
+            own.into_iter().chain(start).map(Path::to_owned).chain(Self::files(scenario)).collect();
         all.sort_unstable();
         all.dedup();
         Self(all)
+    }
+
+    /// The models and meshes of a scenario.
+    pub(super) fn files(scenario: &Scenario) -> impl Iterator<Item = PathBuf> {
+        let models = scenario.models.iter().flat_map(|model| &model.sources).map(|source| source.path.clone());
+        let shapes = scenario.description.bodies.iter().flat_map(|body| &body.shapes);
+        let meshes = shapes.filter_map(|shape| match &shape.geometry {
+            Geometry::Mesh { file, .. } => Some(file.clone()),
+            _ => None,
+        });
+        models.chain(meshes)
+    }
+
+    /// All of them.
+    pub(super) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.0.iter()
     }
 
     /// When each of them was last written, and how long it is; `None` of one that is not there.

@@ -10,6 +10,7 @@ mod conditioning;
 mod convert;
 mod examples;
 mod export;
+mod fmu;
 mod frame;
 mod info;
 mod inputs;
@@ -152,6 +153,9 @@ enum Command {
     /// Write a recording's numbers as CSV or Parquet
     #[command(after_help = examples::EXPORT)]
     Export(export::Arguments),
+    /// Write an FMU for co-simulation (FMI 3.0): inputs, outputs and parameters by name, initialized at the equilibrium
+    #[command(after_help = examples::FMU)]
+    Fmu(fmu::Arguments),
     /// Plot numbers of recordings over time, or over each other (SVG, PNG)
     #[command(after_help = examples::PLOT)]
     Plot(plot::Arguments),
@@ -278,6 +282,7 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<f
         Command::Info(arguments) => info::main(&arguments),
         Command::Recover(arguments) => recover::main(&arguments),
         Command::Export(arguments) => export::main(&arguments),
+        Command::Fmu(arguments) => fmu::main(&arguments),
         Command::Plot(arguments) => plot::main(&arguments),
         Command::Compare(arguments) => compare::main(&arguments),
         Command::New(arguments) => new::main(&arguments),

@@ -146,7 +146,7 @@ impl Input {
     }
 
     /// Whether an output is what this input pushes with, or may follow from it.
-    pub(super) fn is_told_by(&self, model: &Model, output: &Output) -> bool {
+    pub fn is_told_by(&self, model: &Model, output: &Output) -> bool {
         let is_own = |quantity: &Quantity| match (self, quantity) {
             (Self::Coordinate { motor: Some(motor), .. }, Quantity::Force(force)) => {
                 matches!(force.source, Source::Motor(index) if index == *motor)

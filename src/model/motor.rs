@@ -164,6 +164,11 @@ impl Motor {
         }
     }
 
+    /// The most that it pushes with (N or N m); infinite for no limit.
+    pub fn limit(&self) -> f64 {
+        self.limit
+    }
+
     /// Of one of type `input` what it pushes with until a number comes (N or N m).
     pub fn given(&self) -> Option<f64> {
         match self.law {

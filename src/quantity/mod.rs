@@ -86,6 +86,12 @@ impl Dimension {
         Self(std::array::from_fn(|i| self.0[i].saturating_add(other.0[i].saturating_mul(power))))
     }
 
+    /// The power of each base unit, by its symbol.
+    pub fn powers(self) -> [(&'static str, i8); 4] {
+        let [mass, length, time, angle] = self.0;
+        [("kg", mass), ("m", length), ("s", time), ("rad", angle)]
+    }
+
     /// Whether it is that of pure numbers.
     pub fn is_none(self) -> bool {
         self == Self::default()

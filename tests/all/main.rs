@@ -19,6 +19,7 @@ mod documents;
 mod events;
 mod examples;
 mod faults;
+mod fmu;
 mod formulas;
 mod friction;
 mod halves;

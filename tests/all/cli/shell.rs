@@ -55,6 +55,8 @@ fn every_example_of_the_help_works() {
     // What a killed run would leave.
     let whole = std::fs::read(bench.path().join("copy.mcap")).expect("read");
     bench.write("killed.mcap.partial", &whole[..whole.len() - 300]);
+    // What `cargo build -p stillpoint-fmu` would leave.
+    bench.write("libstillpoint_fmu.so", stillpoint::fmu::MARK);
     let mut names = commands(&bench);
     assert!(names.len() > 15, "{names:?}");
     names.insert(0, String::new());
@@ -78,7 +80,9 @@ fn every_example_of_the_help_works() {
             }
         }
     }
-    for made in ["arm.mcap", "killed.mcap", "tables", "angle.csv", "energies.svg", "pages", "linkage.toml"] {
+    for made in
+        ["arm.mcap", "killed.mcap", "tables", "angle.csv", "energies.svg", "pages", "linkage.toml", "machine.fmu"]
+    {
         assert!(bench.path().join(made).exists(), "{made}");
     }
 }
