@@ -161,18 +161,6 @@ impl Motion {
         }
     }
 
-    /// `a ← q̈(t, q, v)` without contact, with the factorization that belongs to it.
-    ///
-    /// # Errors
-    /// As [`Evaluated::accelerations`].
-    pub(super) fn free(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
-        self.system.pressed().fill(Wrench::ZERO);
-        self.system.at(time, q, v).accelerations(a).map(|_| ())
-    }
-
     /// Brings a state onto loops, drives and gears, but for one that touches a singular position.
     ///
     /// # Errors

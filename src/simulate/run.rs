@@ -312,16 +312,25 @@ impl Run<'_, '_> {
             let origin = time;
             let mut stepper = self.stepper(motion, settings, choice.method, time)?;
             let mut pace = Pace::new(time);
-            let (mut switch, mut stopped, mut turn) = (false, false, None);
-            while !stepper.finished() && !switch && !stopped && turn.is_none() {
-                let hit = self.step(motion, stepper.as_mut())?;
+            let (mut switch, mut stopped, mut turn, mut caught) = (false, false, None, false);
+            while !stepper.finished() && !switch && !stopped && turn.is_none() && !caught {
+                let hit = match self.step(motion, stepper.as_mut()) {
+                    Err(_) if self.catch(motion, time) => {
+                        caught = true;
+                        break;
+                    }
+                    hit => hit?,
+                };
                 time = hit.map_or(stepper.time(), |hit| hit.time);
                 turn = hit.map(|hit| hit.turn);
                 stopped = !self.tell(motion, stepper.as_mut(), time, recorder, go_on)?;
                 recorder.pause()?;
                 self.close_step(motion, stepper.as_mut(), time)?;
                 if let Some(creep) = pace.see(time, self.end).filter(|_| !choice.method.needs_step()) {
-                    return Err(self.creeps(motion, time, creep));
+                    caught = self.catch(motion, time);
+                    if !caught {
+                        return Err(self.creeps(motion, time, creep));
+                    }
                 }
                 stopped |= !go_on(time, &self.state);
                 switch = turn.is_none() && (choice.review(motion, stepper.as_ref()) || self.hands_back(motion, time));
@@ -337,6 +346,10 @@ impl Run<'_, '_> {
             }
             self.choice = if self.rests { Some(resting::SAID.to_owned()) } else { choice.said() };
             let turned = turn.is_some();
+            if caught {
+                self.mark_all(recorder)?;
+                self.arm(motion, time);
+            }
             if let Some(turn) = turn {
                 self.turn(motion, settings, choice.method, Hit { time, turn })?;
                 self.mark_all(recorder)?;
@@ -500,7 +513,7 @@ impl Run<'_, '_> {
         self.touch(motion, time, turn == Turn::Contact { at_limit: true })?;
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
-        if let Some(storm) = self.turns.see(time, self.end) {
+        if let Some(storm) = self.turns.see(time, self.end).filter(|_| !self.catch(motion, time)) {
             let last = outcome.happened.last().or(self.happened.last());
             let name = last.map_or_else(String::new, |last| last.name.clone());
             return Err(RunError::Storm { time, count: storm.count, span: storm.span, left: self.end - time, name });

@@ -223,7 +223,8 @@ fn thrown_cubes_come_to_rest() {
         let cube = body("cube", 1.0, [1.0 / 600.0; 3], "{ box = [0.1, 0.1, 0.1] }", (Vector3::z() * 0.2, turn), speed);
         let summary =
             go(&read(&(FLOOR.to_owned() + &cube + &contact(friction, restitution))), 2.0, 1e-9, Method::Dop853);
-        assert!(summary.energy_drift < 1e-4, "{case}: {}", summary.energy_drift);
+        // Captured steps are of order 1.
+        assert!(summary.energy_drift < 1e-3, "{case}: {}", summary.energy_drift);
         assert!(summary.capture_steps > 0 || summary.energy_drift < 1e-7, "{case}: {}", summary.energy_drift);
         assert!(summary.energy_end < summary.energy_start);
         let rests = summary.state.velocity.iter().all(|v| v.abs() < 1e-6);

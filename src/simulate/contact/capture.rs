@@ -18,6 +18,7 @@ use super::{Contacts, LOOSE};
 use crate::dynamics::{Fault, System};
 use crate::integrate::{Limit, Problem as _, Progress, Start, StepError, Stepper};
 use crate::simulate::problem::Motion;
+use crate::spatial::Wrench;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 /// Steps are at most this part of the scene's time, and at least that.
@@ -144,6 +145,20 @@ impl Stepper<Motion> for Capture {
         v.iter_mut().zip(before.1.iter().zip(after.1)).for_each(|(v, (a, b))| *v = mix(*a, *b));
         motion.normalize(q);
         Ok(())
+    }
+}
+
+impl Motion {
+    /// `a ← q̈(t, q, v)` without contact, with the factorization that belongs to it.
+    ///
+    /// # Errors
+    /// As [`Evaluated::accelerations`].
+    fn free(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
+        if let Some(nonsmooth) = &self.nonsmooth {
+            nonsmooth.press(q, v, self.system.outside());
+        }
+        self.system.pressed().fill(Wrench::ZERO);
+        self.system.at(time, q, v).accelerations(a).map(|_| ())
     }
 }
 

@@ -57,8 +57,7 @@ impl Run<'_, '_> {
             // What one cone problem does not decide steps do, one after the other.
             Err(Trouble::Undecided { .. }) => {
                 self.state = kept;
-                contacts.storms_at(time);
-                self.take_over(motion, time, "capture");
+                self.catch(motion, time);
                 return Ok(());
             }
             Err(trouble) => return Err(told(time, trouble)),
@@ -93,6 +92,14 @@ impl Run<'_, '_> {
             self.take_over(motion, time, "capture");
         }
         Ok(())
+    }
+
+    /// Lets captured steps go on where events do not; false if there are no contacts that they could capture.
+    pub(super) fn catch(&mut self, motion: &mut Motion, time: f64) -> bool {
+        let Some(contacts) = motion.contacts.as_mut().filter(|contacts| !contacts.capturing) else { return false };
+        contacts.storms_at(time);
+        self.take_over(motion, time, "capture");
+        true
     }
 
     /// Captured steps go on from here.
