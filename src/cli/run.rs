@@ -124,7 +124,9 @@ pub(super) fn start(
         if common.json {
             output::print(&json!({ "scenario": scenario.name, "start": value }).to_string())?;
         }
-        output::warning("nothing was simulated: there is no equilibrium to start from (see above)");
+        let moves = "; `simulate.start = \"given\"` lets it move from where it is";
+        let hint = if model.contacts.is_empty() { "" } else { moves };
+        output::warning(&format!("nothing was simulated: there is no equilibrium to start from (see above){hint}"));
         return Ok(None);
     }
     if found.stability.as_ref().is_some_and(|s| s.unstable_directions > 0) && !common.quiet {

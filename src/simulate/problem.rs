@@ -185,12 +185,9 @@ impl Motion {
         if let Some(nonsmooth) = &self.nonsmooth {
             nonsmooth.press(q, v, self.system.outside());
         }
-        if self.contacts.is_some() {
-            // What drives push with depends on what contacts push with.
-            let mut a = vec![0.0; v.len()];
-            if self.accelerations(time, q, v, &mut a).is_err() {
-                return Powers { input: f64::NAN, dissipated: f64::NAN };
-            }
+        // What drives push with depends on what contacts push with.
+        if self.contacts.is_some() && self.accelerations(time, q, v, &mut vec![0.0; v.len()]).is_err() {
+            return Powers { input: f64::NAN, dissipated: f64::NAN };
         }
         let mut powers = self.system.at(time, q, v).powers();
         powers.dissipated += self.contacts.as_ref().map_or(0.0, |contacts| contacts.dissipated());
@@ -335,11 +332,6 @@ impl Motion {
         REST_SPEEDS * tolerance * self.velocity_scales[velocity]
     }
 
-    /// The smallest of the speeds of slides that count as rest (m/s).
-    pub(super) fn slowest(&self, tolerance: f64) -> f64 {
-        REST_SPEEDS * tolerance * self.model().length_scale() / self.model().time_scale()
-    }
-
     /// From which speed on spherical hinges slide in the direction of their own angular velocity.
     pub(super) fn set_tolerance(&mut self, tolerance: f64) {
         let slow = SLOW * REST_SPEEDS * tolerance / self.model().time_scale();
@@ -376,7 +368,7 @@ const PASSED: f64 = 1e-9;
 /// The time of an event is known to so many of its roundings.
 pub(super) const TIMES: f64 = 8.0;
 /// What comes back from an impact with fewer than this many tolerances of a speed comes to rest.
-const REST_SPEEDS: f64 = 10.0;
+pub(super) const REST_SPEEDS: f64 = 10.0;
 /// Spherical hinges that slide more slowly than so many speeds of rest have the direction of the last step.
 const SLOW: f64 = 100.0;
 /// A coordinate on its limit is known to this part.

@@ -102,6 +102,11 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");
     }
+    if summary.capture_steps > 0 {
+        let steps = count(summary.capture_steps, "step", "steps");
+        let _ =
+            writeln!(out, "  captured     {steps} of order 1 where contacts changed too often to follow their events");
+    }
     if let Some(choice) = &summary.choice {
         let _ = writeln!(out, "  method       {choice}");
     }

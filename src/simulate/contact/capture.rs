@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! (1)  q_m = q ⊞ ½ h v,   v⁺ = v + h q̈_free(q_m, v) + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
-//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + n (2 max(g_m, 0) / h + e min(u_n, 0))
+//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + n (2 max(g_m, 0) / h + 0.2 min(g_m, 0) / h + e min(u_n, 0))
 //! ```
 //!
 //! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`super::cone`].) All pairs that might meet within the step
-//! are in (2), with the way that is left to them: nothing sinks, and steps may be halved. The method has order 1; a step and its two
+//! are in (2), with the way that is left to them: nothing sinks but by the rounding of the forces, of which a part is taken back with
+//! every step, and steps may be halved. The method has order 1; a step and its two
 //! halves are compared in positions, as velocities jump at blows, and the halves are kept.
 //!
 //! `M⁻¹` is made of the blocks of the trees on the ground, all of them in as many solutions as the largest has coordinates.
@@ -31,6 +32,10 @@ const FOUND: f64 = 1e-9;
 const MOST_SWEEPS: usize = 400;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
+/// What has sunk by rounding of the forces rises by this part of it in a step.
+const RISES: f64 = 0.2;
+/// What has sunk by more than this part of a shape's size is lost.
+pub(super) const LOST: f64 = 1e-2;
 /// Trees with more coordinates than this are answered row by row.
 const LARGE: usize = 30;
 
@@ -173,6 +178,26 @@ impl Contacts {
         self.resting = false;
     }
 
+    /// The couple that has sunk deepest in the last place, and how far, in parts of its size.
+    pub(in crate::simulate) fn deepest(&self, system: &System) -> Option<([String; 2], f64)> {
+        let each = (0..self.pairs.couples.len()).filter(|couple| self.pairs.apart(*couple) <= 0.0);
+        let depth = |couple: usize| (couple, -self.gap(couple, system)[0] / self.pairs.couples[couple].size);
+        let (couple, depth) = each.map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((self.between(couple), depth))
+    }
+
+    /// The same if it is lost; places shapes at the place of the system.
+    pub(in crate::simulate) fn sunk(&mut self, system: &System) -> Option<([String; 2], f64)> {
+        self.pairs.place_at(system.links());
+        self.deepest(system).filter(|(_, depth)| *depth > LOST)
+    }
+
+    /// Lets events go on: what captured steps have brought together is closed.
+    pub(in crate::simulate) fn end_capture(&mut self) {
+        self.capturing = false;
+        self.closing = COARSE;
+    }
+
     /// Energy that captured contacts took out since this was last asked (J).
     pub(in crate::simulate) fn taken(&mut self) -> f64 {
         std::mem::take(&mut self.memory.lost)
@@ -180,7 +205,7 @@ impl Contacts {
 
     /// Whether events may take over again.
     pub(in crate::simulate) fn is_calm(&self, time: f64) -> bool {
-        let few = 3 * self.memory.active.len() <= super::MOST_ROWS;
+        let few = 3 * self.memory.active.len() <= super::MOST_ROWS && self.pairs.couples.len() <= super::MOST_COUPLES;
         self.capturing && few && self.memory.calm >= CALM && time >= self.until
     }
 
@@ -229,7 +254,7 @@ impl Contacts {
                 let double = |(_, other): &(Key, crate::contact::geometry::feature::Meeting)| {
                     (other.point - meeting.point).norm() < 1e-4 * size && other.normal.dot(&meeting.normal) > 0.99
                 };
-                if counts && meeting.gap > -0.2 * size && !found[first..].iter().any(double) {
+                if counts && !found[first..].iter().any(double) {
                     found.push((Key { couple, features: meeting.features }, meeting));
                 }
             });
@@ -266,7 +291,8 @@ fn moreau(
         let e = restitution(contacts.law(frame.key.couple).law);
         let gap = frame.meeting.gap;
         let bounce = if -frame.speed.x > contacts.rest && gap <= 0.0 { e * frame.speed.x } else { 0.0 };
-        frame.rates(&velocity) + Vector3::x() * (2.0 * gap.max(0.0) / h + bounce)
+        let way = if gap > 0.0 { 2.0 * gap } else { RISES * gap };
+        frame.rates(&velocity) + Vector3::x() * (way / h + bounce)
     };
     let problem = Problem { blocks: blocks.matrix(), rates: frames.iter().map(rate).collect(), laws: laws.collect() };
     let known = |frame: &Frame| warm.iter().find(|(key, _)| *key == frame.key).map(|(_, force)| force * h);

@@ -48,11 +48,13 @@ const GAP: f64 = 1e-9;
 const LOOSE: f64 = 1e-7;
 /// More rows than this are not decided event by event.
 const MOST_ROWS: usize = 150;
+/// Nor are scenes in which more pairs of shapes may meet.
+const MOST_COUPLES: usize = 1000;
 /// So many events within this part of the scene's time are a storm.
 const STORM: usize = 60;
 const BRIEF: f64 = 1e-2;
 /// A gap that is found open by this part of the size below zero was missed.
-const MISSED: f64 = 1e-6;
+pub(super) const MISSED: f64 = 1e-6;
 
 /// What a closed contact does.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -267,7 +269,8 @@ impl Contacts {
         if self.recent.len() > STORM {
             self.recent.pop_front();
         }
-        let crowd = 3 * self.closed.len() > MOST_ROWS && !self.resting;
+        let crowd = 3 * self.closed.len() > MOST_ROWS || self.pairs.couples.len() > MOST_COUPLES;
+        let crowd = crowd && !self.resting;
         let storm = self.recent.len() >= STORM && time - self.recent[0] < brief;
         if storm || crowd {
             self.storms_at(time);

@@ -3,7 +3,7 @@
 use crate::contact::geometry::feature::{Boundary, Feature, Meeting, Standing, meeting, pairs};
 use crate::contact::geometry::{Solid, touch};
 use crate::model::{Model, StopLaw};
-use crate::motion::Motion;
+use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Pose;
 use crate::statics::standing::{Untouchable, rule_of, solid_of};
 use nalgebra::{Isometry3, Vector3};
@@ -97,8 +97,13 @@ impl Pairs {
 
     /// Takes all shapes to where the links are.
     pub(super) fn place(&mut self, motion: &Motion) {
+        self.place_at(&motion.links);
+    }
+
+    /// The same for these links.
+    pub(super) fn place_at(&mut self, links: &[LinkMotion]) {
         for (piece, pose) in self.pieces.iter().zip(&mut self.poses) {
-            *pose = motion.links[piece.link].pose() * piece.place;
+            *pose = links[piece.link].pose() * piece.place;
         }
     }
 
@@ -118,7 +123,7 @@ impl Pairs {
         (a.0 - b.0).norm() + a.1 + b.1
     }
 
-    fn middle_of(&self, piece: &Piece, at: &crate::motion::LinkMotion) -> Vector3<f64> {
+    fn middle_of(&self, piece: &Piece, at: &LinkMotion) -> Vector3<f64> {
         (at.pose() * piece.place).translation.vector
     }
 

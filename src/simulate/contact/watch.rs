@@ -88,7 +88,7 @@ impl Contacts {
     }
 
     /// The smallest gap of a couple among pairs that are not closed, and its rate.
-    fn gap(&self, couple: usize, system: &System) -> [f64; 2] {
+    pub(super) fn gap(&self, couple: usize, system: &System) -> [f64; 2] {
         let apart = self.pairs.apart(couple);
         let [a, b] = self.pairs.couples[couple].pieces;
         let links = [a, b].map(|piece| &system.links()[self.pairs.pieces[piece].link]);

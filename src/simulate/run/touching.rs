@@ -2,10 +2,10 @@
 
 use super::Run;
 use crate::integrate::Method;
-use crate::simulate::contact::{Contacts, Trouble};
+use crate::simulate::contact::{Contacts, MISSED, Trouble};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence};
-use crate::simulate::problem::Motion;
+use crate::simulate::problem::{Motion, REST_SPEEDS};
 use crate::simulate::resting;
 use crate::simulate::settings::Settings;
 use std::sync::Arc;
@@ -19,7 +19,8 @@ use crate::model::Model;
 pub(super) fn allow(motion: &mut Motion, model: &Arc<Model>, settings: &Settings) -> Result<(), RunError> {
     let refuse = |why: String| RunError::Contact { name: model.contacts[0].name.clone(), why };
     let mut contacts = Contacts::new(model, settings.gap).map_err(|why| refuse(why.to_string()))?;
-    contacts.set_tolerance(motion.slowest(settings.absolute_tolerance));
+    let speed = model.length_scale() / model.time_scale();
+    contacts.set_tolerance(REST_SPEEDS * settings.absolute_tolerance * speed);
     motion.contacts = Some(Box::new(contacts));
     Ok(())
 }
@@ -63,6 +64,12 @@ impl Run<'_, '_> {
             Err(trouble) => return Err(told(time, trouble)),
         };
         let after = system.at(time, &self.state.position, &self.state.velocity).energies();
+        if contacts.deepest(system).is_some_and(|(_, depth)| depth > MISSED) {
+            // Shapes overlap that no contact keeps apart.
+            self.state = kept;
+            self.catch(motion, time);
+            return Ok(());
+        }
         self.ledger.lose(changed.lost);
         // Only a blow does work on what drives move.
         if changed.told.iter().any(|told| told.kind == Kind::Strikes) && !self.model.drives.is_empty() {
@@ -92,6 +99,25 @@ impl Run<'_, '_> {
             self.take_over(motion, time, "capture");
         }
         Ok(())
+    }
+
+    /// Proves that captured steps keep shapes apart.
+    ///
+    /// # Errors
+    /// [`RunError::Touch`] of shapes that have sunk into each other.
+    pub(super) fn guard_contacts(&self, motion: &mut Motion, time: f64) -> Result<(), RunError> {
+        let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
+        if !contacts.capturing {
+            return Ok(());
+        }
+        system.at(time, &self.state.position, &self.state.velocity);
+        match contacts.sunk(system) {
+            None => Ok(()),
+            Some((between, depth)) => {
+                let why = format!("captured steps let them sink by {:.2} % of their size", 100.0 * depth);
+                Err(RunError::Touch { time, between, why })
+            }
+        }
     }
 
     /// Lets captured steps go on where events do not; false if there are no contacts that they could capture.
@@ -129,7 +155,7 @@ impl Run<'_, '_> {
             contacts.freeze();
             self.state.velocity.fill(0.0);
         } else {
-            contacts.capturing = false;
+            contacts.end_capture();
             self.touch(motion, time, false)?;
         }
         if motion.contacts.as_ref().is_some_and(|contacts| !contacts.capturing) {
