@@ -163,7 +163,9 @@ pub fn precision(
         )));
     }
     if let Some(rule) = model.contacts.first() {
-        let why = "no method has anything to do in a scene at rest".to_owned();
+        let why =
+            "no method has anything to do in a scene at rest, and in one that moves each begins anew at every event"
+                .to_owned();
         return Err(RunError::Contact { name: rule.name.clone(), why });
     }
     let runs = REFERENCES[0].len() + plan.methods.iter().map(|method| plan.settings(*method).len()).sum::<usize>();

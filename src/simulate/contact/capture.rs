@@ -15,6 +15,7 @@
 use super::cone::{Law, Problem};
 use super::frame::{self, Column, Frame};
 use super::pairs::{Key, restitution};
+use super::watch::DEEPER;
 use super::{Contacts, LOOSE};
 use crate::dynamics::{Fault, System};
 use crate::integrate::{Limit, Problem as _, Progress, Start, StepError, Stepper};
@@ -179,9 +180,9 @@ impl Contacts {
     }
 
     /// The couple that has sunk deepest in the last place, and how far, in parts of its size.
-    pub(in crate::simulate) fn deepest(&self, system: &System) -> Option<([String; 2], f64)> {
+    pub(in crate::simulate) fn deepest(&self) -> Option<([String; 2], f64)> {
         let each = (0..self.pairs.couples.len()).filter(|couple| self.pairs.apart(*couple) <= 0.0);
-        let depth = |couple: usize| (couple, -self.gap(couple, system)[0] / self.pairs.couples[couple].size);
+        let depth = |couple: usize| (couple, self.pairs.depth(couple) / self.pairs.couples[couple].size);
         let (couple, depth) = each.map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((self.between(couple), depth))
     }
@@ -189,7 +190,7 @@ impl Contacts {
     /// The same if it is lost; places shapes at the place of the system.
     pub(in crate::simulate) fn sunk(&mut self, system: &System) -> Option<([String; 2], f64)> {
         self.pairs.place_at(system.links());
-        self.deepest(system).filter(|(_, depth)| *depth > LOST)
+        self.deepest().filter(|(_, depth)| *depth > LOST)
     }
 
     /// Lets events go on: what captured steps have brought together is closed.
@@ -250,7 +251,8 @@ impl Contacts {
             let (first, size) = (found.len(), self.pairs.couples[couple].size);
             let overlap = std::cell::OnceCell::new();
             self.pairs.meetings(couple, LOOSE * size, reach, |meeting| {
-                let counts = meeting.gap > -1e-6 * size || *overlap.get_or_init(|| self.pairs.overlap(couple));
+                let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
+                let counts = meeting.gap > -1e-6 * size || meeting.gap >= -DEEPER * depth();
                 let double = |(_, other): &(Key, crate::contact::geometry::feature::Meeting)| {
                     (other.point - meeting.point).norm() < 1e-4 * size && other.normal.dot(&meeting.normal) > 0.99
                 };

@@ -149,10 +149,10 @@ impl Pairs {
         }
     }
 
-    /// Whether two shapes overlap.
-    pub(super) fn overlap(&self, couple: usize) -> bool {
+    /// How far two shapes overlap (m); 0 if they do not.
+    pub(super) fn depth(&self, couple: usize) -> f64 {
         let [a, b] = self.couples[couple].pieces.map(|piece| self.pieces[piece].solid.placed(&self.poses[piece]));
-        touch(&a, &b, 0.0).is_ok_and(|found| found.is_some())
+        touch(&a, &b, 0.0).ok().flatten().map_or(0.0, |found| (-found.gap).max(0.0))
     }
 
     /// One pair of features.

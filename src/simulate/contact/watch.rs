@@ -20,6 +20,8 @@ pub(in crate::simulate) enum Aspect {
     Slip(usize),
 }
 
+/// Of shapes that overlap, features count that do by no more than this many times the overlap itself.
+pub(super) const DEEPER: f64 = 2.0;
 /// Forces beyond their cones by less than this part are round-off of what balances them.
 pub(super) const BEYOND: f64 = 1e-8;
 
@@ -88,7 +90,7 @@ impl Contacts {
     }
 
     /// The smallest gap of a couple among pairs that are not closed, and its rate.
-    pub(super) fn gap(&self, couple: usize, system: &System) -> [f64; 2] {
+    fn gap(&self, couple: usize, system: &System) -> [f64; 2] {
         let apart = self.pairs.apart(couple);
         let [a, b] = self.pairs.couples[couple].pieces;
         let links = [a, b].map(|piece| &system.links()[self.pairs.pieces[piece].link]);
@@ -109,8 +111,9 @@ impl Contacts {
                     && (closed.key.features == meeting.features
                         || (closed.meeting.point - meeting.point).norm() < 10.0 * LOOSE * size)
             });
-            // Features that are behind each other are none of shapes that are apart.
-            let counts = || meeting.gap > -GAP * size || *overlap.get_or_init(|| self.pairs.overlap(couple));
+            // Features that are behind each other are none of shapes that are apart, nor those of the far side of others.
+            let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
+            let counts = || meeting.gap > -GAP * size || depth() > 0.0 && meeting.gap >= -DEEPER * depth();
             if !is_closed && meeting.gap < best[0] && counts() {
                 let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
                 best = [meeting.gap, meeting.normal.dot(&u)];

@@ -64,7 +64,7 @@ impl Run<'_, '_> {
             Err(trouble) => return Err(told(time, trouble)),
         };
         let after = system.at(time, &self.state.position, &self.state.velocity).energies();
-        if contacts.deepest(system).is_some_and(|(_, depth)| depth > MISSED) {
+        if contacts.deepest().is_some_and(|(_, depth)| depth > MISSED) {
             // Shapes overlap that no contact keeps apart.
             self.state = kept;
             self.catch(motion, time);
