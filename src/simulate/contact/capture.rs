@@ -18,7 +18,7 @@ use super::pairs::{Key, restitution};
 use super::watch::DEEPER;
 use super::{Contacts, LOOSE};
 use crate::dynamics::{Fault, System};
-use crate::integrate::{Limit, Problem as _, Progress, Start, StepError, Stepper};
+use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
 use crate::simulate::problem::Motion;
 use crate::spatial::Wrench;
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -35,6 +35,10 @@ const MOST_SWEEPS: usize = 400;
 const CALM: usize = 10;
 /// What has sunk by rounding of the forces rises by this part of it in a step.
 const RISES: f64 = 0.2;
+/// A step gains no more than this part of the kinetic energy.
+const GAINED: f64 = 0.01;
+/// Nor of the scene's weight over its length.
+const ROUNDING: f64 = 1e-9;
 /// What has sunk by more than this part of a shape's size is lost.
 pub(super) const LOST: f64 = 1e-2;
 /// Trees with more coordinates than this are answered row by row.
@@ -114,6 +118,22 @@ impl Stepper<Motion> for Capture {
             if !(error <= 1.0) && step > SHORTEST * span {
                 self.progress.reject();
                 h = proposed.min(0.5 * step);
+                continue;
+            }
+            // Contacts take energy out; what has sunk may rise by a little.
+            let after = motion.system.at(time + step, &second.position, &second.velocity).energies().kinetic;
+            let gained = -(first.lost + second.lost);
+            let rounding = motion
+                .contacts
+                .as_ref()
+                .map_or(0.0, |contacts| ROUNDING * contacts.scale * contacts.model.length_scale());
+            if !(gained <= GAINED * after + rounding) {
+                if step <= SHORTEST * span {
+                    let message = format!("captured contacts would gain {gained:.3e} J in it");
+                    return Err(StepError::Underflow { time, step, limit: Limit::Failure(Failure { message }) });
+                }
+                self.progress.reject();
+                h = 0.5 * step;
                 continue;
             }
             self.before = (q, v);
