@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! (1)  q_m = q ⊞ ½ h v,   v⁺ = v + h q̈_free(q_m, v) + M⁻¹ Jᵀ λ,   q⁺ = q_m ⊞ ½ h v⁺
-//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + n (2 max(g_m, 0) / h + 0.2 min(g_m, 0) / h + e min(u_n, 0))
+//! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + n (2 max(g_m, 0) / h + 0.2 min(g_m, 0) / h_max + e min(u_n, 0))
 //! ```
 //!
 //! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`super::cone`].) All pairs that might meet within the step
@@ -33,7 +33,7 @@ const FOUND: f64 = 1e-9;
 const MOST_SWEEPS: usize = 400;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
-/// What has sunk by rounding of the forces rises by this part of it in a step.
+/// What has sunk by rounding of the forces rises by this part of it in a step, in the longest one at most.
 const RISES: f64 = 0.2;
 /// A step gains no more than this part of the kinetic energy.
 const GAINED: f64 = 0.01;
@@ -313,8 +313,8 @@ fn moreau(
         let e = restitution(contacts.law(frame.key.couple).law);
         let gap = frame.meeting.gap;
         let bounce = if -frame.speed.x > contacts.rest && gap <= 0.0 { e * frame.speed.x } else { 0.0 };
-        let way = if gap > 0.0 { 2.0 * gap } else { RISES * gap };
-        frame.rates(&velocity) + Vector3::x() * (way / h + bounce)
+        let way = if gap > 0.0 { 2.0 * gap / h } else { RISES * gap / h.max(LONGEST * contacts.model.time_scale()) };
+        frame.rates(&velocity) + Vector3::x() * (way + bounce)
     };
     let problem = Problem { blocks: blocks.matrix(), rates: frames.iter().map(rate).collect(), laws: laws.collect() };
     let known = |frame: &Frame| warm.iter().find(|(key, _)| *key == frame.key).map(|(_, force)| force * h);
