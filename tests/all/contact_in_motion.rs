@@ -249,3 +249,29 @@ fn errors_follow_the_tolerance_across_events() {
         }
     }
 }
+
+/// Every shipped scene loads without a warning and runs to its end; the last domino lies flat, and none has sunk.
+#[test]
+fn shipped_scenes_run_to_their_end() {
+    let folder = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("scenarios/contact");
+    let mut count = 0;
+    for file in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.starts_with("# ") && text.contains("\ntitle = "), "{}", file.display());
+        let scenario = stillpoint::scenario::load(&file).unwrap_or_else(|problem| panic!("{problem}"));
+        assert!(scenario.warnings.is_empty(), "{}", file.display());
+        let model = read(&text);
+        let summary = go(&model, scenario.simulate.duration, scenario.simulate.tolerance, Method::Dop853);
+        assert_eq!(summary.end_time, scenario.simulate.duration, "{}", file.display());
+        let energy = summary.energy_start.abs() + summary.work.abs();
+        assert!(summary.energy_drift < 0.02 * energy, "{}: {}", file.display(), summary.energy_drift);
+        if file.ends_with("dominoes.toml") {
+            assert!(summary.energy_drift > 0.0 && summary.energy_end < summary.energy_start);
+            let lies = summary.state.position[7 * 4 + 2];
+            assert!((lies - 0.01).abs() < 1e-4, "{:?}", summary.state.position);
+            assert!((0..5).all(|i| summary.state.position[7 * i + 2] > 0.0099), "{:?}", summary.state.position);
+        }
+        count += 1;
+    }
+    assert!(count >= 6);
+}
