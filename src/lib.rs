@@ -139,6 +139,8 @@ pub mod hinge;
 pub mod import;
 pub mod integrate;
 pub mod linear;
+#[cfg(any(feature = "fmu", feature = "record"))]
+mod markup;
 #[cfg(any(feature = "record", feature = "scenario"))]
 pub mod mesh;
 pub mod model;

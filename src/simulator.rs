@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Where a simulator is: all that its next step follows from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {
-    /// (s)
+    /// Time (s).
     pub time: f64,
     /// Hinge positions and velocities.
     pub state: State,

@@ -39,7 +39,7 @@ pub fn closest<'a>(wanted: &str, known: impl Iterator<Item = &'a str>) -> Option
     best.map(|(_, name)| name)
 }
 
-/// The same for the problem that comes after `before` others of its kind: where very many names are wrong, the last ones
+/// The [`closest`] name for the problem that comes after `before` others of its kind: if very many names are wrong, the last ones
 /// get no suggestion. Each costs a comparison with all known names.
 pub fn closest_of_many<'a>(before: usize, wanted: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     if before < budget::SUGGESTIONS { closest(wanted, known) } else { None }

@@ -65,7 +65,7 @@ pub const STANDARD_INPUT: &str = "standard input";
 /// The text of a file, or of standard input for `-`. `what` is what the file should be, for messages.
 ///
 /// # Errors
-/// Where it is not there, cannot be read, is no UTF-8 text or larger than [`TEXT_BYTES`].
+/// If it is not there, cannot be read, is no UTF-8 text or larger than [`TEXT_BYTES`].
 pub fn read(path: &Path, what: &'static str) -> Result<String, ReadError> {
     if path == Path::new("-") {
         return from_reader(io::stdin().lock(), Path::new(STANDARD_INPUT), what);

@@ -48,6 +48,18 @@ pub(crate) fn matrix<'py>(py: Python<'py>, of: &Mat<f64>) -> Bound<'py, PyArray2
     }
 }
 
+/// Names of the position coordinates, in the order of `q`.
+pub(crate) fn coordinates(model: &Arc<Model>) -> Vec<String> {
+    let scene = stillpoint::simulate::scene(model);
+    scene.positions.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+}
+
+/// Names of the velocity coordinates, in the order of `v`.
+pub(crate) fn velocities(model: &Arc<Model>) -> Vec<String> {
+    let scene = stillpoint::simulate::scene(model);
+    scene.velocities.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+}
+
 fn fault(error: stillpoint::dynamics::Fault) -> PyErr {
     PyArithmeticError::new_err(error.to_string())
 }
@@ -115,15 +127,13 @@ impl Dynamics {
     /// Names of the position coordinates, in the order of `q`.
     #[getter]
     fn coordinates(&self) -> Vec<String> {
-        let scene = stillpoint::simulate::scene(&self.model);
-        scene.positions.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+        coordinates(&self.model)
     }
 
     /// Names of the velocity coordinates, in the order of `v`.
     #[getter]
     fn velocities(&self) -> Vec<String> {
-        let scene = stillpoint::simulate::scene(&self.model);
-        scene.velocities.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+        velocities(&self.model)
     }
 
     /// q̈(q, v).

@@ -44,7 +44,7 @@ pub(crate) fn follow(py: Python<'_>, scenario: &Scenario) -> PyResult<Path> {
     interrupt.check()?;
     let found = found.map_err(PyRuntimeError::new_err)?;
     let scene = stillpoint::simulate::scene(&model);
-    let coordinates = scene.positions.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect();
+    let coordinates = crate::dynamics::coordinates(&model);
     let outputs = scene.outputs.iter().map(|one| one.name.clone()).collect();
     Ok(Path { parameter: settings.parameter.clone(), found, outputs, coordinates })
 }

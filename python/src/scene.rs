@@ -2,7 +2,7 @@
 
 use crate::batch;
 use crate::control::Controller;
-use crate::dynamics::Dynamics;
+use crate::dynamics::{self, Dynamics};
 use crate::equilibrium::Equilibrium;
 use crate::interrupt::Interrupt;
 use crate::path;
@@ -150,15 +150,13 @@ impl Scene {
     /// Names of the position coordinates, in the order of `q`.
     #[getter]
     fn coordinates(&self) -> Vec<String> {
-        let scene = stillpoint::simulate::scene(&self.model);
-        scene.positions.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+        dynamics::coordinates(&self.model)
     }
 
     /// Names of the velocity coordinates, in the order of `v`.
     #[getter]
     fn velocities(&self) -> Vec<String> {
-        let scene = stillpoint::simulate::scene(&self.model);
-        scene.velocities.iter().map(|channel| format!("{}.{}", channel.body, channel.name)).collect()
+        dynamics::velocities(&self.model)
     }
 
     /// The hinge coordinates of the file, closed loops included.

@@ -6,7 +6,7 @@ use super::output::{self, bold};
 use super::{Common, Exit, scene, text};
 use crate::model::Model;
 use crate::scenario::{Override, Scenario};
-use crate::statics::{Equilibrium, Method, Settings, equilibrium_observed};
+use crate::statics::{Equilibrium, Method, Observers, Settings, equilibrium_observed};
 use crate::study::axis::{Axis, OPTION};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -65,7 +65,7 @@ pub(super) fn main(
     Ok(exit([&run]))
 }
 
-/// The same for several values of a number of the file.
+/// Compares the methods for several values of a number of the file.
 pub(super) fn over(common: &Common, axis: &Axis, out: Option<&Path>) -> anyhow::Result<Exit> {
     let path = &axis.path;
     anyhow::ensure!(
@@ -153,7 +153,8 @@ fn measured(model: &Arc<Model>, settings: &Settings) -> Row {
     let mut run = || {
         let before = Instant::now();
         let mut searched = || best = best.min(before.elapsed());
-        equilibrium_observed(model, settings, &model.start_position, &mut searched)
+        let observers = Observers { searched: Some(&mut searched), ..Observers::default() };
+        equilibrium_observed(model, settings, &model.start_position, observers)
     };
     let mut found = run();
     for _ in 1..MOST_RUNS {

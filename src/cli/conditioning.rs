@@ -1,7 +1,7 @@
 //! Hinges that move next to nothing of what hangs on them.
 //!
 //! A hinge whose links beyond it are free to turn against it moves only a part of their inertia, the articulated one: in chains of like
-//! links a fair part. Where a link weighs next to nothing and carries much, what is left over of an acceleration is the quotient of a
+//! links a fair part. If a link weighs next to nothing and carries much, its acceleration is the quotient of a
 //! round-off by a small inertia: huge, and without meaning.
 
 use super::{output, text};
@@ -32,7 +32,7 @@ impl Light {
     pub(super) fn json(&self) -> Value {
         let ratio = self.inertia / self.carried;
         json!({
-            "hinge": super::json::bare(&self.hinge),
+            "hinge": super::output::bare(&self.hinge),
             "inertia": self.inertia,
             "carried": self.carried,
             "ratio": ratio,

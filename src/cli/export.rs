@@ -5,8 +5,8 @@ mod columnar;
 mod delimited;
 
 use super::inputs::Inputs;
+use super::number::count;
 use super::samples::{self, Place, Rows};
-use super::text::count;
 use super::{Exit, output};
 use crate::record::table::Column;
 use crate::record::{Recording, Table};
@@ -44,7 +44,7 @@ trait Sheet {
     /// Takes one row: the time and the numbers of the columns.
     fn row(&mut self, time: f64, numbers: &mut dyn Iterator<Item = f64>) -> anyhow::Result<()>;
 
-    /// Writes what is left.
+    /// Writes the rows that are not written yet.
     fn finish(self: Box<Self>) -> anyhow::Result<()>;
 }
 

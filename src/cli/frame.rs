@@ -47,7 +47,7 @@ pub(super) fn letters(theme: Theme, height: u32) -> TextStyle<'static> {
 /// A drawing of its own as SVG, of this size (pixels).
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(super) fn svg(
     size: (u32, u32),
     theme: Theme,
@@ -82,7 +82,7 @@ impl<'a> Legend<'a> {
     /// One more; `sample` is what it is drawn like, from a point on, in a width of 28 pixels.
     ///
     /// # Errors
-    /// Where the drawing library gives up.
+    /// If the drawing library fails.
     pub(super) fn entry(&mut self, name: &str, sample: impl FnOnce((i32, i32)) -> Element<'a>) -> anyhow::Result<()> {
         let y = at(24) + at(ROW as i32) * self.row;
         self.row += 1;
@@ -94,7 +94,7 @@ impl<'a> Legend<'a> {
     /// A curve that is a line, in dashes if they are given (length and gap, pixels).
     ///
     /// # Errors
-    /// Where the drawing library gives up.
+    /// If the drawing library fails.
     pub(super) fn line(&mut self, name: &str, style: ShapeStyle, dashes: Option<(i32, i32)>) -> anyhow::Result<()> {
         let (dash, gap) = dashes.unwrap_or((28, 1));
         self.entry(name, |(x, y)| {
@@ -106,7 +106,7 @@ impl<'a> Legend<'a> {
 /// Two linear axes.
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(super) fn linear<'a>(
     root: &Area<'a>,
     theme: Theme,
@@ -122,7 +122,7 @@ pub(super) fn linear<'a>(
 /// Two logarithmic axes over whole decades.
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(super) fn logarithmic<'a>(
     root: &Area<'a>,
     theme: Theme,

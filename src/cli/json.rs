@@ -1,6 +1,7 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
 use super::beams;
+use super::output::bare;
 use crate::constraint::LoopReaction;
 use crate::dynamics::{BeamState, Fault, System};
 use crate::model::{Model, Output};
@@ -11,11 +12,6 @@ use crate::spatial::{Pose, Wrench};
 use crate::statics::Equilibrium;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
-
-/// A name without the quotes that it has in messages.
-pub(super) fn bare(name: &str) -> String {
-    name.replace('`', "")
-}
 
 /// One list per hinge, by the name of the body it carries; welded bodies have none.
 pub(super) fn by_hinge(model: &Model, numbers: &[f64], of_position: bool) -> Value {

@@ -28,6 +28,7 @@ mod pixels;
 mod plot;
 mod poses;
 mod precision;
+mod recording;
 mod recover;
 mod report;
 mod rest;
@@ -247,7 +248,7 @@ pub fn main(memory: Option<fn() -> Memory>) -> ExitCode {
     main_with(std::env::args_os(), memory)
 }
 
-/// The same with other arguments; the first is what the program was called as.
+/// The program with these arguments; the first is what it was called as.
 pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<fn() -> Memory>) -> ExitCode {
     output::quiet_foreign_panics();
     if let Err(error) = output::survive_file_limits() {

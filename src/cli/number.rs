@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Significant digits without `--digits`.
 pub(super) const USUAL_DIGITS: u8 = 4;
-/// What is left of a sum of numbers of size one that should cancel.
+/// Round-off of a sum of numbers of size one that should cancel.
 pub(super) const ROUND_OFF: f64 = 1e-12;
 
 /// Significant digits of a number in a report, set once by `--digits`.
@@ -21,6 +21,11 @@ pub(super) fn number(x: f64) -> String {
     significant(x, DIGITS.load(Ordering::Relaxed))
 }
 
+/// A number with at least so many significant digits, and with as many as reports show.
+pub(super) fn number_to(x: f64, digits: usize) -> String {
+    significant(x, DIGITS.load(Ordering::Relaxed).max(digits))
+}
+
 /// Two digits for what should be small: `7.3e-10`, `0`; without an exponent where it is not.
 pub(super) fn small(x: f64) -> String {
     match x.abs() {
@@ -33,7 +38,7 @@ pub(super) fn small(x: f64) -> String {
     }
 }
 
-/// Zero where a number is round-off beside others of size `scale`.
+/// Zero for a number that is round-off of others of size `scale`.
 pub(super) fn without_noise(x: f64, scale: f64) -> f64 {
     if x.abs() <= ROUND_OFF * scale { 0.0 } else { x }
 }
@@ -55,6 +60,16 @@ pub(super) fn aligned(numbers: impl IntoIterator<Item = f64>) -> Vec<String> {
 /// A number of a table that programs read: the shortest digits that give the number back, with an exponent where that is shorter.
 pub(super) fn exact(x: f64) -> String {
     format!("{x:?}")
+}
+
+/// `3 bodies`, `1 body`.
+pub(super) fn count(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
+/// `25 ×`, `0.31 ×`.
+pub(super) fn times(factor: f64) -> String {
+    if factor >= 10.0 { format!("{factor:.0} ×") } else { format!("{factor:.2} ×") }
 }
 
 #[cfg(test)]

@@ -135,6 +135,11 @@ pub(super) fn verdict(text: &str, fine: bool) -> String {
     paint(text, if fine { "1;32" } else { "1;31" }, in_color(std::io::stdout().is_terminal()))
 }
 
+/// A name without the quotes that it has in messages.
+pub(super) fn bare(name: &str) -> String {
+    name.replace('`', "")
+}
+
 /// Text made bold where standard output shows it.
 pub(super) fn bold(text: &str) -> String {
     paint(text, "1", in_color(std::io::stdout().is_terminal()))
@@ -174,6 +179,9 @@ pub(super) fn whole(table: csv::Writer<WholeFile>) -> anyhow::Result<WholeFile> 
     Ok(table.into_inner().map_err(csv::IntoInnerError::into_error)?)
 }
 
+/// The program's answer when it was told twice to end: that of a shell's.
+const INTERRUPTED: i32 = 130;
+
 /// Set by the first Ctrl-C; a second one ends the program at once.
 #[derive(Clone)]
 pub(super) struct Interrupt(Arc<AtomicBool>);
@@ -187,18 +195,35 @@ impl Interrupt {
             return Ok(installed.clone());
         }
         let flag = Arc::new(AtomicBool::new(false));
-        let set = flag.clone();
-        ctrlc::set_handler(move || {
-            if set.swap(true, Ordering::SeqCst) {
-                std::process::exit(130);
-            }
-        })?;
+        set_when_interrupted(&flag)?;
         Ok(installed.insert(Self(flag)).clone())
     }
 
     pub(super) fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+}
+
+/// Sets the flag on the first signal that asks the program to end; on a second one the program ends at once.
+#[cfg(unix)]
+fn set_when_interrupted(flag: &Arc<AtomicBool>) -> anyhow::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    for signal in [SIGHUP, SIGINT, SIGTERM] {
+        // In this order: the flag is looked at before it is set.
+        signal_hook::flag::register_conditional_shutdown(signal, INTERRUPTED, flag.clone())?;
+        signal_hook::flag::register(signal, flag.clone())?;
+    }
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn set_when_interrupted(flag: &Arc<AtomicBool>) -> anyhow::Result<()> {
+    let flag = flag.clone();
+    Ok(ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::SeqCst) {
+            std::process::exit(INTERRUPTED);
+        }
+    })?)
 }
 
 /// Simulated time against the end, on standard error when that is a terminal.
@@ -224,7 +249,7 @@ impl Progress {
         if self.is_due() {
             let speed = time / self.started.elapsed().as_secs_f64();
             self.bar.set_position((1000.0 * time / self.end) as u64);
-            let speed = super::text::times(speed);
+            let speed = super::number::times(speed);
             self.bar.set_message(format!("{time:.2} of {} s simulated, {speed} real time", self.end));
         }
     }

@@ -1,6 +1,6 @@
 //! What plots have in common: colours that the colour-blind tell apart (Okabe and Ito), on light and on dark paper, and axes.
 
-use super::text;
+use super::number::{ROUND_OFF, number_to, without_noise};
 use clap::ValueEnum;
 use plotters::style::RGBColor;
 
@@ -68,22 +68,43 @@ impl Theme {
     }
 }
 
-/// A number at an axis: no minus before a zero.
+/// A number at an axis: no minus before a zero, and so many digits that a hundredth of the axis is seen.
 pub(super) fn tick(x: f64, range: (f64, f64)) -> String {
-    text::number(text::without_noise(x, range.1 - range.0))
+    let length = range.1 - range.0;
+    let digits = (x.abs() / length).log10().floor() + 3.0;
+    number_to(without_noise(x, length), if digits > 0.0 { digits.min(MOST_DIGITS) as usize } else { 0 })
 }
 
-/// The range of numbers with some room around it.
+/// Digits that a number has at most.
+const MOST_DIGITS: f64 = 17.0;
+
+/// The range of numbers with some room around it. Numbers that differ by round-off are one number.
 pub(super) fn range(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     let room = 0.05 * (high - low);
-    let room = if room > 0.0 { room } else { 1e-3 * high.abs().max(1.0) };
+    let room = if room > 0.05 * ROUND_OFF * high.abs().max(low.abs()) { room } else { 1e-3 * high.abs().max(1.0) };
     (low - room, high + room)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{COLORS, RGBColor, Theme};
+    use super::{COLORS, RGBColor, Theme, range, tick};
+
+    #[test]
+    fn round_off_is_a_flat_line_and_ticks_differ() {
+        let (low, high) = range([0.6, 0.6 + 1e-15, 0.6 - 2e-15].into_iter());
+        assert!(high - low > 1e-3 && (0.5 * (low + high) - 0.6).abs() < 1e-12, "{low} {high}");
+        assert_eq!(range([0.0; 3].into_iter()), (-1e-3, 1e-3));
+        for size in [1e-9, 1e-6, 1e-3, 0.1, 1.0, 30.0] {
+            let range = range([0.6, 0.6 + size].into_iter());
+            let at = |k: usize| tick(range.0 + 0.1 * k as f64 * (range.1 - range.0), range);
+            for k in 0..10 {
+                assert_ne!(at(k), at(k + 1), "{size}: {range:?}");
+            }
+        }
+        assert_eq!(tick(1e-17, (-1.0, 1.0)), "0");
+        assert_eq!(tick(-0.5, (-1.0, 1.0)), "-0.5");
+    }
 
     /// Relative luminance (WCAG 2).
     fn luminance(RGBColor(red, green, blue): RGBColor) -> f64 {

@@ -2,9 +2,9 @@
 
 mod plot;
 
-use super::number::exact;
+use super::number::{self, exact};
 use super::output::{self, Interrupt, Progress, bold};
-use super::{Common, json, run, text};
+use super::{Common, json, recording, text};
 use crate::model::Model;
 use crate::record::scene::Channel;
 use crate::record::{Energy, Opening, Outcome, Recorder, Sample, Scene};
@@ -151,7 +151,7 @@ impl Followed {
         still.outputs.push(Channel { body: String::new(), name, unit });
         let statics = json::statics(model, &self.path.start, 0.0).to_string();
         let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics) };
-        let mut file = run::recording_file(path, true)?.begin(&opening)?;
+        let mut file = recording::recording_file(path, true)?.begin(&opening)?;
         let rest = vec![0.0; model.velocity_count()];
         let mut before = 0.0;
         for branch in &self.path.branches {
@@ -205,7 +205,7 @@ impl Followed {
         let branch = |branch: &Branch| {
             json!({
                 "parent": branch.parent.map(|(index, at)| json!({ "branch": index, "point": at })),
-                "end": json::bare(&end(branch)),
+                "end": output::bare(&end(branch)),
                 "points": branch.points.iter().map(point).collect::<Vec<_>>(),
             })
         };
@@ -240,8 +240,8 @@ impl Followed {
             self.settings.parameter,
             with_unit(self.settings.from),
             with_unit(self.settings.to),
-            text::count(points, "equilibrium", "equilibria"),
-            text::count(self.path.branches.len(), "branch", "branches"),
+            number::count(points, "equilibrium", "equilibria"),
+            number::count(self.path.branches.len(), "branch", "branches"),
         );
         let line = |out: &mut String, what: &str, index: usize, point: &PathPoint, more: &str| {
             let _ = writeln!(

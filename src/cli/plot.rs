@@ -3,9 +3,9 @@
 pub(super) mod draw;
 
 use super::inputs::Inputs;
+use super::number::count;
 use super::palette::Theme;
 use super::samples::{self, Place, Rows};
-use super::text::count;
 use super::{Exit, output, pixels};
 use crate::record::{Recording, Table};
 use anyhow::{Context, bail};

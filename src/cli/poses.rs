@@ -1,6 +1,6 @@
 //! Poses that follow each other without a simulation: the iterates of a search, and mode shapes.
 
-use super::{Common, json, run};
+use super::{Common, json, recording};
 use crate::dynamics::System;
 use crate::model::Model;
 use crate::record::gltf::Clip;
@@ -43,11 +43,11 @@ fn film(
     let (file, sinks) = outlets;
     let mut recorder = Fanout::new();
     if let Some(path) = file {
-        recorder =
-            recorder.recorder(run::recording_file(path, common.quiet)?.with_ros(scenario.record.ros).begin(&opening)?);
+        recorder = recorder
+            .recorder(recording::recording_file(path, common.quiet)?.with_ros(scenario.record.ros).begin(&opening)?);
     }
     for sink in sinks {
-        recorder = run::add_viewer(recorder, sink, &opening, common.quiet)?;
+        recorder = recording::add_viewer(recorder, sink, &opening, common.quiet)?;
     }
     let mut system = System::new(model);
     let rest = vec![0.0; model.velocity_count()];
@@ -123,7 +123,7 @@ fn shown(found: &Equilibrium) -> &[Mode] {
 fn swing(model: &Model, found: &Equilibrium, mode: &Mode) -> Vec<Frame> {
     let free: Vec<usize> = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock).collect();
     let mut unit = vec![1.0; model.velocity_count()];
-    for link in model.links.iter().filter(|link| link.joint.is_slide()) {
+    for link in model.links.iter().filter(|link| link.joint.is_distance()) {
         unit[link.velocity] = model.length_scale();
     }
     let largest = free.iter().zip(&mode.shape).map(|(i, x)| (x / unit[*i]).abs()).fold(0.0, f64::max);

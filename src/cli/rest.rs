@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
-use super::{Common, Exit, json, output, run, scene, statics, text};
+use super::{Common, Exit, json, output, recording, scene, statics, text};
 use crate::model::Model;
 use crate::record::{Fanout, Opening, Outcome, Recorder};
 use crate::simulate::rest::{Largest, Rest, TOLERANCE, rest};
@@ -38,7 +38,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     }
     let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     arguments.out.iter().try_for_each(|out| inputs.spare(out))?;
-    let file = arguments.out.as_deref().map(|out| run::recording_file(out, common.quiet)).transpose()?;
+    let file = arguments.out.as_deref().map(|out| recording::recording_file(out, common.quiet)).transpose()?;
     let (found, wall) = statics::find(&mut scenario, &mut model)?;
     let statics = json::statics(&model, &found, wall.as_secs_f64());
     if !common.json && !common.quiet {
@@ -77,7 +77,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     };
     let result = to_json(&proof, statics);
     if let Some(out) = arguments.out.as_deref().filter(|_| proof.interrupted) {
-        run::keep_complete(out, common.quiet)?;
+        recording::keep_complete(out, common.quiet)?;
     }
     recorder.finish(&Outcome { summary: result.to_string() })?;
     if common.json {

@@ -6,7 +6,7 @@ use crate::dynamics::System;
 use crate::model::problem::number;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
-use crate::statics::leftover;
+use crate::statics::residual;
 use anyhow::{Context, anyhow, bail};
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ pub(super) fn load(common: &Common) -> anyhow::Result<Result<(Scenario, Arc<Mode
     load_changed(common, None)
 }
 
-/// The same, with one more change.
+/// A scenario with one more change, and its model, or the exit code after its problems were printed.
 pub(super) fn load_changed(
     common: &Common,
     change: Option<Override>,
@@ -63,7 +63,7 @@ fn assemble(common: &Common, model: Arc<Model>) -> anyhow::Result<Arc<Model>> {
     Ok(model)
 }
 
-/// The same, at the start that a file gives.
+/// A scenario with its model at the start that a file gives, or the exit code after its problems were printed.
 pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
     let (mut scenario, model) = match load(common)? {
         Ok(loaded) => loaded,
@@ -125,13 +125,13 @@ const SAME: f64 = 1e-6;
 fn check_start(path: &Path, model: &Arc<Model>, multipliers: &[(String, Vec<f64>)]) -> anyhow::Result<()> {
     let (q, v) = (&model.start_position, &model.start_velocity);
     let of_file = || path.display().to_string();
-    if let Some(left) = leftover(model, q, v).with_context(of_file)? {
-        let share = text::small(left.relative);
+    if let Some(residual) = residual(model, q, v).with_context(of_file)? {
+        let share = text::small(residual.relative);
         output::warning(&format!(
             "{}: the start does not hold itself: {} in {} is not balanced ({share} of the forces there)",
             path.display(),
-            text::borne(model, &left.hinge, left.force),
-            left.hinge
+            text::borne(model, &residual.hinge, residual.force),
+            residual.hinge
         ));
     }
     let mut system = System::new(model);

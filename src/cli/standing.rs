@@ -1,7 +1,7 @@
 //! Whether a scene with friction or contact stands, in words and as JSON.
 
-use super::output::verdict;
-use super::text::{count, number};
+use super::number::{count, number};
+use super::output::{bare, verdict};
 use crate::contact::support::Verdict;
 use crate::model::Model;
 use crate::statics::standing::{Giving, Interval, Mechanism, Standing};
@@ -33,7 +33,7 @@ pub(super) fn json(model: &Model, standing: &Standing) -> Value {
             "use": one.share,
         })
     };
-    let of_hinge = |one: &crate::statics::standing::FrictionForce| json!({ "hinge": super::json::bare(&one.hinge), "force": one.force, "use": one.share });
+    let of_hinge = |one: &crate::statics::standing::FrictionForce| json!({ "hinge": bare(&one.hinge), "force": one.force, "use": one.share });
     let mut margins: Map<String, Value> =
         standing.margins.numbers.iter().map(|one| (one.name.clone(), range(one))).collect();
     if let Some(part) = standing.friction_margin {
@@ -100,6 +100,7 @@ pub(super) fn text(model: &Model, standing: &Standing) -> String {
     let mut out = String::new();
     let bears = standing.contacts.iter().filter(|one| one.force.norm() > 0.0).count();
     let on = match (standing.contacts.is_empty(), standing.friction.len()) {
+        (true, 0) => "and touches nothing".to_owned(),
         (true, hinges) => format!("by the friction of {}", count(hinges, "hinge", "hinges")),
         (false, 0) => format!("on {}", count(bears, "contact", "contacts")),
         (false, hinges) => {

@@ -2,10 +2,10 @@
 
 use super::inputs::Inputs;
 use super::output::Interrupt;
-use super::{Common, Exit, baselines, json, output, path, poses, run, scene, sensitivity, text};
+use super::{Common, Exit, baselines, json, number, output, path, poses, recording, scene, sensitivity, text};
 use crate::model::{Description, Model, Parameter};
 use crate::scenario::{Scenario, start};
-use crate::statics::{Equilibrium, Method, answer, equilibrium_watched, outputs, standing};
+use crate::statics::{Equilibrium, Method, Observers, answer, equilibrium_observed, outputs, standing};
 use crate::study::Axis;
 use anyhow::Context;
 use clap::Args;
@@ -47,8 +47,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
     iterates: Option<PathBuf>,
     #[command(flatten)]
-    viewers: run::Viewers,
-    /// Write the result there as JSON; with `--compare` table and plot, as PATH.csv, .json and .svg. Where the file has
+    viewers: recording::Viewers,
+    /// Write the result there as JSON; with `--compare` table and plot, as PATH.csv, .json and .svg. If the file has
     /// `[statics.path]`: beginning of the names PATH.path.csv, .svg and .mcap; default: the scenario's name
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
@@ -112,7 +112,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     } else if let Some(path) = arguments.modes.as_deref() {
         let shown = poses::modes(common, &scenario, &model, &found, path)?;
         if !common.json && !common.quiet {
-            let modes = text::count(shown, "mode", "modes");
+            let modes = number::count(shown, "mode", "modes");
             output::print(&format!("  recording    {} ({modes}, two seconds each)", path.display()))?;
         }
     }
@@ -182,7 +182,7 @@ pub(super) fn find(scenario: &mut Scenario, model: &mut Arc<Model>) -> anyhow::R
     find_watched(scenario, model, None)
 }
 
-/// The same; the poses of the search go to `trail`.
+/// Finds the equilibrium; the poses of the search go to `trail`.
 fn find_watched(
     scenario: &mut Scenario,
     model: &mut Arc<Model>,
@@ -193,10 +193,9 @@ fn find_watched(
     let interrupt = Interrupt::install()?;
     let go_on = || !interrupt.requested();
     if let Some(trail) = trail.filter(|_| scenario.unknown.is_empty() && !standing::is_for(model)) {
-        let found = equilibrium_watched(model, &scenario.statics, &model.start_position, &go_on);
-        let (found, poses) = found.with_context(context)?;
-        *trail = poses;
-        return Ok((found, before.elapsed()));
+        let observers = Observers { go_on: Some(&go_on), trail: Some(trail), ..Observers::default() };
+        let found = equilibrium_observed(model, &scenario.statics, &model.start_position, observers);
+        return Ok((found.with_context(context)?, before.elapsed()));
     }
     let (description, unknown) = (scenario.description.clone(), &scenario.unknown);
     let held = answer(description, model.clone(), unknown, &scenario.statics, &scenario.margin, &go_on)
@@ -218,7 +217,7 @@ pub(super) fn told(
     Ok((value, asked))
 }
 
-/// What holds the pose beside the scenario file: motor forces that are not zero, and what was unknown.
+/// What holds the pose besides the scenario file: motor forces that are not zero, and what was unknown.
 fn inputs(description: &Description, found: &Equilibrium) -> Vec<(String, f64)> {
     let motors = Parameter::find(description, "hinge.force").unwrap_or_default();
     let motors = motors.iter().map(|one| (one.address.clone(), one.value(description)));

@@ -90,7 +90,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-/// Those of the names that are columns of numbers.
+/// The names that are columns of numbers.
 fn numeric(reader: &Reader, names: &[String]) -> Vec<String> {
     let is_number = |name: &&String| reader.numbers.iter().any(|(other, _)| other == *name);
     names.iter().filter(is_number).cloned().collect()

@@ -71,7 +71,7 @@ struct DatasetOptions {
     /// Continue the dataset of this plan that is there; begin it if there is none
     #[arg(long, requires = "out")]
     resume: bool,
-    /// So many processes share the dataset
+    /// Number of processes that share the dataset
     #[arg(long, value_name = "K", requires = "out", value_parser = clap::value_parser!(u64).range(1..))]
     shards: Option<u64>,
     /// Which of them this is, 0 to K − 1; default: the index of the task in the environment of HyperQueue, Kubernetes or

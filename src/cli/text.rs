@@ -2,7 +2,7 @@
 
 mod ended;
 
-pub(super) use super::number::{aligned, number, small, without_noise};
+pub(super) use super::number::{aligned, count, number, small, times, without_noise};
 use super::output::{bold, verdict};
 use crate::constraint::Assembly;
 use crate::contact::support;
@@ -18,16 +18,6 @@ const MOST_LINES: usize = 8;
 const MOST_IDLE: usize = 3;
 /// A smaller part of critical damping is round-off.
 const UNDAMPED: f64 = 1e-10;
-
-/// `3 bodies`, `1 body`.
-pub(super) fn count(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
-}
-
-/// `25 ×`, `0.31 ×`.
-pub(super) fn times(factor: f64) -> String {
-    if factor >= 10.0 { format!("{factor:.0} ×") } else { format!("{factor:.2} ×") }
-}
 
 pub(super) fn duration(wall: Duration) -> String {
     let seconds = wall.as_secs_f64();
@@ -89,7 +79,7 @@ fn found_by(found: &Equilibrium, wall: Duration) -> String {
     format!("{} ({stage}, {})", verdict(&text, fine), duration(wall))
 }
 
-/// What proves the equilibrium: the residual beside the forces that cancel, and where it is largest.
+/// What proves the equilibrium: the residual relative to the forces that cancel, and where it is largest.
 fn residual(model: &Model, found: &Equilibrium) -> String {
     let share = format!("{} of the forces that cancel", small(found.relative_residual));
     match found.residual_at.filter(|_| found.residual_force > 0.0) {
@@ -304,7 +294,7 @@ fn pushes(out: &mut String, title: &str, forces: &[(String, f64, &str)]) {
 /// The outputs, one line each; `None` without any.
 pub(super) fn outputs(model: &Model, values: &[f64]) -> Option<String> {
     let (length, weight) = (model.length_scale(), weight(model));
-    // What is round-off beside the scene; of other units nothing is known.
+    // What is round-off of the scene; of other units nothing is known.
     let scale = |unit: &str| match unit {
         "m" => length,
         "rad" | "1" => 1.0,

@@ -3,7 +3,7 @@
 use super::inputs::Inputs;
 use super::output::{Interrupt, Progress};
 use super::picture::{self, Looks};
-use super::{Exit, output, text};
+use super::{Exit, number, output};
 use crate::record::drawing::Drawing;
 use crate::record::gltf::Clip;
 use crate::record::picture::{Frame, Painter, Pixels, svg};
@@ -79,7 +79,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if arguments.json {
         output::print(&json!({ "video": written.display().to_string(), "pictures": shown.len() }).to_string())?;
     } else if !arguments.quiet {
-        let pictures = text::count(shown.len(), "picture", "pictures");
+        let pictures = number::count(shown.len(), "picture", "pictures");
         output::print(&format!("{}: {pictures}, {} per second", written.display(), arguments.rate))?;
     }
     Ok(Exit::Done)

@@ -1,7 +1,7 @@
 //! `view`: a recording in the Rerun viewer, or as glTF.
 
 use super::inputs::Inputs;
-use super::{Exit, output, picture, samples, text};
+use super::{Exit, number, output, picture, samples};
 use crate::record::drawing::Extras;
 use crate::record::gltf::glb;
 use crate::record::view::{Shown, Sink, Wishes, view};
@@ -56,7 +56,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     }
     if !arguments.quiet {
         shown.notes.iter().for_each(|note| output::note(note));
-        let samples = text::count(shown.samples, "sample", "samples");
+        let samples = number::count(shown.samples, "sample", "samples");
         output::print(&match &arguments.save {
             Some(file) => format!("{samples} written; to see them: rerun {}", file.display()),
             None => format!("{samples} shown"),
@@ -84,7 +84,7 @@ fn save_gltf(arguments: &Arguments, file: &Path) -> anyhow::Result<Exit> {
         footage.notes.iter().chain(&drawing.notes).for_each(|note| output::warning(note));
         let frames = clips.iter().map(|clip| clip.times.len()).sum::<usize>().max(1);
         let (samples, motions) =
-            (text::count(frames, "sample", "samples"), text::count(clips.len(), "animation", "animations"));
+            (number::count(frames, "sample", "samples"), number::count(clips.len(), "animation", "animations"));
         output::print(&format!("{}: {samples}, {motions}", file.display()))?;
     }
     Ok(Exit::Done)

@@ -38,7 +38,7 @@ pub struct Assembly {
 /// stay as they are. A model without loops, drives and gears comes back as it is.
 ///
 /// # Errors
-/// Where a gap cannot be closed, where gears leave nothing to move, and where a drive has nothing left to prescribe; each
+/// If a gap cannot be closed, if gears leave nothing to move, or if a drive has nothing left to prescribe; each
 /// names the element.
 pub fn assemble(model: Arc<Model>) -> Result<(Arc<Model>, Assembly), Vec<Problem>> {
     if !model.is_constrained() {
@@ -235,7 +235,7 @@ fn locals(model: &Model, closing: &mut Closing, rates: &DVector<f64>) -> Vec<Loc
     locals
 }
 
-/// The velocities that follow from others: of driven hinges, and of hinges in loops and gears whose own is not given.
+/// The dependent velocities: of driven hinges, and of hinges in loops and gears whose own is not given.
 fn yielding(model: &Model, rows: &Constraints, given: &[f64]) -> Vec<bool> {
     let mut yielding = vec![false; given.len()];
     for element in &rows.elements {
@@ -400,7 +400,7 @@ fn nudge(model: &Model, q: &mut [f64], attempt: usize) {
     let length = model.length_scale();
     let mut step = vec![0.0; model.velocity_count()];
     for (index, link) in model.links.iter().enumerate().skip(1) {
-        let size = if link.joint.is_slide() { 0.02 * length } else { 0.1 };
+        let size = if link.joint.is_distance() { 0.02 * length } else { 0.1 };
         for i in link.velocity..link.velocity + link.joint.counts().1 {
             if !model.coordinates[i].lock {
                 step[i] = size * attempt as f64 * ((1 + index * attempt) as f64 * 1.7 + i as f64).sin();

@@ -6,7 +6,7 @@
 //!
 //! With rows of unit size a pivot is the squared sine of the angle between a row and those chosen before it. The largest comes
 //! first. Of many rows that would fill the matrix: there any pivot that is large enough does, the one with the fewest entries
-//! first (threshold pivoting and minimum degree, Duff, Erisman & Reid, *Direct Methods for Sparse Matrices*, 7). Where the
+//! first (threshold pivoting and minimum degree, Duff, Erisman & Reid, *Direct Methods for Sparse Matrices*, 7). If the
 //! smallest singular value of all rows is far above what is linearly dependent, each of these sines is, too, and nothing has to
 //! be chosen.
 
@@ -54,7 +54,7 @@ pub(super) fn independent(rows: &SparseRows, classes: &[usize], columns: usize) 
     kept
 }
 
-/// What is left of the products of rows when chosen ones have been eliminated.
+/// The Schur complement of the products of rows when chosen ones have been eliminated.
 struct Remaining {
     pivots: Vec<f64>,
     /// The entries beside the diagonal, by rows, ascending.

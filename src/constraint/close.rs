@@ -42,7 +42,7 @@ const LONGEST_STEP: f64 = 0.3;
 pub struct OpenGap {
     /// Its element: ``loop `coupler-ground` ``.
     pub element: String,
-    /// (m; rad times the reach of the mechanism)
+    /// Gap (m; rad times the reach of the mechanism).
     pub gap: f64,
 }
 
@@ -54,7 +54,7 @@ impl Closer {
         Self(Closing::new(model, &Mode::locks(model), 0.0))
     }
 
-    /// Closes `q`; false where a gap is left, or the tree is singular.
+    /// Closes `q`; false if a gap is left, or the tree is singular.
     pub(crate) fn close(&mut self, model: &Model, q: &mut [f64]) -> bool {
         let before = self.0.gap(model, q);
         if before <= ROUND_OFF {
@@ -156,7 +156,7 @@ impl Closing {
         self.close_within(model, q, metric, MOST_STEPS).map(|(gap, _)| gap)
     }
 
-    /// The same in so many steps; also whether they were used up.
+    /// Closes the gaps in at most `most` steps; gives the widest gap and whether all steps were used.
     fn close_within(
         &mut self,
         model: &Model,
@@ -190,7 +190,7 @@ impl Closing {
             displace(model, &mut trial, &self.step);
             let (wider, new_size) = (self.gap(model, &trial), self.squares());
             if new_size < size {
-                // What is left is round-off once it no longer halves with almost no damping.
+                // The residual is round-off once it no longer halves with almost no damping.
                 let stalled = damping <= LEAST_DAMPING && new_size > 0.25 * size;
                 (gap, size) = (wider, new_size);
                 q.copy_from_slice(&trial);
@@ -235,7 +235,7 @@ impl Closing {
         Ok(left)
     }
 
-    /// The rates of the rows solved for at a closed position, and the largest beside its component's reach (rad/s).
+    /// The rates of the rows solved for at a closed position, and the largest over its component's reach (rad/s).
     pub(super) fn speeds(&mut self, model: &Model, q: &[f64], v: &[f64]) -> (DVector<f64>, f64) {
         self.motion.update(model, q, v);
         self.rows.place(model, &self.motion, q, true);

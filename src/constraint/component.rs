@@ -10,7 +10,7 @@
 //! ```
 //!
 //! A lever makes the entries of `G` comparable: a turn by 1 rad moves ends by about one lever. A reach is what gaps are
-//! small or large beside: the round-off of a gap is that of the way it is summed over.
+//! small or large compared with: the round-off of a gap is that of the way it is summed over.
 
 use super::row::{Ends, Rule};
 use super::rows::Element;
@@ -84,7 +84,7 @@ pub(super) fn lengths(model: &Model, elements: &[Element], rules: &[Rule], motio
     for (element, first) in elements.iter().zip(&of) {
         found[*first] = found[*first].max(of_element(element, rules, model, motion));
     }
-    // Where no hinge reaches from end to end, the bodies themselves are the only lengths there are.
+    // If no hinge reaches from end to end, the bodies themselves are the only lengths there are.
     let mut bodies = vec![0.0_f64; elements.len()];
     for (element, first) in elements.iter().zip(&of).filter(|(_, first)| found[**first].reach == 0.0) {
         for link in between_ends(element) {

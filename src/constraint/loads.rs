@@ -9,7 +9,8 @@ use crate::spatial::Wrench;
 use crate::transfer::Reduction;
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// A row that follows from others by smaller parts of them than this follows from none: its own part in the motion is zero.
+/// Least coefficient of a linearly dependent row: one whose coefficients are all smaller depends on none, its own part in the motion
+/// is zero.
 /// Axes that are parallel to five digits count as parallel (see `rank`), and leave as much.
 const PART: f64 = 1e-4;
 
@@ -20,13 +21,13 @@ pub struct LoopReaction {
     pub name: String,
     /// On the body of the second end, inertial axes (N). Its opposite acts on the first.
     pub force: Vector3<f64>,
-    /// The same about the second end (N m).
+    /// Moment on the body of the second end, about that end, inertial axes (N m).
     pub moment: Vector3<f64>,
     /// What pulls the ends together along the line between them (N); of a rod, whose only load it is.
     pub pull: Option<f64>,
     /// Widest gap (m; rad times the reach of the mechanism).
     pub gap: f64,
-    /// Whether nothing else balances: false where rows are redundant. Of all reactions that do, this one is the smallest.
+    /// Whether nothing else balances: false if rows are redundant. Of all reactions that do, this one is the smallest.
     pub unique: bool,
     /// Bodies whose hinges lie between the ends of the loop: what these pass is not unique either where the loop's is not.
     pub around: Vec<usize>,

@@ -69,7 +69,7 @@ pub struct Constraints {
     parts: Vec<usize>,
     /// What makes angles comparable with lengths, per row: the lever of its component (m); 1 for lengths.
     weights: Vec<f64>,
-    /// What gaps are small beside, per row: the reach of its component (m).
+    /// The length that gaps are compared with, per row: the reach of its component (m).
     reaches: Vec<f64>,
     plan: Plan,
     matrix: Envelope,
@@ -89,7 +89,7 @@ pub struct Constraints {
     self_stresses: Vec<Vec<(usize, f64)>>,
     /// Lengths of the model's own elements.
     lengths: Vec<Lengths>,
-    /// (s)
+    /// Time (s).
     time: f64,
 }
 
@@ -161,7 +161,7 @@ impl Constraints {
         }
     }
 
-    /// The rows of a model; `None` where it has none. Which of them are independent is what [`assemble`] found, or is
+    /// The rows of a model; `None` if it has none. Which of them are independent is what [`assemble`] found, or is
     /// decided here at the given positions where the model has not been assembled.
     pub fn new(model: &Model) -> Option<Self> {
         if !model.is_constrained() {

@@ -73,6 +73,6 @@ pub(super) fn scalars(model: &Model) -> impl Iterator<Item = Scalar> + '_ {
         link: index,
         position: link.position,
         velocity: link.velocity,
-        slides: link.joint.is_slide(),
+        slides: link.joint.is_distance(),
     })
 }

@@ -48,14 +48,14 @@ pub(crate) enum Rule {
     Thread {
         /// Unit vector of the axis, and one across it, axes of the first link.
         first: [Vector3<f64>; 2],
-        /// The same, axes of the second link.
+        /// Unit vector of the axis, and one across it, axes of the second link.
         second: [Vector3<f64>; 2],
-        /// (m/rad)
+        /// Pitch (m/rad).
         pitch: f64,
     },
     /// The ends keep their distance.
     Distance {
-        /// (m)
+        /// Length (m).
         length: f64,
     },
     /// Coordinates keep a sum.
@@ -219,7 +219,7 @@ impl<'a> Ends<'a> {
 }
 
 /// A motion row: `drift` and `bias` from the prescribed motion. A gap below the round-off of its own terms is none, however
-/// long they are beside the scene.
+/// long they are compared with the scene.
 pub(super) fn place_motion(parts: &[(Scalar, f64); 2], q: &[f64], now: &Instant) -> Placed {
     let [first, second] = parts.map(|(scalar, factor)| factor * q[scalar.position]);
     let (gap, terms) = (first + second - now.position, first.abs() + second.abs() + now.position.abs());

@@ -49,9 +49,8 @@ impl Balanced<'_> {
         element.map_or(Vector6::zeros(), |element| self.section_of(element, s - element.from))
     }
 
-    /// The same at a distance from the root of its element: what the tip bears and what there is on the way to it, as it is
-    /// between the stations by the polynomial through them. Where its integral is not what the stations sum up to at the
-    /// root, the difference is shared out along the element: at both ends it bears what the balance says.
+    /// What an element bears at a distance from its root: what the tip bears and the loads on the way to it, interpolated
+    /// between the stations by the polynomial through them. If its integral differs from the sum of the stations at the root, the difference is shared out along the element: at both ends it bears what the balance says.
     fn section_of(&self, element: &BeamElement, s: f64) -> Vector6<f64> {
         let system = self.system;
         let (rod, at) = (&system.model.rods[element.rod], &system.motion.rods[element.rod]);

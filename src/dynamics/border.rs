@@ -1,4 +1,4 @@
-//! Force elements between links that are far apart, beside the tangent sweep: a few more right sides and a small dense
+//! Force elements between links that are far apart, in addition to the tangent sweep: a few more right sides and a small dense
 //! system (bordering, Woodbury).
 //!
 //! ```text
@@ -85,7 +85,7 @@ impl Border {
         PER_LINK * self.links.len()
     }
 
-    /// After a factorization of the sweep: responses to unit wrenches, and the small system. False where it is singular.
+    /// After a factorization of the sweep: responses to unit wrenches, and the small system. False if it is singular.
     pub(super) fn factorize(&mut self, model: &Model, tangent: &mut Tangent) -> bool {
         let (m, n) = (self.len(), model.velocity_count());
         for column in 0..m {

@@ -1,4 +1,4 @@
-//! A system with loops, drives and gears: multipliers beside the accelerations, and states kept closed.
+//! A system with loops, drives and gears: multipliers with the accelerations, and states kept closed.
 
 use super::{Evaluated, Fault, System};
 use crate::constraint::{Constraints, Held, Largest, LoopReaction, Mode, OpenGap, ROUND_OFF, Rate};
@@ -313,7 +313,8 @@ impl Evaluated<'_> {
         matrix
     }
 
-    /// The same row by row, without the hinges that both ends of a loop stand on: they carry nothing of it.
+    /// The gradients of the independent rows as sparse rows, without the hinges that both ends of a loop stand on: these carry
+    /// nothing of it.
     pub fn constraint_rows(&mut self) -> SparseRows {
         let Some(constrained) = &mut self.system.constraints else { return SparseRows::default() };
         constrained.rows.place(&self.system.model, &self.system.motion, self.q, false);

@@ -1,6 +1,7 @@
-//! Dense systems that are factorized in place: the library's factorizations ask for memory at every call.
+//! Dense systems, factorized in place.
 
 use super::{Evaluated, Fault};
+use crate::element::lu;
 use crate::model::Model;
 use crate::motion::variation::Direction;
 
@@ -24,48 +25,14 @@ impl Dense {
         &mut self.entries[row * self.order.len() + column]
     }
 
-    /// Gaussian elimination with row pivoting; false where a pivot is zero or not finite.
+    /// Gaussian elimination with row pivoting; false if a pivot is zero or not finite.
     pub fn eliminate(&mut self) -> bool {
-        let m = self.order.len();
-        self.order.iter_mut().enumerate().for_each(|(i, row)| *row = i);
-        for k in 0..m {
-            let size = |i: &usize| self.entries[self.order[*i] * m + k].abs();
-            let Some(best) = (k..m).max_by(|i, j| size(i).total_cmp(&size(j))) else { return false };
-            self.order.swap(k, best);
-            let top = self.order[k] * m;
-            let pivot = self.entries[top + k];
-            if pivot == 0.0 || !pivot.is_finite() {
-                return false;
-            }
-            for i in k + 1..m {
-                let row = self.order[i] * m;
-                let factor = self.entries[row + k] / pivot;
-                if factor == 0.0 {
-                    self.entries[row + k] = 0.0;
-                    continue;
-                }
-                self.entries[row + k] = factor;
-                for j in k + 1..m {
-                    self.entries[row + j] -= factor * self.entries[top + j];
-                }
-            }
-        }
-        true
+        lu::factorize(&mut self.entries, &mut self.order)
     }
 
     /// `x ← A⁻¹ x` after the elimination.
     pub fn solve(&mut self, x: &mut [f64]) {
-        let m = self.order.len();
-        for (i, row) in self.order.iter().enumerate() {
-            let known: f64 = (0..i).map(|j| self.entries[row * m + j] * self.swapped[j]).sum();
-            self.swapped[i] = x[*row] - known;
-        }
-        for i in (0..m).rev() {
-            let row = self.order[i] * m;
-            let known: f64 = (i + 1..m).map(|j| self.entries[row + j] * self.swapped[j]).sum();
-            self.swapped[i] = (self.swapped[i] - known) / self.entries[row + i];
-        }
-        x.copy_from_slice(&self.swapped);
+        lu::solve(&self.entries, &self.order, &mut self.swapped, x);
     }
 }
 

@@ -150,7 +150,8 @@ impl Evaluated<'_> {
         let (q, v) = (self.q, self.v);
         Powers {
             input: applied::input(&self.system.model, &self.system.laws, &self.system.motion, self.system.time, q, v)
-                + driven,
+                + driven
+                - self.system.model.burnt(self.system.time, &self.system.motion.links),
             dissipated: applied::dissipated(&self.system.model, &self.system.laws, &self.system.motion, v),
         }
     }
@@ -217,7 +218,7 @@ impl Factorized<'_> {
         self.system.reduction.articulated_inertia(&self.system.model, &self.system.motion, out);
     }
 
-    /// `change ← (M⁻¹ − M⁻¹ Gᵀ A⁻¹ G M⁻¹) impulse`: how velocities answer an impulse beside loops, drives and gears.
+    /// `change ← (M⁻¹ − M⁻¹ Gᵀ A⁻¹ G M⁻¹) impulse`: how velocities answer an impulse with loops, drives and gears.
     pub fn answer_impulse(&mut self, impulse: &[f64], change: &mut [f64]) {
         self.solve_mass(impulse, change);
         let System { model, motion, constraints, .. } = &mut *self.system;

@@ -60,7 +60,7 @@ impl Evaluated<'_> {
         Ok((jacobians.by_position, jacobians.by_velocity))
     }
 
-    /// The same into memory that was made before. Where nothing but hinge springs, dampers, motors and armatures acts,
+    /// Writes [`Evaluated::acceleration_jacobians`] into memory that was made before. If nothing but hinge springs, dampers, motors and armatures acts,
     /// it asks for no more memory and goes through all columns side by side; with force elements it takes a tangent
     /// sweep and a solution for each column, which is O(n²) too, but an order of magnitude slower. With loops, drives or
     /// gears the columns are those of the accelerations that the rows allow, also along steps that leave the loops: along

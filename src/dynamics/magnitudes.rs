@@ -10,10 +10,10 @@ use crate::model::Link;
 pub struct Magnitudes {
     /// Sum of the sizes of the forces that must cancel (N, N m).
     pub force: Vec<f64>,
-    /// The same with every spring counted as its stiffness times its lengths: times the machine precision, the
+    /// Sum of these sizes with every spring counted as its stiffness times its lengths: times the machine precision, the
     /// round-off level of the balance (N, N m).
     pub noise: Vec<f64>,
-    /// The same terms squared one by one: their errors are independent of each other (N², N² m²).
+    /// Sum of the squares of the terms of `noise`: their errors are independent of each other (N², N² m²).
     pub squares: Vec<f64>,
     /// Size of the springs' contributions to the stiffness (N/m, N m/rad).
     pub stiffness: Vec<f64>,
@@ -81,7 +81,7 @@ impl Balanced<'_> {
             // Of a coordinate of this link: along a slide, about the axis of a turn, or both.
             let pick = |along: f64, about: f64, pitch: f64| if slide { along } else { about + pitch * along };
             let (_, count) = link.joint.counts();
-            let rigid = if link.joint.is_flex() { 0 } else { count };
+            let rigid = if link.joint.rod().is_some() { 0 } else { count };
             for i in link.velocity..link.velocity + rigid {
                 let coordinate = &model.coordinates[i];
                 let extent = if count == 1 { q[link.position].abs() + coordinate.rest.abs() } else { 1.0 };
@@ -135,13 +135,22 @@ impl Balanced<'_> {
             // Terms that cancel within the element do not show at its tip.
             let about = about.max(if given.strain_of(j) >= 3 { 1.0 } else { 0.0 });
             let row = given.stiffness_row(j);
-            let elastic: f64 = row.iter().zip(&at.q).map(|(k, q)| (k * q).abs()).sum();
+            let coordinate = &self.system.model.coordinates[i];
+            let spring = coordinate.stiffness.abs() * (at.q[j].abs() + coordinate.rest.abs()) + coordinate.force.abs();
+            let elastic = spring + row.iter().zip(&at.q).map(|(k, q)| (k * q).abs()).sum::<f64>();
             out.force[i] = elastic + along * size.force + about * size.moment;
             out.noise[i] = elastic + along * size.noise + about * size.noise_moment;
             out.squares[i] = elastic * elastic + along * along * size.square + about * about * size.square_moment;
-            let geometric = about * about * (size.moment + given.length * size.force);
+            let geometric = match given.guide() {
+                // What acts on a body along a curve turns with respect to the tangent.
+                Some(guide) => {
+                    let bends = guide.at(at.q[j]).subspaces[1];
+                    bends.fixed_rows::<3>(0).norm() * size.force + bends.fixed_rows::<3>(3).norm() * size.moment
+                }
+                None => about * about * (size.moment + given.length * size.force),
+            };
             let springs = along * along * size.stiffness + about * about * size.turn_stiffness;
-            out.stiffness[i] = row[j] + geometric + springs;
+            out.stiffness[i] = row[j] + coordinate.stiffness.abs() + geometric + springs;
         }
     }
 }

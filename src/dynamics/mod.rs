@@ -26,6 +26,7 @@ pub use tangent::{Coefficients, TangentSolver};
 
 use crate::constraint::Constraints;
 pub use crate::constraint::{Held, Mode};
+use crate::force::Act;
 use crate::model::Model;
 use crate::model::motor::Push;
 use crate::motion::{LinkMotion, Motion};
@@ -63,7 +64,9 @@ pub struct System {
     pushes: Vec<Push>,
     /// The time at which drives and motors are looked at (s).
     time: f64,
-    /// Loops, drives and gears, where there are any.
+    /// Whether loads or masses follow tables over time.
+    is_timed: bool,
+    /// Loops, drives and gears, if there are any.
     constraints: Option<Box<Constrained>>,
 }
 
@@ -77,7 +80,7 @@ pub enum Fault {
     Singular {
         /// Body.
         body: String,
-        /// (kg or kg m²)
+        /// Pivot (kg or kg m²).
         pivot: f64,
     },
     /// A loop that opens, or a drive or gear that cannot be followed.
@@ -87,7 +90,7 @@ pub enum Fault {
     Open {
         /// Which.
         element: String,
-        /// (m; rad times the scene's length)
+        /// Gap (m; rad times the scene's length).
         gap: f64,
     },
     /// A row that followed from others at the start and no longer does.
@@ -97,8 +100,21 @@ pub enum Fault {
     Independent {
         /// Which.
         element: String,
-        /// (m; rad times the scene's length)
+        /// Gap (m; rad times the scene's length).
         gap: f64,
+    },
+    /// A body beyond the end of the curve that it is guided along.
+    #[error(
+        "`{body}` rests nowhere on its curve, which goes from {} m to {} m: the search leaves it at {at} m; give the hinge \
+         `limits`, or another `position` to start from", .range[0], .range[1]
+    )]
+    BeyondCurve {
+        /// The body.
+        body: String,
+        /// (m)
+        at: f64,
+        /// Arc length at both ends (m).
+        range: [f64; 2],
     },
     /// Something that knows trees only.
     #[error("`{method}` knows no loops, drives or gears yet")]
@@ -107,7 +123,7 @@ pub enum Fault {
         method: &'static str,
     },
     /// Something that knows rigid bodies only.
-    #[error("`{method}` knows no flexible beams")]
+    #[error("`{method}` knows no flexible beams and no hinges along curves")]
     Flexible {
         /// Its name.
         method: &'static str,
@@ -119,7 +135,7 @@ pub enum Fault {
         element: String,
         /// The formula, as written.
         text: String,
-        /// (s)
+        /// Time (s).
         time: f64,
     },
     /// Directions of negative curvature that cannot be counted.
@@ -173,7 +189,7 @@ impl System {
     fn with(model: &Arc<Model>, constraints: Option<Box<Constrained>>) -> Self {
         let n = model.links.len();
         let smooth = model.stops.is_empty() && model.hinge_friction.is_empty();
-        Self {
+        let mut system = Self {
             model: Arc::clone(model),
             laws: Laws::new(model),
             motion: Motion::new(model),
@@ -187,8 +203,14 @@ impl System {
             pressed: vec![Wrench::ZERO; if model.contacts.is_empty() { 0 } else { n }],
             pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
+            is_timed: model.table_times().next().is_some(),
             constraints,
+        };
+        if system.is_timed {
+            // Takes a model and laws of its own: from here on no memory is asked for.
+            system.follow_tables(0.0);
         }
+        system
     }
 
     /// The model.
@@ -215,11 +237,26 @@ impl System {
         &mut self.laws.inputs
     }
 
-    /// The time at which drives and motors are looked at (s); nothing else depends on time.
+    /// The time at which drives, motors, loads and masses are looked at (s); nothing else depends on time.
     fn set_time(&mut self, time: f64) {
-        self.time = time;
+        let before = std::mem::replace(&mut self.time, time);
+        if self.is_timed && before != time {
+            self.follow_tables(time);
+        }
         if let Some(constrained) = &mut self.constraints {
             constrained.rows.set_time(time);
+        }
+    }
+
+    /// Loads and masses by tables as they are at a time (s).
+    #[inline(never)]
+    fn follow_tables(&mut self, time: f64) {
+        if self.laws.forces.iter().any(|force| !force.law.times().is_empty()) {
+            Arc::make_mut(&mut self.laws.forces).iter_mut().for_each(|force| force.law.set_time(time));
+        }
+        if !self.model.burns.is_empty() {
+            let reduction = &mut self.reduction;
+            Arc::make_mut(&mut self.model).burn(time, |link, now| reduction.set_mass(link, now.mass));
         }
     }
 

@@ -85,8 +85,8 @@ impl Reach {
         let parent = |link: usize| model.links[link].parent;
         match self.links[..] {
             [] | [_] => true,
-            // The tip of a flexible element is coupled to its root through stations.
-            [a, b] if model.links[a].joint.is_flex() || model.links[b].joint.is_flex() => false,
+            // The tip of an element is coupled to its root through stations.
+            [a, b] if [a, b].iter().any(|link| model.links[*link].joint.rod().is_some()) => false,
             [a, b] => parent(a) == b || parent(b) == a,
             _ => false,
         }

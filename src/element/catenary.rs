@@ -24,7 +24,7 @@ const MOST_STEPS: usize = 200;
 
 impl Catenary {
     /// A cable of an unstretched length (m) whose end lies `way` (m) from its start: across, not negative, and along the
-    /// weight (N/m). `compliance` is `1/EA` (1/N), 0 for one that does not stretch. `None` where it has no shape: too
+    /// weight (N/m). `compliance` is `1/EA` (1/N), 0 for one that does not stretch. `None` if it has no shape: too
     /// short, or slack without weight.
     pub fn between(way: Vector2<f64>, length: f64, compliance: f64, weight: f64) -> Option<Self> {
         let chord = way.norm();
@@ -60,7 +60,7 @@ impl Catenary {
         None
     }
 
-    /// The unstretched length, of a taut cable first, at which the tension at the start falls to the given one; `None` where it
+    /// The unstretched length, of a taut cable first, at which the tension at the start falls to the given one; `None` if it
     /// never does, for the weight alone is more.
     pub fn tensioned(way: Vector2<f64>, tension: f64, compliance: f64, weight: f64) -> Option<f64> {
         let chord = way.norm();

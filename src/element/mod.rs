@@ -20,6 +20,8 @@
 
 pub mod catenary;
 mod exponential;
+pub mod guide;
+pub(crate) mod lu;
 mod motion;
 pub mod pivot;
 mod rod;

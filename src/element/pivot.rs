@@ -1,5 +1,6 @@
 //! The pivot of a flexible element, m×m with m ≤ 18: factorized in place, no memory asked for.
 
+use super::lu;
 use nalgebra::DMatrix;
 
 /// A square matrix by rows, then its factors.
@@ -120,42 +121,11 @@ impl Pivot {
 
     /// Gaussian elimination with row pivoting; false if a pivot is zero or not finite.
     pub fn factorize(&mut self) -> bool {
-        let m = self.size();
-        self.order.iter_mut().enumerate().for_each(|(i, row)| *row = i);
-        for k in 0..m {
-            let size = |i: &usize| self.entries[self.order[*i] * m + k].abs();
-            let Some(best) = (k..m).max_by(|i, j| size(i).total_cmp(&size(j))) else { return false };
-            self.order.swap(k, best);
-            let top = self.order[k] * m;
-            let pivot = self.entries[top + k];
-            if pivot == 0.0 || !pivot.is_finite() {
-                return false;
-            }
-            for i in k + 1..m {
-                let row = self.order[i] * m;
-                let factor = self.entries[row + k] / pivot;
-                self.entries[row + k] = factor;
-                for j in k + 1..m {
-                    self.entries[row + j] -= factor * self.entries[top + j];
-                }
-            }
-        }
-        true
+        lu::factorize(&mut self.entries, &mut self.order)
     }
 
     /// `x ← D⁻¹ x` after [`Pivot::factorize`].
     pub fn solve(&mut self, x: &mut [f64]) {
-        let m = self.size();
-        for i in 0..m {
-            let row = self.order[i] * m;
-            let known: f64 = (0..i).map(|k| self.entries[row + k] * self.x[k]).sum();
-            self.x[i] = x[self.order[i]] - known;
-        }
-        for i in (0..m).rev() {
-            let row = self.order[i] * m;
-            let known: f64 = (i + 1..m).map(|k| self.entries[row + k] * self.x[k]).sum();
-            self.x[i] = (self.x[i] - known) / self.entries[row + i];
-        }
-        x.copy_from_slice(&self.x);
+        lu::solve(&self.entries, &self.order, &mut self.x, x);
     }
 }

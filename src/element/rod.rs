@@ -1,12 +1,18 @@
 //! The element: what of eqs. (1) to (7) does not change.
 
-use super::exponential::{bracket, exponential, tangent, tangent_gradient, tangents};
+mod local;
+
+use super::exponential::{bracket, exponential, tangent, tangents};
+use super::guide::Guide;
 use crate::spatial::Sym3;
+pub use local::Local;
+use local::Strained;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use std::sync::Arc;
 
 /// Nodes and weights of the Gauss–Legendre quadrature of six points on [−1, 1], exact to degree 11: the integrals of eqs.
 /// (2) and (7) have degree 6 at most with constant sections.
-const GAUSS: [(f64, f64); 6] = [
+pub(super) const GAUSS: [(f64, f64); 6] = [
     (-0.932_469_514_203_152, 0.171_324_492_379_170_36),
     (-0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
     (-0.238_619_186_083_196_9, 0.467_913_934_572_691_04),
@@ -43,7 +49,7 @@ pub const MOST_COORDINATES: usize = 18;
 pub struct RodSection {
     /// `C`, from strains to section forces: stretch, shear y and z (N); twist, bending about y and z (N m²).
     pub stiffness: Matrix6<f64>,
-    /// (kg/m)
+    /// Mass per length (kg/m).
     pub mass: f64,
     /// Rotary inertia about the axes (kg m).
     pub rotary: Vector3<f64>,
@@ -52,7 +58,7 @@ pub struct RodSection {
 /// A slice of mass at a station, and the length of rod that it stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slice {
-    /// (kg)
+    /// Mass (kg).
     pub mass: f64,
     /// About the station, section axes (kg m²).
     pub inertia: Sym3,
@@ -72,7 +78,8 @@ struct Step {
     per_degree: [[f64; 3]; 2],
 }
 
-/// A flexible element.
+/// A flexible element, or a guide: an element of one coordinate and one step without mass or stiffness, whose step is a
+/// curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rod {
     /// `h` (m).
@@ -94,6 +101,8 @@ pub struct Rod {
     reference: Vec<Vector6<f64>>,
     /// `Kₑ`, row by row.
     stiffness: Vec<f64>,
+    /// In place of the strains.
+    guide: Option<Arc<Guide>>,
 }
 
 impl Rod {
@@ -135,7 +144,34 @@ impl Rod {
             degree,
             reference: reference.to_vec(),
             stiffness,
+            guide: None,
         }
+    }
+
+    /// A guide.
+    pub fn guided(guide: Guide) -> Self {
+        let [from, to] = guide.range();
+        let end = |at: f64| Slice { mass: 0.0, inertia: Sym3::ZERO, length: 0.0, at };
+        let length = to - from;
+        Self {
+            length,
+            damping: 0.0,
+            load: Vector3::zeros(),
+            follows: false,
+            sections: Vec::new(),
+            slices: vec![end(0.0), end(length)],
+            steps: vec![Step::new(length, [-1.0, 1.0], &[])],
+            free: vec![0],
+            degree: 0,
+            reference: Vec::new(),
+            stiffness: vec![0.0],
+            guide: Some(Arc::new(guide)),
+        }
+    }
+
+    /// The curve, if it is a guide.
+    pub fn guide(&self) -> Option<&Guide> {
+        self.guide.as_deref()
     }
 
     /// The coordinates whose strains are nearest to given ones: by (1) the projection on the polynomials.
@@ -257,16 +293,34 @@ impl Rod {
 
     /// A step at coordinates alone.
     pub fn still(&self, step: usize, q: &[f64]) -> Local<'_> {
+        match &self.guide {
+            Some(guide) => Local::guided(guide.at(q[0]), [0.0; 2]),
+            None => Local::Strained(self.strained_still(step, q)),
+        }
+    }
+
+    fn strained_still(&self, step: usize, q: &[f64]) -> Strained<'_> {
         let moments = self.moments(step, q, true);
         let none = Vector6::zeros();
         let twist = moments[0] + bracket(&moments[0], &moments[1]) / self.steps[step].length;
         let b = [tangent(&twist), Matrix6::zeros(), Matrix6::zeros()];
-        Local { rod: self, step: &self.steps[step], twist, b, moments: [moments, [none; 2], [none; 2]], moves: false }
+        Strained {
+            rod: self,
+            step: &self.steps[step],
+            twist,
+            b,
+            moments: [moments, [none; 2], [none; 2]],
+            moves: false,
+        }
     }
 
     /// A step at coordinates with their rates and second rates.
     pub fn moving(&self, step: usize, q: &[f64], qd: &[f64], qdd: &[f64]) -> Local<'_> {
-        let at = self.still(step, q);
+        if let Some(guide) = &self.guide {
+            let second = qdd.first().copied().unwrap_or(0.0);
+            return Local::guided(guide.at(q[0]), [qd[0], second]);
+        }
+        let at = self.strained_still(step, q);
         let l = at.step.length;
         let first = self.moments(step, qd, false);
         let second = self.moments(step, qdd, false);
@@ -275,7 +329,7 @@ impl Rod {
         let rate = bilinear(&first);
         let rate_of_rate = bilinear(&second) + 2.0 * bracket(&first[0], &first[1]) / l;
         let b = tangents(&at.twist, &rate, &rate_of_rate);
-        Local { b, moments: [at.moments[0], first, second], moves: true, ..at }
+        Local::Strained(Strained { b, moments: [at.moments[0], first, second], moves: true, ..at })
     }
 }
 
@@ -297,77 +351,6 @@ impl Step {
             reference: [moment(&of[0]), moment(&of[1])],
             per_degree: of.map(|of| of.map(|x| x / length)),
         }
-    }
-}
-
-/// A step at a state: eqs. (2) to (6) in the axes of the station where it ends.
-#[derive(Debug)]
-pub struct Local<'a> {
-    rod: &'a Rod,
-    step: &'a Step,
-    twist: Vector6<f64>,
-    b: [Matrix6<f64>; 3],
-    /// `I₀`, `I₁`; of the rates; of the second rates.
-    moments: [[Vector6<f64>; 2]; 3],
-    moves: bool,
-}
-
-impl Local<'_> {
-    /// Turn and shift across the step.
-    pub fn pose(&self) -> (Matrix3<f64>, Vector3<f64>) {
-        exponential(&self.twist)
-    }
-
-    fn weights(&self, i: usize) -> (usize, [f64; 2]) {
-        let degree = i / self.rod.free.len();
-        (self.rod.strain_of(i), [self.step.per_degree[0][degree], self.step.per_degree[1][degree]])
-    }
-
-    /// A column of `E` (order 0), `Ė` (1) or `Ë` (2).
-    fn column(&self, i: usize, order: usize) -> Vector6<f64> {
-        let (strain, [w0, w1]) = self.weights(i);
-        let [i0, i1] = &self.moments[order];
-        let unit = Vector6::ith(strain, 1.0);
-        let commuted = bracket(&(w1 * i0 - w0 * i1), &unit) / self.step.length;
-        if order == 0 { w0 * unit + commuted } else { commuted }
-    }
-
-    /// A column of `Z`.
-    pub fn subspace(&self, i: usize) -> Vector6<f64> {
-        self.b[0] * self.column(i, 0)
-    }
-
-    /// Columns of `Z`, `Ż` and `Z̈`: eqs. (4) and (5).
-    pub fn subspaces(&self, i: usize) -> [Vector6<f64>; 3] {
-        let e = self.column(i, 0);
-        if !self.moves {
-            return [self.b[0] * e, Vector6::zeros(), Vector6::zeros()];
-        }
-        let [first, second] = [1, 2].map(|order| self.column(i, order));
-        let [b, rate, twice] = &self.b;
-        [b * e, rate * e + b * first, twice * e + 2.0 * rate * first + b * second]
-    }
-
-    /// `W` and `Ż q̇` of eq. (4), for second rates that are zero.
-    pub fn rates(&self) -> [Vector6<f64>; 2] {
-        let ([i0, i1], [r0, r1]) = (&self.moments[0], &self.moments[1]);
-        let l = self.step.length;
-        let first = r0 + (bracket(r0, i1) + bracket(i0, r1)) / l;
-        let second = 2.0 * bracket(r0, r1) / l;
-        [self.b[0] * first, self.b[1] * first + self.b[0] * second]
-    }
-
-    /// `Bᵀ f` and `∂(Bᵀ f)/∂Ω`, of which [`Local::curvature`] is made.
-    pub fn gradient(&self, f: &Vector6<f64>) -> (Vector6<f64>, Matrix6<f64>) {
-        (self.b[0].tr_mul(f), tangent_gradient(&self.twist, f))
-    }
-
-    /// An entry of `Γ`, eq. (6).
-    pub fn curvature(&self, (pulled, gradient): &(Vector6<f64>, Matrix6<f64>), i: usize, j: usize) -> f64 {
-        let ((one, [a0, a1]), (other, [b0, b1])) = (self.weights(i), self.weights(j));
-        let commuted = bracket(&Vector6::ith(one, 1.0), &Vector6::ith(other, 1.0));
-        pulled.dot(&commuted) * (a0 * b1 - b0 * a1) / self.step.length
-            + self.column(i, 0).dot(&(gradient * self.column(j, 0)))
     }
 }
 

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 pub enum Section {
     /// A disc.
     Circle {
-        /// (m)
+        /// Radius (m).
         radius: f64,
     },
     /// A ring.
@@ -38,7 +38,7 @@ pub struct Material {
     pub young: f64,
     /// Poisson's ratio, −1 … 0.5.
     pub poisson: f64,
-    /// (kg/m³)
+    /// Density (kg/m³).
     pub density: f64,
 }
 

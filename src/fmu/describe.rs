@@ -1,6 +1,7 @@
 //! `modelDescription.xml`.
 
 use super::{Role, Scene, Variable, Variables};
+use crate::markup::escape;
 use crate::quantity::Dimension;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -14,8 +15,8 @@ pub fn describe(scene: &Scene, variables: &Variables, identifier: &str, token: &
     out += &format!(
         "<fmiModelDescription\n  fmiVersion=\"3.0\"\n  modelName=\"{}\"\n  instantiationToken=\"{}\"\n  \
          generationTool=\"stillpoint {}\">\n\n",
-        escape(title),
-        escape(token),
+        attribute(title),
+        attribute(token),
         env!("CARGO_PKG_VERSION")
     );
     out += &format!(
@@ -63,10 +64,13 @@ fn line(reference: usize, variable: &Variable) -> String {
     };
     let unit = match variable.unit.as_str() {
         "" => String::new(),
-        unit => format!(" unit=\"{}\"", escape(unit)),
+        unit => format!(" unit=\"{}\"", attribute(unit)),
     };
     let start = variable.start.map(|start| format!(" start=\"{start:?}\"")).unwrap_or_default();
-    format!("    <Float64 name=\"{}\" valueReference=\"{reference}\" {kind}{unit}{start}/>\n", escape(&variable.name))
+    format!(
+        "    <Float64 name=\"{}\" valueReference=\"{reference}\" {kind}{unit}{start}/>\n",
+        attribute(&variable.name)
+    )
 }
 
 /// Each unit once, with the powers of base units that it is made of.
@@ -83,28 +87,16 @@ fn units(out: &mut String, list: &[Variable]) {
             // Of pure numbers.
             Err(_) if unit == "1" => String::new(),
             Err(_) => {
-                *out += &format!("    <Unit name=\"{}\"/>\n", escape(unit));
+                *out += &format!("    <Unit name=\"{}\"/>\n", attribute(unit));
                 continue;
             }
         };
-        *out += &format!("    <Unit name=\"{}\"><BaseUnit{base}/></Unit>\n", escape(unit));
+        *out += &format!("    <Unit name=\"{}\"><BaseUnit{base}/></Unit>\n", attribute(unit));
     }
     *out += "  </UnitDefinitions>\n\n";
 }
 
-/// A text within an attribute.
-fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            // Not allowed in XML 1.0, or read as a space.
-            control if control.is_control() => out.push(' '),
-            other => out.push(other),
-        }
-    }
-    out
+/// A text within an attribute: control characters are not allowed in XML 1.0, or read as a space.
+fn attribute(text: &str) -> String {
+    escape(&text.replace(char::is_control, " "))
 }

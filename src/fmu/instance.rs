@@ -372,7 +372,7 @@ impl Instance {
         situation.to_bytes(&self.manifest.token)
     }
 
-    /// The situation of bytes. Where a scene was initialized, its equilibrium is found again.
+    /// The situation of bytes. If a scene was initialized, its equilibrium is found again.
     ///
     /// # Errors
     /// If the bytes are no situation of this FMU.

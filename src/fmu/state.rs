@@ -38,9 +38,9 @@ pub struct Situation {
     /// What was set before the scene was put at its start, by value reference.
     pub(super) given: BTreeMap<u32, f64>,
     pub(super) tolerance: Option<f64>,
-    /// (s)
+    /// Start of the simulation (s).
     pub(super) begin: f64,
-    /// (s)
+    /// End of the simulation, if one is given (s).
     pub(super) stop: Option<f64>,
     /// Once the scene is at its start.
     pub(super) simulator: Option<Simulator>,

@@ -47,7 +47,7 @@ pub struct Variables {
 }
 
 impl Variables {
-    /// Those of a scene whose inputs have the values of `model`; `parameters` are addresses of numbers beside `[parameters]`.
+    /// The variables of a scene whose inputs have the values of `model`; `parameters` are addresses of numbers beside `[parameters]`.
     ///
     /// # Errors
     /// An address that stands for no number or for several, and two variables of one name.

@@ -1,11 +1,14 @@
-//! Constant loads: dead (fixed in inertial axes) and follower (fixed in the link's axes).
+//! Loads: dead (fixed in inertial axes) and follower (fixed in the link's axes), constant or in proportion to a table over time.
 //!
 //! ```text
 //! dead      f = F, m = arm × F + M;            potential −F·x, the torque has none
 //! follower  f = R F, m = R (point × F + M);    turns with the link as a whole, no potential
 //! ```
+//!
+//! What changes with time has no potential either: all that it does is work.
 
 use super::end::Anchor;
+use super::timeline::Timeline;
 use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, GROUND, Magnitude, Picture, Report};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
@@ -22,6 +25,17 @@ pub struct Load {
     pub torque: Vector3<f64>,
     /// Constant in which axes.
     pub axes: LoadAxes,
+    /// What scales both over time; `None` for what is always the same.
+    pub over_time: Option<OverTime>,
+}
+
+/// A factor by a table over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OverTime {
+    /// (s)
+    pub timeline: Timeline,
+    /// The factor at those times.
+    pub values: Vec<f64>,
 }
 
 /// The axes in which a load is constant.
@@ -41,12 +55,16 @@ pub struct LoadLaw {
     force: Vector3<f64>,
     torque: Vector3<f64>,
     follows: bool,
+    over_time: Option<Box<OverTime>>,
+    /// Now; 1 for what is always the same.
+    factor: f64,
 }
 
 impl ForceDescription {
     /// A force (N) that keeps its direction in space.
     pub fn load(name: &str, on: impl Into<Attachment>, force: impl Into<Vector3<f64>>) -> Self {
-        let kind = Load { on: on.into(), force: force.into(), torque: Vector3::zeros(), axes: LoadAxes::Inertial };
+        let (force, torque) = (force.into(), Vector3::zeros());
+        let kind = Load { on: on.into(), force, torque, axes: LoadAxes::Inertial, over_time: None };
         Self { name: name.to_owned(), kind: kind.into() }
     }
 }
@@ -66,6 +84,14 @@ impl Describe for Load {
                 report.add(key, message, "give finite N, N m");
             }
         }
+        if let Some(OverTime { timeline, values }) = &self.over_time {
+            if let Some(flaw) = timeline.flaw(values.len()) {
+                let help = "times must not decrease, and each has a value; given twice, the value jumps there";
+                report.add("over_time", format!("`over_time` of `{name}` {flaw}"), help);
+            } else if let Some(bad) = values.iter().find(|x| !x.is_finite()) {
+                report.add("over_time", format!("`over_time` of `{name}` has the value {bad}"), "give finite numbers");
+            }
+        }
         if self.on.body == GROUND {
             report.add("on", format!("`{name}` loads the ground"), "a load acts on a body");
         }
@@ -73,12 +99,13 @@ impl Describe for Load {
 
     fn compile(&self, carriers: &[Carrier]) -> LoadLaw {
         let Carrier { end, turn } = carriers[0];
-        match self.axes {
-            LoadAxes::Inertial => LoadLaw { on: end, force: self.force, torque: self.torque, follows: false },
-            LoadAxes::Body => {
-                LoadLaw { on: end, force: turn * self.force, torque: turn * self.torque, follows: true }
-            }
-        }
+        let follows = self.axes == LoadAxes::Body;
+        let own = |x: Vector3<f64>| if follows { turn * x } else { x };
+        let over_time = self.over_time.clone().map(Box::new);
+        let mut law =
+            LoadLaw { on: end, force: own(self.force), torque: own(self.torque), follows, over_time, factor: 1.0 };
+        law.set_time(0.0);
+        law
     }
 
     fn numbers(&self, key: &str) -> Vec<(f64, &'static str)> {
@@ -100,18 +127,19 @@ impl Describe for Load {
 impl LoadLaw {
     /// A force (N) at a point that keeps its direction in space.
     pub fn dead(on: End, force: Vector3<f64>) -> Self {
-        Self { on, force, torque: Vector3::zeros(), follows: false }
+        Self { on, force, torque: Vector3::zeros(), follows: false, over_time: None, factor: 1.0 }
     }
 
     #[inline]
     fn wrench(&self, links: &[LinkMotion]) -> Wrench {
-        let Self { on, force, torque, follows } = self;
+        let Self { on, follows, factor, .. } = self;
+        let (force, torque) = (*factor * self.force, *factor * self.torque);
         if *follows {
             let turn = &links[on.link].turn;
             let wrench = Wrench::at_arm(turn * force, turn * on.point);
             return Wrench { force: wrench.force, moment: wrench.moment + turn * torque };
         }
-        let wrench = Wrench::at_arm(*force, Anchor::of(on, links).arm);
+        let wrench = Wrench::at_arm(force, Anchor::of(on, links).arm);
         Wrench { force: wrench.force, moment: wrench.moment + torque }
     }
 }
@@ -133,17 +161,17 @@ impl Act for LoadLaw {
             give(0, Wrench { force: turn.cross(&wrench.force), moment: turn.cross(&wrench.moment) });
         } else {
             let arm = turn.cross(&Anchor::of(&self.on, links).arm);
-            give(0, Wrench { force: Vector3::zeros(), moment: arm.cross(&self.force) });
+            give(0, Wrench { force: Vector3::zeros(), moment: arm.cross(&(self.factor * self.force)) });
         }
     }
 
     fn potential(&self, links: &[LinkMotion]) -> f64 {
-        if self.follows { 0.0 } else { -self.force.dot(&Anchor::of(&self.on, links).position) }
+        if self.follows || self.over_time.is_some() { 0.0 } else { -self.force.dot(&Anchor::of(&self.on, links).position) }
     }
 
     fn input(&self, links: &[LinkMotion]) -> f64 {
         let link = &links[self.on.link];
-        if !self.follows {
+        if !self.follows && self.over_time.is_none() {
             return self.torque.dot(&link.angular_velocity);
         }
         let wrench = self.wrench(links);
@@ -151,19 +179,34 @@ impl Act for LoadLaw {
     }
 
     fn dead(&self) -> Option<(usize, Vector3<f64>)> {
-        (!self.follows).then_some((self.on.link, self.force))
+        (!self.follows && self.over_time.is_none()).then_some((self.on.link, self.force))
     }
 
     fn has_potential(&self) -> bool {
-        !self.follows && self.torque == Vector3::zeros()
+        !self.follows && self.torque == Vector3::zeros() && self.over_time.is_none()
     }
 
     fn magnitude(&self, _links: &[LinkMotion]) -> Magnitude {
-        let force = self.force.norm();
-        Magnitude { force, noise: force, moment: self.torque.norm(), ..Magnitude::default() }
+        let (force, moment) = (self.factor.abs() * self.force.norm(), self.factor.abs() * self.torque.norm());
+        Magnitude { force, noise: force, moment, ..Magnitude::default() }
+    }
+
+    fn times(&self) -> &[f64] {
+        self.over_time.as_ref().map_or(&[], |over_time| &over_time.timeline.times)
+    }
+
+    fn set_time(&mut self, time: f64) {
+        if let Some(OverTime { timeline, values }) = self.over_time.as_deref() {
+            self.factor = timeline.at(time).mix(values);
+        }
     }
 
     fn picture(&self) -> Picture<'_> {
-        Picture::Arrows { on: &self.on, force: self.force, torque: self.torque, turns: self.follows }
+        Picture::Arrows {
+            on: &self.on,
+            force: self.factor * self.force,
+            torque: self.factor * self.torque,
+            turns: self.follows,
+        }
     }
 }

@@ -9,6 +9,7 @@ pub mod end;
 pub mod question;
 mod segment;
 pub mod table;
+pub mod timeline;
 
 pub use end::{Attachment, Carrier, End, GROUND, Point};
 pub use question::{Act, Describe, Magnitude, Picture, Report, Switch};
@@ -153,6 +154,14 @@ macro_rules! kinds {
 
             fn cross(&mut self, boundary: usize) {
                 match self { $(Self::$kind(law) => law.cross(boundary),)+ }
+            }
+
+            fn times(&self) -> &[f64] {
+                match self { $(Self::$kind(law) => law.times(),)+ }
+            }
+
+            fn set_time(&mut self, time: f64) {
+                match self { $(Self::$kind(law) => law.set_time(time),)+ }
             }
 
             fn pull_name(&self) -> Option<&'static str> {

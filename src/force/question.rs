@@ -109,6 +109,14 @@ pub trait Act {
     /// Keeps the law on the other side of a boundary from now on.
     fn cross(&mut self, _boundary: usize) {}
 
+    /// The times at which it begins to follow another rule (s); empty for what does not depend on time.
+    fn times(&self) -> &[f64] {
+        &[]
+    }
+
+    /// Acts as at a time (s) from now on.
+    fn set_time(&mut self, _time: f64) {}
+
     /// What recordings and answers call the number of [`Act::pull`] (N); `None` where there is nothing to tell.
     fn pull_name(&self) -> Option<&'static str> {
         None

@@ -38,6 +38,7 @@ mod function;
 mod measure;
 mod number;
 mod parse;
+mod series;
 mod token;
 mod vocabulary;
 
@@ -47,6 +48,7 @@ pub use vocabulary::vocabulary;
 
 use function::{Binary, Unary};
 use number::{Gradient, Number};
+use series::Series;
 use std::ops::Range;
 
 /// The longest text (in bytes).
@@ -124,6 +126,12 @@ impl Formula {
     /// If a variable that it uses is not given.
     pub fn jet(&self, variables: &[Jet]) -> Jet {
         self.run(|index| variables[index])
+    }
+
+    /// Its value and its first four derivatives with respect to its variable, if it has one alone; of several, along all at once.
+    pub fn derivatives(&self, at: f64) -> [f64; 5] {
+        let Series([value, first, second, third, fourth]) = self.run(|_| Series([at, 1.0, 0.0, 0.0, 0.0]));
+        [value, first, 2.0 * second, 6.0 * third, 24.0 * fourth]
     }
 
     /// How it varies with its variables, given how these vary; variables that it does not use are not looked at.

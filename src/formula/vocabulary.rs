@@ -71,7 +71,7 @@ pub(super) const CONSTANTS: [(&str, f64); 12] = [
     ("False", 0.0),
 ];
 
-/// What formulas know beside the variables, for people: constants and functions.
+/// What formulas know besides the variables, for people: constants and functions.
 pub fn vocabulary() -> String {
     let functions: Vec<String> = FUNCTIONS.iter().map(|(name, _)| format!("`{name}`")).collect();
     format!("the constants `pi`, `tau`, `e`, and the functions {}", functions.join(", "))

@@ -25,6 +25,11 @@ pub enum Joint {
         /// Where its torsion spring is relaxed.
         rest: UnitQuaternion<f64>,
     },
+    /// Along a curve: an element ([`Joint::rod`]) of one coordinate, an arc length (m).
+    Along {
+        /// Index of the element.
+        rod: usize,
+    },
     /// A flexible element: its link's root marker is the element's tip. As many coordinates as velocities, lengths (m) and
     /// angles (rad) over the element.
     Flex {
@@ -41,7 +46,7 @@ impl Joint {
     pub fn counts(&self) -> (usize, usize) {
         match self {
             Self::None => (0, 0),
-            Self::Turn | Self::Slide { .. } | Self::Screw { .. } => (1, 1),
+            Self::Turn | Self::Slide { .. } | Self::Screw { .. } | Self::Along { .. } => (1, 1),
             Self::Ball { .. } => (4, 3),
             Self::Flex { count, .. } => (*count, *count),
         }
@@ -59,10 +64,16 @@ impl Joint {
         matches!(self, Self::Turn | Self::Screw { .. })
     }
 
-    /// Whether its coordinate is a distance.
+    /// Whether it slides along an axis.
     #[inline]
     pub fn is_slide(&self) -> bool {
         matches!(self, Self::Slide { .. })
+    }
+
+    /// Whether its coordinate is a distance: along an axis or along a curve.
+    #[inline]
+    pub fn is_distance(&self) -> bool {
+        matches!(self, Self::Slide { .. } | Self::Along { .. })
     }
 
     /// The axis of a slide (unit vector, hinge frame).
@@ -86,7 +97,7 @@ impl Joint {
     /// Whether it lets the link turn.
     #[inline]
     pub fn turns(&self) -> bool {
-        self.is_angle() || self.is_ball() || self.is_flex()
+        self.is_angle() || self.is_ball() || self.is_flex() || matches!(self, Self::Along { .. })
     }
 
     /// Whether it is a flexible element.
@@ -95,10 +106,10 @@ impl Joint {
         matches!(self, Self::Flex { .. })
     }
 
-    /// The index of its element, if it is flexible.
+    /// The index of its element, if it is flexible or goes along a curve: its motion subspace depends on its coordinates.
     #[inline]
     pub fn rod(&self) -> Option<usize> {
-        if let Self::Flex { rod, .. } = self { Some(*rod) } else { None }
+        if let Self::Flex { rod, .. } | Self::Along { rod } = self { Some(*rod) } else { None }
     }
 
     /// Where the torsion spring of a ball is relaxed; `None` for others, whose springs belong to their coordinate.
@@ -110,16 +121,16 @@ impl Joint {
     /// Whether it has one coordinate, an angle or a distance.
     #[inline]
     pub fn is_scalar(&self) -> bool {
-        matches!(self, Self::Turn | Self::Slide { .. } | Self::Screw { .. })
+        matches!(self, Self::Turn | Self::Slide { .. } | Self::Screw { .. } | Self::Along { .. })
     }
 
-    /// The size of a displacement that counts as one: `length` (m) for a slide, 1 rad for angles.
+    /// The size of a displacement that counts as one: `length` (m) for a distance, 1 rad for angles.
     #[inline]
     pub fn unit(&self, length: f64) -> f64 {
-        if self.is_slide() { length } else { 1.0 }
+        if self.is_distance() { length } else { 1.0 }
     }
 
-    /// The link in its hinge frame, at its coordinates; `None` of a flexible element, which its own numbers place.
+    /// The link in its hinge frame, at its coordinates; `None` of an element, which its own numbers place.
     pub fn pose(&self, q: &[f64]) -> Option<Isometry3<f64>> {
         let about_z = |angle: f64| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
         let shifted = |by: Vector3<f64>, turn| Isometry3::from_parts(by.into(), turn);
@@ -129,7 +140,7 @@ impl Joint {
             Self::Slide { axis } => Some(shifted(q[0] * axis, UnitQuaternion::identity())),
             Self::Screw { pitch } => Some(shifted(pitch * q[0] * Vector3::z(), about_z(q[0]))),
             Self::Ball { .. } => Some(shifted(Vector3::zeros(), quaternion(q))),
-            Self::Flex { .. } => None,
+            Self::Flex { .. } | Self::Along { .. } => None,
         }
     }
 

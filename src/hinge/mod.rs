@@ -9,6 +9,7 @@ mod declared;
 pub mod joint;
 pub mod question;
 
+pub use along::AlongTurn;
 pub use declared::{Declared, Which, count, names};
 pub use joint::Joint;
 pub use question::{Condition, Freedom, Keys, Names, Say};
@@ -27,6 +28,7 @@ macro_rules! kinds {
         /// | revolute | angle | rate |
         /// | prismatic | distance | rate |
         /// | screw | angle; the distance along the axis is `pitch` times it | rate |
+        /// | along | arc length; if it turns freely about the tangent, that angle | rates |
         /// | cylindrical | distance, angle | rates |
         /// | universal | angle about the first axis, angle about the second (carried by the first) | rates |
         /// | planar | x, y in the hinge frame, angle about its z | rates |
@@ -63,17 +65,17 @@ macro_rules! kinds {
 
             /// Names and units of its coordinates.
             pub fn positions(&self) -> Names {
-                match self { $(Self::$kind { .. } => $module::$kind::POSITIONS,)+ }
+                match *self { $(Self::$kind $({ $($field),+ })? => $module::$kind $({ $($field),+ })?.positions(),)+ }
             }
 
             /// Names and units of its velocities.
             pub fn velocities(&self) -> Names {
-                match self { $(Self::$kind { .. } => $module::$kind::VELOCITIES,)+ }
+                match *self { $(Self::$kind $({ $($field),+ })? => $module::$kind $({ $($field),+ })?.velocities(),)+ }
             }
 
             /// The order of its coordinates and of its velocities, for messages; `None` if it has one or none.
             pub fn order(&self) -> Option<[&'static str; 2]> {
-                match self { $(Self::$kind { .. } => $module::$kind::ORDER,)+ }
+                match *self { $(Self::$kind $({ $($field),+ })? => $module::$kind $({ $($field),+ })?.order(),)+ }
             }
 
             /// See [`Freedom::check`].
@@ -128,6 +130,11 @@ kinds! {
         /// (m/rad), not zero.
         pitch: f64
     } in screw,
+    /// Slides along the curve of its description.
+    Along {
+        /// About and with the curve.
+        turn: AlongTurn
+    } in along,
     /// Slides along and turns about one axis.
     Cylindrical {
         /// Axis, hinge frame.

@@ -27,6 +27,21 @@ pub trait Freedom: Sized {
     /// From the keys of a file.
     fn read(keys: &dyn Keys) -> Self;
 
+    /// Its coordinates: [`Freedom::POSITIONS`], if its numbers do not give it more.
+    fn positions(&self) -> Names {
+        Self::POSITIONS
+    }
+
+    /// Its velocities: [`Freedom::VELOCITIES`], if its numbers do not give it more.
+    fn velocities(&self) -> Names {
+        Self::VELOCITIES
+    }
+
+    /// [`Freedom::ORDER`], if its numbers do not give it more coordinates.
+    fn order(&self) -> Option<[&'static str; 2]> {
+        Self::ORDER
+    }
+
     /// Says what is wrong with its numbers; `owner` is "hinge of …" or "loop …". Every axis must have a direction.
     fn check(&self, owner: &str, say: Say<'_>) {
         self.axes().iter().for_each(|axis| check_axis(axis, owner, say));
@@ -62,6 +77,8 @@ pub trait Keys {
     fn axes(&self) -> [Vector3<f64>; 2];
     /// `pitch` (m/rad).
     fn pitch(&self) -> f64;
+    /// `turn` of a curve.
+    fn turn(&self) -> Option<&str>;
 }
 
 /// One condition on two frames, `a` on the first body and `b` on the second, between the origins of which `d` lies.

@@ -14,7 +14,7 @@ pub(super) fn readable(text: Arc<str>, source: usize, log: &Log) -> Arc<str> {
     let mut text = without_declarations(text, source, log);
     for _ in 0..MOST_PREFIXES {
         let Some(prefix) = undeclared(&text) else { break };
-        // Macros are told by their prefix, and are no models.
+        // Macros are recognized by their prefix, and are no models.
         if prefix == "xacro" {
             break;
         }

@@ -55,7 +55,7 @@ pub struct Options {
     pub at: [f64; 3],
     /// How the root is turned: roll, pitch, yaw (rad).
     pub rpy: [f64; 3],
-    /// The folder from which the scenario text finds its meshes; where it is not given, the folder of the model.
+    /// The folder from which the scenario text finds its meshes; if it is not given, the folder of the model.
     pub folder: Option<PathBuf>,
     /// The keyframe of an MJCF model that is the start, by name or number from 0; the first one where it is not given.
     pub key: Option<String>,
@@ -105,7 +105,7 @@ pub struct Imported {
 /// Turns a file into a scenario, by its root element.
 ///
 /// # Errors
-/// Where the file cannot be read or is not a model that is known, and where something in it makes no sense: then with
+/// If the file cannot be read or is not a model that is known, and if something in it makes no sense: then with
 /// all problems at once.
 pub fn import(path: &Path, options: &Options) -> Result<Imported, Refused> {
     let text = text_file::read(path, "model")?;

@@ -225,12 +225,12 @@ impl<'a> Element<'a> {
         found
     }
 
-    /// The number of an attribute; `None` where it is absent or was refused.
+    /// The number of an attribute; `None` if it is absent or was refused.
     pub(super) fn number(&self, key: &str) -> Option<f64> {
         self.attribute(key)?.number()
     }
 
-    /// The numbers of an attribute; `None` where it is absent or was refused.
+    /// The numbers of an attribute; `None` if it is absent or was refused.
     pub(super) fn vector<const N: usize>(&self, key: &str) -> Option<[f64; N]> {
         self.attribute(key)?.vector()
     }

@@ -17,7 +17,7 @@ pub trait Problem {
     /// `a ← a(t, q, v)`.
     ///
     /// # Errors
-    /// Where the system is singular or a number is not finite; the failure names the element.
+    /// If the system is singular or a number is not finite; the failure names the element.
     fn acceleration(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Failure>;
     /// `rate ← N(q) v`: for plain coordinates `v`, for a quaternion `½ p ∘ (0, ω)`.
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]);
@@ -52,14 +52,14 @@ pub trait ImplicitProblem: Problem {
     /// [`acceleration`](Problem::acceleration) says so.
     ///
     /// # Errors
-    /// Where a number is not finite.
+    /// If a number is not finite.
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure>;
     /// Makes room for a factorization; asked once, when a method starts.
     fn reserve(&mut self);
     /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates).
     ///
     /// # Errors
-    /// Where it is singular.
+    /// If it is singular.
     fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure>;
     /// Solves with the factorization last made, in place.
     fn solve(&mut self, rhs: &mut [f64]);

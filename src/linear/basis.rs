@@ -16,7 +16,7 @@ use std::cmp::Ordering;
 pub(super) struct Basis {
     /// Velocity coordinates whose steps are states, in order.
     pub(super) independent: Vec<usize>,
-    /// Those that follow.
+    /// Dependent coordinates.
     pub(super) dependent: Vec<usize>,
     /// `[Z Y]`: steps of all coordinates, one column for each state of position.
     pub(super) columns: Mat<f64>,

@@ -7,7 +7,7 @@
 
 use faer::Mat;
 
-/// The norm up to which the series is taken, and its terms: what is left out, 2⁻¹⁹/19!, is below the rounding of one.
+/// The norm up to which the series is taken, and its terms: the truncation error, 2⁻¹⁹/19!, is below the rounding of one.
 const NORM: f64 = 0.5;
 const TERMS: usize = 18;
 

@@ -31,7 +31,7 @@ pub enum Input {
         /// Whether it turns with the body.
         follows: bool,
     },
-    /// The acceleration of a drive's target, beside its motion (m/s² or rad/s²).
+    /// The acceleration of a drive's target, in addition to its motion (m/s² or rad/s²).
     Drive {
         /// As it is asked for.
         name: String,

@@ -33,7 +33,7 @@ use std::sync::Arc;
 /// A place about which a scene is linearized.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
-    /// (s)
+    /// Time (s).
     pub time: f64,
     /// Hinge coordinates.
     pub position: Vec<f64>,
@@ -133,7 +133,7 @@ pub fn linearize(
     outputs: Option<&[String]>,
 ) -> Result<StateSpace, LinearError> {
     let n = model.velocity_count();
-    if !model.rods.is_empty() {
+    if !model.beams.is_empty() {
         return Err(LinearError::Beams);
     }
     if n > MOST {

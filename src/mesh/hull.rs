@@ -30,7 +30,7 @@ struct Growing<'p> {
     flat: f64,
 }
 
-/// The convex hull of points, in their units: triangles whose corners are places in the list. `None` where all points lie in
+/// The convex hull of points, in their units: triangles whose corners are places in the list. `None` if all points lie in
 /// a plane.
 pub fn hull(points: &[Vector3<f64>]) -> Option<Triangles> {
     let first = *points.first()?;

@@ -12,6 +12,8 @@ mod hull;
 mod msh;
 #[cfg(feature = "import")]
 mod obj;
+#[cfg(feature = "import")]
+mod parts;
 mod solid;
 #[cfg(feature = "import")]
 mod stl;
@@ -21,6 +23,8 @@ pub use file::MeshError;
 pub use file::bytes as contents;
 #[cfg(feature = "import")]
 pub use hull::{Triangles, hull};
+#[cfg(feature = "import")]
+pub use parts::{NotConvex, Part};
 pub use solid::{NotSolid, Solid};
 
 #[cfg(feature = "import")]
@@ -45,10 +49,10 @@ pub struct Mesh {
 type Read = fn(&Path) -> Result<Mesh, MeshError>;
 
 impl Mesh {
-    /// Reads a mesh; its format is told by the extension of the file: `stl`, `obj`, `gltf`, `glb`, `msh`.
+    /// Reads a mesh; its format follows from the extension of the file: `stl`, `obj`, `gltf`, `glb`, `msh`.
     ///
     /// # Errors
-    /// Where the file cannot be read, is larger than its [`budget`](crate::budget), or is not what its extension says.
+    /// If the file cannot be read, is larger than its [`budget`](crate::budget), or is not what its extension says.
     #[cfg(feature = "import")]
     pub fn read(path: &Path) -> Result<Self, MeshError> {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();

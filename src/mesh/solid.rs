@@ -44,7 +44,7 @@ impl Mesh {
     /// sum over tetrahedra from any point to the triangles is the volume, whatever the shape.
     ///
     /// # Errors
-    /// Where the surface has a border, or encloses nothing.
+    /// If the surface has a border, or encloses nothing.
     pub fn solid(&self, scale: Vector3<f64>) -> Result<Solid, NotSolid> {
         self.check_closed()?;
         let [low, high] = self.bounds().unwrap_or_default().map(|end| Vector3::from(end).cast::<f64>());

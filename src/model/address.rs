@@ -1,6 +1,6 @@
 //! How the numbers of a scene are addressed: `NAME.KEY`, and `NAME.KEY[i]` for one component.
 //!
-//! The same rules hold wherever an address is written:
+//! These rules hold wherever an address is written:
 //!
 //! - names may hold dots and brackets: the longest name that is known is taken;
 //! - of a repeated element the name stands for all copies, `name[i]` for one of them;

@@ -69,19 +69,19 @@ pub struct FarEnd {
 pub enum BeamShape {
     /// Along x.
     Straight {
-        /// (m)
+        /// Length (m).
         length: f64,
     },
     /// Towards y.
     Arc {
-        /// (m)
+        /// Radius (m).
         radius: f64,
-        /// (rad)
+        /// Angle (rad).
         angle: f64,
     },
     /// Right-handed; x is the first tangent, y points to its axis.
     Helix {
-        /// (m)
+        /// Radius (m).
         radius: f64,
         /// Rise per turn (m).
         pitch: f64,
@@ -106,7 +106,7 @@ pub struct FreeStrains {
 /// Force per length of a beam.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineLoad {
-    /// (N/m)
+    /// Force per length (N/m).
     pub force: Vector3<f64>,
     /// In section axes, with which it turns; else in inertial ones.
     pub follows: bool,

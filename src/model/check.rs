@@ -1,8 +1,12 @@
 //! What a description must satisfy element by element. Names and the tree are checked where they are resolved.
 
-use super::description::{BodyDescription, Description, ForceDescription, GROUND, HingeKind, MassProperties, Point};
+use super::burn;
+use super::description::{
+    AlongTurn, BodyDescription, Description, ForceDescription, GROUND, HingeKind, MassProperties, Point,
+};
 use super::problem::{Element, Problem, number};
 use crate::budget::LARGEST;
+use crate::element::guide::Guide;
 use crate::force::{Describe, Report};
 use nalgebra::{SymmetricEigen, UnitQuaternion, Vector3};
 
@@ -26,6 +30,14 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
     for (index, force) in description.forces.iter().enumerate() {
         check_force(&mut found, index, force);
     }
+    let mut rows = Findings { problems: Vec::new() };
+    found.problems.extend(burn::check(description, &mut |index, row| {
+        let (body, given) = (&description.bodies[index].name, rows.problems.len());
+        let unphysical = description.unphysical.contains(body);
+        check_mass(&mut rows, Element::Body(index), body, row, unphysical);
+        rows.problems[given..].iter_mut().for_each(|problem| problem.field = format!("burn.{}", problem.field));
+    }));
+    found.problems.extend(rows.problems);
     found.problems
 }
 
@@ -105,6 +117,31 @@ fn check_hinge(found: &mut Findings, element: Element, body: &BodyDescription) {
     hinge.kind.check(&format!("hinge of `{name}`"), &mut |key, message, help| {
         found.add(element, &format!("hinge.{key}"), message, help);
     });
+    match (&hinge.curve, hinge.kind) {
+        (Some(curve), HingeKind::Along { turn }) => {
+            let at = hinge.position.first().copied().unwrap_or(0.0);
+            match Guide::new(curve, turn != AlongTurn::Held).map(|guide| guide.range()) {
+                Err(flaw) => {
+                    let message = format!("the curve of the hinge of `{name}` {}", flaw.message);
+                    found.add(element, &format!("hinge.curve.{}", flaw.key), message, flaw.help);
+                }
+                Ok([from, to]) if at < from || at > to => {
+                    let message = format!("`{name}` is at an arc length of {at} m, beyond its curve");
+                    let help = format!("the curve goes from {from} m to {to} m");
+                    found.add(element, "hinge.position", message, &help);
+                }
+                Ok(_) => {}
+            }
+        }
+        (None, HingeKind::Along { .. }) => {
+            found.add(element, "hinge", format!("the hinge of `{name}` has no curve"), "give `curve`");
+        }
+        (Some(_), kind) => {
+            let message = format!("the {} hinge of `{name}` has a curve", kind.name());
+            found.add(element, "hinge", message, "only `along` has one");
+        }
+        (None, _) => {}
+    }
     if let Point::At(at) = &hinge.at
         && !finite(at)
     {

@@ -15,7 +15,7 @@ pub struct DryFriction {
 }
 
 impl DryFriction {
-    /// The same at rest and in motion.
+    /// Friction that is as large in motion as at rest.
     pub fn new(friction: f64) -> Self {
         Self { stick: friction, slide: friction }
     }
@@ -43,7 +43,7 @@ pub struct HingeFriction {
     pub velocity: usize,
     /// Velocity coordinates that it bounds together: 3 for the angular velocity of a spherical hinge, else 1.
     pub count: usize,
-    /// (N or N m)
+    /// Friction (N or N m).
     pub friction: DryFriction,
 }
 

@@ -59,7 +59,7 @@ pub enum ControlLawDescription {
         derivative: f64,
         /// `y*`
         setpoint: f64,
-        /// (N or N m)
+        /// Bias (N or N m).
         bias: f64,
         /// `u` is not beyond it, either way (N or N m).
         limit: Option<f64>,
@@ -87,7 +87,7 @@ impl ControlLawDescription {
 pub struct Controller {
     /// Name.
     pub name: String,
-    /// (s)
+    /// Period (s).
     pub period: f64,
     /// The numbers that it reads, by their places among all outputs.
     pub senses: Vec<usize>,

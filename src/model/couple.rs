@@ -23,7 +23,7 @@ pub struct Loop {
     pub ends: [End; 2],
     /// The loop's frame on the first link: `link_from_loop`.
     pub frame: Matrix3<f64>,
-    /// The loop's frame on the second link; `None` where it follows from the positions as they are given.
+    /// The loop's frame on the second link; `None` if it follows from the positions as they are given.
     pub second_frame: Option<Matrix3<f64>>,
 }
 
@@ -219,7 +219,7 @@ pub(super) fn scalar(
         add(message, Some(help));
         return None;
     };
-    let slides = link.joint.is_slide();
+    let slides = link.joint.is_distance();
     Some(Scalar { link: *index, position: link.position, velocity: link.velocity, slides })
 }
 
@@ -289,7 +289,7 @@ fn drives(description: &Description, model: &mut Model, problems: &mut Vec<Probl
     }
 }
 
-/// What a driven coordinate needs beside its own link's inertia: nothing where that resists in every position. Else the
+/// What a driven coordinate needs in addition to its own link's inertia: nothing where that resists in every position. Else the
 /// inertia of what it carries, or of the scene: any number is exact, and one of that size keeps all digits.
 fn armature(model: &Model, coordinate: &Scalar) -> f64 {
     let link = &model.links[coordinate.link];

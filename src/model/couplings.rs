@@ -61,14 +61,14 @@ pub struct DriveDescription {
     pub motion: MotionDescription,
 }
 
-/// A motion of a coordinate over time, in m or rad. What is left open is taken from the hinge's given position.
+/// A motion of a coordinate over time, in m or rad. What it leaves open is taken from the hinge's given position.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MotionDescription {
     /// Stays at the given position.
     Hold,
     /// At a constant rate from the given position.
     Rate {
-        /// (m/s or rad/s)
+        /// Rate (m/s or rad/s).
         rate: f64,
     },
     /// Smoothly from the given position to another one; velocity and acceleration vanish at both ends.
@@ -84,18 +84,18 @@ pub enum MotionDescription {
     Sine {
         /// (m or rad); `None`: the given position.
         offset: Option<f64>,
-        /// (m or rad)
+        /// Amplitude (m or rad).
         amplitude: f64,
-        /// (Hz)
+        /// Frequency (Hz).
         frequency: f64,
-        /// (rad)
+        /// Phase (rad).
         phase: f64,
     },
     /// A cubic spline through points, at rest before the first and after the last.
     Table {
         /// (s), increasing.
         times: Vec<f64>,
-        /// (m or rad)
+        /// Values (m or rad).
         values: Vec<f64>,
     },
     /// A formula in the time `t` (s).

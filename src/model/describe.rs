@@ -139,6 +139,11 @@ impl HingeDescription {
         Self::new(HingeKind::Screw { axis: axis.into(), pitch })
     }
 
+    /// Slides along a curve of the hinge frame.
+    pub fn along(curve: GuideCurve, turn: AlongTurn) -> Self {
+        Self { curve: Some(curve), ..Self::new(HingeKind::Along { turn }) }
+    }
+
     /// Slides along and turns about an axis.
     pub fn cylindrical(axis: impl Into<Vector3<f64>>) -> Self {
         Self::new(HingeKind::Cylindrical { axis: axis.into() })

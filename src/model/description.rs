@@ -26,6 +26,7 @@
 //! ```
 
 pub use super::beam::{BeamDescription, BeamShape, FarEnd, FreeStrains, LineLoad, Material, Section};
+pub use super::burn::BurnDescription;
 pub use super::contact::{ContactDescription, DryFriction};
 pub use super::controller::{ControlLawDescription, ControllerDescription};
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
@@ -37,10 +38,12 @@ pub use super::output::{
 use super::parameter::NamedNumbers;
 use super::shape::Shape;
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
-pub use crate::force::load::LoadAxes;
+pub use crate::element::guide::GuideCurve;
+pub use crate::force::load::{LoadAxes, OverTime};
 pub use crate::force::table::Interpolation;
+pub use crate::force::timeline::Timeline;
 pub use crate::force::{Attachment, Bushing, Curve, ForceDescription, ForceKind, GROUND, Load, Point, Rope, Spring};
-pub use crate::hinge::HingeKind;
+pub use crate::hinge::{AlongTurn, HingeKind};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
 
@@ -57,6 +60,8 @@ pub struct Description {
     pub beams: Vec<BeamDescription>,
     /// Names of bodies whose inertia is taken though no body can have it: models of other programs have such.
     pub unphysical: HashSet<String>,
+    /// Bodies whose mass burns away.
+    pub burns: Vec<BurnDescription>,
     /// Springs, bushings and loads.
     pub forces: Vec<ForceDescription>,
     /// What closes kinematic loops.
@@ -87,6 +92,7 @@ impl Default for Description {
             bodies: Vec::new(),
             beams: Vec::new(),
             unphysical: HashSet::new(),
+            burns: Vec::new(),
             forces: Vec::new(),
             loops: Vec::new(),
             drives: Vec::new(),
@@ -135,6 +141,8 @@ pub struct MassProperties {
 pub struct HingeDescription {
     /// Which motion is free.
     pub kind: HingeKind,
+    /// The curve of [`HingeKind::Along`], hinge frame; `None` for all others.
+    pub curve: Option<GuideCurve>,
     /// Name of the parent body, or [`GROUND`].
     pub parent: String,
     /// Where on the parent.
@@ -170,6 +178,7 @@ impl HingeDescription {
     pub fn new(kind: HingeKind) -> Self {
         Self {
             kind,
+            curve: None,
             parent: GROUND.to_owned(),
             at: Point::At(Vector3::zeros()),
             frame: UnitQuaternion::identity(),

@@ -109,7 +109,7 @@ pub(super) fn compile(description: &Description, bodies: &[Body], links: &[Link]
             let (position, velocity) = (position + curve.coordinate, velocity + curve.coordinate);
             let of_link = |link: &Link| link.velocity == velocity && link.joint.counts() == (1, 1);
             let link = links.iter().position(of_link)?;
-            let slides = links[link].joint.is_slide();
+            let slides = links[link].joint.is_distance();
             Some(HingeCurve {
                 coordinate: Scalar { link, position, velocity, slides },
                 over: curve.over,

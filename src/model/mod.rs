@@ -8,6 +8,7 @@
 pub mod address;
 pub mod beam;
 mod build;
+pub mod burn;
 mod check;
 pub mod contact;
 pub mod controller;
@@ -15,6 +16,7 @@ mod couple;
 pub mod couplings;
 mod describe;
 pub mod description;
+pub mod guided;
 mod halves;
 mod hinge_curve;
 mod link;
@@ -31,10 +33,12 @@ pub mod watch;
 pub use crate::force::{End, Force};
 pub use crate::hinge::Joint;
 pub use beam::Beam;
+pub use burn::Burn;
 pub use contact::{ContactRule, HingeFriction};
 pub use controller::Controller;
 pub use couple::{Drive, Gear, Loop, Scalar};
 pub use description::Description;
+pub use guided::CurveEnd;
 pub use halves::Halves;
 pub use hinge_curve::{CurveOver, HingeCurve};
 pub use link::Link;
@@ -64,8 +68,12 @@ pub struct Model {
     pub bodies: Vec<Body>,
     /// The tree: link 0 is the ground, parents stand before children, and every subtree is contiguous.
     pub links: Pages<Link>,
-    /// The flexible elements.
+    /// The flexible elements, and the curves that bodies are guided along.
     pub rods: Vec<Rod>,
+    /// The ends of those curves.
+    pub curve_ends: Vec<CurveEnd>,
+    /// Bodies whose mass burns away.
+    pub burns: Vec<Burn>,
     /// The beams that they belong to.
     pub beams: Vec<Beam>,
     /// Where the tree falls into two halves, in large ones.
@@ -188,7 +196,8 @@ impl Model {
         }
     }
 
-    /// The same, point masses that turn about themselves let pass: an axis that could not be read may stand in for another.
+    /// Builds without the check for point masses that turn about themselves: an axis that could not be read may stand in for
+    /// another.
     pub(crate) fn build_loosely(description: &Description) -> Result<Arc<Self>, Vec<Problem>> {
         build::build(description).map(Arc::new)
     }
@@ -312,10 +321,17 @@ impl Model {
         self.bodies.iter().map(|body| body.mass.mass).sum::<f64>() + self.rods.iter().map(inner).sum::<f64>()
     }
 
-    /// Whether every load has a potential: no follower loads, no torques fixed in space, no motors about balls or by
+    /// The times at which a load or a mass begins to follow another rule (s).
+    pub fn table_times(&self) -> impl Iterator<Item = f64> + '_ {
+        let loads = self.forces.iter().flat_map(|force| force.law.times());
+        loads.chain(self.burns.iter().flat_map(|burn| &burn.timeline.times)).copied()
+    }
+
+    /// Whether every load has a potential: no mass that burns away, no loads over time, no follower loads, no torques fixed in space, no motors about balls or by
     /// formulas of their coordinate.
     pub fn is_conservative(&self) -> bool {
-        self.forces.iter().all(|force| force.law.has_potential())
+        self.burns.is_empty()
+            && self.forces.iter().all(|force| force.law.has_potential())
             && self.motors.iter().all(Motor::has_potential)
             && self.links.iter().all(|link| {
                 !link.joint.is_ball()

@@ -28,7 +28,7 @@ pub struct MotorDescription {
 pub enum MotorLawDescription {
     /// Always the same.
     Constant {
-        /// (N or N m)
+        /// Force (N or N m).
         force: f64,
     },
     /// Straight lines through points, constant before the first and after the last.
@@ -37,7 +37,7 @@ pub enum MotorLawDescription {
         over: Over,
         /// (s, or m/s or rad/s), increasing.
         at: Vec<f64>,
-        /// (N or N m)
+        /// Forces (N or N m).
         forces: Vec<f64>,
     },
     /// `stiffness (s − q) + damping (ṡ − q̇) + force`, towards the target `s(t)`.
@@ -111,7 +111,7 @@ const SPEED: usize = 2;
 /// What a motor pushes with at one state.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Push {
-    /// (N or N m)
+    /// Force (N or N m).
     pub force: f64,
     /// Its derivative with respect to the coordinate (N/m or N m/rad).
     pub by_position: f64,
@@ -242,7 +242,7 @@ impl Motor {
         (!follows).then(|| self.at(0.0, 0.0, 0.0).force)
     }
 
-    /// The potential (J) of its force at rest at t = 0, where it has one: statics goes down it.
+    /// The potential (J) of its force at rest at t = 0, if it has one: statics goes down it.
     pub fn potential(&self, q: f64) -> f64 {
         let MotorLaw::Pd { target, stiffness, damping, force } = &self.law else {
             return -self.at(0.0, q, 0.0).force * q;

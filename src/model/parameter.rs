@@ -34,32 +34,32 @@ use crate::suggest::closest;
 /// What a parameter measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// (N)
+    /// Force (N).
     Force,
-    /// (N m)
+    /// Torque (N m).
     Torque,
-    /// (m)
+    /// Length (m).
     Length,
-    /// (rad)
+    /// Angle (rad).
     Angle,
-    /// (N/m)
+    /// Stiffness (N/m).
     Stiffness,
-    /// (N m/rad)
+    /// Rotational stiffness (N m/rad).
     TurnStiffness,
-    /// (kg)
+    /// Mass (kg).
     Mass,
-    /// (m/s²)
+    /// Acceleration (m/s²).
     Acceleration,
-    /// (m/s)
+    /// Speed (m/s).
     Speed,
-    /// (rad/s)
+    /// Angular rate (rad/s).
     TurnRate,
     /// In SI units, which of them is not said: a named number without a unit, or with one of another kind.
     Plain,
 }
 
 impl Quantity {
-    /// Those with a unit.
+    /// The quantities with a unit.
     pub const ALL: [Self; 10] = [
         Self::Force,
         Self::Torque,
@@ -128,7 +128,7 @@ pub enum Field {
 }
 
 impl Field {
-    /// Those of elements.
+    /// The fields of elements.
     const ALL: [Self; 12] = [
         Self::Gravity,
         Self::Mass,
@@ -284,7 +284,7 @@ fn entries(description: &Description) -> impl Iterator<Item = Entry<'_, Element>
         .chain(of(&description.motors, Some("motor"), Element::Motor, |motor| &motor.name))
 }
 
-/// The elements that a path starts with, and what is left of it.
+/// The elements that a path starts with, and the rest of it.
 fn elements<'p>(description: &Description, path: &'p str) -> Option<(Vec<Element>, &'p str)> {
     let has = |element: Element, rest: &str| !numbers(description, element, key_of(rest)).is_empty();
     if let Some(target) = resolve(path, entries(description), has) {
@@ -309,7 +309,7 @@ fn key_of(rest: &str) -> &str {
     rest.strip_prefix("hinge.").unwrap_or(rest)
 }
 
-/// The numbers of an element under a key; none where it has no such key.
+/// The numbers of an element under a key; none if it has no such key.
 fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parameter> {
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
@@ -460,6 +460,7 @@ mod tests {
                     force: Vector3::new(1.0, 2.0, 3.0),
                     torque: Vector3::zeros(),
                     axes: LoadAxes::Inertial,
+                    over_time: None,
                 }),
             },
             ForceDescription {

@@ -29,9 +29,9 @@ pub enum Prescribed {
         offset: f64,
         /// Amplitude.
         amplitude: f64,
-        /// (rad/s)
+        /// Angular frequency (rad/s).
         pace: f64,
-        /// (rad)
+        /// Phase (rad).
         phase: f64,
     },
     /// Cubic spline.
@@ -46,11 +46,11 @@ pub const VARIABLES: [&str; 1] = ["t"];
 /// Position, velocity and acceleration of a prescribed coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Instant {
-    /// (m or rad)
+    /// Position (m or rad).
     pub position: f64,
-    /// (m/s or rad/s)
+    /// Velocity (m/s or rad/s).
     pub velocity: f64,
-    /// (m/s² or rad/s²)
+    /// Acceleration (m/s² or rad/s²).
     pub acceleration: f64,
 }
 

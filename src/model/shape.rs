@@ -26,14 +26,14 @@ pub enum Geometry {
     Sphere(f64),
     /// Along z.
     Cylinder {
-        /// (m)
+        /// Radius (m).
         radius: f64,
-        /// (m)
+        /// Length (m).
         length: f64,
     },
     /// A cylinder along z with half spheres on its ends.
     Capsule {
-        /// (m)
+        /// Radius (m).
         radius: f64,
         /// Of the cylindrical part (m).
         length: f64,
@@ -46,7 +46,20 @@ pub enum Geometry {
         file: PathBuf,
         /// Scale of each axis.
         scale: Vector3<f64>,
+        /// Whether its convex hull touches in its place.
+        hull: bool,
+        /// Its convex parts, if it may touch anything.
+        parts: Vec<Hull>,
     },
+}
+
+/// A convex polytope.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hull {
+    /// Its corners (m).
+    pub corners: Vec<Vector3<f64>>,
+    /// Three corners each, counter-clockwise as seen from outside.
+    pub triangles: Vec<[usize; 3]>,
 }
 
 impl Shape {

@@ -3,11 +3,14 @@
 use super::beam::{Beam, BeamElement, Bodies, Expanded};
 use super::build::Place;
 use super::couple::couple;
-use super::description::{Description, MassProperties};
+use super::description::{AlongTurn, Description, HingeDescription, HingeKind, MassProperties};
 use super::link::Link;
 use super::problem::{Element, Problem};
-use super::{Body, Coordinate, End, Force, Halves, Hinge, Model, contact, controller, hinge_curve, output, watch};
+use super::{
+    Body, Coordinate, End, Force, Halves, Hinge, Model, burn, contact, controller, guided, hinge_curve, output, watch,
+};
 use crate::element::Rod;
+use crate::element::guide::Guide;
 use crate::force::{Carrier, Describe};
 use crate::hinge::Joint;
 use crate::hinge::joint::quaternion;
@@ -65,11 +68,16 @@ impl<'a> Tree<'a> {
             lock: given.hinge.lock,
         };
         let rod = self.whole.and_then(|whole| whole.rods.get(&index));
-        let joints = match rod {
+        let mut joints = match rod {
             Some(rod) => vec![(Joint::Flex { rod: self.rods.len(), count: rod.count() }, UnitQuaternion::identity())],
             None => given.hinge.kind.elementary(&given.hinge.rest),
         };
-        self.rods.extend(rod.cloned());
+        for (joint, _) in &mut joints {
+            if let Joint::Along { rod } = joint {
+                *rod = self.rods.len();
+            }
+        }
+        self.rods.extend(rod.cloned().or_else(|| guide(&given.hinge)));
         let (link, link_from_body) = match joints.last() {
             None => (carrier, base),
             Some((_, hinge_from_link)) => {
@@ -248,6 +256,7 @@ impl<'a> Tree<'a> {
         let forces = forces.collect();
         let bodies: Vec<Body> = self.bodies.iter().flatten().cloned().collect();
         let stops = watch::stops(self.description, &bodies);
+        let curve_ends = guided::ends(&self.links, &self.rods, &stops);
         let hinge_friction = contact::hinge_friction(self.description, &bodies);
         let mut model = Model {
             title: self.description.title.clone(),
@@ -270,12 +279,15 @@ impl<'a> Tree<'a> {
             halves: if self.rods.is_empty() { Halves::of(&self.links) } else { None },
             beams: self.beams(),
             rods: self.rods.clone(),
+            curve_ends,
+            burns: Vec::new(),
             links: self.links.iter().cloned().collect(),
             coordinates: self.coordinates.clone(),
             start_position: self.start_position.clone(),
             start_velocity: self.start_velocity.clone(),
         };
         let carrier = |place: &Place| (end(place), turn(place));
+        burn::compile(self.description, &mut model);
         let mut problems = couple(self.description, loops, &carrier, &mut model);
         if problems.is_empty() {
             problems = output::compile(self.description, asked, &carrier, &mut model);
@@ -309,6 +321,12 @@ impl Tree<'_> {
     }
 }
 
+/// The element of a hinge along a curve, which has been checked.
+fn guide(hinge: &HingeDescription) -> Option<Rod> {
+    let (curve, HingeKind::Along { turn }) = (hinge.curve.as_ref()?, hinge.kind) else { return None };
+    Guide::new(curve, turn != AlongTurn::Held).ok().map(Rod::guided)
+}
+
 /// A point of a body in the axes of its link. By the matrix: between axes that are the same but for their names it
 /// moves numbers without rounding them.
 fn seen_from(link_from_body: &Pose, point: &Vector3<f64>) -> Vector3<f64> {
@@ -316,7 +334,7 @@ fn seen_from(link_from_body: &Pose, point: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// Adds a body's mass and inertia to the link it is welded to. Inertia counts also where there is no mass with it.
-fn weld(link: &mut Link, mass: &MassProperties, link_from_body: &Pose) {
+pub(super) fn weld(link: &mut Link, mass: &MassProperties, link_from_body: &Pose) {
     let center = seen_from(link_from_body, &mass.center);
     let turn = link_from_body.rotation.to_rotation_matrix();
     let about_center = Sym3::symmetric_part(&mass.inertia).turned(turn.matrix());

@@ -120,7 +120,7 @@ fn sweep(
                 turn += 1;
                 angles[turn - 1]
             }
-            Joint::Flex { rod, .. } => {
+            Joint::Flex { rod, .. } | Joint::Along { rod } => {
                 flexible(state, link, rod, parent, (&mut rods[rod], &mut from_here[0]));
                 continue;
             }
@@ -130,12 +130,15 @@ fn sweep(
     }
 }
 
-/// Across a flexible element.
+/// Across a flexible element or along a curve.
 #[inline(never)]
 fn flexible(state: &State<'_>, link: &Link, rod: usize, parent: &LinkMotion, own: (&mut RodMotion, &mut LinkMotion)) {
     let (count, (at, own)) = (link.joint.counts().1, own);
     let (q, v) = (&state.q[link.position..link.position + count], &state.v[link.velocity..link.velocity + count]);
     at.update(&state.model.rods[rod], (&link.offset, &link.turn), parent, (q, v), own);
+    if link.joint.is_scalar() {
+        own.axis = at.tip[0].fixed_rows::<3>(0).into();
+    }
     if !link.is_massless() {
         own.center = own.turn * link.center;
         own.inertia = link.principal.turned(&Columns::of(&own.turn));
@@ -170,8 +173,8 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
         own.bias = w.cross(swing + slip + slip).vector();
     };
     let (turn, arm) = match &link.joint {
-        // Of flexible elements see `flexible`.
-        Joint::None | Joint::Flex { .. } => (hinge, anchor),
+        // Of elements see `flexible`.
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => (hinge, anchor),
         Joint::Turn => {
             let z = hinge.0[2];
             own.axis = z.vector();
@@ -238,7 +241,7 @@ pub(crate) fn hinge_from_link(p: &[f64]) -> Matrix3<f64> {
     )
 }
 
-/// The same as a unit quaternion.
+/// Four position coordinates as a unit quaternion.
 pub(crate) fn unit_quaternion(p: &[f64]) -> UnitQuaternion<f64> {
     UnitQuaternion::from_quaternion(Quaternion::new(p[0], p[1], p[2], p[3]))
 }
@@ -274,6 +277,7 @@ pub fn distance(link: &Link, from: &[f64], to: &[f64]) -> f64 {
 pub(crate) fn project(motion: &Motion, link: &Link, index: usize, wrench: &Wrench, mut put: impl FnMut(usize, f64)) {
     let at = &motion.links[index];
     match link.joint {
+        Joint::Along { rod } => put(link.velocity, motion.rods[rod].project(0, wrench)),
         Joint::Flex { rod, count } => {
             (0..count).for_each(|i| put(link.velocity + i, motion.rods[rod].project(i, wrench)));
         }
@@ -295,7 +299,9 @@ pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
     for link in &model.links {
         match link.joint {
             Joint::None => {}
-            Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => q[link.position] += step[link.velocity],
+            Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } | Joint::Along { .. } => {
+                q[link.position] += step[link.velocity];
+            }
             Joint::Flex { count, .. } => {
                 let by = &step[link.velocity..link.velocity + count];
                 q[link.position..link.position + count].iter_mut().zip(by).for_each(|(q, by)| *q += by);

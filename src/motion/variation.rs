@@ -44,7 +44,7 @@ pub fn outward(
 ) {
     for index in range {
         let link = &model.links[index];
-        if let Joint::Flex { rod, .. } = link.joint {
+        if let Some(rod) = link.joint.rod() {
             let point = rod_point(motion, link, &accelerations[link.parent], hinge_accelerations);
             let (at, mut tip) = (&motion.rods[rod], LinkVariation::default());
             let by = rod_direction(link, by);
@@ -92,8 +92,8 @@ fn outboard(
     let (mut delta_slip, mut delta_spin) = (Vector3::zeros(), Vector3::zeros());
     let (mut delta_slip_rate, mut delta_spin_rate) = (Vector3::zeros(), Vector3::zeros());
     match link.joint {
-        // Of flexible elements see `outward`.
-        Joint::None | Joint::Flex { .. } => {}
+        // Of elements see `outward`.
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
         Joint::Turn | Joint::Screw { .. } => {
             let (n, dn) = (own.axis, p.turn.cross(&own.axis));
             turn += n * one(by.position, at);

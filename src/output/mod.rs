@@ -1,7 +1,7 @@
 //! What a user asks of a scene, as numbers: one kind a file, each answers the questions of `Measure`.
 //!
 //! [`crate::model::output`] has outputs as they are described and compiled. [`Outputs`] evaluates those of a model at one
-//! place, from a force balance there and from what the caller knows beside it ([`Given`]).
+//! place, from a force balance there and from what the caller knows besides it ([`Given`]).
 //!
 //! Expressions follow from other outputs: they are evaluated last, in the order of their depth. Variations are by the
 //! chain rule through [`crate::motion::variation`]:

@@ -5,7 +5,7 @@ use crate::dynamics::{Balanced, Energies, Powers};
 use crate::motion::variation::LinkVariation;
 use crate::spatial::Wrench;
 
-/// What a caller knows of a place beside its force balance.
+/// What a caller knows of a place besides its force balance.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
     /// Hinge accelerations, those of the balance.

@@ -20,7 +20,7 @@ pub enum Measure {
     Of {
         /// Powers of kg, m and s.
         base: [f64; 3],
-        /// The power of rad; `None` where radians count as 1.
+        /// The power of rad; `None` if radians count as 1.
         angle: Option<f64>,
     },
 }
@@ -56,7 +56,7 @@ impl Measure {
         }
     }
 
-    /// What a sum of both measures; `None` where they do not add up.
+    /// What a sum of both measures; `None` if they do not add up.
     #[must_use]
     pub fn together(self, other: Self) -> Option<Self> {
         match (self, other) {

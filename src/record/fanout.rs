@@ -1,6 +1,6 @@
 //! Several recorders fed at once.
 
-use super::{Event, Outcome, RecordError, Recorder, Sample};
+use super::{ContactPush, Event, Outcome, RecordError, Recorder, Sample};
 
 /// Feeds one recorder that matters and any number of onlookers. An onlooker that fails is dropped and the failure kept
 /// for the caller to report; the run and the recorder that matters never notice.
@@ -17,13 +17,13 @@ impl Fanout {
         Self::default()
     }
 
-    /// Sets the recorder whose errors end the run.
+    /// Sets the recorder whose errors stop the run.
     pub fn recorder(mut self, recorder: impl Recorder + 'static) -> Self {
         self.recorder = Some(Box::new(recorder));
         self
     }
 
-    /// Adds a recorder whose errors do not.
+    /// Adds a recorder whose errors do not stop the run.
     pub fn onlooker(mut self, onlooker: impl Recorder + 'static) -> Self {
         self.onlookers.push(Box::new(onlooker));
         self
@@ -54,6 +54,14 @@ impl Recorder for Fanout {
             recorder.event(event)?;
         }
         self.tell_onlookers(|onlooker| onlooker.event(event));
+        Ok(())
+    }
+
+    fn contacts(&mut self, time: f64, contacts: &[ContactPush]) -> Result<(), RecordError> {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.contacts(time, contacts)?;
+        }
+        self.tell_onlookers(|onlooker| onlooker.contacts(time, contacts));
         Ok(())
     }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 /// A recording that is about to be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Footage {
-    /// What it says beside its samples; mesh files that are not read are taken out of its scene.
+    /// Everything but its samples; mesh files that are not read are taken out of its scene.
     pub recording: Recording,
     /// What is not drawn, in words.
     pub notes: Vec<String>,

@@ -1,6 +1,6 @@
 //! Samples kept in memory, for tests and reports.
 
-use super::{Event, Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
+use super::{ContactPush, Event, Opening, Outcome, OwnedSample, RecordError, Recorder, Sample, Scene};
 
 /// Keeps everything it is given.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +11,8 @@ pub struct Memory {
     pub samples: Vec<OwnedSample>,
     /// In the order they came.
     pub events: Vec<Event>,
+    /// Of scenes with contact: times of samples (s), and what contacts push with then.
+    pub contacts: Vec<(f64, Vec<ContactPush>)>,
     /// Once finished.
     pub outcome: Option<Outcome>,
 }
@@ -18,7 +20,13 @@ pub struct Memory {
 impl Memory {
     /// An empty recording of the scene.
     pub fn new(opening: &Opening) -> Self {
-        Self { scene: opening.scene.clone(), samples: Vec::new(), events: Vec::new(), outcome: None }
+        Self {
+            scene: opening.scene.clone(),
+            samples: Vec::new(),
+            events: Vec::new(),
+            contacts: Vec::new(),
+            outcome: None,
+        }
     }
 }
 
@@ -31,6 +39,11 @@ impl Recorder for Memory {
 
     fn event(&mut self, event: &Event) -> Result<(), RecordError> {
         self.events.push(event.clone());
+        Ok(())
+    }
+
+    fn contacts(&mut self, time: f64, contacts: &[ContactPush]) -> Result<(), RecordError> {
+        self.contacts.push((time, contacts.to_vec()));
         Ok(())
     }
 

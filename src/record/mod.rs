@@ -13,6 +13,7 @@
 //!
 //! Nothing here knows how a simulation works, and nothing outside `file` and `view` knows MCAP or Rerun.
 
+mod contact;
 #[cfg(feature = "record")]
 pub mod drawing;
 mod error;
@@ -37,6 +38,7 @@ pub mod table;
 #[cfg(feature = "record")]
 pub mod view;
 
+pub use contact::ContactPush;
 pub use error::RecordError;
 pub use event::Event;
 pub use fanout::Fanout;
@@ -96,6 +98,15 @@ pub trait Recorder {
     /// # Errors
     /// When the mark cannot be kept.
     fn event(&mut self, _event: &Event) -> Result<(), RecordError> {
+        Ok(())
+    }
+
+    /// Takes what contacts push with at the time of the sample that follows (s); of scenes with contact alone. Not every recorder has a
+    /// use for it.
+    ///
+    /// # Errors
+    /// When it cannot be kept.
+    fn contacts(&mut self, _time: f64, _contacts: &[ContactPush]) -> Result<(), RecordError> {
         Ok(())
     }
 

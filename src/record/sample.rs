@@ -99,7 +99,7 @@ pub struct OwnedSample {
 }
 
 impl OwnedSample {
-    /// The same instant, borrowed.
+    /// This sample, borrowed.
     pub fn borrow(&self) -> Sample<'_> {
         Sample {
             time: self.time,

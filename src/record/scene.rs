@@ -1,10 +1,20 @@
-//! What a picture of a recording needs to know beside the samples. Written into the recording, so that a viewer needs
+//! What a picture of a recording needs to know besides the samples. Written into the recording, so that a viewer needs
 //! nothing else.
 
 #[cfg(feature = "record")]
 use crate::budget;
 #[cfg(feature = "record")]
 use std::collections::HashSet;
+
+/// Ends of the names of a wrench's numbers, inertial axes.
+pub(crate) const WRENCH: [(&str, &str); 6] = [
+    ("force.x", "N"),
+    ("force.y", "N"),
+    ("force.z", "N"),
+    ("moment.x", "N m"),
+    ("moment.y", "N m"),
+    ("moment.z", "N m"),
+];
 
 /// The still part of a recording: names, shapes, lines, channels.
 #[derive(Debug, Clone, PartialEq, Default)]

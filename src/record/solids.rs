@@ -127,7 +127,7 @@ const POINT: f64 = 0.03;
 /// Thickness of stand-ins against their length.
 const SLENDER: f64 = 0.03;
 
-/// A capsule from the root marker to `end`; `None` where they are the same point. Links of a long chain are stouter, to
+/// A capsule from the root marker to `end`; `None` if they are the same point. Links of a long chain are stouter, to
 /// be seen at all.
 fn rod(end: Vector3<f64>, longest: f64) -> Option<(Form, Isometry3<f64>)> {
     let length = end.norm();

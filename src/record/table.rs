@@ -1,6 +1,6 @@
 //! A recording as tables: one per channel, one column per number, each with its name and unit.
 
-use super::scene::Channel;
+use super::scene::{Channel, WRENCH};
 use super::{OwnedSample, Scene};
 use std::collections::HashMap;
 
@@ -48,16 +48,6 @@ const POSE: [(&str, &str); 7] = [
     ("quaternion.x", "1"),
     ("quaternion.y", "1"),
     ("quaternion.z", "1"),
-];
-
-/// Ends of the names of a reaction's numbers.
-const WRENCH: [(&str, &str); 6] = [
-    ("force.x", "N"),
-    ("force.y", "N"),
-    ("force.z", "N"),
-    ("moment.x", "N m"),
-    ("moment.y", "N m"),
-    ("moment.z", "N m"),
 ];
 
 impl Table {

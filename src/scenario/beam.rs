@@ -72,7 +72,7 @@ fn common(table: &Reader<'_>, mut beam: BeamDescription) -> Option<BeamDescripti
 }
 
 /// Exactly one of these keys; otherwise that is said, and there is none.
-fn only<'k>(table: &Reader<'_>, what: &str, keys: &[&'k str]) -> Option<&'k str> {
+pub(super) fn only<'k>(table: &Reader<'_>, what: &str, keys: &[&'k str]) -> Option<&'k str> {
     let mut given = keys.iter().filter(|key| table.has(key));
     match (given.next(), given.next()) {
         (Some(one), None) => Some(one),

@@ -2,9 +2,10 @@
 
 use super::findings::Finding;
 use super::hinge::{Hinge, hinge, point};
-use super::mass::{Mass, mass};
+use super::mass::{Mass, STAND_IN, burn, mass};
 use super::reader::Reader;
 use super::shape::shapes;
+use crate::model::burn::BurnDescription;
 use crate::model::description::{Attachment, BeamDescription, BodyDescription, Description, GROUND, Point};
 use nalgebra::Vector3;
 use std::collections::HashSet;
@@ -16,6 +17,7 @@ pub(super) struct Template {
     pub(super) repeat: Option<usize>,
     body: BodyDescription,
     unphysical: bool,
+    burn: Option<BurnDescription>,
     next: Option<Point>,
     mass: Mass,
     hinge: Hinge,
@@ -26,7 +28,12 @@ pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
     let name = table.text("name")?;
     let repeat = table.count("repeat");
     let shapes = shapes(table, name, folder);
-    let mass = mass(table, name, repeat, &shapes);
+    let mut mass = mass(table, name, repeat, &shapes);
+    let burn = burn(table, name);
+    if table.has("burn") {
+        let readable = burn.as_ref().filter(|burn| burn.timeline.flaw(burn.rows.len()).is_none());
+        mass.properties = readable.map_or(STAND_IN, |burn| burn.at(0.0));
+    }
     let mut hinge = hinge(table, name, repeat);
     // A marker that could not be read is there all the same: others may hang on it.
     let markers = table.names("markers").into_iter();
@@ -38,7 +45,7 @@ pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
         hinge: hinge.description.clone(),
     };
     let unphysical = table.flag("unphysical").unwrap_or(false);
-    Some(Template { repeat, body, unphysical, next: hinge.next.take(), mass, hinge })
+    Some(Template { repeat, body, unphysical, burn, next: hinge.next.take(), mass, hinge })
 }
 
 impl Template {
@@ -52,6 +59,7 @@ impl Template {
         let bodies = &mut description.bodies;
         let first = bodies.len();
         self.expand_bodies(bodies);
+        description.burns.extend(self.burn.clone());
         if self.unphysical {
             description.unphysical.extend(bodies[first..].iter().map(|body| body.name.clone()));
         }
@@ -95,7 +103,7 @@ impl<'b> Names<'b> {
         Self(bodies.iter().map(|body| body.name.as_str()).chain(beams).chain([GROUND]).collect())
     }
 
-    /// `body.marker` or `body`: the longest body name that is known, and what is left of the text is the marker. Where
+    /// `body.marker` or `body`: the longest body name that is known, and the rest of the text is the marker. Where
     /// none is known the text is cut at its last dot.
     pub(super) fn attachment(&self, text: &str) -> Attachment {
         let root = |body: &str| Attachment { body: body.to_owned(), point: Point::At(Vector3::zeros()) };

@@ -2,12 +2,16 @@
 
 use super::findings::Finding;
 use super::reader::{Reader, Value, number};
+use crate::mesh::Mesh;
 use crate::model::StopLaw;
 use crate::model::contact::fits;
 use crate::model::description::{BodyDescription, ContactDescription, Description, DryFriction};
+use crate::model::shape::{Geometry, Hull};
+use nalgebra::Vector3;
 use std::collections::HashMap;
+use std::path::Path;
 
-/// Reads a `[[contact]]`; `None` where too little of it is readable.
+/// Reads a `[[contact]]`; `None` if too little of it is readable.
 pub(super) fn contact(table: &Reader<'_>, index: usize) -> Option<ContactDescription> {
     let name = table.text("name").map_or_else(|| format!("contact[{index}]"), str::to_owned);
     let sides = table.value("between")?.get_ref().as_array()?;
@@ -64,6 +68,41 @@ pub(super) fn check_neighbours(scenario: &Reader<'_>, description: &Description)
         let help = "a `[[contact]]` with both names joins them";
         scenario.findings.push(Finding::warning(table.span_of("between"), message).help(help));
     }
+}
+
+/// Finds the convex parts of the meshes that may touch, with `[[contact]]`s alone: files are read for it.
+pub(super) fn find_parts(scenario: &Reader<'_>, description: &mut Description) {
+    let tables = scenario.tables("contact");
+    let Description { bodies, contacts, .. } = description;
+    for body in bodies {
+        let names = |contact: &ContactDescription| contact.between.iter().any(|side| fits(side, &body.name));
+        let Some(at) = contacts.iter().position(names) else { continue };
+        for shape in body.shapes.iter_mut().filter(|shape| shape.collides) {
+            let Geometry::Mesh { file, scale, hull, parts } = &mut shape.geometry else { continue };
+            match parts_of(file, *scale, *hull) {
+                Ok(found) => *parts = found,
+                Err(why) => {
+                    let message = format!("the mesh `{}` of body `{}` cannot touch: {why}", file.display(), body.name);
+                    let help =
+                        "`hull = true` beside `mesh` lets its convex hull touch; `contact = false` nothing of it";
+                    let place = tables.get(at).map_or(0..0, |table| table.span_of("between"));
+                    scenario.findings.push(Finding::error(place, message).label("it is named here").help(help));
+                }
+            }
+        }
+    }
+}
+
+#[cfg(feature = "import")]
+fn parts_of(file: &Path, scale: Vector3<f64>, hull: bool) -> Result<Vec<Hull>, String> {
+    let mesh = Mesh::read(file).map_err(|error| error.to_string())?;
+    let parts = mesh.convex_parts(scale, hull).map_err(|error| error.to_string())?;
+    Ok(parts.into_iter().map(|(corners, triangles)| Hull { corners, triangles }).collect())
+}
+
+#[cfg(not(feature = "import"))]
+fn parts_of(file: &Path, _: Vector3<f64>, _: bool) -> Result<Vec<Hull>, String> {
+    Mesh::read(file).map(|_| Vec::new()).map_err(|error| error.to_string())
 }
 
 /// One number, or one at rest and one in motion.

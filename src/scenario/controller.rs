@@ -8,7 +8,7 @@ use super::reader::{Reader, rows};
 use crate::formula::Formula;
 use crate::model::controller::{ControlLawDescription, ControllerDescription};
 
-/// Reads a `[[controller]]`; `None` where too little of it is readable.
+/// Reads a `[[controller]]`; `None` if too little of it is readable.
 pub(super) fn controller(table: &Reader<'_>, index: usize, parameters: &Parameters) -> Option<ControllerDescription> {
     let name = name(table, "controller", index);
     let (senses, drives) = (texts(table, "senses")?, texts(table, "drives")?);

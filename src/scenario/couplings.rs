@@ -17,7 +17,7 @@ pub(super) fn name(table: &Reader<'_>, what: &str, index: usize) -> String {
     table.text("name").map_or_else(|| format!("{what}[{index}]"), str::to_owned)
 }
 
-/// Reads a `[[loop]]`; `None` where too little of it is readable.
+/// Reads a `[[loop]]`; `None` if too little of it is readable.
 pub(super) fn closed_loop(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Option<LoopDescription> {
     let closure = match table.text("type")? {
         "rod" => Closure::Rod { length: table.number("length")? },
@@ -36,7 +36,7 @@ pub(super) fn closed_loop(table: &Reader<'_>, index: usize, bodies: &Names<'_>) 
     })
 }
 
-/// Reads a `[[drive]]`; `None` where too little of it is readable.
+/// Reads a `[[drive]]`; `None` if too little of it is readable.
 pub(super) fn drive(table: &Reader<'_>, index: usize, parameters: &Parameters) -> Option<DriveDescription> {
     let name = name(table, "drive", index);
     let motion = motion(table, &format!("drive `{name}`"), parameters)?;
@@ -85,7 +85,7 @@ pub(super) fn motion(table: &Reader<'_>, owner: &str, parameters: &Parameters) -
     })
 }
 
-/// Reads a `[[gear]]`; `None` where too little of it is readable.
+/// Reads a `[[gear]]`; `None` if too little of it is readable.
 pub(super) fn gear(table: &Reader<'_>, index: usize) -> Option<GearDescription> {
     let kind = match table.text("type")? {
         "ratio" => GearKind::Ratio { ratio: table.number("ratio")? },

@@ -5,7 +5,7 @@ use super::reader::{Reader, Value, rows};
 use crate::force::table::{Interpolation, Table};
 use crate::model::description::{CurveOver, HingeCurveDescription};
 
-/// The points under a key; `None` where there are none that can be read. `whose` is who the message is about.
+/// The points under a key; `None` if there are none that can be read. `whose` is who the message is about.
 pub(super) fn points(table: &Reader<'_>, key: &str, whose: &str) -> Option<Vec<[f64; 2]>> {
     let value: Value<'_> = table.value(key)?;
     let pairs = rows(value.get_ref())?;

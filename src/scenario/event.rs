@@ -7,7 +7,7 @@ use crate::model::description::{Attachment, Direction, EventDescription, Watched
 use nalgebra::Vector3;
 use toml::de::DeValue;
 
-/// Reads an `[[event]]`; `None` where too little of it is readable.
+/// Reads an `[[event]]`; `None` if too little of it is readable.
 pub(super) fn event(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Option<EventDescription> {
     let name = table.text("name").map_or_else(|| format!("event[{index}]"), str::to_owned);
     if ["hinge", "on", "output"].iter().filter(|key| table.has(key)).count() != 1 {

@@ -5,7 +5,7 @@ use super::curve::{interpolation, points};
 use super::findings::Finding;
 use super::reader::{Reader, Value};
 use crate::model::description::{
-    Attachment, Bushing, Curve, ForceDescription, ForceKind, Load, LoadAxes, Rope, Spring,
+    Attachment, Bushing, Curve, ForceDescription, ForceKind, Load, LoadAxes, OverTime, Rope, Spring, Timeline,
 };
 use toml::de::DeValue;
 
@@ -14,7 +14,7 @@ fn default_name(index: usize) -> String {
     format!("force[{index}]")
 }
 
-/// Reads a `[[force]]`; `None` where too little of it is readable.
+/// Reads a `[[force]]`; `None` if too little of it is readable.
 pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Option<ForceDescription> {
     let name = table.text("name").map_or_else(|| default_name(index), str::to_owned);
     let kind = match table.text("type")? {
@@ -40,6 +40,10 @@ pub(super) fn force(table: &Reader<'_>, index: usize, bodies: &Names<'_>) -> Opt
             force: table.vector("force").unwrap_or_default(),
             torque: table.vector("torque").unwrap_or_default(),
             axes: if table.text("axes") == Some("body") { LoadAxes::Body } else { LoadAxes::Inertial },
+            over_time: table.table("over_time").and_then(|over_time| {
+                let timeline = Timeline { times: over_time.numbers("times")? };
+                Some(OverTime { timeline, values: over_time.numbers("values")? })
+            }),
         }
         .into(),
         _ => return None,
@@ -102,7 +106,7 @@ pub(super) fn between(table: &Reader<'_>, bodies: &Names<'_>) -> Option<[Attachm
     }
 }
 
-/// A list of points; `None` where one of them cannot be read.
+/// A list of points; `None` if one of them cannot be read.
 fn path(table: &Reader<'_>, key: &str, bodies: &Names<'_>) -> Option<Vec<Attachment>> {
     table.value(key)?.get_ref().as_array()?.iter().map(|item| end(table, item, bodies)).collect()
 }

@@ -1,9 +1,12 @@
 //! Hinges, and their values per coordinate, per velocity and per copy.
 
+use super::beam::only;
 use super::findings::Finding;
 use super::reader::{Reader, number, numbers, rows};
 use crate::hinge::Keys;
-use crate::model::description::{DryFriction, GROUND, HingeDescription, HingeKind, LimitDescription, Point, StopLaw};
+use crate::model::description::{
+    DryFriction, GROUND, GuideCurve, HingeDescription, HingeKind, LimitDescription, Point, StopLaw,
+};
 use nalgebra::Vector3;
 use toml::de::DeValue;
 
@@ -26,6 +29,7 @@ pub(super) fn hinge(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Hi
     };
     let kind = kind(&table);
     let mut description = HingeDescription::new(kind.unwrap_or(HingeKind::Fixed));
+    description.curve = guide(&table, owner, kind);
     description.parent = table.text("parent").unwrap_or(GROUND).to_owned();
     description.at = point(&table, "at").unwrap_or(description.at);
     description.frame = table.turn("rpy");
@@ -73,6 +77,55 @@ impl Keys for Reader<'_> {
 
     fn pitch(&self) -> f64 {
         self.number("pitch").unwrap_or(1.0)
+    }
+
+    fn turn(&self) -> Option<&str> {
+        self.text("turn")
+    }
+}
+
+/// The curve of a hinge. One that could not be read has been said already; any other one will do to look at the rest.
+fn guide(table: &Reader<'_>, owner: &str, kind: Option<HingeKind>) -> Option<GuideCurve> {
+    matches!(kind, Some(HingeKind::Along { .. })).then(|| {
+        let read = table.table("curve").and_then(|curve| read_guide(&curve, owner));
+        read.unwrap_or(GuideCurve::Straight { length: 1.0 })
+    })
+}
+
+fn read_guide(curve: &Reader<'_>, owner: &str) -> Option<GuideCurve> {
+    let what = format!("curve of the hinge of `{owner}`");
+    let key = only(curve, &what, &["straight", "points", "helix", "parameter"])?;
+    let of_formulas = ["x", "y", "z", "range"];
+    if key != "parameter"
+        && let Some(other) = of_formulas.iter().find(|other| curve.has(other))
+    {
+        let message = format!("{what}: `{other}` beside `{key}`");
+        let help = "`x`, `y`, `z` and `range` belong to a curve by formulas of its `parameter`";
+        curve.findings.push(Finding::error(curve.key_span(other), message).help(help));
+        return None;
+    }
+    match key {
+        "straight" => Some(GuideCurve::Straight { length: curve.number("straight")? }),
+        "points" => {
+            let points = rows(curve.value("points")?.get_ref())?;
+            Some(GuideCurve::Points { points: points.iter().map(|point| Vector3::from_column_slice(point)).collect() })
+        }
+        "helix" => match curve.numbers("helix")?[..] {
+            [radius, pitch, turns] => Some(GuideCurve::Helix { radius, pitch, turns }),
+            _ => None,
+        },
+        _ => {
+            let place = ["x", "y", "z"].map(|key| curve.text(key).unwrap_or("0").to_owned());
+            let Some(range) = curve.numbers("range").and_then(|range| <[f64; 2]>::try_from(range).ok()) else {
+                if !curve.has("range") {
+                    let message = format!("{what} has no `range`");
+                    let help = "where its parameter begins and ends: `range = [0.0, 1.0]`";
+                    curve.findings.push(Finding::error(curve.key_span("parameter"), message).help(help));
+                }
+                return None;
+            };
+            Some(GuideCurve::Formulas { parameter: curve.text("parameter")?.to_owned(), place, range })
+        }
     }
 }
 

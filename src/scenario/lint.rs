@@ -4,6 +4,7 @@
 use super::findings::{Finding, Findings};
 use super::quantities::Numbers;
 use super::spans::walk;
+use crate::model::Description;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use toml::Spanned;
@@ -19,6 +20,11 @@ const STRONGEST: f64 = 100.0;
 const APART: f64 = 200.0;
 /// ... and in line, within this factor, if it is taken as millimetres.
 const ALIKE: f64 = 5.0;
+
+/// A spring that pulls at the start with so many times the weight of the whole scene is hardly meant.
+const WEIGHTS: f64 = 1000.0;
+/// A spring that lets its own body sink by so many times the longest length of the scene is hardly meant, either.
+const SUNK: f64 = 10.0;
 
 type Place<'a> = &'a Spanned<DeValue<'a>>;
 
@@ -39,6 +45,8 @@ pub(super) fn check(document: &DeTable<'_>, numbers: &Numbers, findings: &Findin
             check_gravity(&span, [x, y, z], findings);
         }
     }
+    let gravity = document.get("gravity").map_or_else(usual_gravity, |place| sizes(&plain(place)));
+    let weight = weight(document, &gravity);
     let mut lengths = Vec::new();
     for body in tables(document, "body") {
         let kind = walk(body, "hinge.type").and_then(|kind| kind.get_ref().as_str());
@@ -52,6 +60,20 @@ pub(super) fn check(document: &DeTable<'_>, numbers: &Numbers, findings: &Findin
             if let Some(place) = exactly(body, path) {
                 lengths.extend(plain(place).into_iter().filter(|(_, x)| *x != 0.0));
             }
+        }
+    }
+    let longest = lengths.iter().fold(0.0, |longest: f64, (_, x)| longest.max(x.abs()));
+    for body in tables(document, "body") {
+        let one = |path: &str| exactly(body, path).map(plain).filter(|all| all.len() == 1).map(|mut all| all.remove(0));
+        if walk(body, "hinge.type").and_then(|kind| kind.get_ref().as_str()) != Some("prismatic") {
+            continue;
+        }
+        let Some(stiffness) = one("hinge.stiffness").filter(|(_, stiffness)| *stiffness > 0.0) else { continue };
+        check_preload(&stiffness, one("hinge.position"), one("hinge.rest"), weight, findings);
+        let axis = exactly(body, "hinge.axis").map(|place| sizes(&plain(place)));
+        let along = axis.map_or(0.0, |axis| along(&axis, &gravity));
+        if let Some((_, mass)) = one("mass") {
+            check_sag(&stiffness, mass * along, longest, findings);
         }
     }
     for (list, key) in [("loop", "rpy"), ("force", "rpy")] {
@@ -115,6 +137,72 @@ fn check_gravity(span: &Range<usize>, gravity: [f64; 3], findings: &Findings) {
         let message = format!("gravity points upward: z is {z} m/s²");
         let help =
             format!("if z is up, write [{x}, {y}, {}]; if z is down in this scene, pictures show it upside down", -z);
+        findings.push(Finding::warning(span.clone(), message).help(help));
+    }
+}
+
+/// That of a scene without the key (m/s²).
+fn usual_gravity() -> Vec<f64> {
+    Description::new("").gravity.as_slice().to_vec()
+}
+
+fn sizes(written: &[Written]) -> Vec<f64> {
+    written.iter().map(|(_, x)| *x).collect()
+}
+
+/// What gravity has along an axis (m/s²), if that is at least half of it; 0 if not, or if either is not three numbers.
+fn along(axis: &[f64], gravity: &[f64]) -> f64 {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let part = dot(axis, gravity).abs() / dot(axis, axis).sqrt();
+    if axis.len() == 3 && gravity.len() == 3 && part > 0.5 * dot(gravity, gravity).sqrt() { part } else { 0.0 }
+}
+
+/// The weight of all bodies (N), if every one has a mass that is written as a number.
+fn weight(document: &DeTable<'_>, gravity: &[f64]) -> Option<f64> {
+    let number = |table: &DeTable<'_>, key: &str| {
+        let mut all = Vec::new();
+        collect(table.get(key)?, &mut all);
+        if let [(_, x)] = all[..] { Some(x) } else { None }
+    };
+    let masses =
+        tables(document, "body").map(|body| Some(number(body, "mass")? * number(body, "repeat").unwrap_or(1.0)));
+    let mass: f64 = masses.sum::<Option<f64>>()?;
+    Some(mass * gravity.iter().map(|x| x * x).sum::<f64>().sqrt())
+}
+
+/// The spring of a slide, against the weight of the scene.
+fn check_preload(
+    (_, stiffness): &Written,
+    position: Option<Written>,
+    rest: Option<Written>,
+    weight: Option<f64>,
+    findings: &Findings,
+) {
+    let value = |written: &Option<Written>| written.as_ref().map_or(0.0, |(_, x)| *x);
+    let force = stiffness * (value(&position) - value(&rest)).abs();
+    let Some(weight) = weight.filter(|weight| *weight > 0.0 && force > WEIGHTS * weight) else { return };
+    let Some(((span, length), key)) = rest.zip(Some("rest")).or(position.zip(Some("position"))) else { return };
+    let message = format!(
+        "`hinge.{key}`: the spring has {force:.3e} N at the start, {:.0} times the weight of the scene",
+        force / weight
+    );
+    let help = format!(
+        "lengths are metres: {length} mm are {}; write \"{length} mm\", or \"{length} m\" if it is meant",
+        length / 1000.0
+    );
+    findings.push(Finding::warning(span, message).help(help));
+}
+
+/// The spring of a slide, against the weight (N) of its body and the longest length of the scene (m).
+fn check_sag((span, stiffness): &Written, weight: f64, longest: f64, findings: &Findings) {
+    let sag = weight / stiffness;
+    if longest > 0.0 && sag > SUNK * longest && sag / 1000.0 <= longest {
+        let message =
+            format!("`hinge.stiffness`: {stiffness} N/m let the body sink by {sag:.3e} m under its own weight");
+        let help = format!(
+            "stiffness is in N/m: {stiffness} N/mm are {}; write \"{stiffness} N/mm\", or \"{stiffness} N/m\" if it is meant",
+            1000.0 * stiffness
+        );
         findings.push(Finding::warning(span.clone(), message).help(help));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::beam::{beam, cable, close};
 use super::body::{Names, Template, template};
-use super::contact::contact;
+use super::contact::{contact, find_parts};
 use super::controller::controller;
 use super::couplings::{closed_loop, drive, gear};
 use super::event::event;
@@ -99,6 +99,7 @@ pub(super) fn lower<'a>(
             spans.controllers.push(index);
         }
     }
+    find_parts(&scenario, &mut description);
     (description, spans)
 }
 

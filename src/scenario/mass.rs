@@ -2,9 +2,10 @@
 
 use super::findings::Finding;
 use super::format::BODY;
-use super::reader::{Reader, number, numbers};
+use super::reader::{Reader, number, numbers, rows};
 use crate::mesh::Mesh;
-use crate::model::description::MassProperties;
+use crate::model::burn::BurnDescription;
+use crate::model::description::{MassProperties, Timeline};
 use crate::model::shape::{Geometry, Shape, combined};
 use nalgebra::{Matrix3, Point3, Vector3};
 use std::path::Path;
@@ -17,7 +18,7 @@ pub(super) struct Mass {
 }
 
 /// What stands in for what could not be read, so that nothing else is found wrong because of it.
-const STAND_IN: MassProperties = MassProperties {
+pub(super) const STAND_IN: MassProperties = MassProperties {
     mass: 1.0,
     center: Vector3::new(0.0, 0.0, 0.0),
     inertia: Matrix3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
@@ -50,12 +51,47 @@ fn given(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Option<Mass> 
     }
     let (mass, each) = masses(body, owner, repeat)?;
     let center = body.vector("center").unwrap_or_default();
-    let inertia = body.numbers("inertia").map_or_else(Matrix3::zeros, |moments| match moments[..] {
+    let inertia = body.numbers("inertia").map_or_else(Matrix3::zeros, |moments| tensor(&moments));
+    Some(Mass { properties: MassProperties { mass, center, inertia }, each })
+}
+
+/// xx, yy, zz, or those and xy, xz, yz.
+fn tensor(moments: &[f64]) -> Matrix3<f64> {
+    match *moments {
         [xx, yy, zz, xy, xz, yz] => Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz),
         [xx, yy, zz] => Matrix3::from_diagonal(&Vector3::new(xx, yy, zz)),
         _ => Matrix3::zeros(),
-    });
-    Some(Mass { properties: MassProperties { mass, center, inertia }, each })
+    }
+}
+
+/// A mass that burns away, of a body of this name.
+pub(super) fn burn(body: &Reader<'_>, owner: &str) -> Option<BurnDescription> {
+    let table = body.table("burn")?;
+    let beside = ["mass", "center", "inertia", "density"].into_iter().find(|key| body.has(key));
+    if let Some(key) = beside.or_else(|| body.has("repeat").then_some("repeat")) {
+        let message = format!("body `{owner}`: `{key}` beside `burn`");
+        let help = "a body that burns has `mass`, `center` and `inertia` in its table, and is one";
+        body.findings.push(Finding::error(body.key_span(key), message).help(help));
+        return None;
+    }
+    let timeline = Timeline { times: table.numbers("times")? };
+    let masses = table.numbers("mass")?;
+    let list = |key: &str| table.value(key).map(|value| rows(value.get_ref()).unwrap_or_default());
+    let (centers, inertias) = (list("center"), list("inertia"));
+    for (key, count) in [("center", centers.as_ref().map(Vec::len)), ("inertia", inertias.as_ref().map(Vec::len))] {
+        if let Some(count) = count.filter(|count| *count != masses.len()) {
+            let message = format!("body `{owner}`: `burn` has {} masses and {count} rows of `{key}`", masses.len());
+            table.findings.push(Finding::error(table.span_of(key), message));
+            return None;
+        }
+    }
+    let row = |(i, mass): (usize, &f64)| MassProperties {
+        mass: *mass,
+        center: centers.as_ref().map_or_else(Vector3::zeros, |all| Vector3::from_column_slice(&all[i])),
+        inertia: inertias.as_ref().map_or_else(Matrix3::zeros, |all| tensor(&all[i])),
+    };
+    let rows = masses.iter().enumerate().map(row).collect();
+    Some(BurnDescription { body: owner.to_owned(), timeline, rows })
 }
 
 fn masses(body: &Reader<'_>, owner: &str, repeat: Option<usize>) -> Option<(f64, Option<Vec<f64>>)> {
@@ -93,7 +129,7 @@ fn filled(body: &Reader<'_>, owner: &str, shapes: &[Shape]) -> Option<Mass> {
     let mut solids = Vec::new();
     for shape in shapes {
         match &shape.geometry {
-            Geometry::Mesh { file, scale } => solids.push(enclosed(body, owner, density, shape, file, *scale)?),
+            Geometry::Mesh { file, scale, .. } => solids.push(enclosed(body, owner, density, shape, file, *scale)?),
             _ => solids.extend(shape.mass_properties(density)),
         }
     }

@@ -103,7 +103,7 @@ pub struct Scenario {
     pub simulate: simulate::settings::Settings,
     /// What is asked of statics.
     pub statics: statics::settings::Settings,
-    /// Numbers that inverse statics finds; none where the pose is looked for.
+    /// Numbers that inverse statics finds; none if the pose is looked for.
     pub unknown: Vec<Parameter>,
     /// Numbers that a start file gave it: address and value.
     pub given: Vec<(String, f64)>,
@@ -123,7 +123,7 @@ pub struct Scenario {
 /// this model.
 ///
 /// # Errors
-/// Where the file cannot be read, is no text or larger than [`TEXT_BYTES`](crate::budget::TEXT_BYTES), and where something is wrong in it: then
+/// If the file cannot be read, is no text or larger than [`TEXT_BYTES`](crate::budget::TEXT_BYTES), and if something is wrong in it: then
 /// with all problems at once.
 pub fn load(path: &Path) -> Result<Scenario, LoadError> {
     load_with(path, &[])

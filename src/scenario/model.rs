@@ -40,7 +40,7 @@ pub(super) struct Model<'a> {
 /// Imports a model and checks what comes out.
 ///
 /// # Errors
-/// Where the file cannot be read or is no model that is known, and where something is wrong in it: then with all
+/// If the file cannot be read or is no model that is known, and where something is wrong in it: then with all
 /// problems at once, each at its place in the model.
 pub fn convert(path: &Path, options: &Options) -> Result<Imported, LoadError> {
     convert_text(path, text_file::read(path, "model")?, options)

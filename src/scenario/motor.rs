@@ -6,7 +6,7 @@ use super::reader::Reader;
 use crate::model::couplings::MotionDescription;
 use crate::model::motor::{self, MotorDescription, MotorLawDescription, Over, TargetDescription};
 
-/// Reads a `[[motor]]`; `None` where too little of it is readable.
+/// Reads a `[[motor]]`; `None` if too little of it is readable.
 pub(super) fn motor(table: &Reader<'_>, index: usize, parameters: &Parameters) -> Option<MotorDescription> {
     let name = name(table, "motor", index);
     let owner = format!("motor `{name}`");

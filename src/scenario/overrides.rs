@@ -54,7 +54,7 @@ impl Override {
     /// Reads `path=value`.
     ///
     /// # Errors
-    /// Where the path or the `=` is missing. Whether the path exists and the value fits is told by
+    /// If the path or the `=` is missing. Whether the path exists and the value fits is checked by
     /// [`parse`](super::parse) and [`load_with`](super::load_with).
     pub fn parse(text: &str) -> Result<Self, OverrideError> {
         Self::of_option("--set", text)
@@ -126,7 +126,7 @@ fn parse_value(text: &str) -> Spanned<DeValue<'_>> {
     DeValue::parse(text).unwrap_or_else(|_| Spanned::new(0..text.len(), DeValue::String(Cow::Borrowed(text))))
 }
 
-/// The same value with all spans moved.
+/// A value with all spans moved.
 pub(super) fn moved(value: Spanned<DeValue<'_>>, by: usize) -> Spanned<DeValue<'_>> {
     let span = value.span().start + by..value.span().end + by;
     let inner = match value.into_inner() {

@@ -9,7 +9,7 @@ use crate::quantity::Dimension;
 use crate::statics::path::Settings;
 use toml::Spanned;
 
-/// The path that is asked for; `None` where there is none, or too little of it can be read.
+/// The path that is asked for; `None` if there is none, or too little of it can be read.
 pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Numbers) -> Option<Settings> {
     let table = scenario.table("statics")?.table("path")?;
     let refuse = |key: &str, message: String, help: Option<String>| {

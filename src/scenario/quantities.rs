@@ -32,7 +32,7 @@ pub(super) struct Numbers {
     texts: HashMap<(usize, usize), String>,
     /// Of quantities where the format does not say what they measure.
     open: HashMap<(usize, usize), Measure>,
-    /// Those of `[parameters]`.
+    /// The numbers of `[parameters]`.
     pub(super) parameters: Vec<NamedNumber>,
 }
 
@@ -321,7 +321,7 @@ impl Pass<'_> {
         }
     }
 
-    /// The units that a number may have here: none for pure numbers, `None` where that is found out later.
+    /// The units that a number may have here: none for pure numbers, `None` if that is found out later.
     fn units(&self, place: &Place<'_>, at: &[usize]) -> Option<Vec<&'static str>> {
         if place.key.unit == super::fields::ANY_UNIT {
             return None;

@@ -1,6 +1,6 @@
 //! Typed access to a table that has been checked against its declaration.
 //!
-//! Every accessor answers `None` where the key is absent and where something was found wrong with its value: that has
+//! Every accessor answers `None` if the key is absent and where something was found wrong with its value: that has
 //! been said already, and reading goes on.
 
 use super::findings::Findings;
@@ -31,12 +31,12 @@ impl<'a> Reader<'a> {
         self.table.contains_key(key)
     }
 
-    /// Where the value of a key is written; where it is absent, the table.
+    /// Where the value of a key is written; if it is absent, that of the table.
     pub(super) fn span_of(&self, key: &str) -> Range<usize> {
         self.table.get(key).map_or_else(|| self.span.clone(), Spanned::span)
     }
 
-    /// Where a key is written; where it is absent, the table.
+    /// Where a key is written; if it is absent, that of the table.
     pub(super) fn key_span(&self, key: &str) -> Range<usize> {
         self.table.get_key_value(key).map_or_else(|| self.span.clone(), |(key, _)| key.span())
     }

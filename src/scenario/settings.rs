@@ -37,6 +37,7 @@ pub(super) fn statics(scenario: &Reader<'_>) -> Statics {
     let named = |method: &Method| Some(method.name()) == table.text("method");
     settings.method = Method::ALL.into_iter().find(named).unwrap_or(settings.method);
     settings.gap = table.number("gap").unwrap_or(settings.gap);
+    settings.settle = table.text("contact") == Some("settle");
     settings.time_limit = table.number("time_limit").unwrap_or(settings.time_limit);
     settings
 }

@@ -32,6 +32,10 @@ fn shape(table: &Reader<'_>, owner: &str, folder: &Path) -> Option<Shape> {
         let message = format!("shape of body `{owner}`: `scale` is for meshes, a {solid} has its size");
         table.findings.push(Finding::error(table.key_span("scale"), message));
     }
+    if solid != "mesh" && table.has("hull") {
+        let message = format!("shape of body `{owner}`: `hull` is for meshes, a {solid} is convex");
+        table.findings.push(Finding::error(table.key_span("hull"), message));
+    }
     let at = table.vector("at").unwrap_or_default();
     Some(Shape {
         geometry: geometry(table, solid, folder)?,
@@ -62,7 +66,8 @@ fn geometry(table: &Reader<'_>, solid: &str, folder: &Path) -> Option<Geometry> 
                 let message = format!("there is no mesh file `{}`: it is not drawn", file.display());
                 table.findings.push(Finding::warning(table.span_of("mesh"), message));
             }
-            Geometry::Mesh { file, scale: scale.unwrap_or(Vector3::repeat(1.0)) }
+            let scale = scale.unwrap_or(Vector3::repeat(1.0));
+            Geometry::Mesh { file, scale, hull: table.flag("hull").unwrap_or(false), parts: Vec::new() }
         }
         _ => {
             let (radius, length) = round(table, solid)?;

@@ -112,7 +112,7 @@ impl<'a> SpanTable<'a> {
     }
 }
 
-/// Where a problem's field is written; where it is not, the nearest table around it. `None` for the scene as a whole.
+/// Where a problem's field is written; if it is not, the nearest table around it. `None` for the scene as a whole.
 pub(super) fn locate(spans: &SpanTable<'_>, problem: &Problem) -> Option<Range<usize>> {
     let Some(element) = spans.element(problem.element) else {
         return walk(spans.document, &problem.field).map(Spanned::span);
@@ -140,7 +140,7 @@ fn written_field<'f>(body: &DeTable<'_>, field: &'f str, copy: Option<usize>) ->
     }
 }
 
-/// The deepest value on a path like `hinge.position[2]` that is there; `None` where not even its first key is.
+/// The deepest value on a path like `hinge.position[2]` that is there; `None` if not even its first key is.
 pub(super) fn walk<'a>(table: &'a DeTable<'a>, path: &str) -> Option<&'a Spanned<DeValue<'a>>> {
     // Names that users choose may hold dots and brackets: the longest key wins.
     let (value, rest) = match table.get(path) {

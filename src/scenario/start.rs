@@ -66,7 +66,7 @@ pub fn text(
     text_of(model, None, position, velocity, inputs, multipliers)
 }
 
-/// The same of the end of a run; `memories` are what its controllers remember, in the order of the model.
+/// The start file of the end of a run, from which another run can go on; `memories` are what its controllers remember, in the order of the model.
 pub fn text_at_end(
     model: &Model,
     resume: &Resume,
@@ -158,7 +158,7 @@ fn quoted(text: &str) -> String {
 /// Reads a start file for a scene and checks it against that.
 ///
 /// # Errors
-/// Where the file cannot be read, and where something in it does not fit the scene: with all problems at once.
+/// If the file cannot be read, and if something in it does not fit the scene: with all problems at once.
 pub fn load_start(path: &Path, description: &Description) -> Result<Started, LoadError> {
     let text = text_file::read(path, "start")?;
     Ok(parse_start(&path.display().to_string(), &text, description)?)

@@ -6,7 +6,7 @@ use crate::import::is_model;
 use std::collections::HashSet;
 use toml::de::DeTable;
 
-/// Parses a text. Where it is not TOML all errors that were found are in `findings`.
+/// Parses a text. If it is not TOML, all errors that were found are in `findings`.
 pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Findings) -> DeTable<'t> {
     if is_model(text) {
         let finding = Finding::error(0..0, "this is XML, and a scenario is TOML".to_owned());
@@ -16,7 +16,7 @@ pub(super) fn parse<'t>(text: &'t str, sources: &Sources<'_>, findings: &Finding
     }
     let (document, errors) = DeTable::parse_recoverable(text);
     let mut said = HashSet::new();
-    // Where the nesting is too deep, what follows is not worth saying.
+    // If the nesting is too deep, what follows is not worth saying.
     let deep = errors.iter().position(|error| is_depth(error.message()));
     for error in errors.iter().take(deep.map_or(errors.len(), |deep| deep + 1)) {
         // Every open bracket complains about the same missing end.

@@ -76,8 +76,9 @@ pub(super) fn margin(scenario: &Reader<'_>, description: &Description) -> Margin
                     table.findings.push_value(Finding::error(item.span(), message).help(help));
                 }
                 Ok(found) if found.iter().any(|one| one.field == Field::Named) => {
-                    let message =
-                        format!("`{address}`: loads need not be linear in a parameter, and a margin is of what is");
+                    let message = format!(
+                        "`{address}`: a margin needs a load that varies linearly, and loads need not be linear in a parameter"
+                    );
                     let help = "give the address of a force, a load, a mass, a length or a stiffness";
                     table.findings.push_value(Finding::error(item.span(), message).help(help));
                 }

@@ -21,7 +21,7 @@
 //! so one factorization costs a solution of the tree's tangent for each row. `∂g̈` is only needed along single directions:
 //! it is taken as a difference there, whose error, a part in 10⁷, only costs that part of the convergence.
 //!
-//! Near a singular position rows that hang on others are left out of the border (not of the residual).
+//! Near a singular position linearly dependent rows are left out of the border (not of the residual).
 
 use crate::dynamics::{Coefficients, Dense, DenseTangent, Fault, System, TangentSolver};
 use crate::integrate::Point;

@@ -89,7 +89,7 @@ impl Choice {
         (self.reviewed, self.wait) = (0, 0);
     }
 
-    /// What was chosen and why; `None` where the user did.
+    /// What was chosen and why; `None` if the user did.
     pub(super) fn said(&self) -> Option<String> {
         self.auto.then(|| format!("auto: {}", self.said))
     }

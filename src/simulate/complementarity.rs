@@ -173,7 +173,7 @@ impl Problem<'_> {
         combination.is_some_and(|c| self.pivot(&active, &c, row) <= DEPENDENT * self.free[row])
     }
 
-    /// What is left of a row's own entry beside its combination of others.
+    /// Part of a row's own entry that its combination of other rows does not give.
     fn pivot(&self, others: &[usize], combination: &[f64], row: usize) -> f64 {
         let common = others.iter().zip(combination).map(|(other, c)| self.entry(row, *other) * c);
         self.entry(row, row) - common.sum::<f64>()
@@ -195,7 +195,7 @@ impl Problem<'_> {
         self.solve_among(rows, rows.iter().map(|row| -self.rates[*row]).collect())
     }
 
-    /// The same, all others being as they are.
+    /// The multipliers with which the rates of these rows vanish while all other multipliers stay.
     fn stationary_from(&self, rows: &[usize], multipliers: &[f64]) -> Option<Vec<f64>> {
         let rates = self.rates_of(multipliers);
         let change = self.solve_among(rows, rows.iter().map(|row| -rates[*row]).collect())?;

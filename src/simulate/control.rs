@@ -18,7 +18,7 @@ const STEADY: f64 = 1e-9;
 /// What a function sees at an instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Sensed<'s> {
-    /// (s)
+    /// Time (s).
     pub time: f64,
     /// Positions and velocities.
     pub state: &'s State,
@@ -30,7 +30,7 @@ pub struct Sensed<'s> {
 /// which ends the run.
 pub type Law<'f> = dyn FnMut(Sensed<'_>, &mut [f64]) -> Result<(), String> + 'f;
 
-/// A function that acts beside the controllers of the scene, after those that are due at the same instant.
+/// A function that acts in addition to the controllers of the scene, after those that are due at the same instant.
 pub struct Function<'f> {
     /// Time between its instants (s), > 0.
     pub period: f64,

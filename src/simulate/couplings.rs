@@ -3,18 +3,8 @@
 use crate::dynamics::{Evaluated, System};
 use crate::model::Model;
 use crate::model::couplings::Closure;
-use crate::record::scene::Channel;
+use crate::record::scene::{Channel, WRENCH};
 use std::sync::Arc;
-
-/// Ends of the names of what a loop passes to the body of its second end, inertial axes.
-const WRENCH: [(&str, &str); 6] = [
-    ("force.x", "N"),
-    ("force.y", "N"),
-    ("force.z", "N"),
-    ("moment.x", "N m"),
-    ("moment.y", "N m"),
-    ("moment.z", "N m"),
-];
 
 /// The names, in the order of [`fill`]: drives, motors, gears, loops, ropes and curves, each in the order of the model.
 pub(super) fn channels(model: &Model) -> Vec<Channel> {
@@ -62,7 +52,7 @@ pub(super) fn fill(at: &mut Evaluated<'_>, accelerations: &[f64], out: &mut Vec<
     out.extend(at.pulls().map(|(_, pull)| pull));
 }
 
-/// Loops whose reactions are not unique at the given start; none where that cannot be evaluated.
+/// Loops whose reactions are not unique at the given start; none if that cannot be evaluated.
 pub(super) fn not_unique(model: &Arc<Model>) -> Vec<String> {
     if model.loops.is_empty() {
         return Vec::new();

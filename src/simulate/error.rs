@@ -22,7 +22,7 @@ pub enum RunError {
     /// Bodies whose contact cannot be decided.
     #[error("at t = {time} s the contact of `{}` and `{}` cannot be decided: {why}", .between[0], .between[1])]
     Touch {
-        /// (s)
+        /// Time (s).
         time: f64,
         /// Names of the bodies.
         between: [String; 2],
@@ -46,8 +46,8 @@ pub enum RunError {
     },
     /// The steps are so short that the end is out of reach.
     #[error(
-        "at t = {time} s the run creeps: its steps are {step:.1e} s, {left:.0e} of them to the end; the hinge coordinate \
-         {hinge} moves at {rate:.1e} per second; try softer springs and dampers around it, a looser tolerance, or a shorter run"
+        "at t = {time} s the run creeps: its steps are {step:.1e} s, {left:.0e} of them to the end; the error of \
+         {component} asks for them; try softer springs and dampers around it, a looser tolerance, or a shorter run"
     )]
     Creep {
         /// Reached time (s).
@@ -56,21 +56,19 @@ pub enum RunError {
         step: f64,
         /// Steps to the end.
         left: f64,
-        /// The velocity coordinate that moves fastest.
-        hinge: String,
-        /// Its angular frequency or decay rate (1/s).
-        rate: f64,
+        /// What decides the length of the last one, in words.
+        component: String,
     },
     /// The start is beyond a stop.
     #[error("the hinge of `{hinge}` starts at {value}, beyond its limits {low} to {high}")]
     Limit {
         /// Body whose hinge it is.
         hinge: String,
-        /// (m or rad)
+        /// Value (m or rad).
         value: f64,
-        /// (m or rad)
+        /// Lower limit (m or rad).
         low: f64,
-        /// (m or rad)
+        /// Upper limit (m or rad).
         high: f64,
     },
     /// A stop in the way of a motion that is prescribed.
@@ -79,11 +77,11 @@ pub enum RunError {
          `limits`, or let the motion end before"
     )]
     Jam {
-        /// (s)
+        /// Time (s).
         time: f64,
         /// Body whose hinge it is.
         hinge: String,
-        /// (m or rad)
+        /// Limit (m or rad).
         limit: f64,
         /// What drives it.
         by: String,
@@ -94,14 +92,29 @@ pub enum RunError {
          looks; try a smaller `tolerance` or `step`, or a compliant stop, and please report the scene"
     )]
     Passed {
-        /// (s)
+        /// Time (s).
         time: f64,
         /// Body whose hinge it is.
         hinge: String,
         /// Where it is (m or rad).
         value: f64,
-        /// (m or rad)
+        /// Limit (m or rad).
         limit: f64,
+    },
+    /// A body at the end of its curve.
+    #[error(
+        "at t = {time} s `{hinge}` leaves its curve at its end, an arc length of {at} m, with {speed} m/s; give the hinge `limits`, \
+         make the curve longer, or end the run there by an `[[event]]` with `action = \"stop\"`"
+    )]
+    Leaves {
+        /// (s)
+        time: f64,
+        /// The body.
+        hinge: String,
+        /// (m)
+        at: f64,
+        /// (m/s)
+        speed: f64,
     },
     /// Events in ever shorter times.
     #[error(
@@ -109,7 +122,7 @@ pub enum RunError {
          {left:.0e} s to go; try a smaller `restitution`, a compliant stop with `damping`, or a shorter run"
     )]
     Storm {
-        /// (s)
+        /// Time (s).
         time: f64,
         /// Events counted.
         count: u64,
@@ -128,9 +141,9 @@ pub enum RunError {
     Coarse {
         /// The coordinate.
         hinge: String,
-        /// (rad)
+        /// Angle (rad).
         angle: f64,
-        /// (rad)
+        /// Rounding (rad).
         rounding: f64,
         /// Tolerance of the run.
         tolerance: f64,
@@ -138,7 +151,7 @@ pub enum RunError {
     /// A controller that cannot act.
     #[error("at t = {time} s the controller `{name}` cannot act: {reason}")]
     Controller {
-        /// (s)
+        /// Time (s).
         time: f64,
         /// Its name; `function` for one of a program.
         name: String,
@@ -157,13 +170,13 @@ pub enum RunError {
         input: String,
         /// What statics has seen (N or N m).
         given: f64,
-        /// (N or N m)
+        /// Force or torque asked for (N or N m).
         asked: f64,
     },
     /// The system cannot be evaluated where a sample is due.
     #[error("at t = {time} s: {fault}")]
     Sample {
-        /// (s)
+        /// Time (s).
         time: f64,
         /// Why.
         fault: Fault,
@@ -179,16 +192,20 @@ pub(super) fn named(model: &Model, error: &StepError) -> RunError {
         Some(Limit::ErrorEstimate(component) | Limit::NotFinite(component)) => *component,
         _ => return RunError::Step(text),
     };
-    let body = match component {
+    RunError::Step(match component_name(model, component) {
+        Some(name) => text.replace(&component.to_string(), &name),
+        None => text,
+    })
+}
+
+/// A component of the state in words; `None` for a position of a flexible element.
+pub(super) fn component_name(model: &Model, component: Component) -> Option<String> {
+    match component {
         Component::Position(index) => model
             .bodies
             .iter()
             .find(|body| (body.hinge.position..body.hinge.position + body.hinge.kind.counts().0).contains(&index))
             .map(|body| format!("the position of `{}`", body.name)),
         Component::Velocity(index) => Some(format!("the velocity of {}", model.label(index))),
-    };
-    RunError::Step(match body {
-        Some(body) => text.replace(&component.to_string(), &body),
-        None => text,
-    })
+    }
 }

@@ -56,6 +56,8 @@ enum Function {
     Law(Boundary),
     /// What contacts do.
     Contact(Aspect),
+    /// How far a body is beyond an end of the curve that it is guided along.
+    End(usize),
 }
 
 #[derive(Debug)]
@@ -116,6 +118,8 @@ pub(super) enum Turn {
     Contact { at_limit: bool },
     /// The run ends; index of the event.
     Stop(usize),
+    /// A body leaves the curve that it is guided along; index of the end.
+    Leave(usize),
 }
 
 /// The earliest event of a step that changes how the scene goes on.
@@ -151,6 +155,7 @@ impl Events {
             || !model.hinge_friction.is_empty()
             || !model.events.is_empty()
             || !model.contacts.is_empty()
+            || !model.curve_ends.is_empty()
             || model.has_boundaries();
         let velocity = |of: &Watched| match of {
             Watched::Position(index) => {
@@ -180,7 +185,9 @@ impl Events {
     /// Takes the signs at the start of a run or after a turn; what is watched depends on the mode.
     pub(super) fn arm(&mut self, motion: &mut Motion, time: f64, state: &State) {
         let model = &Arc::clone(motion.model());
-        let phase = motion.phase().cloned().unwrap_or_default();
+        // Captured steps follow rigid stops and dry friction by themselves.
+        let captured = motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing);
+        let phase = motion.phase().filter(|_| !captured).cloned().unwrap_or_default();
         let rests = |side: &Side| phase.held.iter().any(|held| held.stop == Some(*side));
         let mut functions: Vec<Function> = (0..phase.held.len()).map(Function::Reserve).collect();
         functions.extend(phase.rubbing.iter().enumerate().filter_map(|(index, rubbing)| match rubbing {
@@ -188,7 +195,8 @@ impl Events {
             Rubbing::Slides(_) => Some(Function::Speed(index)),
             Rubbing::Dependent(_) => Some(Function::Breakaway(index)),
         }));
-        for side in sides(motion).into_iter().filter(|side| !rests(side)) {
+        let follows = |side: &Side| !(captured && matches!(model.stops[side.stop].law, StopLaw::Rigid { .. }));
+        for side in sides(motion).into_iter().filter(|side| !rests(side) && follows(side)) {
             if !motion.pushes(side) {
                 functions.push(Function::Depth(side));
             }
@@ -197,6 +205,7 @@ impl Events {
             }
         }
         functions.extend((0..model.events.len()).map(Function::User));
+        functions.extend((0..model.curve_ends.len()).map(Function::End));
         functions.extend(motion.system.boundaries().map(Function::Law));
         functions.extend(motion.contacts.iter().flat_map(|contacts| contacts.aspects()).map(Function::Contact));
         self.state.clone_from(state);
@@ -211,6 +220,7 @@ impl Events {
                     StopLaw::Compliant { stiffness, .. } => stiffness * motion.touching(side),
                     StopLaw::Rigid { .. } => 0.0,
                 },
+                Function::End(end) => model.curve_ends[end].slack,
                 Function::Reserve(_) => 0.0,
                 Function::Speed(index) => motion.still(model.hinge_friction[index].velocity),
                 Function::Breakaway(index) => 10.0 * motion.still(model.hinge_friction[index].velocity),
@@ -222,7 +232,7 @@ impl Events {
                 }
             };
             let positive = match function {
-                Function::Depth(_) => last[0] > band,
+                Function::Depth(_) | Function::End(_) => last[0] > band,
                 Function::Push(side) => motion.pushes(side) || last[0] > band,
                 Function::Speed(index) if model.hinge_friction[index].count != 1 => last[0] > 0.0,
                 Function::Reserve(_) | Function::Speed(_) => true,
@@ -236,6 +246,7 @@ impl Events {
             };
             let still = match function {
                 Function::Depth(side) => motion.still(model.stops[side.stop].velocity),
+                Function::End(end) => motion.still(model.curve_ends[end].velocity),
                 _ => f64::INFINITY,
             };
             self.watches.push(Watch { function, positive, band, still, last, next: last });
@@ -422,6 +433,7 @@ impl Events {
             Function::Speed(index) => positive.then_some(Turn::Still(index)),
             Function::Breakaway(index) => Some(Turn::Breakaway(index)),
             Function::Law(boundary) => Some(Turn::Switch(boundary)),
+            Function::End(end) => (!positive).then_some(Turn::Leave(end)),
             Function::Contact(aspect) => positive.then_some(Turn::Contact { at_limit: aspect == Aspect::Reserve }),
             Function::User(event) => {
                 (self.counts(model, index) && model.events[event].stops).then_some(Turn::Stop(event))

@@ -8,7 +8,7 @@
 //! Every coordinate at rest is a row with a range for its multiplier: a stop pushes and never pulls, dry friction holds up to its
 //! largest force at rest, a coordinate that rests on a stop and has friction is held by both. The problem of all of them
 //! (`complementarity.rs`) says which of them hold. A row holds to within the round-off of its load, and a projection takes
-//! what is left of its speed.
+//! its remaining speed.
 //!
 //! **Friction that gives way** opposes the motion that begins with its force in motion, `slide ≤ stick`. When it drops to that,
 //! others may have to give way, too: the problem of those that still hold is solved again, until none does. The direction in
@@ -216,7 +216,7 @@ impl Instant<'_> {
                     if forces.norm() > stick + 2.0 * rest[at].noise / inverse {
                         let direction = self.direction(rest, at, -forces.normalize(), slide);
                         (0..3).for_each(|k| rest[at + k].slides = Some(-slide * direction[k]));
-                        // What is left of its speed has another direction.
+                        // Its remaining speed has another direction.
                         self.state.velocity[law.velocity..law.velocity + law.count].fill(0.0);
                         self.set_rubbing(index, Rubbing::Slides(direction));
                         changed = true;
@@ -337,7 +337,7 @@ impl Instant<'_> {
         held
     }
 
-    /// Takes what is left of their speeds from rows that are held from now on: a projection, which gains no energy.
+    /// Takes the remaining speed from rows that are held from now on: a projection, which gains no energy.
     fn stop(&mut self, rows: &[usize]) {
         let before = self.rates(&self.state.velocity);
         let moving = |row: &usize| before[*row].abs() > self.round_off(*row, &self.state.velocity, 1.0);

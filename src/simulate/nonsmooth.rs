@@ -28,7 +28,7 @@
 //! factorization that gave the accelerations. A scene without stops and friction has none of this, and one whose stops are not
 //! touched pays a comparison for each.
 //!
-//! **Beside loops, drives and gears** a coordinate that is held has a row like theirs. Those whose rows depend linearly on
+//! **With loops, drives and gears** a coordinate that is held has a row like theirs. Those whose rows depend linearly on
 //! theirs and on others (the second of two fingers that a gear ties) bear nothing of their own and are not held.
 
 use crate::dynamics::Held as Row;
@@ -74,7 +74,7 @@ pub(super) enum Rubbing {
     Dependent(f64),
 }
 
-/// The discrete state of a run, beside its positions and velocities.
+/// The discrete state of a run, besides its positions and velocities.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Phase {
     /// Compliant stops that push.
@@ -235,7 +235,7 @@ impl Nonsmooth {
         self.coordinates.iter().for_each(|i| a[*i] = 0.0);
     }
 
-    /// What is held from now on, as rows beside loops, drives and gears: stops at their limits, the rest where it is.
+    /// What is held from now on, as rows with those of loops, drives and gears: stops at their limits, the rest where it is.
     pub(super) fn rows(&self, held: &[Held], q: &[f64]) -> Vec<Row> {
         let row = |held: &Held| {
             let link = self
@@ -248,7 +248,7 @@ impl Nonsmooth {
             }
             let (position, joint) = (self.model.links[link].position, &self.model.links[link].joint);
             let at = held.stop.map_or(q[position], |side| self.model.stops[side.stop].limit(side.sign));
-            let coordinate = Scalar { link, position, velocity: held.velocity, slides: joint.is_slide() };
+            let coordinate = Scalar { link, position, velocity: held.velocity, slides: joint.is_distance() };
             Some(Row::Coordinate { coordinate, at: Instant { position: at, ..Instant::default() } })
         };
         held.iter().filter_map(row).collect()

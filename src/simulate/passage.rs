@@ -108,7 +108,7 @@ impl Passage {
         system.at(time, &self.position, &self.velocity).accelerations(a).map(|_| ())
     }
 
-    /// The interpolation; false where the points around are not clear.
+    /// The interpolation; false if the points around are not clear.
     fn interpolate(&mut self, system: &mut System, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> bool {
         let fastest = self.fastest(v);
         // The nearest points first: how far one has to go depends on how fast the clearance grows.
@@ -143,7 +143,7 @@ impl Passage {
         true
     }
 
-    /// Settles the state that lies `along` (s) further on the motion into the scratch state; its clearance, `None` where there is
+    /// Settles the state that lies `along` (s) further on the motion into the scratch state; its clearance, `None` if there is
     /// none.
     fn look(&mut self, system: &mut System, time: f64, (q, v): (&[f64], &[f64]), along: f64) -> Option<f64> {
         let Self { position, velocity, step, .. } = self;

@@ -145,11 +145,11 @@ impl Study {
     }
 }
 
-/// Measures; asks `go_on` now and then with the part of all runs that is done. `None` where it was stopped before there
+/// Measures; asks `go_on` now and then with the part of all runs that is done. `None` if it was stopped before there
 /// was anything to compare with.
 ///
 /// # Errors
-/// Where a reference cannot be made.
+/// If a reference cannot be made.
 pub fn precision(
     model: &Arc<Model>,
     start: &State,
@@ -210,7 +210,7 @@ impl Pace {
         self.last = wall.max(self.last);
     }
 
-    /// The time of the next run; `None` where there is nothing to go by.
+    /// The time of the next run; `None` if there is nothing to go by.
     fn expected(&self) -> Option<Duration> {
         let factor = (self.last.as_secs_f64() / self.before.as_secs_f64()).clamp(1.0, 10.0);
         Duration::try_from_secs_f64(factor * self.last.as_secs_f64()).ok()
@@ -266,7 +266,7 @@ impl<'a> Bench<'a, '_> {
         REFERENCES[usize::from(work > MOST_EXPLICIT_WORK)]
     }
 
-    /// The runs to compare with, and their tolerance; `None` where they were stopped from outside.
+    /// The runs to compare with, and their tolerance; `None` if they were stopped from outside.
     fn reference_runs(&mut self, methods: [Method; 2]) -> Result<Option<References>, RunError> {
         let limit = REFERENCE_TIMES * self.plan.limit.max(Duration::from_secs(1));
         let mut why = RunError::Step("the reference runs take too long: shorten the run or allow more time".to_owned());
@@ -291,7 +291,7 @@ impl<'a> Bench<'a, '_> {
         Err(why)
     }
 
-    /// The point of a method; `None` where it was stopped from outside.
+    /// The point of a method; `None` if it was stopped from outside.
     fn point(&mut self, method: Method, setting: Setting, reference: &[Look]) -> Option<Point> {
         let begun = Instant::now();
         let mut best: Option<Point> = None;

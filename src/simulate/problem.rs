@@ -110,7 +110,7 @@ impl Motion {
         let mut position_scales = vec![1.0; model.position_count()];
         let mut velocity_scales = vec![1.0 / time; model.velocity_count()];
         for link in &model.links {
-            if link.joint.is_slide() {
+            if link.joint.is_distance() {
                 position_scales[link.position] = length;
                 velocity_scales[link.velocity] = length / time;
             }
@@ -215,7 +215,7 @@ impl Motion {
         }
     }
 
-    /// Holds these coordinates from now on and no others; beside loops, drives and gears those whose rows are linearly
+    /// Holds these coordinates from now on and no others; with loops, drives and gears those whose rows are linearly
     /// independent of theirs.
     ///
     /// # Errors

@@ -1,10 +1,10 @@
 //! The rest proof: a run from the equilibrium that must stay where it is.
 //!
 //! At a stable or neutral equilibrium nothing may move: the largest displacement of any hinge is compared with
-//! [`TOLERANCE`]. Beside drives at a constant rate an equilibrium is a steady motion, and displacements are those from it;
+//! [`TOLERANCE`]. With drives at a constant rate an equilibrium is a steady motion, and displacements are those from it;
 //! where a drive begins to move otherwise, the proof ends. An explicit method lets round-off grow to the size of its own tolerance before it takes a smaller
 //! step, so adaptive methods run with a tolerance well below that, whatever the scene asks for in other runs. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
-//! the direction that runs away fastest, and the growth that is observed is set beside the eigenvalue that predicts it.
+//! the direction that runs away fastest, and the growth that is observed is compared with the eigenvalue that predicts it.
 
 use super::control::check_steady;
 use super::error::RunError;
@@ -30,7 +30,7 @@ const GROWTH_WINDOW: (f64, f64) = (1e-5, 1e-3);
 pub struct Largest {
     /// Body whose hinge it is.
     pub hinge: String,
-    /// (m, rad or per second)
+    /// Value (m, rad or per second).
     pub value: f64,
 }
 
@@ -41,7 +41,7 @@ pub struct Growth {
     pub hinge: String,
     /// From the eigenvalue (1/s).
     pub predicted: f64,
-    /// From the run (1/s); `None` where it did not leave in time.
+    /// From the run (1/s); `None` if it did not leave in time.
     pub observed: Option<f64>,
 }
 
@@ -67,7 +67,7 @@ pub struct Rest {
 /// Proves that the model stays at `equilibrium`, or shows how it leaves.
 ///
 /// # Errors
-/// Where the run cannot be made.
+/// If the run cannot be made.
 pub fn rest(
     model: &Arc<Model>,
     equilibrium: &Equilibrium,

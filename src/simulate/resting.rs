@@ -11,7 +11,7 @@
 //! loads at the points of contact, so that reactions and outputs have them; (1) is then evaluated, and what it leaves of
 //! accelerations has to be nothing ([`STILL`]). Positions are kept bit for bit, by every method and for every duration.
 //!
-//! Where the forces at rest are not unique, those of least norm act. What moves, or does not stand, is refused.
+//! If the forces at rest are not unique, those of least norm act. What moves, or does not stand, is refused.
 
 use super::error::RunError;
 use super::problem::Motion;
@@ -22,7 +22,8 @@ use crate::force::{End, Force, Law};
 use crate::integrate::{Progress, Start, StepError, Stepper};
 use crate::model::{Model, StopLaw};
 use crate::motion::Motion as Place;
-use crate::statics::standing::{Bearing, Verdict, bearing, overlap};
+use crate::record::ContactPush;
+use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap};
 use std::sync::Arc;
 
 /// What (1) may leave of accelerations, in parts of the scene's own: its loads are balanced to the tolerance of the conic
@@ -45,7 +46,7 @@ pub fn check(model: &Arc<Model>, settings: &Settings, start: &State) -> Result<(
 ///
 /// # Errors
 /// [`RunError::Contact`] where that cannot be decided, and of what contact in motion does not have.
-pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Option<Arc<Model>>, RunError> {
+pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Result<Option<Held>, RunError> {
     let Some(rule) = model.contacts.first() else { return Ok(None) };
     let refuse = |why: String| RunError::Contact { name: rule.name.clone(), why };
     let moves = state.velocity.iter().any(|v| *v != 0.0) || !is_steady(model);
@@ -54,7 +55,9 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
         false => bearing(model, settings.gap, &state.position).map(Some),
     };
     match found.map_err(|why| refuse(why.to_string()))? {
-        Some(found) if found.verdict == Verdict::Stands => return Ok(Some(loaded(model, &state.position, &found))),
+        Some(found) if found.verdict == Verdict::Stands => {
+            return Ok(Some(Held { model: loaded(model, &state.position, &found), contacts: pushes(model, &found) }));
+        }
         Some(found) if found.verdict == Verdict::Wedged => {
             return Err(refuse("the scene stands only if its contacts are squeezed beforehand".to_owned()));
         }
@@ -66,9 +69,6 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
                 "in motion it has explicit methods only, and `{}` is none: try `dopri5`, `dop853` or `auto`",
                 method.name()
             )
-        }
-        _ if !model.hinge_friction.is_empty() => {
-            "contact in motion beside dry friction of hinges is not there yet".to_owned()
         }
         _ if model.contacts.iter().any(|rule| matches!(rule.law, StopLaw::Compliant { .. })) => {
             "compliant contact in motion is not there yet: take `stiffness` and `damping` out".to_owned()
@@ -90,7 +90,7 @@ pub(super) fn prove(motion: &mut Motion, time: f64, state: &State) -> Result<(),
     let fault = |fault| RunError::Sample { time, fault };
     motion.accelerations(time, &state.position, &state.velocity, &mut a).map_err(fault)?;
     for link in model.links.iter().skip(1) {
-        let unit = if link.joint.is_slide() { length } else { 1.0 } / (span * span);
+        let unit = if link.joint.is_distance() { length } else { 1.0 } / (span * span);
         let velocities = link.velocity..link.velocity + link.joint.counts().1;
         // Written so that what is not a number is none.
         if let Some(index) = velocities.into_iter().find(|i| !(a[*i].abs() <= STILL * unit)) {
@@ -108,7 +108,29 @@ pub(super) fn prove(motion: &mut Motion, time: f64, state: &State) -> Result<(),
 /// Whether no drive, motor or controller changes with time.
 pub(super) fn is_steady(model: &Model) -> bool {
     let drive = model.drives.iter().find(|drive| !(drive.motion.is_steady() && drive.motion.at(0.0).velocity == 0.0));
-    drive.is_none() && model.motors.iter().all(|motor| motor.is_steady()) && model.controllers.is_empty()
+    drive.is_none()
+        && model.table_times().next().is_none()
+        && model.motors.iter().all(|motor| motor.is_steady())
+        && model.controllers.is_empty()
+}
+
+/// What holds a scene at rest.
+pub(super) struct Held {
+    /// The model with the forces of its contacts as loads.
+    pub(super) model: Arc<Model>,
+    /// These forces.
+    pub(super) contacts: Vec<ContactPush>,
+}
+
+fn pushes(model: &Model, found: &Bearing) -> Vec<ContactPush> {
+    let push = |one: &ContactForce| ContactPush {
+        between: one.contact.bodies.map(|body| model.bodies[body].name.clone()),
+        point: one.contact.point.into(),
+        normal: one.contact.normal.into(),
+        force: one.force.into(),
+        slips: false,
+    };
+    found.contacts.iter().map(push).collect()
 }
 
 /// The model with the forces of its contacts as loads on both bodies: they have no power and, as pairs, no potential.

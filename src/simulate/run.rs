@@ -8,7 +8,7 @@ mod turning;
 use super::choice::Choice;
 use super::control::{Control, Function};
 use super::dead_centre;
-use super::error::{RunError, named};
+use super::error::{RunError, component_name, named};
 use super::events::{Events, Hit, Kind, Occurrence};
 use super::finite;
 use super::instant::{self, sides};
@@ -152,7 +152,8 @@ pub(super) fn run_with(
     finite::check_start(model, &state, settings.tolerance)?;
     let held = if function.is_some() { None } else { resting::held(model, settings, &state)? };
     let rests = held.is_some();
-    let model = &held.unwrap_or_else(|| Arc::clone(model));
+    let (held, contacts) = held.map_or_else(|| (Arc::clone(model), Vec::new()), |held| (held.model, held.contacts));
+    let model = &held;
     if rests {
         motion = Motion::new(model);
     }
@@ -198,6 +199,7 @@ pub(super) fn run_with(
         carried: None,
         rests,
     };
+    run.sampler.contacts = contacts;
     run.touch(&mut motion, begin, false)?;
     run.arm(&mut motion, begin);
     run.control(&mut motion, settings, begin)?;
@@ -330,7 +332,7 @@ impl Run<'_, '_> {
                 if let Some(creep) = pace.see(time, self.end).filter(|_| !choice.method.needs_step()) {
                     caught = self.catch(motion, time);
                     if !caught {
-                        return Err(self.creeps(motion, time, creep));
+                        return Err(self.creeps(stepper.as_ref(), creep));
                     }
                 }
                 stopped |= !go_on(time, &self.state);
@@ -433,12 +435,10 @@ impl Run<'_, '_> {
         })
     }
 
-    fn creeps(&self, motion: &mut Motion, time: f64, Creep { step, left }: Creep) -> RunError {
-        let fastest = fastest(motion, time, &self.state.position, &self.state.velocity);
-        let (hinge, rate) = fastest.map_or(("of no name".to_owned(), f64::NAN), |fastest| {
-            (self.model.label(fastest.coordinate), fastest.rate)
-        });
-        dead_centre::beside(RunError::Creep { time, step, left, hinge, rate }, self.model, time, &self.state)
+    fn creeps(&self, stepper: &dyn Stepper<Motion>, Creep { step, left }: Creep) -> RunError {
+        let (time, limiting) = (stepper.time(), stepper.limiting());
+        let component = component_name(self.model, limiting).unwrap_or_else(|| limiting.to_string());
+        dead_centre::beside(RunError::Creep { time, step, left, component }, self.model, time, &self.state)
     }
 
     /// One step, and the state at its end or at what happens before.
@@ -458,6 +458,7 @@ impl Run<'_, '_> {
         let until = hit.map_or(stepper.time(), |hit| hit.time);
         interpolate(motion, stepper, until, &mut self.state)?;
         motion.guard(until, &self.state)?;
+        self.guard_curves(until)?;
         Ok(hit)
     }
 

@@ -9,7 +9,7 @@ use super::problem::Motion;
 use super::state::State;
 use crate::integrate::Stepper;
 use crate::model::Model;
-use crate::record::{Recorder, Sample};
+use crate::record::{ContactPush, Recorder, Sample};
 use crate::spatial::{Pose, Wrench};
 use std::time::{Duration, Instant};
 
@@ -33,6 +33,8 @@ pub(super) struct Sampler {
     poses: Vec<Pose>,
     reactions: Vec<Wrench>,
     couplings: Vec<f64>,
+    /// What contacts push with; of what rests the same at all times.
+    pub(super) contacts: Vec<ContactPush>,
     /// `None` for a model without outputs.
     outputs: Option<StateOutputs>,
 }
@@ -53,6 +55,7 @@ impl Sampler {
             poses: Vec::new(),
             reactions: Vec::new(),
             couplings: Vec::new(),
+            contacts: Vec::new(),
             outputs: StateOutputs::new(model),
         }
     }
@@ -130,6 +133,12 @@ impl Sampler {
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
+        if !motion.model().contacts.is_empty() {
+            if let Some(contacts) = &motion.contacts {
+                contacts.pushes(&mut self.contacts);
+            }
+            recorder.contacts(time, &self.contacts)?;
+        }
         let mut at = motion.at(time, q, v);
         at.share_multipliers().map_err(fault)?;
         at.residual(&self.accelerations, &mut self.residual).map_err(fault)?.reactions(&mut self.reactions);

@@ -130,7 +130,9 @@ fn shape(shape: &Shape, reach: f64) -> ShapePicture {
         Geometry::Cylinder { radius, length } => ("cylinder", vec![*radius, *length], None),
         Geometry::Capsule { radius, length } => ("capsule", vec![*radius, *length], None),
         Geometry::Plane(_) => ("plane", vec![reach, reach, THIN * reach], None),
-        Geometry::Mesh { file, scale } => ("mesh", vec![scale.x, scale.y, scale.z], Some(file.display().to_string())),
+        Geometry::Mesh { file, scale, .. } => {
+            ("mesh", vec![scale.x, scale.y, scale.z], Some(file.display().to_string()))
+        }
     };
     let turn = pose.rotation;
     ShapePicture {

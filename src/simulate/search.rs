@@ -30,7 +30,7 @@ impl Root {
     /// above: there the event has happened. `ends` are its values at the ends of `interval`.
     ///
     /// # Errors
-    /// Those of the function.
+    /// The errors of the function.
     pub(super) fn locate<E>(
         self,
         interval: [f64; 2],

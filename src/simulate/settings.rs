@@ -69,7 +69,7 @@ pub struct Resume {
 /// Times of fixed steps: `origin + k step`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
-    /// (s)
+    /// Origin (s).
     pub origin: f64,
     /// Steps made since then.
     pub steps: u64,

@@ -29,7 +29,7 @@ pub(super) struct Fastest {
     pub(super) coordinate: usize,
 }
 
-/// The fastest motion near a state; `None` where the system cannot be evaluated there.
+/// The fastest motion near a state; `None` if the system cannot be evaluated there.
 pub(super) fn fastest(motion: &mut Motion, time: f64, q: &[f64], v: &[f64]) -> Option<Fastest> {
     let n = v.len();
     if n == 0 {

@@ -21,7 +21,7 @@ impl Motion {
         tolerance * self.system.switch_scale(boundary, is_speed)
     }
 
-    /// What is told of a boundary that is crossed; `None` where nothing is.
+    /// What is told of a boundary that is crossed; `None` if nothing is.
     pub(super) fn occurrence(
         &mut self,
         time: f64,

@@ -1,4 +1,4 @@
-//! When given motions and motors change their rules, so that no step crosses such a time.
+//! When given motions, motors, loads and masses change their rules, so that no step crosses such a time.
 //!
 //! A table that begins to move at 5 s is nothing but rest to a step from 1 s to 10 s whose evaluations all lie at its
 //! ends, and a jump of accelerations inside of a step costs every method its order. Steps end just before a break, and
@@ -6,14 +6,14 @@
 
 use crate::model::Model;
 
-/// The breaks of a model's motions and motors.
+/// The breaks of a model's motions, motors, loads and masses.
 #[derive(Debug)]
 pub(super) struct Timetable {
     /// Increasing, within the run (s).
     breaks: Vec<f64>,
     /// Of the run (s).
     end: f64,
-    /// (s)
+    /// Longest step (s).
     pub(super) longest_step: Option<f64>,
 }
 
@@ -23,7 +23,9 @@ impl Timetable {
         let duration = end - begin;
         let (drives, motors) = (&model.drives, &model.motors);
         let each = drives.iter().map(|drive| drive.motion.breaks()).chain(motors.iter().map(|motor| motor.breaks()));
-        let mut breaks: Vec<f64> = each.flatten().copied().filter(|time| *time > begin && *time < end).collect();
+        let tables = model.table_times();
+        let within = |time: &f64| *time > begin && *time < end;
+        let mut breaks: Vec<f64> = each.flatten().copied().chain(tables).filter(within).collect();
         breaks.sort_by(f64::total_cmp);
         // Times that were meant to be the same are one.
         breaks.dedup_by(|later, earlier| *later - *earlier <= 1e-12 * duration);

@@ -58,7 +58,7 @@ pub struct Verified {
 pub struct VerifiedEvents {
     /// Events of the first run.
     pub events: usize,
-    /// Those of them that happen in the second run as well, in the same order for each stop and each watched number.
+    /// Events of the first run that happen in the second one as well, in the same order for each stop and each watched number.
     pub same: usize,
     /// The largest difference of their times (s).
     pub apart: f64,
@@ -70,10 +70,10 @@ pub struct VerifiedEvents {
     pub beyond: f64,
 }
 
-/// Runs again and compares. `None` where it was stopped from outside.
+/// Runs again and compares. `None` if it was stopped from outside.
 ///
 /// # Errors
-/// Where the second run cannot be made.
+/// If the second run cannot be made.
 pub fn verify(
     model: &Arc<Model>,
     settings: &Settings,
@@ -197,7 +197,7 @@ fn compare_events(first: &[Occurrence], second: &[Occurrence]) -> VerifiedEvents
 
 fn compare(model: &Model, a: &State, b: &State, found: &mut Verified) {
     for link in &model.links {
-        let (way, pace) = match link.joint.is_slide() {
+        let (way, pace) = match link.joint.is_distance() {
             true => (&mut found.length, &mut found.speed),
             false => (&mut found.angle, &mut found.rate),
         };

@@ -123,7 +123,7 @@ impl Cholesky {
         self.workspace.clone()
     }
 
-    /// The same in other memory.
+    /// Solves in place with a workspace of [`Cholesky::another_workspace`].
     pub(crate) fn solve_in(&self, workspace: &mut Workspace, x: &mut [f64]) {
         let n = x.len();
         let (x, stack) = (MatMut::from_column_major_slice_mut(x, n, 1), MemStack::new(&mut workspace.1));

@@ -92,7 +92,8 @@ impl Gram {
         Self::damped(rows, weights, 0.0)
     }
 
-    /// The same with this part of its largest diagonal entry added to the diagonal.
+    /// The Gram matrix with `damping` times its largest diagonal entry added to the diagonal; `None` if it is singular to working
+    /// precision.
     pub(crate) fn damped(rows: &SparseRows, weights: &[f64], damping: f64) -> Option<Self> {
         let (starts, columns, mut values) = products(rows, weights);
         let diagonal = || starts[1..].iter().map(|next| next - 1);

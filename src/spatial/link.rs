@@ -16,7 +16,7 @@ pub struct LinkMotion {
     pub velocity: Vector3<f64>,
     /// Velocity relative to the parent: along the axis for a slide, else angular (a screw's is `pitch` times that beside it).
     pub relative: Vector3<f64>,
-    /// (rad/s)
+    /// Angular velocity (rad/s).
     pub angular_velocity: Vector3<f64>,
     /// From the root marker to the centre of mass (m).
     pub center: Vector3<f64>,

@@ -23,9 +23,9 @@ pub type Pose = Isometry3<f64>;
 /// A force and a moment at a point that the context names, inertial axes (N, N m).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
-    /// (N)
+    /// Force (N).
     pub force: Vector3<f64>,
-    /// (N m)
+    /// Moment (N m).
     pub moment: Vector3<f64>,
 }
 
@@ -39,13 +39,13 @@ impl Wrench {
         Self { force, moment: fused::cross(&arm, &force) }
     }
 
-    /// The same wrench taken at a point that lies at `−arm` from its own: the moment gains `arm × force`.
+    /// This wrench taken at a point that lies at `−arm` from its own: the moment gains `arm × force`.
     #[inline]
     pub fn shifted(&self, arm: Vector3<f64>) -> Self {
         Self { force: self.force, moment: fused::cross_add(&arm, &self.force, &self.moment) }
     }
 
-    /// The same wrench, `factor` times as large.
+    /// This wrench times `factor`.
     #[inline]
     pub fn times(&self, factor: f64) -> Self {
         Self { force: factor * self.force, moment: factor * self.moment }

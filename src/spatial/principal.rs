@@ -16,7 +16,7 @@ pub struct Principal {
 }
 
 impl Principal {
-    /// The same tensor; equal to a few units in the last place of its largest moment.
+    /// Decomposes a tensor; the result equals it to a few units in the last place of its largest moment.
     pub fn of(inertia: &Sym3) -> Self {
         let eigen = inertia.matrix().symmetric_eigen();
         let mut order = [0, 1, 2];

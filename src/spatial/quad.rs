@@ -30,7 +30,7 @@ impl Quad {
         Self::new(v.x, v.y, v.z)
     }
 
-    /// The same number in every lane.
+    /// One number in every lane.
     #[inline(always)]
     pub fn all(s: f64) -> Self {
         Self(f64x4::splat(s))

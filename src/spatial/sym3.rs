@@ -73,7 +73,7 @@ impl Sym3 {
         }
     }
 
-    /// The same as a full matrix.
+    /// This tensor as a full matrix.
     #[inline]
     pub fn matrix(&self) -> Matrix3<f64> {
         Matrix3::new(self.xx, self.xy, self.xz, self.xy, self.yy, self.yz, self.xz, self.yz, self.zz)
@@ -108,7 +108,7 @@ impl Sym3 {
         self.xx + self.yy + self.zz
     }
 
-    /// The inverse by LDLᵀ, and the three pivots; `None` where a pivot is zero or not finite.
+    /// The inverse by LDLᵀ, and the three pivots; `None` if a pivot is zero or not finite.
     #[inline]
     pub fn inverse(&self) -> Option<(Self, Vector3<f64>)> {
         let d1 = self.xx;

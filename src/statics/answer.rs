@@ -1,7 +1,7 @@
 //! What every command asks of a scene: its equilibrium, or the inputs that hold its pose.
 
 use super::inverse::{Held, hold};
-use super::search::equilibrium_while;
+use super::search::{Observers, equilibrium_observed};
 use super::settings::{Margin, Settings};
 use super::standing::{self, Unanswered};
 use crate::model::description::Description;
@@ -28,9 +28,12 @@ pub fn answer(
         let held = hold(&description, unknown, &model.start_position, settings)?;
         return standing::inputs(&description, held, &model, unknown, settings, margin);
     }
-    let search = || equilibrium_while(&model, settings, &model.start_position, go_on);
+    let search = || {
+        let observers = Observers { go_on: Some(go_on), ..Observers::default() };
+        equilibrium_observed(&model, settings, &model.start_position, observers)
+    };
     let found = match standing::is_for(&model) {
-        true => standing::equilibrium(&description, &model, settings, margin, &search)?,
+        true => standing::equilibrium(&description, &model, settings, margin, &search, go_on)?,
         false => search()?,
     };
     Ok(Held { description, model, found })

@@ -64,7 +64,7 @@ impl<'a> Moving<'a> {
     /// The family around an equilibrium at parameter `start`.
     ///
     /// # Errors
-    /// Where the scene cannot be built or evaluated there.
+    /// If the scene cannot be built or evaluated there.
     pub(super) fn new(
         description: &Description,
         assembled: Assembled,

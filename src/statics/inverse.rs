@@ -10,11 +10,11 @@
 //! rows are divided by the forces that cancel in them. The columns of `A` are differences of two balances, exact up to
 //! round-off. What follows from a named number need not be affine in it: then (1) is a step of Newton's method, with columns of
 //! its own at every step. With loops, drives and gears `f` is what their rows leave of the forces: multipliers are unknowns too, and
-//! cost nothing. The singular values of the scaled matrix tell how many unknowns the pose determines; what it leaves open
+//! have no cost. The singular values of the scaled matrix tell how many unknowns the pose determines; what it leaves open
 //! is filled by the least change from the values of the scenario. The answer is checked by the balance of a scene that
 //! is built with it, not by (1).
 //!
-//! **Stops** that the pose touches bear what is left in their hinges, which costs nothing, like multipliers; one that would
+//! **Stops** that the pose touches bear the residual of their hinges, as multipliers do; one that would
 //! have to pull is let go, and its hinge has to be balanced too. A pose beyond a rigid stop is refused.
 
 use super::certify::bearing::{self, Set};
@@ -67,10 +67,10 @@ struct Problem<'a> {
 /// Finds the values of `unknown` that hold `pose`, all other numbers as in the description.
 ///
 /// # Errors
-/// Where the system cannot be evaluated in this pose.
+/// If the system cannot be evaluated in this pose.
 ///
 /// # Panics
-/// Where the description is not one that [`Model::build`] accepts.
+/// If the description is not one that [`Model::build`] accepts.
 pub fn hold(
     description: &Description,
     unknown: &[Parameter],
@@ -113,13 +113,13 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// The model of a description, standing in the pose; `None` where there is none.
+    /// The model of a description, standing in the pose; `None` if there is none.
     fn built(&self, description: &Description) -> Option<Arc<Model>> {
         let model = self.assembled.apply(Model::build(description).ok()?, &mut self.pose.to_vec()).ok()?;
         Some(model.starting_at(self.pose))
     }
 
-    /// The same while these stops bear: what they bear is free, as what holds a lock.
+    /// The model of a description with these stops active: what they bear is free, as what holds a lock.
     fn bearing(&self, description: &Description, set: &Set) -> Option<Arc<Model>> {
         let built = self.built(description)?;
         let (model, _) = bearing::with(&built, set, self.pose)?;
@@ -271,7 +271,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Answers of zero: the difference of two values leaves their round-off, beside which nothing can be balanced. The scene in
-    /// which all unknowns vanish that are round-off beside the values of the scenario, if it is balanced to the last digits.
+    /// which all unknowns vanish that are round-off of the values of the scenario, if it is balanced to the last digits.
     fn vanishing(
         &self,
         [before, found]: [&Description; 2],

@@ -9,7 +9,7 @@
 //! | [`path`] | an equilibrium followed while one number of the scene moves |
 //! | `sensitivity` | how much every number of the scene moves an equilibrium, its outputs and frequencies |
 //!
-//! Where the pose is given and inputs are unknown, `inverse` finds those.
+//! If the pose is given and inputs are unknown, `inverse` finds those.
 //!
 //! The search and the baselines end with Newton steps until round-off. Nothing is called an equilibrium unless its residual says
 //! so.
@@ -37,6 +37,6 @@ pub use certify::stability::{Stability, Verdict};
 pub use effort::{Iteration, Stage};
 pub use inverse::{Held, hold};
 pub use outputs::{beams, outputs};
-pub use search::{Leftover, equilibrium, equilibrium_observed, equilibrium_watched, equilibrium_while, leftover};
+pub use search::{Observers, Residual, equilibrium, equilibrium_observed, residual};
 pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, influences, sensitivities};
 pub use settings::{Method, Settings, Want};

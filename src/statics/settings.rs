@@ -13,6 +13,8 @@ pub struct Settings {
     pub time_limit: f64,
     /// Contacts are closed to this part of the smaller shape, > 0.
     pub gap: f64,
+    /// Whether a scene with contact that does not stand as it is given is moved until it does.
+    pub settle: bool,
 }
 
 /// What may move while a pose with friction or contact stands.
@@ -34,7 +36,7 @@ impl Settings {
 impl Default for Settings {
     fn default() -> Self {
         let (want, method) = (Want::default(), Method::default());
-        Self { want, method, time_limit: Self::TIME_LIMIT, gap: Self::GAP }
+        Self { want, method, time_limit: Self::TIME_LIMIT, gap: Self::GAP, settle: false }
     }
 }
 

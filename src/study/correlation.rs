@@ -10,8 +10,7 @@
 //! `R` is the correlation of the normal numbers `z`: exactly that of numbers with normal distributions, nearly that of others.
 //! The distribution of each number by itself stays as it is.
 
-use super::distribution::{standard_normal, standard_normal_below};
-use super::sample::BELOW_ONE;
+use super::distribution::{BELOW_ONE, standard_normal, standard_normal_below};
 use nalgebra::DMatrix;
 
 /// Correlated dimensions and the factor of their matrix.

@@ -7,6 +7,9 @@ use crate::quantity::Quantity;
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::fmt;
 
+/// The largest number below 1.
+pub(super) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+
 /// A distribution of a real number, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {

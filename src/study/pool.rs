@@ -14,7 +14,7 @@ pub type Take<'t, E> = &'t (dyn Fn(u64, Vec<Row>) -> Result<(), E> + Sync);
 /// What all threads share.
 struct Work<P, E> {
     parts: P,
-    /// What is left of the part whose cases are given out.
+    /// The remaining cases of the part that is given out.
     current: Option<Part>,
     /// Parts of which rows are missing: rows that are there, and how many are missing. At most one more than there are threads.
     open: HashMap<u64, (Vec<Row>, u64)>,

@@ -4,6 +4,7 @@
 //! addressed by the sample, not advanced from one to the next, so that any part of a study can be computed anywhere.
 
 use super::correlation::Correlation;
+use super::distribution::BELOW_ONE;
 use super::sobol::{self, Directions};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -109,9 +110,6 @@ impl Sampler {
         (0..self.keys.len()).map(move |_| generator.next_u64())
     }
 }
-
-/// The largest number below 1.
-pub(super) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// The middle of one of 2⁵² equal parts of (0, 1).
 fn unit(x: u64) -> f64 {

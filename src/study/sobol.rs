@@ -48,7 +48,7 @@ const PRIMITIVE: [(u32, &[u32]); 63] = [
 pub struct Directions([u32; 32]);
 
 impl Directions {
-    /// Those of dimension `d` < [`MOST_DIMENSIONS`].
+    /// Directions of dimension `d` < [`MOST_DIMENSIONS`].
     pub fn new(d: usize) -> Self {
         let mut v = [0; 32];
         let Some((a, first)) = d.checked_sub(1).map(|d| PRIMITIVE[d]) else {

@@ -145,7 +145,7 @@ pub type Each<'e, E> = &'e mut dyn FnMut(&mut dyn FnMut(f64)) -> Result<(), E>;
 /// the smallest that is not below p n of them. `each` hands over all numbers, every time the same.
 ///
 /// # Errors
-/// Those of `each`.
+/// The errors of `each`.
 pub fn quantiles<E>(parts: &[f64], count: u64, each: Each<'_, E>) -> Result<Vec<f64>, E> {
     // Beginning of the answer, and how many numbers are below among those that begin so.
     let rank = |part: &f64| ((part * count as f64).ceil() as u64).clamp(1, count.max(1)) - 1;

@@ -93,8 +93,8 @@ impl Balance {
                     let row = at.turn.tr_mul(&f.moment);
                     residual[link.velocity..link.velocity + 3].copy_from_slice(row.as_slice());
                 }
-                Joint::Flex { rod, count } => {
-                    let own = link.velocity..link.velocity + count;
+                Joint::Flex { rod, .. } | Joint::Along { rod } => {
+                    let own = link.velocity..link.velocity + link.joint.counts().1;
                     let given = (&model.rods[rod], &motion.rods[rod]);
                     let (parent, rows) = (&self.accelerations[link.parent], &mut residual[own.clone()]);
                     let passed = self.rods[rod].inward(given, &model.gravity, parent, &hinge[own], f, rows);

@@ -42,8 +42,8 @@ impl MassAction {
                 Joint::Ball { .. } => {
                     product[link.velocity..link.velocity + 3].copy_from_slice(at.turn.tr_mul(&f.moment).as_slice());
                 }
-                Joint::Flex { rod, count } => {
-                    let own = link.velocity..link.velocity + count;
+                Joint::Flex { rod, .. } | Joint::Along { rod } => {
+                    let own = link.velocity..link.velocity + link.joint.counts().1;
                     let (given, x, rows) = ((&model.rods[rod], &motion.rods[rod]), &x[own.clone()], &mut product[own]);
                     f = self.rods[rod].inward_change(given, &self.a[link.parent], x, &f, rows).shifted(-at.arm);
                 }

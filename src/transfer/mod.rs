@@ -92,6 +92,7 @@ fn accelerate(link: &Link, at: &LinkMotion, rods: &[RodMotion], hinge: &[f64], a
             let relative = Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);
             a.angular = times_add(&at.turn, &relative, &a.angular);
         }
+        Joint::Along { rod } => flexible::accelerate(&rods[rod], &hinge[first..=first], a),
         Joint::Flex { rod, count } => flexible::accelerate(&rods[rod], &hinge[first..first + count], a),
     }
 }

@@ -32,7 +32,7 @@ pub(super) struct Place {
     /// Index of a ball among the balls; of a flexible element among those.
     pub ball: u32,
     /// Its parent, its first velocity and what moves there, the armature of a single coordinate (kg or kg m²) and its mass (kg):
-    /// beside the rest, for a link as a whole is long.
+    /// compared with the rest, for a link as a whole is long.
     pub parent: u32,
     pub velocity: u32,
     pub kind: Kind,
@@ -127,7 +127,7 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             Joint::Slide { .. } => Kind::Slide,
             Joint::Screw { .. } => Kind::Screw,
             Joint::Ball { .. } => Kind::Ball,
-            Joint::Flex { .. } => Kind::Flex,
+            Joint::Flex { .. } | Joint::Along { .. } => Kind::Flex,
         };
         let (parent, velocity, is_massless) = (link.parent as u32, link.velocity as u32, link.is_massless());
         let axial = link.inertia.zz / link.inertia.trace();

@@ -18,7 +18,7 @@ use crate::spatial::Wrench;
 use ball::Ball;
 use carried::Carried;
 use nalgebra::Vector3;
-use part::{First, Lost, Outward, Part, Scene};
+use part::{First, Outward, Part, Scene};
 use refine::Refinement;
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ const SINGULAR: f64 = 4.0 * f64::EPSILON;
 /// that is so.
 const LOST: f64 = 1.0 / 16.0;
 
-/// The same for a ball, whose three axes are eliminated at once: a dozen units in the last place over this are 10⁻¹⁰.
+/// A pivot of a ball below this part of it has lost digits: its three axes are eliminated at once, and a dozen units in the last place over this are 10⁻¹⁰.
 const LOST_BY_BALL: f64 = 1e-5;
 
 /// The factorized tree: hinge pivots at one position.
@@ -39,7 +39,7 @@ const LOST_BY_BALL: f64 = 1e-5;
 pub struct Reduction {
     /// How the links hang together.
     plan: Pages<Place>,
-    /// What is left of every hinge; of a ball it is in `balls`.
+    /// The factors of every eliminated hinge; those of a ball are in `balls`.
     hinges: Pages<One>,
     balls: Vec<Ball>,
     rods: Vec<RodPivot>,
@@ -53,6 +53,18 @@ pub struct Reduction {
     a: Pages<LinkAcceleration>,
     /// What is needed where digits were lost.
     refinement: Refinement,
+}
+
+/// Digits lost in an elimination.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+enum Lost {
+    /// Nothing.
+    #[default]
+    None,
+    /// Some may be lost: the accelerations tell.
+    Perhaps,
+    /// A pivot has lost five or more.
+    Many,
 }
 
 /// A hinge of one coordinate, eliminated: `S H`, `D⁻¹` and the `u` of the last solution.
@@ -193,8 +205,8 @@ impl Reduction {
             let mut e = self.e[index];
             match link.joint {
                 Joint::None => {}
-                Joint::Flex { rod, count } => {
-                    let tau = &load.tau[link.velocity..link.velocity + count];
+                Joint::Flex { rod, .. } | Joint::Along { rod } => {
+                    let tau = &load.tau[link.velocity..link.velocity + link.joint.counts().1];
                     self.e[link.parent] += self.rods[rod].load(&motion.rods[rod], tau, &e);
                 }
                 Joint::Ball { .. } => {
@@ -240,6 +252,11 @@ impl Reduction {
             .sweep::<BIAS>(&scene, other.end..links.end);
     }
 
+    /// The mass of a link from now on (kg).
+    pub(crate) fn set_mass(&mut self, link: usize, mass: f64) {
+        self.plan[link].mass = mass;
+    }
+
     /// The inertia that each hinge coordinate sees while everything outboard moves freely: the diagonal of `D`,
     /// armature included (kg, kg m²).
     pub fn articulated_inertia(&self, model: &Model, motion: &Motion, out: &mut [f64]) {
@@ -253,7 +270,10 @@ impl Reduction {
                         out[first + i] = seen[i] + model.coordinates[first + i].armature;
                     }
                 }
-                Joint::Flex { rod, count } => out[first..first + count].copy_from_slice(self.rods[rod].inertia()),
+                Joint::Flex { rod, .. } | Joint::Along { rod } => {
+                    let seen = self.rods[rod].inertia();
+                    out[first..first + seen.len()].copy_from_slice(seen);
+                }
                 _ => out[first] = 1.0 / self.hinges[index].inverse,
             }
         }

@@ -318,7 +318,7 @@ impl Tangent {
         self.solve_loaded(None, x);
     }
 
-    /// As [`Tangent::solve`], with a wrench on one link beside the hinge forces: only where force elements depend on
+    /// As [`Tangent::solve`], with a wrench on one link in addition to the hinge forces: only where force elements depend on
     /// places.
     pub fn solve_loaded(&mut self, load: Option<(usize, Wrench)>, x: &mut [f64]) {
         if self.parts == 0 {

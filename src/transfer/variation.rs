@@ -129,9 +129,10 @@ impl Variation {
         out: &mut [f64],
     ) {
         let (link, at, f) = (&model.links[index], &motion.links[index], &balance.reactions[index]);
-        if let Joint::Flex { rod, .. } = link.joint {
+        if let Some(rod) = link.joint.rod() {
             let passed = self.pass_through(model, motion, balance, by, (index, rod), out);
             self.wrenches[link.parent] += passed;
+            accelerate_armatures(model, link, by, out);
             return;
         }
         let (delta, first) = (self.wrenches[index], link.velocity);
@@ -139,8 +140,8 @@ impl Variation {
         let about = || at.axis.dot(&delta.moment) + axis_by.dot(&f.moment);
         let along = || at.axis.dot(&delta.force) + axis_by.dot(&f.force);
         match link.joint {
-            // Of flexible elements see `pass_through`.
-            Joint::None | Joint::Flex { .. } => {}
+            // Of elements see `pass_through`.
+            Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
             Joint::Turn => out[first] = about(),
             Joint::Slide { .. } => out[first] = along(),
             Joint::Screw { pitch } => out[first] = about() + pitch * along(),
@@ -149,12 +150,7 @@ impl Variation {
                 out[first..first + 3].copy_from_slice(row.as_slice());
             }
         }
-        if !by.acceleration.is_empty() {
-            let (_, count) = link.joint.counts();
-            for i in first..first + count {
-                out[i] += model.coordinates[i].armature * by.acceleration[i];
-            }
-        }
+        accelerate_armatures(model, link, by, out);
         let mut passed = delta.shifted(at.arm);
         passed.moment += self.arm(link, at, by).cross(&f.force);
         self.wrenches[link.parent] += passed;
@@ -223,6 +219,15 @@ impl Variation {
         match by.position.get(link.velocity) {
             Some(step) => turned + at.axis * (per_coordinate * step),
             None => turned,
+        }
+    }
+}
+
+/// What the armatures of a hinge need for accelerations that vary.
+fn accelerate_armatures(model: &Model, link: &Link, by: &Direction<'_>, out: &mut [f64]) {
+    if !by.acceleration.is_empty() {
+        for i in link.velocity..link.velocity + link.joint.counts().1 {
+            out[i] += model.coordinates[i].armature * by.acceleration[i];
         }
     }
 }

@@ -1,5 +1,8 @@
 //! The structure, checked: which module may know which, where foreign crates are used, how long a file may be.
 
+mod circles;
+mod comments;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,6 +14,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("whole_file", &[]),
     ("suggest", &["budget"]),
     ("text_file", &["budget", "suggest"]),
+    ("markup", &[]),
     ("mesh", &["budget", "foreign"]),
     ("pages", &[]),
     ("spatial", &[]),
@@ -21,12 +25,13 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("formula", &["quantity", "suggest"]),
     ("force", &["spatial"]),
     ("hinge", &[]),
-    ("element", &["spatial"]),
+    // `formula` for curves of guided motion.
+    ("element", &["formula", "spatial"]),
     // `budget` for the largest number.
     ("model", &["budget", "element", "force", "formula", "hinge", "pages", "spatial", "suggest"]),
     ("motion", &["element", "model", "pages", "spatial"]),
     ("transfer", &["element", "model", "motion", "pages", "spatial"]),
-    ("contact", &[]),
+    ("contact", &["dynamics", "model", "motion", "spatial"]),
     ("constraint", &["hinge", "model", "motion", "transfer", "sparse", "spatial"]),
     ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
@@ -50,7 +55,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "spatial",
         ],
     ),
-    ("record", &["budget", "foreign", "mesh", "spatial", "whole_file"]),
+    ("record", &["budget", "foreign", "markup", "mesh", "spatial", "whole_file"]),
     (
         "simulate",
         &[
@@ -99,6 +104,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "dynamics",
             "integrate",
             "linear",
+            "markup",
             "model",
             "output",
             "quantity",
@@ -137,6 +143,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "foreign",
             "whole_file",
             "import",
+            "markup",
             "model",
             "constraint",
             "dynamics",
@@ -169,8 +176,15 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("mcap", &["record"]),
     ("foxglove", &["record"]),
     ("re_cdr", &["record"]),
-    ("re_sdk", &["record"]),
+    ("re_build_info", &["record"]),
+    ("re_chunk", &["record"]),
+    ("re_log_encoding", &["record"]),
+    ("re_log_types", &["record"]),
+    ("re_protos", &["record"]),
     ("re_sdk_types", &["record"]),
+    ("tokio", &["record"]),
+    ("tokio_stream", &["record"]),
+    ("tonic", &["record"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
     ("ctrlc", &["cli"]),

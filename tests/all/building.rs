@@ -48,7 +48,13 @@ fn bushing(between: [Attachment; 2]) -> ForceKind {
 }
 
 fn load(on: Attachment) -> ForceKind {
-    ForceKind::Load(Load { on, force: Vector3::x(), torque: Vector3::zeros(), axes: LoadAxes::Inertial })
+    ForceKind::Load(Load {
+        on,
+        force: Vector3::x(),
+        torque: Vector3::zeros(),
+        axes: LoadAxes::Inertial,
+        over_time: None,
+    })
 }
 
 fn force(name: &str, kind: ForceKind) -> ForceDescription {

@@ -200,6 +200,7 @@ fn random_force(random: &mut Random, index: usize, bodies: &[BodyDescription]) -
             force: random.vector(5.0),
             torque: random.vector(2.0),
             axes: if axes == 2 { LoadAxes::Inertial } else { LoadAxes::Body },
+            over_time: None,
         }),
     };
     ForceDescription { name: format!("f{index}"), kind }

@@ -275,3 +275,94 @@ fn shipped_scenes_run_to_their_end() {
     }
     assert!(count >= 6);
 }
+
+/// Dry friction of a hinge beside a contact that slides: captured steps follow both. A box and a wheel slow down, each by its own friction.
+#[test]
+fn dry_friction_of_hinges_beside_contacts_that_slide() {
+    let mut random = Random::new(0x0f81);
+    for case in 0..8 {
+        let (friction, speed) = (random.between(0.2, 0.6), random.between(0.5, 2.0));
+        let (inertia, spin, torque) = (random.between(0.05, 0.2), random.between(1.0, 5.0), random.between(0.1, 0.5));
+        let text = FLOOR.to_owned()
+            + &body("box", 1.0, [0.01; 3], "{ box = [0.2, 0.2, 0.1] }", level(0.05), [speed, 0.0, 0.0, 0.0, 0.0, 0.0])
+            + &format!(
+                "[[body]]\nname = \"wheel\"\nmass = 1.0\ninertia = [0.1, 0.1, {inertia:?}]\nhinge = {{ type = \"revolute\", axis = [0, 0, 1], velocity = \
+                 [{spin:?}], friction = {torque:?} }}\n"
+            )
+            + &contact(friction, 0.0);
+        let model = read(&text);
+        let summary = go(&model, 5.0, 1e-8, Method::Dopri5);
+        let (way, turn) = (speed * speed / (2.0 * friction * G), inertia * spin * spin / (2.0 * torque));
+        let q = &summary.state.position;
+        assert!((q[0] - way).abs() < 2e-3 * way, "case {case}: {} {way}", q[0]);
+        assert!((q[7] - turn).abs() < 2e-3 * turn, "case {case}: {} {turn}", q[7]);
+        assert!(
+            summary.state.velocity.iter().all(|v| *v == 0.0) && summary.capture_steps > 0,
+            "case {case}: {summary:?}"
+        );
+    }
+}
+
+/// An arm of two links falls on a floor while its elbow hits a rigid stop: it ends on both, where geometry says.
+#[test]
+fn an_arm_ends_on_the_floor_and_on_its_stop() {
+    for friction in [0.0, 0.05] {
+        let text = FLOOR.to_owned()
+            + &format!(
+                "[[body]]\nname = \"upper\"\nmass = 1.0\ncenter = [0.25, 0, 0]\ninertia = [0.001, 0.02, 0.02]\nhinge = {{ type = \"revolute\", axis = \
+                 [0, 1, 0], at = [0, 0, 0.5], friction = {friction:?} }}\n[[body]]\nname = \"lower\"\nmass = 0.5\ncenter = [0.2, 0, 0]\ninertia = [0.001, \
+                 0.01, 0.01]\nshape = {{ sphere = 0.02, at = [0.4, 0, 0] }}\nhinge = {{ type = \"revolute\", parent = \"upper\", axis = [0, 1, 0], at = \
+                 [0.5, 0, 0], position = [0.3], limits = [[-1.0, 0.5]] }}\n"
+            )
+            + &contact(0.4, 0.0);
+        let model = read(&text);
+        let summary = go(&model, 4.0, 1e-7, Method::Dopri5);
+        let q = &summary.state.position;
+        assert!(model.stops.iter().all(|stop| q[stop.position] >= stop.range[0] && q[stop.position] <= stop.range[1]));
+        // The tip's height above the floor.
+        let height = 0.5 - 0.5 * q[0].sin() - 0.4 * (q[0] + q[1]).sin() - 0.02;
+        assert!(height.abs() < 1e-6, "{friction}: {height:e} {q:?}");
+        assert!((q[1] + 1.0).abs() < 1e-9 || (q[1] - 0.5).abs() < 1e-9, "{friction}: {q:?}");
+        assert!(summary.state.velocity.iter().all(|v| v.abs() < 1e-6), "{friction}: {:?}", summary.state.velocity);
+    }
+}
+
+/// The contacts of a recording push as hard as the body accelerates, and on its second body: slides, stands and captured steps alike.
+#[test]
+fn recorded_contacts_are_what_moves_a_body() {
+    let mut random = Random::new(0xc0_117a);
+    for case in 0..12 {
+        let (mass, friction) = (random.between(0.5, 3.0), random.between(0.1, 0.6));
+        let speed = if case % 3 == 0 { 0.0 } else { random.between(0.5, 2.0) };
+        let wheel = "[[body]]\nname = \"wheel\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\nhinge = { type = \"revolute\", axis = [0, 0, 1], velocity = [1.0], \
+                     friction = 0.1 }\n";
+        let text = FLOOR.to_owned()
+            + &body("box", mass, [0.01; 3], "{ box = [0.2, 0.2, 0.1] }", level(0.05), [speed, 0.0, 0.0, 0.0, 0.0, 0.0])
+            + if case % 3 == 2 { wheel } else { "" }
+            + &contact(friction, 0.0);
+        let model = read(&text);
+        let settings = Settings { start: simulate::Start::Given, duration: 0.1, ..Settings::default() };
+        let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        let scene = simulate::scene(&model);
+        let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
+        let summary = run(&model, &settings, 100.0, &start, &mut memory, &mut |_, _| true).unwrap();
+        assert_eq!(summary.capture_steps > 0, case % 3 == 2, "case {case}");
+        assert_eq!(memory.contacts.len(), memory.samples.len(), "case {case}");
+        for ((time, contacts), sample) in memory.contacts.iter().zip(&memory.samples) {
+            assert_eq!(*time, sample.time);
+            let on_box = |one: &stillpoint::record::ContactPush| {
+                let sign = if one.between[1] == "box" { 1.0 } else { -1.0 };
+                Vector3::from(one.force) * sign
+            };
+            let sum: Vector3<f64> = contacts.iter().map(on_box).sum();
+            let a = Vector3::new(sample.accelerations[0], sample.accelerations[1], sample.accelerations[2] + G);
+            // Captured steps have the forces of their steps.
+            let slack = if summary.capture_steps > 0 { 1e-5 } else { 1e-9 };
+            // Before its first step nothing bears.
+            if summary.capture_steps == 0 || *time > 0.05 {
+                assert!((sum - a * mass).norm() < slack * mass * G, "case {case} at {time}: {sum} {a}");
+                assert!(contacts.iter().all(|one| one.slips == (speed > 0.0)), "case {case}: {contacts:?}");
+            }
+        }
+    }
+}

@@ -171,7 +171,7 @@ hinge = { parent = "ground" }
     4 | hinge = { parent = "ground" }
       |         ^^^^^^^^^^^^^^^^^^^^^
       |
-      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `screw`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
+      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `screw`, `along`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
 
     scene.toml: 1 error
     "#);
@@ -697,7 +697,7 @@ hinge = { type = "free" }
     1 | --set bob.hinge.type=spinning
       |                      ^^^^^^^^
       |
-      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `screw`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
+      = help: `type` is one of `fixed`, `revolute`, `prismatic`, `screw`, `along`, `cylindrical`, `universal`, `planar`, `spherical`, `free`
 
     error: nothing is called `bbo`
      --> command line:1:7

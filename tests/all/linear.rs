@@ -217,7 +217,7 @@ fn inputs_are_felt_as_forces_are() {
         let on = Attachment { body: "b1".into(), point: Point::Marker("tip".into()) };
         let zero = nalgebra::Vector3::zeros();
         let axes = if seed % 2 == 0 { LoadAxes::Inertial } else { LoadAxes::Body };
-        let load = Load { on, force: zero, torque: zero, axes };
+        let load = Load { on, force: zero, torque: zero, axes, over_time: None };
         description.forces.push(ForceDescription { name: "push".into(), kind: load.into() });
         description.outputs.retain(|output| output.name != "f");
         let model = build(&description);

@@ -92,13 +92,69 @@ fn one_length_in_millimetres_among_metres_is_told() {
     }
 }
 
+/// A body on a slide along z, 0.1 m to 1 m from the ground, on a spring that lets it sink by a hundredth of that.
+fn slide(random: &mut Random) -> (f64, f64, f64) {
+    let (mass, length) = (10f64.powf(random.between(-1.0, 3.0)), random.between(0.1, 1.0));
+    (mass, length, 100.0 * mass * 9.80665 / length)
+}
+
+fn on_a_slide(mass: f64, length: f64, stiffness: &str, rest: &str) -> String {
+    format!(
+        "[[body]]\nname = \"table\"\nmass = {mass}\ninertia = [0.1, 0.1, 0.1]\n\
+         hinge = {{ type = \"prismatic\", axis = [0, 0, 1], at = [0, 0, {length}], stiffness = {stiffness}, rest = {rest} }}\n"
+    )
+}
+
+#[test]
+fn a_rest_in_millimetres_is_told_by_the_force_of_the_spring() {
+    let random = &mut Random::new(4);
+    for _ in 0..40 {
+        let (mass, length, stiffness) = slide(random);
+        let rest = random.between(0.2, 0.9) * length;
+        let scene = |rest: &str| on_a_slide(mass, length, &stiffness.to_string(), rest);
+        let millimetres = 1000.0 * rest;
+        let said = warnings(&scene(&millimetres.to_string()));
+        assert_eq!(said.matches("warning:").count(), 1, "{said}");
+        assert!(said.contains("times the weight") && said.contains(&format!("write \"{millimetres} mm\"")), "{said}");
+        assert!(said.contains("scene.toml:5:"), "{said}");
+        assert_eq!(warnings(&scene(&format!("\"{millimetres} mm\""))), "");
+        assert_eq!(warnings(&scene(&rest.to_string())), "");
+    }
+}
+
+#[test]
+fn a_stiffness_in_newtons_per_millimetre_is_told_by_how_far_the_body_sinks() {
+    let random = &mut Random::new(5);
+    for _ in 0..40 {
+        let (mass, length, stiffness) = slide(random);
+        // The sag of 1 % becomes 10 lengths: beyond that it is told.
+        let stiffness = stiffness * random.between(0.1, 0.9);
+        let scene = |stiffness: &str| on_a_slide(mass, length, stiffness, "0.0");
+        let slip = stiffness / 1000.0;
+        let said = warnings(&scene(&slip.to_string()));
+        assert_eq!(said.matches("warning:").count(), 1, "{said}");
+        assert!(said.contains("under its own weight") && said.contains(&format!("write \"{slip} N/mm\"")), "{said}");
+        assert_eq!(warnings(&scene(&format!("\"{slip} N/mm\""))), "");
+        assert_eq!(warnings(&scene(&stiffness.to_string())), "");
+        // Level slides bear no weight.
+        assert_eq!(warnings(&scene(&slip.to_string()).replace("axis = [0, 0, 1]", "axis = [1, 0, 0]")), "");
+    }
+}
+
 /// Nothing that is shipped is meant otherwise than it is written.
 #[test]
 fn shipped_scenes_are_not_suspected() {
     for name in scenarios::names() {
         let path = scenarios::file(&name);
         let said = load(&path).expect("a scene").warnings.render(false);
-        for words in ["more than a turn", "gravity points", "that of the earth", "times the median"] {
+        for words in [
+            "more than a turn",
+            "gravity points",
+            "that of the earth",
+            "times the median",
+            "times the weight",
+            "own weight",
+        ] {
             assert!(!said.contains(words), "{}: {said}", path.display());
         }
     }

@@ -13,12 +13,13 @@ use stillpoint::model::Model;
 use stillpoint::model::description::*;
 use stillpoint::simulate::problem::Motion;
 
-/// Counted on this thread, from the first call after construction on, over a scene with all eight kinds of hinges and
+/// Counted on this thread, from the first call after construction on, over a scene with all kinds of hinges and
 /// all five kinds of forces (loads of both kinds of axes), each law taken as the state is and kept in one of its parts.
 #[test]
 fn evaluating_a_system_allocates_nothing() {
     let mut description = random_scene(17, &Options { bodies: 40, springs: true, welds: true });
     add_ropes_and_curves(&mut description);
+    guide_and_burn(&mut description);
     let kinds: BTreeSet<&str> = description.bodies.iter().map(|body| body.hinge.kind.name()).collect();
     assert_eq!(kinds.len(), stillpoint::hinge::DECLARED.len(), "{kinds:?}");
     let model = build(&description);
@@ -44,6 +45,11 @@ fn evaluating_a_system_allocates_nothing() {
         count("residual", &mut |system| {
             system.at(0.0, q, v).residual(v, &mut residual).unwrap();
         });
+        count("another time", &mut |system| {
+            for time in [0.3, 0.9, 2.0, 0.0] {
+                system.at(time, q, v).accelerations(&mut a).unwrap();
+            }
+        });
         count("energies", &mut |system| assert!(system.at(0.0, q, v).energies().kinetic > 0.0));
         count("powers", &mut |system| assert!(system.at(0.0, q, v).powers().dissipated > 0.0));
         count("switch", &mut |system| {
@@ -53,6 +59,31 @@ fn evaluating_a_system_allocates_nothing() {
                 })
             );
         });
+    }
+}
+
+/// Two bodies along curves, one whose mass burns away, and a load over time.
+fn guide_and_burn(description: &mut Description) {
+    let formulas = GuideCurve::Formulas {
+        parameter: "u".to_owned(),
+        place: ["u", "sin(u)", "0.3*u^2"].map(str::to_owned),
+        range: [-1.0, 1.0],
+    };
+    let points = [[0.0, 0.0, 0.0], [0.5, 0.1, 0.0], [1.0, 0.0, 0.2], [1.5, 0.3, 0.1]].map(Into::into).to_vec();
+    for (index, curve) in [(3, formulas), (8, GuideCurve::Points { points })] {
+        let body = &mut description.bodies[index];
+        let parent = body.hinge.parent.clone();
+        body.hinge = HingeDescription::along(curve, AlongTurn::Follows).on(&parent, [0.1, 0.0, 0.0]).position([0.4]);
+    }
+    let timeline = Timeline { times: vec![0.0, 1.0] };
+    let body = &description.bodies[11];
+    let half = MassProperties { mass: 0.5 * body.mass.mass, inertia: 0.5 * body.mass.inertia, ..body.mass };
+    let (name, rows) = (body.name.clone(), vec![body.mass, half]);
+    description.burns.push(BurnDescription { body: name, timeline: timeline.clone(), rows });
+    for force in &mut description.forces {
+        if let ForceKind::Load(load) = &mut force.kind {
+            load.over_time = Some(OverTime { timeline: timeline.clone(), values: vec![1.0, 0.0] });
+        }
     }
 }
 

@@ -8,8 +8,9 @@ use stillpoint::scenario::Scenario;
 use stillpoint::simulate::rest::{Rest, TOLERANCE, rest};
 use stillpoint::statics::Verdict;
 
-/// One falls over, one has a motor that winds, one is thrown through its change points, one is held by a lock of statics alone.
-const NO_REST: [&str; 4] = ["pencil", "winch", "coupled_cranks", "four_bar_tolerances"];
+/// One falls over, one has a motor that winds, one is thrown through its change points, one is held by a lock of statics alone,
+/// one burns, one fires.
+const NO_REST: [&str; 6] = ["pencil", "winch", "coupled_cranks", "four_bar_tolerances", "rocket", "gun"];
 
 fn proof(scenario: &Scenario, model: &Arc<Model>) -> Rest {
     let equilibrium = found(scenario, model);
@@ -27,7 +28,9 @@ fn all_rest(integrator: &str) {
         let moves =
             |drive: &stillpoint::model::Drive| !drive.motion.is_steady() || drive.motion.at(0.0).velocity != 0.0;
         // Stability holds an explicit method to 150 000 steps on the chain; beams, which are stiffer, rest with their own settings below.
-        if model.drives.iter().any(moves) || (name == "stiff_chain" && integrator == "dopri5") || !model.rods.is_empty()
+        if model.drives.iter().any(moves)
+            || (name == "stiff_chain" && integrator == "dopri5")
+            || !model.beams.is_empty()
         {
             continue;
         }

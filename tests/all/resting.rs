@@ -164,8 +164,4 @@ fn what_contact_in_motion_lacks_is_refused() {
     let text = on_a_slope(&mut random, 1.5);
     let implicit = "[simulate]\nintegrator = \"radau5\"\n".to_owned() + &text;
     assert!(refusal(&implicit).contains("explicit methods"), "{}", refusal(&implicit));
-    let wheel = "[[body]]\nname = \"wheel\"\nmass = 1\ninertia = [0.1, 0.1, 0.1]\n\
-                 hinge = { type = \"revolute\", axis = [0, 0, 1], friction = 0.1 }\n";
-    let rubbing = text.replace("[[contact]]", &format!("{wheel}[[contact]]"));
-    assert!(refusal(&rubbing).contains("dry friction of hinges"), "{}", refusal(&rubbing));
 }

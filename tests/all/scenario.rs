@@ -91,7 +91,7 @@ fn a_scene_arrives_as_it_is_written() {
         ForceKind::Spring(Spring { between: [tip.clone(), ground], stiffness: 40.0, length: 1.2, damping: 0.5 });
     assert_eq!((description.forces[0].name.as_str(), &description.forces[0].kind), ("force[0]", &spring));
     let zero = Vector3::zeros();
-    let load = ForceKind::Load(Load { on: tip, force: zero, torque: zero, axes: LoadAxes::Inertial });
+    let load = ForceKind::Load(Load { on: tip, force: zero, torque: zero, axes: LoadAxes::Inertial, over_time: None });
     assert_eq!((description.forces[1].name.as_str(), &description.forces[1].kind), ("force[1]", &load));
 }
 
@@ -254,7 +254,7 @@ fn the_schema_closes_every_table_and_names_the_units() {
     assert_eq!(body["required"], serde_json::json!(["name", "hinge"]));
     assert_eq!(body["properties"]["density"]["exclusiveMinimum"], 0.0);
     let hinges = body["properties"]["hinge"]["oneOf"].as_array().expect("one variant per type");
-    assert_eq!(hinges.len(), 9);
+    assert_eq!(hinges.len(), 10);
     assert_eq!(hinges[1]["properties"]["type"]["const"], "revolute");
     assert_eq!(hinges[1]["required"], serde_json::json!(["type", "axis"]));
     let text = schema.to_string();

@@ -29,7 +29,7 @@ fn color(method: Method) -> RGBColor {
 /// Residual against iteration; of a relaxation against time steps.
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(super) fn residuals(rows: &[Row], title: &str) -> anyhow::Result<String> {
     let lines = rows.iter().filter_map(|row| {
         let found = row.found.as_ref().ok()?;
@@ -50,7 +50,7 @@ pub(super) fn residuals(rows: &[Row], title: &str) -> anyhow::Result<String> {
 /// Time of the search against the degrees of freedom.
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(super) fn times(runs: &[Run], title: &str) -> anyhow::Result<String> {
     let lines = Method::ALL.into_iter().map(|method| {
         let mine = |converged: bool| {

@@ -18,7 +18,7 @@ pub(super) struct Resources {
 }
 
 impl Resources {
-    /// Those of a scenario that was read from `path`, with all files that it takes.
+    /// The resources of a scenario that was read from `path`, with all files that it takes.
     ///
     /// # Errors
     /// If one of them cannot be read, or would not be found from another folder.

@@ -20,7 +20,7 @@ fn color(verdict: Verdict) -> RGBColor {
 /// The coordinate over the parameter: stable solid, unstable dashed, events marked; as SVG.
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(super) fn draw(followed: &Followed, title: &str) -> anyhow::Result<String> {
     let points = || followed.path.branches.iter().flat_map(|branch| branch.points.iter());
     let place = |point: &PathPoint| (point.parameter, followed.drawn(point));

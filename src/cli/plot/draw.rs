@@ -15,7 +15,7 @@ const STRETCHES: usize = 1000;
 /// As SVG; `across` is what the axis along x is called.
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(in crate::cli) fn draw(lines: &[Line], title: &str, across: &str, theme: Theme) -> anyhow::Result<String> {
     let mut units: Vec<&str> = Vec::new();
     for line in lines {

@@ -14,10 +14,10 @@ struct Line {
     points: Vec<(f64, f64)>,
 }
 
-/// Error against time, both logarithmic, one line per method, as SVG; `None` where there is nothing to draw.
+/// Error against time, both logarithmic, one line per method, as SVG; `None` if there is nothing to draw.
 ///
 /// # Errors
-/// Where the drawing library gives up.
+/// If the drawing library fails.
 pub(super) fn draw(study: &Study, title: &str) -> anyhow::Result<Option<String>> {
     let lines = lines(study);
     let all = || lines.iter().flat_map(|line| line.points.iter().copied());

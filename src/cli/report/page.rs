@@ -5,6 +5,7 @@
 
 use super::material::Material;
 use super::{curves, tables, words};
+use crate::markup::escape;
 use crate::record::drawing::{Drawing, Extras};
 use crate::record::gltf::{Clip, glb};
 use crate::record::picture::{Eye, Frame, svg};
@@ -29,22 +30,6 @@ const MOST_STILL: usize = 350_000;
 pub(in crate::cli) struct Page {
     pub(super) text: String,
     pub(super) notes: Vec<String>,
-}
-
-/// A text within HTML.
-pub(super) fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 /// JSON within a `script` element, which ends at the first `</`.
@@ -116,7 +101,7 @@ fn head(title: &str) -> String {
 
 /// Size, version, date and command.
 fn about(material: &Material) -> String {
-    let bodies = super::super::text::count(material.scene.bodies.len(), "body", "bodies");
+    let bodies = super::super::number::count(material.scene.bodies.len(), "body", "bodies");
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let command: Vec<String> = std::env::args().skip(1).map(|word| escape(&word)).collect();
     format!(

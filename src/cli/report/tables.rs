@@ -2,7 +2,7 @@
 
 use super::super::text::{number, small, without_noise};
 use super::material::Material;
-use super::page::escape;
+use crate::markup::escape;
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -102,7 +102,7 @@ fn numbers(value: &Value) -> String {
     }
 }
 
-/// Force and moment, with zero for round-off beside the largest of all.
+/// Force and moment, with zero for round-off of the largest of all.
 fn wrench(value: &Value, largest: [f64; 2]) -> Vec<String> {
     let part = |(key, largest): (&str, f64)| {
         let parts = list(value, key).filter_map(Value::as_f64);

@@ -22,7 +22,7 @@ pub(super) struct Rows<'c> {
     list: Option<Vec<serde_json::Value>>,
     lines: Vec<String>,
     pub(super) failed: u64,
-    /// Of the scene (m): beside it a smaller number is round-off.
+    /// Length of the scene (m), with which smaller numbers are compared: round-off or not.
     length: f64,
 }
 

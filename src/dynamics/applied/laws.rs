@@ -30,7 +30,7 @@ pub struct Boundary {
 }
 
 impl Laws {
-    /// Those of a model, at every state as the state is.
+    /// The model's laws, none kept on a side.
     pub fn new(model: &Model) -> Self {
         let inputs = model.inputs.iter().map(|motor| model.motors[*motor].given().unwrap_or(0.0)).collect();
         Self { forces: Arc::clone(&model.forces), curves: Arc::clone(&model.curves), inputs }

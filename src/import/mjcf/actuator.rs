@@ -3,13 +3,12 @@
 use super::super::draft::Entry;
 use super::super::log::Taken;
 use super::super::xml::Element;
-use super::couple::find;
 use super::defaults::{ACTUATORS, Settled};
 use super::inertia;
 use super::key::Key;
 use super::lower::Output;
 use super::model::{Instance, Model};
-use super::scene::{Acts, Part, Scene};
+use super::scene::{Acts, Part, Scene, find};
 use super::servo;
 use super::settings::choice;
 use super::tendon::{Path, Tendons};
@@ -191,7 +190,7 @@ fn one<'a>(
     };
     if let Some(why) = why {
         element.note(Taken::Ignored, why);
-        transmission(settled);
+        settled.skip(&TRANSMISSION);
         return;
     }
     if idle {
@@ -259,26 +258,23 @@ fn clamped(settled: &Settled<'_>, control: f64, scene: &Scene<'_>) -> f64 {
     }
 }
 
-/// Marks what says where it would act.
-fn transmission(settled: &Settled<'_>) {
-    const KEYS: [&str; 14] = [
-        "joint",
-        "jointinparent",
-        "tendon",
-        "site",
-        "refsite",
-        "body",
-        "cranksite",
-        "slidersite",
-        "cranklength",
-        "gear",
-        "ctrlrange",
-        "ctrllimited",
-        "forcerange",
-        "forcelimited",
-    ];
-    settled.skip(&KEYS);
-}
+/// Attributes of an actuator: what it acts on, and its ranges.
+pub(super) const TRANSMISSION: [&str; 14] = [
+    "joint",
+    "jointinparent",
+    "tendon",
+    "site",
+    "refsite",
+    "body",
+    "cranksite",
+    "slidersite",
+    "cranklength",
+    "gear",
+    "ctrlrange",
+    "ctrllimited",
+    "forcerange",
+    "forcelimited",
+];
 
 fn act<'a>(
     settled: &Settled<'a>,
@@ -347,7 +343,7 @@ fn act<'a>(
             push(&element, site, &gear, acts.constant, scene, output);
         }
     } else {
-        transmission(settled);
+        settled.skip(&TRANSMISSION);
         if !nothing {
             element.note(Taken::Ignored, "it acts on contacts or through a slider and crank, which has no equal here");
         }

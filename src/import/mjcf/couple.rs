@@ -6,7 +6,7 @@ use super::super::xml::Element;
 use super::defaults::{Defaults, Settled};
 use super::lower::Output;
 use super::pose::roll_pitch_yaw;
-use super::scene::{Kind, Scene, WORLD};
+use super::scene::{Kind, Scene, WORLD, find};
 use super::tendon::Tendons;
 use super::tree::Tree;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -67,36 +67,6 @@ fn read_all(settled: &Settled<'_>) {
 pub(super) fn body(element: &Element<'_>, key: &str, scene: &Scene<'_>) -> Option<usize> {
     let Some(attribute) = element.attribute(key) else { return Some(WORLD) };
     find(&attribute, "body", &scene.names.bodies, scene)
-}
-
-/// Something by name; otherwise that has been said.
-pub(super) fn find(
-    attribute: &super::super::xml::Attribute<'_>,
-    what: &str,
-    names: &std::collections::HashMap<String, usize>,
-    scene: &Scene<'_>,
-) -> Option<usize> {
-    let name = scene.full(attribute.value);
-    // There is one world, whatever is attached to it.
-    let world = (what == "body" && attribute.value == "world").then_some(WORLD);
-    let found = world.or_else(|| names.get(&name).copied());
-    if found.is_none() && scene.names.copied.contains(&name) {
-        let what = format!("`{}` is within a <replicate>: what refers to it is not copied", attribute.value);
-        attribute.element.note(Taken::Ignored, what);
-    } else if found.is_none() && what == "joint" && scene.names.welded.contains(&name) {
-        let what =
-            format!("the joint `{}` is fixed, for it carries nothing with mass: this is left out", attribute.value);
-        attribute.element.note(Taken::Ignored, what);
-    } else if found.is_none() && !scene.prefix.is_empty() {
-        let what = format!("the {what} `{}` of its model is not attached: nor is what refers to it", attribute.value);
-        attribute.element.note(Taken::Ignored, what);
-    } else if found.is_none() {
-        let near = attribute.element.log.near(attribute.value, names.keys().map(String::as_str));
-        let near = near.map(|near| format!("did you mean `{near}`?"));
-        let problem = attribute.wrong(&format!("is \"{}\": there is no such {what}", attribute.value));
-        attribute.element.refuse(problem.maybe_help(near));
-    }
-    found
 }
 
 /// The two ends of a loop: body and frame in it.

@@ -29,7 +29,7 @@ pub(super) struct Geom {
 }
 
 /// Reads a geom; `frame` stands between the body and the geom, `counts` tells whether it is part of
-/// the body's mass. `None` where it was refused.
+/// the body's mass. `None` if it was refused.
 pub(super) fn geom(
     settled: &Settled<'_>,
     settings: &Settings,
@@ -52,8 +52,8 @@ pub(super) fn geom(
     let (drawn, unit) = match kind {
         "plane" | "hfield" | "sdf" => {
             let what = match kind {
-                "plane" => "a plane is there for contacts, which are not simulated; it is not drawn",
-                "hfield" => "a height field is there for contacts, which are not simulated; it is not drawn",
+                "plane" => "a plane is there for contacts, which are not imported; it is not drawn",
+                "hfield" => "a height field is there for contacts, which are not imported; it is not drawn",
                 _ => "a signed distance field has no shape here and weighs nothing",
             };
             element.note(Taken::Ignored, what);
@@ -96,7 +96,7 @@ pub(super) fn geom(
     Some(Geom { drawn, mass })
 }
 
-/// What a mesh weighs with a density of one, or why that is not known; `None` where it was refused.
+/// What a mesh weighs with a density of one, or why that is not known; `None` if it was refused.
 fn of_mesh(settled: &Settled<'_>, mesh: &Mesh) -> Option<Result<MassProperties, String>> {
     if let Some(attribute) = settled.attribute("shellinertia").filter(|attribute| attribute.value == "true") {
         let problem = attribute.wrong("is for other solids than meshes");

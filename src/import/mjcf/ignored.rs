@@ -2,12 +2,13 @@
 
 use super::super::log::{Place, Taken};
 use super::super::xml::{self, Element};
+use super::actuator::TRANSMISSION;
 use super::tree::Tree;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Elements without an equal here, and why.
 const ELEMENTS: [(&[&str], &str); 9] = [
-    (&["contact"], "contacts are not simulated"),
+    (&["contact"], "contacts are not imported: describe them with `[[contact]]`"),
     (&["sensor"], "there are no sensors: a recording has positions, velocities, accelerations and reactions"),
     (&["visual", "statistic", "size", "custom"], "it is for MuJoCo's viewer and memory"),
     (&["light", "camera"], "the viewer has its own"),
@@ -15,7 +16,7 @@ const ELEMENTS: [(&[&str], &str); 9] = [
     (&["extension", "plugin"], "plugins are programs of MuJoCo"),
     (
         &["deformable", "flexcomp", "flex", "composite"],
-        "bodies that bend are not simulated; what it would make is missing",
+        "bodies that bend are not imported: describe slender ones with `[[beam]]`; what it would make is missing",
     ),
     (&["lengthrange"], "it is for the muscles of MuJoCo's compiler"),
     (&["equality", "tuple", "numeric", "text"], "it has no equal here"),
@@ -41,7 +42,7 @@ const ATTRIBUTES: [(&[&str], &str); 7] = [
             "maxhullvert",
             "adhesion",
         ],
-        "contacts and fluids are not simulated, and constraints are exact",
+        "contacts are not imported, fluids not simulated, and constraints are exact",
     ),
     (&["solreflimit", "solimplimit", "solreffriction", "solimpfriction"], "stops and dry friction are rigid"),
     (
@@ -164,8 +165,8 @@ const ATTRIBUTES: [(&[&str], &str); 7] = [
     ),
 ];
 
-/// Attributes that are read where they matter: in a class that nobody uses they are nothing to tell.
-const KNOWN: [&str; 63] = [
+/// Attributes that are read where they matter, beside those of actuators: in a class that nobody uses they are nothing to tell.
+const KNOWN: [&str; 49] = [
     "class",
     "childclass",
     "name",
@@ -198,11 +199,6 @@ const KNOWN: [&str; 63] = [
     "refquat",
     "file",
     "springlength",
-    "gear",
-    "ctrlrange",
-    "ctrllimited",
-    "forcerange",
-    "forcelimited",
     "kp",
     "kv",
     "dampratio",
@@ -212,15 +208,6 @@ const KNOWN: [&str; 63] = [
     "gaintype",
     "biastype",
     "dyntype",
-    "joint",
-    "jointinparent",
-    "tendon",
-    "site",
-    "refsite",
-    "body",
-    "cranksite",
-    "slidersite",
-    "cranklength",
     "active",
     "anchor",
     "relpose",
@@ -230,6 +217,10 @@ const KNOWN: [&str; 63] = [
     "actuatorfrcrange",
     "actuatorfrclimited",
 ];
+
+fn is_known(key: &str) -> bool {
+    KNOWN.contains(&key) || TRANSMISSION.contains(&key)
+}
 
 /// Of attributes that are known, and that nothing asks for where they stand.
 const WITHOUT_EFFECT: &str = "it has no effect there";
@@ -274,7 +265,7 @@ fn elements(root: &Element<'_>, in_default: bool, groups: &mut Groups) {
         }
         let in_default = in_default || element.name() == "default";
         for attribute in element.unread_attributes() {
-            let known = in_default && KNOWN.contains(&attribute.key);
+            let known = in_default && is_known(attribute.key);
             let why = ATTRIBUTES.iter().find(|(names, _)| names.contains(&attribute.key)).map(|(_, why)| *why);
             match why {
                 _ if known => {}
@@ -283,13 +274,13 @@ fn elements(root: &Element<'_>, in_default: bool, groups: &mut Groups) {
                     keys.insert(attribute.key.to_owned());
                     places.push(attribute.place());
                 }
-                None if KNOWN.contains(&attribute.key) => {
+                None if is_known(attribute.key) => {
                     let (keys, places) = groups.entry((element.name().to_owned(), WITHOUT_EFFECT)).or_default();
                     keys.insert(attribute.key.to_owned());
                     places.push(attribute.place());
                 }
                 None => {
-                    let near = element.log.near(attribute.key, KNOWN.into_iter());
+                    let near = element.log.near(attribute.key, KNOWN.into_iter().chain(TRANSMISSION));
                     let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
                     let value = xml::cut(attribute.value);
                     let what = format!("`{} = \"{value}\"` is not known here{near}", attribute.key);

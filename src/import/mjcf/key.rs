@@ -35,7 +35,7 @@ impl Candidate<'_> {
     }
 }
 
-/// Those of the main model, then those of the attached ones.
+/// Keyframes of the main model, then of the attached ones.
 fn candidates<'a>(models: &[Model<'a>], instances: &[Instance]) -> Vec<Candidate<'a>> {
     let mut list = Vec::new();
     let attached = instances.len().saturating_sub(1);

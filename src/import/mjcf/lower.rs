@@ -12,7 +12,7 @@ use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
 use toml_edit::{Array, InlineTable, Value};
 
-/// What the scenario is made of beside its bodies.
+/// What the scenario is made of besides its bodies.
 pub(super) struct Output {
     /// The body that every joint carries.
     carried: Vec<String>,
@@ -147,7 +147,7 @@ impl Output {
         let start = match (key.moves(), floating) {
             (true, _) => Some("the keyframe moves".to_owned()),
             (_, Some(joint)) => {
-                Some(format!("nothing holds `{}`: contacts are not simulated", scene.bodies[joint.body].name))
+                Some(format!("nothing holds `{}`: contacts are not imported", scene.bodies[joint.body].name))
             }
             _ => None,
         };
@@ -214,7 +214,7 @@ impl Output {
         self.hold_up(scene, index);
     }
 
-    /// What a body is, beside its hinge.
+    /// What a body is, besides its hinge.
     fn solid(&self, entry: &mut Entry, scene: &Scene<'_>, index: usize, hinge: Entry) {
         let body = &scene.bodies[index];
         let origin = scene.origin(index);

@@ -1,7 +1,7 @@
 //! A model as it was read: bodies with their joints, before hinges are made of them.
 
-use super::super::log::Place;
-use super::super::xml::Element;
+use super::super::log::{Place, Taken};
+use super::super::xml::{Attribute, Element};
 use super::model::{Instance, Model};
 use super::settings::Settings;
 use crate::model::description::MassProperties;
@@ -227,4 +227,34 @@ impl<'a> Scene<'a> {
             })
             .collect()
     }
+}
+
+/// Something by name; otherwise that has been said.
+pub(super) fn find(
+    attribute: &Attribute<'_>,
+    what: &str,
+    names: &HashMap<String, usize>,
+    scene: &Scene<'_>,
+) -> Option<usize> {
+    let name = scene.full(attribute.value);
+    // There is one world, whatever is attached to it.
+    let world = (what == "body" && attribute.value == "world").then_some(WORLD);
+    let found = world.or_else(|| names.get(&name).copied());
+    if found.is_none() && scene.names.copied.contains(&name) {
+        let what = format!("`{}` is within a <replicate>: what refers to it is not copied", attribute.value);
+        attribute.element.note(Taken::Ignored, what);
+    } else if found.is_none() && what == "joint" && scene.names.welded.contains(&name) {
+        let what =
+            format!("the joint `{}` is fixed, for it carries nothing with mass: this is left out", attribute.value);
+        attribute.element.note(Taken::Ignored, what);
+    } else if found.is_none() && !scene.prefix.is_empty() {
+        let what = format!("the {what} `{}` of its model is not attached: nor is what refers to it", attribute.value);
+        attribute.element.note(Taken::Ignored, what);
+    } else if found.is_none() {
+        let near = attribute.element.log.near(attribute.value, names.keys().map(String::as_str));
+        let near = near.map(|near| format!("did you mean `{near}`?"));
+        let problem = attribute.wrong(&format!("is \"{}\": there is no such {what}", attribute.value));
+        attribute.element.refuse(problem.maybe_help(near));
+    }
+    found
 }

@@ -3,10 +3,9 @@
 use super::super::draft::Entry;
 use super::super::log::Taken;
 use super::super::xml::{Attribute, Element};
-use super::couple::find;
 use super::defaults::{Defaults, Settled};
 use super::lower::Output;
-use super::scene::{Joint, Scene};
+use super::scene::{Joint, Scene, find};
 use super::tree::Tree;
 use std::collections::HashMap;
 
@@ -41,7 +40,7 @@ impl Tendons {
         self.names.contains_key(name)
     }
 
-    /// What a tendon runs over; `None` where there is no such tendon: that has been said.
+    /// What a tendon runs over; `None` if there is no such tendon: that has been said.
     pub(super) fn path(&self, attribute: &Attribute<'_>, scene: &Scene<'_>) -> Option<&Path> {
         let found = self.names.get(&scene.full(attribute.value));
         if found.is_none() && !scene.prefix.is_empty() {

@@ -19,7 +19,7 @@ const MOST_MODELS: usize = 500;
 /// Included files and attached models are found and read first, so that all documents stay where they are.
 #[derive(Debug)]
 pub(super) struct Files {
-    /// Source number and text of every file beside the main one.
+    /// Source number and text of every file besides the main one.
     pub(super) texts: Vec<(usize, Arc<str>)>,
     /// Which of them an `<include>` means: source and first byte of the element.
     links: HashMap<(usize, usize), usize>,

@@ -1,5 +1,6 @@
 //! Joints, as hinges and gears.
 
+use super::pose::{place, turn};
 use super::tree::{Joint, Link, Tree};
 use crate::import::Options;
 use crate::import::draft::{Draft, Entry};
@@ -102,23 +103,6 @@ fn hinge_type(kind: &str) -> &str {
         "floating" => "free",
         same => same,
     }
-}
-
-/// `at` and `rpy` out of an `<origin>`.
-pub(super) fn place(element: &Element<'_>, entry: &mut Entry) {
-    let Some(origin) = element.child("origin") else { return };
-    for (from, to) in [("xyz", "at"), ("rpy", "rpy")] {
-        let Some(attribute) = origin.attribute(from) else { continue };
-        if let Some(numbers) = attribute.vector::<3>().filter(|numbers| *numbers != [0.0; 3]) {
-            entry.numbers(to, &numbers, Some(attribute.place()));
-        }
-    }
-}
-
-/// Roll, pitch, yaw of an `<origin>`.
-pub(super) fn turn(element: &Element<'_>) -> UnitQuaternion<f64> {
-    let rpy = element.child("origin").and_then(|origin| origin.vector::<3>("rpy"));
-    rpy.map_or_else(UnitQuaternion::identity, |[r, p, y]| UnitQuaternion::from_euler_angles(r, p, y))
 }
 
 fn axis(joint: &Element<'_>, kind: &str) -> Vector3<f64> {
@@ -307,7 +291,7 @@ pub(super) fn gears(tree: &Tree<'_>, bodies: &[String], draft: &mut Draft, optio
     }
 }
 
-/// q_follower = multiplier · q_leader + offset. Where a turn follows a slide it is said the other way round: a rack is
+/// q_follower = multiplier · q_leader + offset. If a turn follows a slide it is said the other way round: a rack is
 /// named before its pinion.
 fn gear(
     mimic: &Element<'_>,

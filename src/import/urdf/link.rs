@@ -1,6 +1,6 @@
 //! What a link weighs.
 
-use super::joint::turn;
+use super::pose::turn;
 use crate::import::draft::Entry;
 use crate::import::log::{Problem, Taken};
 use crate::import::xml::Element;

@@ -18,6 +18,7 @@
 
 mod joint;
 mod link;
+mod pose;
 mod shape;
 mod tree;
 
@@ -28,7 +29,7 @@ use super::xml::Element;
 use std::path::Path;
 use tree::Tree;
 
-/// Reads a `<robot>`; `None` where too little of it makes sense.
+/// Reads a `<robot>`; `None` if too little of it makes sense.
 pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option<Draft> {
     if is_macro(root) {
         return None;
@@ -75,14 +76,16 @@ fn is_macro(root: &Element<'_>) -> bool {
 /// Why an element is left alone, by its tag.
 fn reason(tag: &str) -> Option<&'static str> {
     Some(match tag {
-        "transmission" => "actuators and their gears are not simulated",
+        "transmission" => "actuators and their gears are not imported: describe them with `[[motor]]` and `[[gear]]`",
         "gazebo" => "meant for Gazebo",
-        "ros2_control" | "ros_control" => "controllers are not simulated",
-        "sensor" => "sensors are not simulated",
+        "ros2_control" | "ros_control" => "controllers are not imported: describe them with `[[controller]]`",
+        "sensor" => "sensors are not imported: describe what they measure with `[[output]]`",
         "mujoco" | "drake" => "meant for another simulator",
-        "safety_controller" => "controllers are not simulated",
+        "safety_controller" => "controllers are not imported: describe them with `[[controller]]`",
         "calibration" => "reference positions of real joints are not used",
-        "contact" | "contact_coefficients" => "contacts between bodies are not simulated",
+        "contact" | "contact_coefficients" => {
+            "contacts between bodies are not imported: describe them with `[[contact]]`"
+        }
         "texture" => "textures are not drawn",
         _ => return None,
     })

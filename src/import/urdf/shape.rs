@@ -1,6 +1,6 @@
 //! What a link looks like.
 
-use super::joint::place;
+use super::pose::place;
 use crate::import::draft::Entry;
 use crate::import::log::{Place, Taken};
 use crate::import::xml::{Attribute, Element, cut};
@@ -46,10 +46,11 @@ impl<'a> Looks<'a> {
             if visible {
                 // What is in it is of no interest then.
                 collision.see_all();
-                collision.note(Taken::Ignored, "contacts between bodies are not simulated");
+                collision
+                    .note(Taken::Ignored, "contacts between bodies are not imported: describe them with `[[contact]]`");
             } else {
                 shapes.extend(self.shape(&collision));
-                let what = "for pictures: nothing is visible; contacts between bodies are not simulated";
+                let what = "for pictures: nothing is visible; contacts between bodies are not imported";
                 collision.note(Taken::Approximated, what);
             }
         }

@@ -39,7 +39,7 @@ pub(super) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    /// Reads all links and joints. `None` where they are no tree: that has been said.
+    /// Reads all links and joints. `None` if they are no tree: that has been said.
     pub(super) fn read(root: &Element<'a>, options: &Options) -> Option<Self> {
         let (links, by_link) = links(root, options);
         let mut tree = Self { links, joints: Vec::new(), order: Vec::new(), by_joint: HashMap::new() };
@@ -134,7 +134,7 @@ impl<'a> Tree<'a> {
         true
     }
 
-    /// Puts parents before children; false where there is no root, several, or a cycle: that has been said.
+    /// Puts parents before children; false if there is no root, several, or a cycle: that has been said.
     fn sort(&mut self, root: &Element<'_>) -> bool {
         let mut children: Vec<Vec<usize>> = vec![Vec::new(); self.links.len()];
         for joint in &self.joints {
@@ -144,7 +144,7 @@ impl<'a> Tree<'a> {
         if let [first, second, ..] = roots[..] {
             let link = &self.links[second];
             let message = format!(
-                "{} links hang on no joint: `{}`, `{}`{}",
+                "{} links are not reached by any joint: `{}`, `{}`{}",
                 roots.len(),
                 self.links[first].name,
                 link.name,

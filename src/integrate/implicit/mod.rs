@@ -32,10 +32,10 @@ pub(crate) trait Implicit {
     /// Makes the end of the step tried the state reached.
     ///
     /// # Errors
-    /// Where it cannot be projected.
+    /// If it cannot be projected.
     fn accept<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial, error: f64) -> Result<(), Limit>;
 
-    /// Gives up tangents of an earlier step, or takes more of them where the step cannot be shortened; false where that would
+    /// Gives up tangents of an earlier step, or takes more of them where the step cannot be shortened; false if that would
     /// not help any more.
     fn discard_old(&mut self) -> bool;
 }
@@ -63,7 +63,10 @@ fn step<P: ImplicitProblem>(method: &mut impl Implicit, problem: &mut P) -> Resu
         }
         let trial = control.propose(progress)?;
         let attempt = match method.attempt(problem, trial) {
-            Ok(error) if error.value <= 1.0 => method.accept(problem, trial, error.value).map(|()| None),
+            Ok(error) if error.value <= 1.0 => {
+                method.parts().0.worst = error.worst;
+                method.accept(problem, trial, error.value).map(|()| None)
+            }
             other => other.map(Some),
         };
         let outcome = match attempt {

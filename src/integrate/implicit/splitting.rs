@@ -30,7 +30,7 @@ pub(crate) struct Splitting {
     pub(crate) diagonal: f64,
     /// The rows as far as the diagonal, for what the step resolves.
     pub(crate) smooth: &'static [&'static [f64]],
-    /// The same for stiff systems.
+    /// The rows as far as the diagonal, for stiff systems.
     pub(crate) stiff: &'static [&'static [f64]],
 }
 
@@ -99,7 +99,7 @@ mod tests {
         sum.powf(0.5 / f64::from(k))
     }
 
-    /// The largest radius in the left half plane: what is left after many sweeps, on rays.
+    /// The largest spectral radius in the left half plane, on rays: the factor of one of many sweeps.
     fn radius(method: &Collocation, rows: (f64, &[&[f64]])) -> f64 {
         let angles = [90.0_f64, 100.0, 120.0, 135.0, 150.0, 180.0].map(f64::to_radians);
         let at = |angle: f64, i: i32| [angle.cos(), angle.sin()].map(|part| 0.1 * 1.25_f64.powi(i) * part);

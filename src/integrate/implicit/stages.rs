@@ -20,7 +20,7 @@
 //!
 //! **The tangent** is that of the middle stage as first predicted (one at either end of the step takes up to a fifth more
 //! sweeps). It is kept while it serves, and where it costs half a sweep more than a new one would it is renewed at once:
-//! that takes a third of one or less. Where it did not even serve the step after its own, sixteen steps renew it without trying.
+//! that takes a third of one or less. If it did not even serve the step after its own, sixteen steps renew it without trying.
 //!
 //! A step that may not be shortened, and that one tangent does not carry to its end, is tried again with a tangent at each
 //! stage in each sweep.
@@ -52,7 +52,7 @@ const WORTH: f64 = 0.5;
 const SLOW: (u32, f64) = (7, 0.2);
 /// for so many steps.
 const STIFF: u32 = 64;
-/// Where a tangent does not even serve the step after its own, so many steps renew it without trying.
+/// Steps that renew a tangent without trying after one that did not even serve the step after its own.
 const RENEWALS: u32 = 16;
 
 /// How the stages of a method are solved.
@@ -202,12 +202,12 @@ impl Stages {
         self.tangent.advance();
     }
 
-    /// Gives up the tangent where it is old; false where it is of this very step.
+    /// Gives up the tangent where it is old; false if it is of this very step.
     pub(crate) fn discard_old(&mut self) -> bool {
         self.tangent.discard_old()
     }
 
-    /// Tries the step again with a tangent for each correction; false where that was tried.
+    /// Tries the step again with a tangent for each correction; false if that was tried.
     pub(crate) fn take_care(&mut self) -> bool {
         !std::mem::replace(&mut self.careful, true)
     }
@@ -271,7 +271,7 @@ impl Stages {
         self.tangent.renew(problem, at, Shift { step, c1, c2: c1 * c1 }, statistics)
     }
 
-    /// Takes note of how well the tangent serves; false where a new one would do better.
+    /// Takes note of how well the tangent serves; false if a new one would do better.
     fn serves(&mut self, iteration: &Iteration) -> bool {
         let Some(contraction) = iteration.contraction() else { return true };
         if self.tangent.is_fresh() {

@@ -121,7 +121,7 @@ impl Adams {
     /// Starts a run; the first step is the `step` of the options or chosen from the system.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: Problem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         let norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
         let Begun { progress, norm, rate, step } = Begun::new(problem, options, start, norm, 2)?;
@@ -179,9 +179,9 @@ impl Adams {
         Left { error: difference.abs() / h * same, orders: [lowest, lower, of_order(k, same), higher] }
     }
 
-    /// The component that decides the error of the step tried.
-    fn worst(&self) -> Component {
-        let size = |i: &usize| (self.tried.of(*i, self.order) * self.weights[*i]).abs();
+    /// The component that decides the error of a step of that order.
+    fn worst(&self, differences: &Differences, order: usize) -> Component {
+        let size = |i: &usize| (differences.of(*i, order) * self.weights[*i]).abs();
         let worst = (0..self.weights.len()).max_by(|i, j| size(i).total_cmp(&size(j)));
         self.progress.component(worst.unwrap_or(0))
     }
@@ -251,12 +251,12 @@ impl Adams {
         }
         let limit = match self.stability_is_poor() {
             true => Limit::Stability,
-            false => Limit::ErrorEstimate(self.worst()),
+            false => Limit::ErrorEstimate(self.worst(&self.tried, self.order)),
         };
         self.control.retry(trial, factor, limit);
     }
 
-    /// After an attempt that was given up.
+    /// Lowers trust in the order after a rejected step.
     fn distrust(&mut self) {
         self.progress.statistics.rejected_steps += 1;
         self.starting = false;
@@ -320,6 +320,10 @@ impl<P: Problem> Stepper<P> for Adams {
 
     fn progress(&self) -> &Progress {
         &self.progress
+    }
+
+    fn limiting(&self) -> Component {
+        self.worst(&self.past, self.last_order)
     }
 
     fn interpolate(&mut self, problem: &mut P, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {

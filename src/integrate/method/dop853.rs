@@ -52,7 +52,7 @@ impl Dop853 {
     /// Starts a run; the first step is the `step` of the options or chosen from the system.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: Problem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         let core = Explicit::new(&PAIR, DENSE.len(), problem, options, start)?;
         Ok(Self { core, dense: false })

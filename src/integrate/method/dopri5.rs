@@ -38,7 +38,7 @@ impl Dopri5 {
     /// Starts a run; the first step is the `step` of the options or chosen from the system.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: Problem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         Explicit::new(&PAIR, 1, problem, options, start).map(Self)
     }

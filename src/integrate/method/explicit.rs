@@ -141,7 +141,7 @@ impl Explicit {
         self.control.step()
     }
 
-    /// Makes one accepted step, with the Hermite cubic of its ends between them; false where the end was reached before.
+    /// Makes one accepted step, with the Hermite cubic of its ends between them; false if the end was reached before.
     pub(crate) fn step<P: Problem>(&mut self, problem: &mut P) -> Result<bool, StepError> {
         if self.progress.finished() {
             return Ok(false);
@@ -155,6 +155,7 @@ impl Explicit {
             match self.attempt(problem, trial) {
                 Ok(error) if error.value <= 1.0 || self.control.is_fixed() => match self.project(problem, trial) {
                     Ok(()) => {
+                        self.progress.worst = error.worst;
                         self.accept(trial, error.value);
                         return Ok(true);
                     }

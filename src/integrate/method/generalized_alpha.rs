@@ -116,7 +116,7 @@ impl GeneralizedAlpha {
     /// Starts a run; the first step is the `step` of the options or chosen from the system.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         let norm = ErrorNorm::shared(problem, options, &start, 0.0);
         let Begun { progress, norm, rate, step } = Begun::new(problem, options, start, norm, ESTIMATE_ORDER)?;

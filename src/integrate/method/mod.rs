@@ -102,7 +102,7 @@ impl Method {
     /// Starts a run with this method.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn start<P: ImplicitProblem>(
         self,
         problem: &mut P,

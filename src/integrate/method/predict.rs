@@ -73,7 +73,7 @@ impl Predictor {
         }
     }
 
-    /// Where a slot lies, in steps from the start; `None` where nothing is known there.
+    /// Where a slot lies, in steps from the start; `None` if nothing is known there.
     fn place(&self, slot: usize, step: f64) -> Option<f64> {
         match slot {
             LAST_START => self.last_step.map(|last| -last / step),

@@ -101,7 +101,7 @@ impl Radau {
     /// Starts a run of order 5; the first step is the `step` of the options or chosen from the system.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn order_5<P: ImplicitProblem>(
         problem: &mut P,
         options: &Options,

@@ -48,7 +48,7 @@ impl Rk4 {
     /// Starts a run with the fixed `step` of the options; the last step is cut to land on the end.
     ///
     /// # Errors
-    /// Where no step is given, an option is out of its range, the start does not fit the system, or the system cannot
+    /// If no step is given, an option is out of its range, the start does not fit the system, or the system cannot
     /// be evaluated there.
     pub fn new<P: Problem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         let options = Options { fixed: true, ..*options };

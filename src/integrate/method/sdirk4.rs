@@ -7,7 +7,7 @@
 //! Each stage is solved for its acceleration `a_i` alone (see `implicit/stage.rs`); all stages share one iteration matrix.
 //!
 //! **Stability**: L-stable (`R(∞) = 0`) and stiffly accurate (the last stage is the result), so motions much faster than
-//! the step die out as they do in the system, and the step follows what is left. A fast motion that is *not* damped in
+//! the step die out as they do in the system, and the step follows the slow ones. A fast motion that is *not* damped in
 //! the system is damped by the method where the step does not resolve it.
 //!
 //! **Error**: `O(h⁵)` per step where the step resolves the system. The stages alone are only of order 1, which shows on
@@ -44,7 +44,7 @@ use crate::integrate::{
 };
 
 /// Smallest share of the tolerance that a step is asked for (see `norm.rs`): its steps are better than their estimate, by an
-/// order, and damp what is left of the fast ones.
+/// order, and damp the fast ones.
 const SMALLEST_SHARE: f64 = 0.1;
 /// The error estimate is `O(h⁴)`.
 const ESTIMATE_ORDER: u8 = 4;
@@ -77,7 +77,7 @@ impl Sdirk4 {
     /// Starts a run; the first step is the `step` of the options or chosen from the system.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub fn new<P: ImplicitProblem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         let norm = ErrorNorm::shared(problem, options, &start, SMALLEST_SHARE);
         let Begun { progress, norm, rate, step } = Begun::new(problem, options, start, norm, ESTIMATE_ORDER)?;

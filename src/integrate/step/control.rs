@@ -101,7 +101,7 @@ impl Controller {
     /// The next step to try, cut to land on the end.
     ///
     /// # Errors
-    /// Where the step is lost in the rounding of time.
+    /// If the step is lost in the rounding of time.
     pub(crate) fn propose(&self, progress: &Progress) -> Result<Trial, StepError> {
         let (time, end) = (progress.time, progress.end);
         let rest = end - time;

@@ -35,7 +35,7 @@ use crate::integrate::{
 pub(crate) struct ErrorNorm {
     /// Relative and absolute tolerance of the run.
     whole: [f64; 2],
-    /// The same of the step that is tried.
+    /// Relative and absolute tolerance of the step that is tried.
     local: [f64; 2],
     shares: Option<Shares>,
     /// Per component of the state `(q, v)`.
@@ -64,7 +64,7 @@ pub(crate) struct Measured {
 }
 
 impl ErrorNorm {
-    /// The same tolerances for every step.
+    /// A norm with constant tolerances.
     pub(crate) fn new<P: Problem>(problem: &P, relative: f64, absolute: f64) -> Self {
         let (positions, velocities) = problem.scales();
         let whole = [relative, absolute];

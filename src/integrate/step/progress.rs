@@ -18,6 +18,8 @@ pub struct Progress {
     pub(crate) position_count: usize,
     /// `(q, v)`.
     pub(crate) state: Vec<f64>,
+    /// Index into `state` of the component that decided the error of the last step.
+    pub(crate) worst: usize,
     pub(crate) dense: Dense,
     pub(crate) statistics: Statistics,
 }
@@ -46,7 +48,8 @@ impl Progress {
         require_finite(&state, position_count).map_err(|limit| StepError::Start { time: start.time, limit })?;
         let (time, previous_time, end) = (start.time, start.time, start.end);
         let dense = Dense::at_rest(&state);
-        Ok(Self { time, previous_time, end, position_count, state, dense, statistics: Statistics::default() })
+        let statistics = Statistics::default();
+        Ok(Self { time, previous_time, end, position_count, state, worst: 0, dense, statistics })
     }
 
     /// A run whose state is not to change, bit for bit.

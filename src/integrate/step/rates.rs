@@ -9,7 +9,7 @@ use crate::integrate::{
 /// `rate ← (N(q) v, a(t, q, v))`.
 ///
 /// # Errors
-/// Where the system cannot be evaluated or a rate is not finite.
+/// If the system cannot be evaluated or a rate is not finite.
 pub(crate) fn state_rate<P: Problem>(
     problem: &mut P,
     time: f64,

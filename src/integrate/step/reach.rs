@@ -1,6 +1,6 @@
 //! How far a step reaches in the motion, for errors that are of higher order than their estimates.
 //!
-//! Where the solution behaves like `exp(λt)` an error of order `h^m` is smaller than one of order `h^k` by `(h|λ|)^{m−k}`. The rate is
+//! If the solution behaves like `exp(λt)` an error of order `h^m` is smaller than one of order `h^k` by `(h|λ|)^{m−k}`. The rate is
 //! that of all steps together,
 //!
 //! ```text

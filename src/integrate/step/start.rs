@@ -40,7 +40,7 @@ impl Begun {
     /// A run whose error estimate has order `order`.
     ///
     /// # Errors
-    /// Where an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
+    /// If an option is out of its range, the start does not fit the system, or the system cannot be evaluated there.
     pub(crate) fn new<P: Problem>(
         problem: &mut P,
         options: &Options,

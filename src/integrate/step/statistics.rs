@@ -22,7 +22,7 @@ pub struct Statistics {
     /// Longest accepted step in s; 0 before the first step.
     pub largest_step: f64,
     /// Sum of what the errors of accepted steps are estimated at, in parts of the state: what they may add up to, which the
-    /// tolerance of a run bounds only for as many steps as there are smallest shares in it. Where a step ends better than its
+    /// tolerance of a run bounds only for as many steps as there are smallest shares in it. If a step ends better than its
     /// estimate, by an order or more, this is heeded. 0 for fixed steps.
     pub error_sum: f64,
 }

@@ -2,7 +2,7 @@
 
 use crate::integrate::{
     problem::Problem,
-    step::{error::StepError, progress::Progress, statistics::Statistics},
+    step::{error::Component, error::StepError, progress::Progress, statistics::Statistics},
 };
 
 /// A method at work on one run.
@@ -30,6 +30,11 @@ pub trait Stepper<P: Problem> {
     /// would be faster. Always false for implicit methods.
     fn stability_limited(&self) -> bool {
         false
+    }
+
+    /// The component whose estimated error decided the length of the last step.
+    fn limiting(&self) -> Component {
+        self.progress().component(self.progress().worst)
     }
 
     /// Whether the end is reached.

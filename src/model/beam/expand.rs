@@ -163,6 +163,7 @@ fn end_load(forces: &mut Vec<ForceDescription>, beam: &BeamDescription, on: &str
         force: rod.slices[station].length * load.force,
         torque: Vector3::zeros(),
         axes: if load.follows { LoadAxes::Body } else { LoadAxes::Inertial },
+        over_time: None,
     };
     forces.push(ForceDescription { name: format!("{}.load/{}", beam.name, forces.len()), kind: kind.into() });
 }

@@ -118,11 +118,11 @@ pub enum QuantityDescription {
 /// Which derivative with respect to time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
-    /// (m)
+    /// Position (m).
     Position,
-    /// (m/s)
+    /// Velocity (m/s).
     Velocity,
-    /// (m/s²)
+    /// Acceleration (m/s²).
     Acceleration,
 }
 
@@ -132,7 +132,7 @@ pub enum Axes {
     /// Fixed in space.
     #[default]
     Inertial,
-    /// Those of the body.
+    /// Fixed in the body.
     Body,
 }
 

@@ -31,7 +31,7 @@ type Remake = Arc<dyn Fn(&[(String, f64)]) -> Result<Description, String> + Send
 #[derive(Clone, Default)]
 pub struct NamedNumbers {
     list: Vec<NamedNumber>,
-    /// Those that have been set since the description was made first.
+    /// Numbers that have been set since the description was made first.
     set: Vec<(String, f64)>,
     remake: Option<Remake>,
 }

@@ -62,7 +62,7 @@ impl Parameter {
         }
     }
 
-    /// Gives it a value; whether that is allowed is told by [`Model::build`](crate::model::Model::build).
+    /// Gives it a value; whether that is allowed is checked by [`Model::build`](crate::model::Model::build).
     ///
     /// # Errors
     /// If it is a named number of which no description can be made with this value: why. The description is as it was.

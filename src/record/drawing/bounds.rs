@@ -27,11 +27,21 @@ impl Bounds {
         }
     }
 
+    /// Grows to hold a disc with this unit axis.
+    fn include_disc(&mut self, center: &Vector3<f64>, axis: &Vector3<f64>, radius: f64) {
+        let reach = axis.map(|cosine| radius * (1.0 - cosine * cosine).max(0.0).sqrt());
+        self.include(&(center - reach), 0.0);
+        self.include(&(center + reach), 0.0);
+    }
+
     /// Grows to hold the bodies' solids at one instant.
     pub(in crate::record) fn include_bodies(&mut self, outlines: &[Outline], poses: &[Pose]) {
         for (outline, pose) in outlines.iter().zip(poses) {
             for (point, radius) in &outline.points {
                 self.include(&(pose * point).coords, *radius);
+            }
+            for (center, axis, radius) in &outline.discs {
+                self.include_disc(&(pose * center).coords, &(pose * axis), *radius);
             }
         }
     }
@@ -67,16 +77,19 @@ impl Bounds {
     }
 }
 
-/// A body's outermost points, body axes, each with the radius of a ball about it.
+/// A body's outermost parts, body axes.
 #[derive(Debug, Clone, Default)]
 pub(in crate::record) struct Outline {
+    /// Points, each with the radius of a ball about it (m).
     points: Vec<(Point3<f64>, f64)>,
+    /// Centres, unit axes and radii (m) of the ends of cylinders.
+    discs: Vec<(Point3<f64>, Vector3<f64>, f64)>,
 }
 
 impl Outline {
     /// Of a body's solids.
     pub(in crate::record) fn new(solids: &[Solid]) -> Self {
-        let mut points = Vec::new();
+        let (mut points, mut discs) = (Vec::new(), Vec::new());
         for solid in solids.iter().filter(|solid| !solid.unbounded) {
             let mut add =
                 |x: f64, y: f64, z: f64, radius: f64| points.push((solid.pose * Point3::new(x, y, z), radius));
@@ -88,7 +101,11 @@ impl Outline {
                     }
                 }
                 Form::Ball(radius) => add(0.0, 0.0, 0.0, *radius),
-                Form::Cylinder { radius, length } | Form::Capsule { radius, length } => {
+                Form::Cylinder { radius, length } => {
+                    let end = |side: f64| solid.pose * Point3::new(0.0, 0.0, 0.5 * side * length);
+                    discs.extend([-1.0, 1.0].map(|side| (end(side), solid.pose * Vector3::z(), *radius)));
+                }
+                Form::Capsule { radius, length } => {
                     add(0.0, 0.0, -0.5 * length, *radius);
                     add(0.0, 0.0, 0.5 * length, *radius);
                 }
@@ -96,7 +113,7 @@ impl Outline {
                 Form::Mesh { .. } => add(0.0, 0.0, 0.0, 0.0),
             }
         }
-        Self { points }
+        Self { points, discs }
     }
 
     /// Grows to hold points.
@@ -111,6 +128,43 @@ impl Outline {
     /// Farthest point from the root marker (m).
     #[cfg(feature = "view")]
     pub(in crate::record) fn reach(&self) -> f64 {
-        self.points.iter().map(|(point, radius)| point.coords.norm() + radius).fold(0.0, f64::max)
+        let discs = self.discs.iter().map(|(center, _, radius)| (center, radius));
+        let points = self.points.iter().map(|(point, radius)| (point, radius));
+        points.chain(discs).map(|(point, radius)| point.coords.norm() + radius).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::solids::Solid;
+    use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+    /// Against points of both rims, a tenth of a degree apart.
+    #[test]
+    fn a_cylinder_takes_the_room_of_its_rims() {
+        for k in 0..50 {
+            let t = f64::from(k);
+            let turn = UnitQuaternion::from_euler_angles(1.7 * t, 0.9 * t, 2.3 * t);
+            let pose = Isometry3::from_parts(
+                Translation3::new(0.1 * t, -0.2, 0.3),
+                if k == 0 { UnitQuaternion::identity() } else { turn },
+            );
+            let (radius, length) = (0.08 + 0.01 * t, 0.4);
+            let form = Form::Cylinder { radius, length };
+            let solid =
+                Solid { form, pose: Isometry3::identity(), color: [1.0; 4], own_color: false, unbounded: false };
+            let mut bounds = Bounds::default();
+            bounds.include_bodies(&[Outline::new(&[solid])], &[pose]);
+            let mut rims = Bounds::default();
+            for step in 0..3600 {
+                let (sin, cos) = (f64::from(step) * 0.1f64.to_radians()).sin_cos();
+                for side in [-0.5, 0.5] {
+                    rims.include(&(pose * Point3::new(radius * cos, radius * sin, side * length)).coords, 0.0);
+                }
+            }
+            let apart = (bounds.min - rims.min).amax().max((bounds.max - rims.max).amax());
+            assert!(apart < 1e-6 * radius.max(length), "{k}: {bounds:?} {rims:?}");
+        }
     }
 }

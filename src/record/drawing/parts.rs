@@ -195,7 +195,7 @@ fn axes(body: &BodyPicture) -> Vec<Vector3<f64>> {
     body.hinge_axes.iter().filter_map(|axis| Vector3::from(*axis).try_normalize(0.0)).collect()
 }
 
-/// The same for equal forms.
+/// A text by which equal forms are recognized.
 fn key(form: &Form) -> String {
     match form {
         Form::Mesh { file, scale, .. } => format!("{file} {scale:?}"),

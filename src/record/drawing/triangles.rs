@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// Sides of a round form, and rings from the equator of a ball to its pole.
 const FINE: Detail = Detail { sides: 32, rings: 8 };
-/// The same for what is seen small.
+/// Sides and rings of what is seen small.
 const COARSE: Detail = Detail { sides: 12, rings: 3 };
 /// Turns of a coil, points in a turn, and sides of its wire.
 const TURNS: usize = 8;

@@ -14,9 +14,10 @@
 //! | `/reactions` | `stillpoint.Reactions`, each sample |
 //! | `/couplings` | `stillpoint.Couplings`, each sample; in scenes with drives, motors, gears or loops |
 //! | `/outputs` | `stillpoint.Outputs`, each sample; in scenes with outputs |
+//! | `/contacts` | `stillpoint.Contacts`, JSON, each sample: bodies, point, normal, force on the second body, `stick` or `slip`; in scenes with contact |
 //! | `/tf` | `foxglove.FrameTransforms`, each sample: one transform from the frame `world` to each body's root marker |
 //! | `/robot_description` | one `std_msgs/msg/String`: the solids as a URDF, for programs that draw those; where `ros` is asked for, up to 1000 bodies |
-//! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, where there are up to 64 |
+//! | `/joint_states` | `sensor_msgs/msg/JointState`, each sample: the same; hinges with one coordinate, if there are up to 64 |
 //! | `/events` | `foxglove.Log`, each event: stops that are hit, crossings, changes of the integrator. The topic is there from the first event on |
 //! | metadata `run` | `json`: the run's summary; only a finished recording has it |
 //! | metadata `recovered` | `json`: what [`Recording::recover`] saved and lost; only in what it wrote |
@@ -44,6 +45,7 @@
 //! messages leave zeros out and the sign of a zero with them.
 
 mod chunks;
+mod contacts;
 mod events;
 #[cfg(test)]
 mod faults;
@@ -88,4 +90,5 @@ const OUTPUTS_TOPIC: &str = "/outputs";
 const FRAMES_TOPIC: &str = "/tf";
 const ROBOT_TOPIC: &str = "/robot_description";
 const JOINTS_TOPIC: &str = "/joint_states";
+const CONTACTS_TOPIC: &str = "/contacts";
 const EVENTS_TOPIC: &str = "/events";

@@ -1,8 +1,8 @@
-//! Reading a recording: what it says beside its samples.
+//! Reading a recording: everything but its samples.
 
 use super::chunks::{Records, Stop};
 use super::*;
-use crate::record::{Event, RecordError, Scene, scene};
+use crate::record::{ContactPush, Event, RecordError, Scene, scene};
 use mcap::records::Record;
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -58,7 +58,7 @@ impl Ending {
 }
 
 impl Recording {
-    /// Reads what a file says beside its samples. The file is read once from front to back without unpacking; a killed
+    /// Reads everything but the samples of a file. The file is read once from front to back without unpacking; a killed
     /// run's file is read to its last whole chunk.
     ///
     /// # Errors
@@ -113,6 +113,16 @@ impl Recording {
     pub fn events(&self) -> Result<Vec<Event>, RecordError> {
         let (source, bytes) = open(&self.path)?;
         events::read(Records::contents(source, bytes))
+            .map_err(|what| RecordError::Damaged { path: self.path.clone(), what })
+    }
+
+    /// What contacts pushed with: times of samples (s), and what bore then; the whole file is read.
+    ///
+    /// # Errors
+    /// When the file cannot be read or its content is wrong.
+    pub fn contacts(&self) -> Result<Vec<(f64, Vec<ContactPush>)>, RecordError> {
+        let (source, bytes) = open(&self.path)?;
+        contacts::read(Records::contents(source, bytes))
             .map_err(|what| RecordError::Damaged { path: self.path.clone(), what })
     }
 }

@@ -5,6 +5,7 @@
 //! out of large scenes, whose recordings they would swell.
 
 use super::frames::inertial_frame;
+use crate::markup::escape;
 use crate::record::scene::BodyPicture;
 use crate::record::solids::{Form, Solid, solids};
 use crate::record::{Sample, Scene};
@@ -57,7 +58,7 @@ fn urdf(scene: &Scene) -> String {
     let mut text = format!("<robot name=\"scene\">\n  <link name=\"{world}\"/>\n");
     // Writing to a `String` cannot fail.
     for (body, solids) in scene.bodies.iter().zip(solids(scene)) {
-        let name = escaped(&body.name);
+        let name = escape(&body.name);
         let _ = writeln!(text, "  <link name=\"{name}\">");
         for (index, solid) in solids.iter().enumerate() {
             visual(&mut text, &format!("{name} {index}"), solid);
@@ -82,7 +83,7 @@ fn visual(text: &mut String, name: &str, solid: &Solid) {
             (format!("<sphere radius=\"{radius}\"/>"), at(0.5 * length)),
         ],
         Form::Mesh { file, scale: [x, y, z], .. } => {
-            vec![(format!("<mesh filename=\"{}\" scale=\"{x} {y} {z}\"/>", escaped(file)), at(0.0))]
+            vec![(format!("<mesh filename=\"{}\" scale=\"{x} {y} {z}\"/>", escape(file)), at(0.0))]
         }
     };
     let [r, g, b, a] = solid.color;
@@ -99,10 +100,6 @@ fn visual(text: &mut String, name: &str, solid: &Solid) {
 
 fn cylinder(radius: f64, length: f64) -> String {
     format!("<cylinder radius=\"{radius}\" length=\"{length}\"/>")
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// The hinges with one coordinate: what a joint of ROS can be.
@@ -123,7 +120,7 @@ struct Joint {
 }
 
 impl Joints {
-    /// Of a scene; `None` where there are none or many.
+    /// Of a scene; `None` if there are none or many.
     pub(super) fn new(scene: &Scene) -> Option<Self> {
         let joint = |(index, body): (usize, &BodyPicture)| {
             let slides = body.hinge == "prismatic";

@@ -18,8 +18,8 @@ use std::path::PathBuf;
 
 /// The samples of a recording in the order they were written.
 ///
-/// Where the file was cut the iteration ends with the last whole chunk, without an error:
-/// [`Recording::complete`](super::Recording::complete) tells. Where the content is wrong it ends with one.
+/// If the file was cut, the iteration ends with the last whole chunk, without an error:
+/// [`Recording::complete`](super::Recording::complete) tells. If the content is wrong, it ends with one.
 pub struct Samples {
     path: PathBuf,
     records: Records<BufReader<File>>,

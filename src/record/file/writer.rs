@@ -6,8 +6,8 @@ use super::pictures::scene_update;
 use super::ros::{self, Joints};
 use super::schema::{self, Schema};
 use super::*;
-use super::{events, frames};
-use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Sample, Scene};
+use super::{contacts, events, frames};
+use crate::record::{ContactPush, Event, Opening, Outcome, RecordError, Recorder, Sample, Scene};
 use crate::spatial::Wrench;
 use crate::whole_file;
 use foxglove::Encode;
@@ -90,6 +90,14 @@ impl Recorder for FileWriter {
         self.lost_where_failed(written)
     }
 
+    fn contacts(&mut self, time: f64, contacts: &[ContactPush]) -> Result<(), RecordError> {
+        let Some(output) = &mut self.output else {
+            return Err(self.failed(McapError::AttemptedWriteAfterFailure));
+        };
+        let written = output.contacts(time, contacts);
+        self.lost_where_failed(written)
+    }
+
     fn pause(&mut self) -> Result<(), RecordError> {
         let written = self.output.as_mut().map_or(Ok(()), Output::pause);
         self.lost_where_failed(written)
@@ -132,11 +140,13 @@ struct Channels {
     hinges: u16,
     energy: u16,
     reactions: u16,
-    /// `None` where nothing couples hinges.
+    /// `None` if nothing couples hinges.
     couplings: Option<u16>,
     /// `None` for a scene without outputs.
     outputs: Option<u16>,
     frames: u16,
+    /// Of a scene with contact.
+    contacts: Option<u16>,
     /// Of a run that has had any.
     events: Option<u16>,
 }
@@ -160,6 +170,7 @@ impl<W: Write + Seek> Output<W> {
                 false => Some(number_channel(&mut mcap, OUTPUTS_TOPIC, schema::outputs(scene))?),
             },
             frames: foxglove_channel::<FrameTransforms, _>(&mut mcap, FRAMES_TOPIC)?,
+            contacts: None,
             events: None,
         };
         let header = MessageHeader { channel_id: pictures, sequence: 0, log_time: 0, publish_time: 0 };
@@ -239,6 +250,19 @@ impl<W: Write + Seek> Output<W> {
         let time = (event.time * 1e9).round() as u64;
         Message::encode(&events::log(event, time), &mut self.buffer).map_err(io::Error::other)?;
         self.message(channel, time)
+    }
+
+    fn contacts(&mut self, time: f64, pushes: &[ContactPush]) -> McapResult<()> {
+        let channel = match self.channels.contacts {
+            Some(channel) => channel,
+            None => {
+                let schema = self.mcap.add_schema(contacts::NAME, "jsonschema", contacts::schema().as_bytes())?;
+                let channel = self.mcap.add_channel(schema, CONTACTS_TOPIC, "json", &BTreeMap::new())?;
+                *self.channels.contacts.insert(channel)
+            }
+        };
+        self.buffer.extend(contacts::message(time, pushes).bytes());
+        self.message(channel, (time * 1e9).round() as u64)
     }
 
     /// Writes the buffer as a message and empties it.

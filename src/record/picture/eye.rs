@@ -18,9 +18,9 @@ pub enum Eye {
     Auto,
     /// Azimuth from the x axis towards y, and elevation above the horizon (rad).
     At {
-        /// (rad)
+        /// Azimuth (rad).
         azimuth: f64,
-        /// (rad)
+        /// Elevation (rad).
         elevation: f64,
     },
 }

@@ -69,7 +69,7 @@ fn tree_reaches(scene: &Scene, outlines: &[Outline], order: &[usize]) -> Vec<f64
     reach
 }
 
-/// For each body the direction, inertial axes, about which its whole subtree and its own hinge turn; `None` where
+/// For each body the direction, inertial axes, about which its whole subtree and its own hinge turn; `None` if
 /// there is no such one. Parallel axes of turning hinges stay parallel.
 fn plane_normals(scene: &Scene, poses: &[Pose], order: &[usize]) -> Vec<Option<Vector3<f64>>> {
     let own = |body: &BodyPicture| {

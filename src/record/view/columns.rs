@@ -2,18 +2,16 @@
 
 use super::crowd::Moves;
 use super::curves::curves;
+use super::entity::{TIMELINE, body_path, center_path, point, quaternion};
 use super::forces::{
     load_paths, load_points, points, reaction_arrows, reactions_path, spring_color, spring_path, strip, tension,
 };
-use super::picture::{Picture, body_path, center_path, point};
-use super::sdk::{
-    Arrows3D, Color, LineStrips3D, Points3D, RecordingStream, RecordingStreamResult, Scalars, TimeColumn, Transform3D,
-};
+use super::picture::Picture;
+use super::sdk::{Arrows3D, Color, LineStrips3D, Points3D, Scalars, TimeColumn, Transform3D};
+use super::sent::Sent;
+use super::stream::Stream;
 use super::survey::center_of_mass;
 use crate::record::Sample;
-
-/// Name of the timeline.
-pub(super) const TIMELINE: &str = "sim_time";
 
 /// The points of a line.
 type Strip = Vec<[f32; 3]>;
@@ -85,12 +83,12 @@ impl Columns {
     }
 
     /// Sends everything.
-    pub(super) fn send(self, stream: &RecordingStream, picture: &Picture) -> RecordingStreamResult<()> {
+    pub(super) fn send(self, stream: &Stream, picture: &Picture) -> Sent {
         let scene = &picture.scene;
         let times = TimeColumn::new_duration_secs(TIMELINE, self.times);
         for (values, curve) in self.curves.into_iter().zip(curves(&picture.plots)) {
             let scalars = Scalars::new(values).columns_of_unit_batches()?;
-            stream.send_columns(curve.path.clone(), [times.clone()], scalars)?;
+            stream.send_columns(curve.path.clone(), times.clone(), scalars)?;
         }
         let drawn = self.drawn.len();
         if drawn == 0 {
@@ -99,37 +97,32 @@ impl Columns {
         let times = TimeColumn::new_duration_secs(TIMELINE, self.drawn);
         for ((at, turn), body) in self.bodies.into_iter().zip(&scene.bodies).filter(|((at, _), _)| !at.is_empty()) {
             let poses = Transform3D::update_fields().with_many_translation(at).with_many_quaternion(turn);
-            stream.send_columns(body_path(&body.name), [times.clone()], poses.columns_of_unit_batches()?)?;
+            stream.send_columns(body_path(&body.name), times.clone(), poses.columns_of_unit_batches()?)?;
         }
         if let Some(crowd) = &picture.crowd {
             for (path, columns) in crowd.columns(self.crowd, drawn)? {
-                stream.send_columns(path, [times.clone()], columns)?;
+                stream.send_columns(path, times.clone(), columns)?;
             }
         }
         for ((strips, colors), line) in self.springs.into_iter().zip(&scene.lines) {
             let strips = LineStrips3D::update_fields().with_strips(strips);
             let strips = if colors.is_empty() { strips } else { strips.with_colors(colors) };
-            stream.send_columns(spring_path(&line.name), [times.clone()], strips.columns_of_unit_batches()?)?;
+            stream.send_columns(spring_path(&line.name), times.clone(), strips.columns_of_unit_batches()?)?;
         }
         for (at, path) in self.loads.into_iter().zip(load_paths(scene)) {
             let arrows = Arrows3D::update_fields().with_origins(at).columns_of_unit_batches()?;
-            stream.send_columns(path, [times.clone()], arrows)?;
+            stream.send_columns(path, times.clone(), arrows)?;
         }
         if !self.reactions.is_empty() {
             let lengths = std::iter::repeat_n(self.reactions.len() / drawn, drawn);
             let (origins, vectors): (Vec<_>, Vec<_>) = self.reactions.into_iter().unzip();
             let arrows = Arrows3D::update_fields().with_origins(origins).with_vectors(vectors);
-            stream.send_columns(reactions_path(), [times.clone()], arrows.columns(lengths)?)?;
+            stream.send_columns(reactions_path(), times.clone(), arrows.columns(lengths)?)?;
         }
         if !self.center.is_empty() {
             let center = Points3D::update_fields().with_positions(self.center).columns_of_unit_batches()?;
-            stream.send_columns(center_path(), [times], center)?;
+            stream.send_columns(center_path(), times, center)?;
         }
         Ok(())
     }
-}
-
-pub(super) fn quaternion(turn: &nalgebra::UnitQuaternion<f64>) -> super::sdk::Quaternion {
-    let turn = turn.quaternion().cast::<f32>();
-    super::sdk::Quaternion::from_xyzw([turn.i, turn.j, turn.k, turn.w])
 }

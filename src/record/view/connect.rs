@@ -1,63 +1,63 @@
 //! Finding a viewer that listens before anything is sent to it: the viewer's library would wait for ever.
 
 use super::Sink;
-use super::sdk::{RecordingStream, RecordingStreamBuilder};
+use super::sdk::CrateVersion;
+use super::stream::Stream;
 use crate::record::RecordError;
 use std::net::{SocketAddr, TcpStream, ToSocketAddrs};
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
+use tonic::codegen::http::uri::Authority;
 
 /// The viewer's usual port.
-const PORT: u16 = super::sdk::DEFAULT_SERVER_PORT;
+const PORT: u16 = 9876;
 /// How long a listener may take to answer.
 const PROBE: Duration = Duration::from_millis(1000);
 /// How long a new viewer may take to listen.
 const START: Duration = Duration::from_secs(20);
 
-/// Opens a stream to the sink.
-pub(super) fn open(sink: &Sink, builder: RecordingStreamBuilder) -> Result<RecordingStream, RecordError> {
+/// Opens a stream of a recording of that title to the sink.
+pub(super) fn open(sink: &Sink, title: &str) -> Result<Stream, RecordError> {
     match sink {
-        Sink::Save(path) => save(path, builder),
-        Sink::Connect(url) => connect(url, builder),
+        Sink::Save(path) => {
+            Stream::save(path, title).map_err(|error| failed(format!("`{}`: {error}", path.display()), ""))
+        }
+        Sink::Connect(address) => connect(address, title),
         Sink::Spawn => {
             spawn("rerun", PORT)?;
-            stream(builder, &format!("rerun+http://127.0.0.1:{PORT}/proxy"))
+            stream(&format!("127.0.0.1:{PORT}"), title)
         }
     }
 }
 
-fn save(path: &Path, builder: RecordingStreamBuilder) -> Result<RecordingStream, RecordError> {
-    builder.save(path).map_err(|error| failed(format!("`{}`: {error}", path.display()), ""))
-}
-
-fn connect(url: &str, builder: RecordingStreamBuilder) -> Result<RecordingStream, RecordError> {
-    let (url, place) = address(url)?;
+fn connect(given: &str, title: &str) -> Result<Stream, RecordError> {
+    let place = place(given)?;
     let hint = "start the viewer with `rerun`, or let `--view` start one";
     let addresses = place.to_socket_addrs().map_err(|error| failed(format!("`{place}`: {error}"), hint))?;
     if !addresses.into_iter().take(2).any(|address| listens(&address)) {
         return Err(failed(format!("no viewer listens at `{place}`"), hint));
     }
-    stream(builder, &url)
+    stream(place, title)
 }
 
-fn stream(builder: RecordingStreamBuilder, url: &str) -> Result<RecordingStream, RecordError> {
-    builder.connect_grpc_opts(url).map_err(|error| failed(format!("`{url}`: {error}"), ADDRESS_HINT))
+fn stream(place: &str, title: &str) -> Result<Stream, RecordError> {
+    Stream::connect(place, title).map_err(|error| failed(format!("`{place}`: {error}"), ADDRESS_HINT))
 }
 
 const ADDRESS_HINT: &str = "addresses look like `rerun+http://127.0.0.1:9876/proxy` or `127.0.0.1:9876`";
 
-/// The full address and its `host:port`.
-fn address(given: &str) -> Result<(String, String), RecordError> {
-    let wrong = || failed(format!("`{given}` is not a viewer's address"), ADDRESS_HINT);
-    let full = if given.contains("://") { given.to_owned() } else { format!("rerun+http://{given}/proxy") };
-    match full.parse::<super::sdk::RedapUri>() {
-        Ok(super::sdk::RedapUri::Proxy(proxy)) => {
-            let origin = proxy.origin;
-            Ok((full, format!("{}:{}", origin.format_host(), origin.port)))
-        }
-        _ => Err(wrong()),
+/// The `host:port` of an address.
+fn place(given: &str) -> Result<&str, RecordError> {
+    let full = ["rerun+http://", "http://"].iter().find_map(|scheme| given.strip_prefix(scheme));
+    let place = match full {
+        Some(full) => full.strip_suffix("/proxy").unwrap_or_default(),
+        None => given,
+    };
+    let port = place.parse::<Authority>().ok().and_then(|authority| authority.port_u16());
+    if port.is_none() || place.contains('@') {
+        return Err(failed(format!("`{given}` is not a viewer's address"), ADDRESS_HINT));
     }
+    Ok(place)
 }
 
 fn listens(address: &SocketAddr) -> bool {
@@ -71,7 +71,7 @@ fn spawn(program: &str, port: u16) -> Result<(), RecordError> {
         return Ok(());
     }
     let mut viewer = start(program, port).map_err(|error| {
-        let version = super::sdk::build_info().version;
+        let version = CrateVersion::LOCAL;
         let hint = format!("install it with `pip install rerun-sdk=={version}`, or save an `.rrd` file instead");
         match error.kind() {
             std::io::ErrorKind::NotFound => failed(format!("the viewer program `{program}` is not installed"), &hint),
@@ -115,10 +115,14 @@ mod tests {
 
     #[test]
     fn addresses_may_be_short() {
-        let (full, place) = address("127.0.0.1:1234").expect("an address");
-        assert_eq!((full.as_str(), place.as_str()), ("rerun+http://127.0.0.1:1234/proxy", "127.0.0.1:1234"));
-        assert!(address("http://[").is_err());
-        assert!(address("rerun://127.0.0.1:9876/catalog").is_err());
+        for given in ["127.0.0.1:1234", "rerun+http://127.0.0.1:1234/proxy", "http://127.0.0.1:1234/proxy"] {
+            assert_eq!(place(given).expect("an address"), "127.0.0.1:1234");
+        }
+        assert_eq!(place("[::1]:9876").expect("an address"), "[::1]:9876");
+        for wrong in ["http://[", "rerun://127.0.0.1:9876/catalog", "localhost", "localhost:no", "a@b:1", "", "::"] {
+            let error = place(wrong).expect_err("no address").to_string();
+            assert!(error.contains(&format!("`{wrong}`")) && error.contains("9876/proxy"), "{error}");
+        }
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! Scenes of many bodies: all solids of one form drawn as one thing, since each thing of its own costs the viewer time
 //! in every frame, whether it moves or not.
 
-use super::columns::quaternion;
-use super::picture::{color, path, point};
+use super::entity::{color, path, point, quaternion};
 use super::sdk::{
-    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, FillMode, LineStrips3D, Radius, RecordingStream,
-    RecordingStreamResult, SerializedComponentColumn,
+    Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, FillMode, LineStrips3D, Radius,
+    SerializedComponentColumn,
 };
+use super::sent::Sent;
+use super::stream::Stream;
 use crate::record::Scene;
 use crate::record::solids::{Form, Solid};
 use crate::spatial::Pose;
@@ -91,7 +92,7 @@ impl Crowd {
     }
 
     /// Sizes and colours.
-    pub(super) fn send(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    pub(super) fn send(&self, stream: &Stream) -> Sent {
         for group in &self.groups {
             let sizes = || group.members.iter().map(|(_, _, size)| *size);
             let (lengths, radii) = (sizes().map(|size| size[0]), sizes().map(|size| size[1]));
@@ -99,24 +100,24 @@ impl Crowd {
             match group.kind {
                 Kind::Box => {
                     let boxes = Boxes3D::update_fields().with_half_sizes(sizes());
-                    stream.log_static(at, &boxes.with_colors(colors).with_fill_mode(fill))?;
+                    stream.log(at, &boxes.with_colors(colors).with_fill_mode(fill))?;
                 }
                 Kind::Ball => {
                     let balls = Ellipsoids3D::update_fields().with_half_sizes(sizes());
-                    stream.log_static(at, &balls.with_colors(colors).with_fill_mode(fill))?;
+                    stream.log(at, &balls.with_colors(colors).with_fill_mode(fill))?;
                 }
                 Kind::Cylinder => {
                     let cylinders = Cylinders3D::update_fields().with_lengths(lengths).with_radii(radii);
-                    stream.log_static(at, &cylinders.with_colors(colors).with_fill_mode(fill))?;
+                    stream.log(at, &cylinders.with_colors(colors).with_fill_mode(fill))?;
                 }
                 Kind::Capsule => {
                     let capsules = Capsules3D::update_fields().with_lengths(lengths).with_radii(radii);
-                    stream.log_static(at, &capsules.with_colors(colors).with_fill_mode(fill))?;
+                    stream.log(at, &capsules.with_colors(colors).with_fill_mode(fill))?;
                 }
             }
         }
         let lines = LineStrips3D::update_fields().with_radii([Radius::new_ui_points(1.0)]);
-        stream.log_static(joined_path(), &lines.with_colors([JOINED]))
+        stream.log(joined_path(), &lines.with_colors([JOINED]))
     }
 
     /// Adds the bodies at one instant.
@@ -138,7 +139,7 @@ impl Crowd {
         &self,
         moves: Moves,
         samples: usize,
-    ) -> RecordingStreamResult<Vec<(EntityPath, Vec<SerializedComponentColumn>)>> {
+    ) -> Sent<Vec<(EntityPath, Vec<SerializedComponentColumn>)>> {
         let mut all = Vec::new();
         for (group, (centers, turns)) in self.groups.iter().zip(moves.groups) {
             let lengths = std::iter::repeat_n(group.members.len(), samples);

@@ -162,14 +162,14 @@ impl Family<'_> {
         chosen.sort_unstable_by_key(|(index, _)| *index);
         let curve = |(index, channel): (usize, &Channel)| Curve {
             name: format!("{} {}", channel.body, channel.name),
-            path: super::picture::path(&[self.folder, &channel.body, &channel.name]),
+            path: super::entity::path(&[self.folder, &channel.body, &channel.name]),
             source: (self.source)(index),
         };
         (chosen.into_iter().map(curve).collect(), total)
     }
 }
 
-/// Those that are more than zero, where that is known; the potential energy always.
+/// Plots of the energies, without those known to be zero throughout; the potential energy always.
 fn energies(known: Option<&Survey>) -> Vec<Plot> {
     let all = [
         ("kinetic", Source::Kinetic),
@@ -180,7 +180,7 @@ fn energies(known: Option<&Survey>) -> Vec<Plot> {
     ];
     let shown = |index: usize| index == 1 || known.is_none_or(|known| known.energies[index] != 0.0);
     let curve = |(index, (name, source)): (usize, (&str, Source))| {
-        let path = super::picture::path(&["energy", name]);
+        let path = super::entity::path(&["energy", name]);
         shown(index).then(|| Curve { name: name.into(), path, source })
     };
     let mut curves: Vec<Curve> = all.into_iter().enumerate().filter_map(curve).collect();
@@ -191,7 +191,7 @@ fn energies(known: Option<&Survey>) -> Vec<Plot> {
 
 fn spring((index, line): (usize, &LinePicture)) -> Option<Curve> {
     line.spring?;
-    let path = super::picture::path(&["pulls", &line.name]);
+    let path = super::entity::path(&["pulls", &line.name]);
     Some(Curve { name: line.name.clone(), path, source: Source::Tension(index) })
 }
 

@@ -1,7 +1,9 @@
 //! Springs, loads and reactions: what pushes, drawn.
 
-use super::picture::{color, path, point};
-use super::sdk::{Arrows3D, Color, EntityPath, LineStrips3D, Radius, RecordingStream, RecordingStreamResult};
+use super::entity::{color, path, point};
+use super::sdk::{Arrows3D, Color, EntityPath, LineStrips3D, Radius};
+use super::sent::Sent;
+use super::stream::Stream;
 use crate::record::Scene;
 use crate::record::scene::LinePicture;
 use crate::spatial::{Pose, Wrench};
@@ -108,12 +110,12 @@ pub(super) fn load_paths(scene: &Scene) -> impl Iterator<Item = EntityPath> {
 }
 
 /// Sends what does not change: looks of springs, arrows of loads.
-pub(super) fn send(stream: &RecordingStream, scene: &Scene, scales: &Scales) -> RecordingStreamResult<()> {
+pub(super) fn send(stream: &Stream, scene: &Scene, scales: &Scales) -> Sent {
     for line in &scene.lines {
         let looks = LineStrips3D::update_fields().with_radii([Radius::new_ui_points(1.6)]);
         // What is sent once for all hides what is sent with a time: the colour of springs is.
         let looks = if line.spring.is_some() { looks } else { looks.with_colors([spring_color(None, 1.0)]) };
-        stream.log_static(spring_path(&line.name), &looks)?;
+        stream.log(spring_path(&line.name), &looks)?;
     }
     let largest = |of: fn(&crate::record::scene::LoadPicture) -> [f64; 3]| {
         scene.loads.iter().map(|load| Vector3::from(of(load)).norm()).fold(0.0, f64::max)
@@ -134,9 +136,9 @@ pub(super) fn send(stream: &RecordingStream, scene: &Scene, scales: &Scales) -> 
         let arrows = Arrows3D::from_vectors(vectors).with_colors(colors).with_radii([Radius::new_ui_points(2.5)]);
         if load.turns {
             let at = path(&["world", &scene.bodies[load.body].name, &load.name]);
-            stream.log_static(at, &arrows.with_origins([point(&Vector3::from(load.at))]))?;
+            stream.log(at, &arrows.with_origins([point(&Vector3::from(load.at))]))?;
         } else {
-            stream.log_static(load_path(&load.name), &arrows)?;
+            stream.log(load_path(&load.name), &arrows)?;
         }
     }
     Ok(())

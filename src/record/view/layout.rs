@@ -3,11 +3,10 @@
 //! Written as records of the viewer's own blueprint store: its builders have no word for the eye.
 
 use super::camera::camera;
-use super::columns::TIMELINE;
 use super::curves::Plot;
+use super::entity::{CAPTION, STATICS, TIMELINE};
 use super::marks::EVENTS;
-use super::picture::{CAPTION, Picture, STATICS};
-use super::sdk::BlueprintActivationCommand;
+use super::picture::Picture;
 use super::sdk::blueprint::archetypes::{
     Background, ContainerBlueprint, EyeControls3D, LineGrid3D, PanelBlueprint, PlotLegend, TextLogColumns,
     TimePanelBlueprint, ViewBlueprint, ViewContents, ViewportBlueprint,
@@ -17,7 +16,9 @@ use super::sdk::blueprint::components::{
 };
 use super::sdk::blueprint::datatypes::{TextLogColumn, TextLogColumnKind};
 use super::sdk::datatypes::Uuid;
-use super::sdk::{Color, EntityPath, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, components};
+use super::sdk::{Color, EntityPath, components};
+use super::sent::Sent;
+use super::stream::Stream;
 use crate::record::drawing::bounds::Bounds;
 
 /// Shares of the window's width: the bodies, the plots.
@@ -31,16 +32,9 @@ const GRID: Color = Color(super::sdk::Rgba32::from_rgb(190, 196, 204));
 
 /// Sends the layout: the bodies on the left with the eye on the whole of `bounds`, on the right what statics found, what
 /// happens and the plots, those of one group behind each other. With `plays` the time runs as soon as it is opened.
-pub(super) fn send(
-    stream: &RecordingStream,
-    application: &'static str,
-    picture: &Picture,
-    bounds: &Bounds,
-    plays: bool,
-) -> RecordingStreamResult<()> {
+pub(super) fn send(stream: &Stream, picture: &Picture, bounds: &Bounds, plays: bool) -> Sent {
     let title = picture.scene.title.as_str();
-    let (blueprint, storage) = RecordingStreamBuilder::new(application).blueprint().memory()?;
-    blueprint.set_time_sequence("blueprint", 0);
+    let blueprint = stream.layout()?;
     let mut ids = Ids(0);
     let bodies = ids.path("view");
     send_bodies(&blueprint, &bodies, if title.is_empty() { "Bodies" } else { title }, bounds)?;
@@ -58,7 +52,7 @@ pub(super) fn send(
     let mut shares = vec![ROW_SHARE; rows.len()];
     if picture.scene.watched {
         let log = ids.path("view");
-        send_view(&blueprint, &log, "TextLog", "Events", vec![format!("+ {}/**", super::picture::path(&[EVENTS]))])?;
+        send_view(&blueprint, &log, "TextLog", "Events", vec![format!("+ {}/**", super::entity::path(&[EVENTS]))])?;
         // A line names what it happened to.
         let line = TextLogColumn { visible: true.into(), kind: TextLogColumnKind::Body };
         blueprint.log(format!("{log}/TextLogColumns"), &TextLogColumns::new().with_text_log_columns([line]))?;
@@ -76,11 +70,7 @@ pub(super) fn send(
     let halves = ContainerBlueprint::new(ContainerKind::Horizontal).with_contents([bodies, plots]);
     blueprint.log(format!("container/{window}"), &halves.with_col_shares(SHARES))?;
     send_frame(&blueprint, window, plays)?;
-
-    let Some(store) = blueprint.store_info() else { return Ok(()) };
-    let activation = BlueprintActivationCommand { blueprint_id: store.store_id, make_active: true, make_default: true };
-    stream.send_blueprint(storage.take(), activation);
-    Ok(())
+    blueprint.activate()
 }
 
 /// Names for the parts of the window.
@@ -98,7 +88,7 @@ impl Ids {
 }
 
 /// The window itself and what lies around it.
-fn send_frame(blueprint: &RecordingStream, window: Uuid, plays: bool) -> RecordingStreamResult<()> {
+fn send_frame(blueprint: &Stream, window: Uuid, plays: bool) -> Sent {
     let viewport = ViewportBlueprint::new()
         .with_root_container(RootContainer(window))
         .with_auto_layout(false)
@@ -112,7 +102,7 @@ fn send_frame(blueprint: &RecordingStream, window: Uuid, plays: bool) -> Recordi
     blueprint.log("time_panel", &time.with_loop_mode(LoopMode::All).with_play_state(state))
 }
 
-fn send_tabs(blueprint: &RecordingStream, ids: &mut Ids, plots: &[Plot]) -> RecordingStreamResult<String> {
+fn send_tabs(blueprint: &Stream, ids: &mut Ids, plots: &[Plot]) -> Sent<String> {
     let mut tabs = Vec::new();
     for plot in plots {
         let view = ids.path("view");
@@ -128,15 +118,15 @@ fn send_tabs(blueprint: &RecordingStream, ids: &mut Ids, plots: &[Plot]) -> Reco
     Ok(container)
 }
 
-fn send_text(blueprint: &RecordingStream, view: &str, title: &str, origin: &str) -> RecordingStreamResult<()> {
+fn send_text(blueprint: &Stream, view: &str, title: &str, origin: &str) -> Sent {
     let looks = ViewBlueprint::new("TextDocument").with_display_name(title).with_space_origin(origin);
     blueprint.log(view, &looks)?;
     blueprint.log(format!("{view}/ViewContents"), &ViewContents::new(["+ $origin".to_owned()]))
 }
 
-fn send_bodies(blueprint: &RecordingStream, view: &str, title: &str, bounds: &Bounds) -> RecordingStreamResult<()> {
+fn send_bodies(blueprint: &Stream, view: &str, title: &str, bounds: &Bounds) -> Sent {
     let parts = ["world", "springs", "loads", "reactions", "center of mass"];
-    let contents = parts.map(|part| format!("+ {}/**", super::picture::path(&[part])));
+    let contents = parts.map(|part| format!("+ {}/**", super::entity::path(&[part])));
     send_view(blueprint, view, "3D", title, contents.into())?;
     let camera = camera(bounds);
     let eye = EyeControls3D::new()
@@ -154,13 +144,7 @@ fn send_bodies(blueprint: &RecordingStream, view: &str, title: &str, bounds: &Bo
     blueprint.log(format!("{view}/LineGrid3D"), &grid)
 }
 
-fn send_view(
-    blueprint: &RecordingStream,
-    view: &str,
-    class: &str,
-    title: &str,
-    contents: Vec<String>,
-) -> RecordingStreamResult<()> {
+fn send_view(blueprint: &Stream, view: &str, class: &str, title: &str, contents: Vec<String>) -> Sent {
     let looks = ViewBlueprint::new(class).with_display_name(title).with_space_origin("/");
     blueprint.log(view, &looks)?;
     blueprint.log(EntityPath::from(format!("{view}/ViewContents")), &ViewContents::new(contents))

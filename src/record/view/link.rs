@@ -1,16 +1,15 @@
 //! The thread that talks to the viewer, so that nobody else waits for it.
 
-use super::sdk::RecordingStream;
+use super::sent::{PATIENCE, stuck};
+use super::stream::Stream;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, TrySendError, channel, sync_channel};
 use std::time::{Duration, Instant};
 
 /// Something to tell the viewer.
-pub(super) type Job = Box<dyn FnOnce(&RecordingStream) -> Result<(), String> + Send>;
+pub(super) type Job = Box<dyn FnOnce(&Stream) -> Result<(), String> + Send>;
 
 /// Jobs that may wait while one is being done.
 const QUEUE: usize = 16;
-/// How long one job may take. A viewer that takes in nothing for so long is given up.
-const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A queue of jobs for one viewer.
 pub(super) struct Link {
@@ -28,20 +27,12 @@ enum News {
 
 impl Link {
     /// Starts the thread. The viewer behind `stream` has been seen to listen.
-    pub(super) fn start(stream: RecordingStream) -> std::io::Result<Self> {
+    pub(super) fn start(stream: Stream) -> std::io::Result<Self> {
         let (jobs, queue) = sync_channel(QUEUE);
         let (report, news) = channel();
         std::thread::Builder::new().name("viewer".into()).spawn(move || {
             let worked = work(&stream, queue, &report);
-            let failed = worked.is_err();
-            if failed {
-                // Before letting go of the stream: that waits for the viewer, perhaps for ever.
-                let _ = report.send(News::Over(worked));
-            }
-            drop(stream);
-            if !failed {
-                let _ = report.send(News::Over(Ok(())));
-            }
+            let _ = report.send(News::Over(worked.and_then(|()| stream.finish().map_err(|error| error.to_string()))));
         })?;
         Ok(Self { jobs: Some(jobs), news })
     }
@@ -88,16 +79,11 @@ impl Link {
     }
 }
 
-fn work(stream: &RecordingStream, queue: Receiver<Job>, report: &Sender<News>) -> Result<(), String> {
+fn work(stream: &Stream, queue: Receiver<Job>, report: &Sender<News>) -> Result<(), String> {
     for job in queue {
         job(stream)?;
-        stream.flush_with_timeout(PATIENCE).map_err(|error| error.to_string())?;
         // Nobody may be listening any more; the jobs are done all the same.
         let _ = report.send(News::Done);
     }
     Ok(())
-}
-
-fn stuck() -> String {
-    format!("it took in nothing for {} s", PATIENCE.as_secs())
 }

@@ -1,8 +1,9 @@
 //! What happened, as lines of a log: those of one name under one path.
 
-use super::columns::TIMELINE;
-use super::picture::path;
-use super::sdk::{RecordingStream, RecordingStreamResult, TextLog, TextLogLevel, TimeColumn};
+use super::entity::{TIMELINE, path};
+use super::sdk::{TextLog, TextLogLevel, TimeColumn};
+use super::sent::Sent;
+use super::stream::Stream;
 use crate::record::Event;
 use std::collections::BTreeMap;
 
@@ -12,7 +13,7 @@ pub(super) const EVENTS: &str = "events";
 const INTEGRATOR: &str = "integrator";
 
 /// Sends events at their times.
-pub(super) fn send(stream: &RecordingStream, events: &[Event]) -> RecordingStreamResult<()> {
+pub(super) fn send(stream: &Stream, events: &[Event]) -> Sent {
     let mut by_name: BTreeMap<&str, Vec<&Event>> = BTreeMap::new();
     for event in events {
         by_name.entry(event.name.as_str()).or_default().push(event);
@@ -23,7 +24,7 @@ pub(super) fn send(stream: &RecordingStream, events: &[Event]) -> RecordingStrea
         let lines = TextLog::update_fields()
             .with_many_text(events.iter().map(|event| event.text.as_str()))
             .with_many_level(std::iter::repeat_n(level, events.len()));
-        stream.send_columns(path(&[EVENTS, name]), [times], lines.columns_of_unit_batches()?)?;
+        stream.send_columns(path(&[EVENTS, name]), times, lines.columns_of_unit_batches()?)?;
     }
     Ok(())
 }

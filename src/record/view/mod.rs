@@ -30,6 +30,8 @@ mod crowd;
 #[cfg(feature = "view")]
 mod curves;
 #[cfg(feature = "view")]
+mod entity;
+#[cfg(feature = "view")]
 mod forces;
 #[cfg(feature = "view")]
 mod layout;
@@ -40,7 +42,13 @@ mod marks;
 #[cfg(feature = "view")]
 mod picture;
 #[cfg(feature = "view")]
+mod remote;
+#[cfg(feature = "view")]
 mod sdk;
+#[cfg(feature = "view")]
+mod sent;
+#[cfg(feature = "view")]
+mod stream;
 #[cfg(feature = "view")]
 mod survey;
 #[cfg(feature = "view")]

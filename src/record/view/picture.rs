@@ -1,14 +1,15 @@
 //! What does not change while the picture moves: solids, hinge axes, text, the looks of what moves.
 
-use super::columns::{TIMELINE, quaternion};
 use super::crowd::Crowd;
 use super::curves::Plot;
+use super::entity::{CAPTION, STATICS, center_path, color, path, point, quaternion};
 use super::forces::{self, Scales};
 use super::sdk::{
-    Arrows3D, Asset3D, Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, EntityPathPart, FillMode,
-    InstancePoses3D, LineStrips3D, MediaType, Points3D, Radius, RecordingStream, RecordingStreamResult, SeriesLines,
-    TextDocument, ViewCoordinates,
+    Arrows3D, Asset3D, Boxes3D, Capsules3D, Color, Cylinders3D, Ellipsoids3D, EntityPath, FillMode, InstancePoses3D,
+    LineStrips3D, MediaType, Points3D, Radius, SeriesLines, TextDocument, ViewCoordinates,
 };
+use super::sent::Sent;
+use super::stream::Stream;
 use crate::record::Scene;
 use crate::record::drawing::bounds::Outline;
 use crate::record::drawing::lines::coil_radii;
@@ -59,8 +60,8 @@ impl Picture {
     }
 
     /// Sends it as static data.
-    pub(super) fn send(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
-        stream.log_static("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    pub(super) fn send(&self, stream: &Stream) -> Sent {
+        stream.log("/", &ViewCoordinates::RIGHT_HAND_Z_UP())?;
         for (body, solids) in self.scene.bodies.iter().zip(&self.solids) {
             for (index, solid) in solids.iter().enumerate() {
                 let name = format!("solid_{index}");
@@ -74,9 +75,9 @@ impl Picture {
         }
         forces::send(stream, &self.scene, &self.scales)?;
         let arrows = Arrows3D::update_fields().with_radii([Radius::new_ui_points(1.5)]);
-        stream.log_static(forces::reactions_path(), &arrows.with_colors([forces::REACTION]))?;
+        stream.log(forces::reactions_path(), &arrows.with_colors([forces::REACTION]))?;
         let center = Points3D::update_fields().with_radii([Radius::new_ui_points(4.0)]).with_colors([CENTER]);
-        stream.log_static(center_path(), &center)?;
+        stream.log(center_path(), &center)?;
         self.send_text(stream)?;
         for plot in self.plots.iter().flatten() {
             for (index, curve) in plot.curves.iter().enumerate() {
@@ -84,33 +85,31 @@ impl Picture {
                     .with_names([curve.name.clone()])
                     .with_colors([color(palette(index))])
                     .with_widths([1.5]);
-                stream.log_static(curve.path.clone(), &looks)?;
+                stream.log(curve.path.clone(), &looks)?;
             }
         }
         Ok(())
     }
 
     /// The statics result, and captions at their times.
-    fn send_text(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    fn send_text(&self, stream: &Stream) -> Sent {
         if let Some(text) = &self.statics {
-            stream.log_static(STATICS, &TextDocument::from_markdown(text.as_str()))?;
+            stream.log(STATICS, &TextDocument::from_markdown(text.as_str()))?;
         }
         for (time, text) in &self.captions {
-            stream.set_duration_secs(TIMELINE, *time);
-            stream.log(CAPTION, &TextDocument::from_markdown(text.as_str()))?;
+            stream.log_at(CAPTION, *time, &TextDocument::from_markdown(text.as_str()))?;
         }
-        stream.reset_time();
         Ok(())
     }
 
     /// The way of the centre of mass so far.
-    pub(super) fn send_trace(stream: &RecordingStream, points: Vec<[f32; 3]>) -> RecordingStreamResult<()> {
+    pub(super) fn send_trace(stream: &Stream, points: Vec<[f32; 3]>) -> Sent {
         let line = LineStrips3D::new([points]).with_radii([Radius::new_ui_points(0.8)]).with_colors([CENTER]);
-        stream.log_static(path(&["center of mass", "way"]), &line)
+        stream.log(path(&["center of mass", "way"]), &line)
     }
 
     /// Hinge axes as short arrows, together for each parent, in whose axes they stay.
-    fn send_hinges(&self, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    fn send_hinges(&self, stream: &Stream) -> Sent {
         let length = 0.2 * self.body_size();
         let parents = (0..self.scene.bodies.len()).map(Some).chain([None]);
         for parent in parents {
@@ -132,7 +131,7 @@ impl Picture {
                 .with_radii([(0.05 * length) as f32])
                 .with_colors([HINGE]);
             let owner = parent.map_or("ground", |parent| &self.scene.bodies[parent].name);
-            stream.log_static(path(&["world", owner, "hinge axes"]), &arrows)?;
+            stream.log(path(&["world", owner, "hinge axes"]), &arrows)?;
         }
         Ok(())
     }
@@ -150,19 +149,19 @@ const CENTER: Color = Color(super::sdk::Rgba32::from_rgb(176, 48, 128));
 const HINGE: Color = Color(super::sdk::Rgba32::from_rgb(214, 160, 48));
 
 /// A rod many times longer than thick is also drawn as a line of fixed width: from afar nothing else is left of a wire.
-fn send_core(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> RecordingStreamResult<()> {
+fn send_core(stream: &Stream, path: EntityPath, solid: &Solid) -> Sent {
     match &solid.form {
         Form::Cylinder { radius, length } | Form::Capsule { radius, length } if *length > THIN * radius => {
             let end = |side: f64| (solid.pose * Point3::new(0.0, 0.0, 0.5 * side * length)).coords;
             let line = LineStrips3D::new([[point(&end(-1.0)), point(&end(1.0))]]);
             let looks = line.with_radii([Radius::new_ui_points(0.75)]).with_colors([color(solid.color)]);
-            stream.log_static(path, &looks)
+            stream.log(path, &looks)
         }
         _ => Ok(()),
     }
 }
 
-fn send_solid(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> RecordingStreamResult<()> {
+fn send_solid(stream: &Stream, path: EntityPath, solid: &Solid) -> Sent {
     let colors = [color(solid.color)];
     let fill = FillMode::Solid;
     let at = |pose: &Isometry3<f64>| ([point(&pose.translation.vector)], [quaternion(&pose.rotation)]);
@@ -171,23 +170,23 @@ fn send_solid(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> Reco
         Form::Box(edges) => {
             let half = edges.map(|edge| 0.5 * edge as f32);
             let boxes = Boxes3D::from_centers_and_half_sizes(center, [half]).with_quaternions(turn);
-            stream.log_static(path, &boxes.with_fill_mode(fill).with_colors(colors))
+            stream.log(path, &boxes.with_fill_mode(fill).with_colors(colors))
         }
         Form::Ball(radius) => {
             let balls = Ellipsoids3D::from_centers_and_radii(center, [*radius as f32]);
-            stream.log_static(path, &balls.with_fill_mode(fill).with_colors(colors))
+            stream.log(path, &balls.with_fill_mode(fill).with_colors(colors))
         }
         Form::Cylinder { radius, length } => {
             let cylinders = Cylinders3D::from_lengths_and_radii([*length as f32], [*radius as f32]);
             let cylinders = cylinders.with_centers(center).with_quaternions(turn);
-            stream.log_static(path, &cylinders.with_fill_mode(fill).with_colors(colors))
+            stream.log(path, &cylinders.with_fill_mode(fill).with_colors(colors))
         }
         Form::Capsule { radius, length } => {
             // The viewer's capsules start at their origin.
             let (start, turn) = at(&(solid.pose * Translation3::new(0.0, 0.0, -0.5 * length)));
             let capsules = Capsules3D::from_lengths_and_radii([*length as f32], [*radius as f32]);
             let capsules = capsules.with_translations(start).with_quaternions(turn);
-            stream.log_static(path, &capsules.with_fill_mode(fill).with_colors(colors))
+            stream.log(path, &capsules.with_fill_mode(fill).with_colors(colors))
         }
         Form::Mesh { contents, media_type, scale, .. } => {
             let mut asset = Asset3D::new(contents.clone()).with_media_type(MediaType::from(*media_type));
@@ -195,34 +194,8 @@ fn send_solid(stream: &RecordingStream, path: EntityPath, solid: &Solid) -> Reco
                 asset = asset.with_albedo_factor(super::sdk::AlbedoFactor(color(solid.color).0));
             }
             let pose = InstancePoses3D::new().with_translations(center).with_quaternions(turn);
-            stream.log_static(path.clone(), &pose.with_scales([scale.map(|x| x as f32)]))?;
-            stream.log_static(path, &asset)
+            stream.log(path.clone(), &pose.with_scales([scale.map(|x| x as f32)]))?;
+            stream.log(path, &asset)
         }
     }
-}
-
-/// A path of names that may hold any character.
-pub(super) fn path(parts: &[&str]) -> EntityPath {
-    EntityPath::from(parts.iter().map(|part| EntityPathPart::new(*part)).collect::<Vec<_>>())
-}
-
-pub(super) fn body_path(name: &str) -> EntityPath {
-    path(&["world", name])
-}
-
-pub(super) fn center_path() -> EntityPath {
-    path(&["center of mass"])
-}
-
-/// The text that stays, and the one that changes.
-pub(super) const STATICS: &str = "statics";
-pub(super) const CAPTION: &str = "caption";
-
-pub(super) fn point(vector: &Vector3<f64>) -> [f32; 3] {
-    vector.cast::<f32>().into()
-}
-
-pub(super) fn color(rgba: [f64; 4]) -> Color {
-    let [r, g, b, a] = rgba.map(|part| (255.0 * part.clamp(0.0, 1.0)).round() as u8);
-    Color::from_unmultiplied_rgba(r, g, b, a)
 }

@@ -89,7 +89,7 @@ impl Survey {
     }
 }
 
-/// The centre of mass of the whole scene; `None` where nothing that moves has mass.
+/// The centre of mass of the whole scene; `None` if nothing that moves has mass.
 pub(super) fn center_of_mass(scene: &Scene, poses: &[Pose]) -> Option<Vector3<f64>> {
     let mut mass = 0.0;
     let mut moment = Vector3::zeros();

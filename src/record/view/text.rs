@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// Most modes and poses that are listed.
 const MOST: usize = 12;
 
-/// The statics result as Markdown; `None` where there is none.
+/// The statics result as Markdown; `None` if there is none.
 pub(super) fn equilibrium(statics: Option<&str>) -> Option<String> {
     let found: Value = serde_json::from_str(statics?).ok()?;
     let mut text = String::new();

@@ -4,11 +4,12 @@ use super::bounds::expected;
 use super::columns::Columns;
 use super::connect::{self, failed};
 use super::curves::plots;
+use super::entity::point;
 use super::forces::Scales;
 use super::layout;
 use super::link::{Job, Link};
-use super::picture::{Picture, point};
-use super::sdk::{RecordingStream, RecordingStreamBuilder};
+use super::picture::Picture;
+use super::stream::Stream;
 use super::survey::{Survey, Trace, center_of_mass};
 use super::{Shown, Sink, Wishes, marks, text};
 use crate::record::drawing::bounds::{Bounds, Outline};
@@ -18,8 +19,6 @@ use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Recording, S
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-const APPLICATION: &str = "stillpoint";
 
 /// A running picture is renewed this often, and less often by so much for every thing that moves: each renewal of each
 /// of them costs the viewer about a kilobyte, whatever is in it.
@@ -45,7 +44,7 @@ pub struct Viewer {
     events: Vec<Event>,
     longest: usize,
     thinning: Thinning,
-    /// `None` where nobody waits for the picture.
+    /// `None` if nobody waits for the picture.
     period: Option<Duration>,
     sent: Instant,
     outlines: Vec<Outline>,
@@ -105,11 +104,7 @@ impl Viewer {
     }
 
     fn with_scene(sink: &Sink, scene: &Scene, statics: Option<&str>) -> Result<Self, RecordError> {
-        let mut builder = RecordingStreamBuilder::new(APPLICATION);
-        if !scene.title.is_empty() {
-            builder = builder.recording_name(scene.title.as_str());
-        }
-        let stream = connect::open(sink, builder)?;
+        let stream = connect::open(sink, &scene.title)?;
         let link = Link::start(stream).map_err(|error| failed(format!("no thread for the viewer: {error}"), ""))?;
         let saved = matches!(sink, Sink::Save(_));
         Ok(Self {
@@ -169,9 +164,7 @@ impl Viewer {
     /// Places the eye so that the whole of `bounds` is seen.
     fn place_eye(&mut self, picture: &Arc<Picture>, bounds: Bounds) -> Result<(), RecordError> {
         let (picture, plays) = (picture.clone(), self.plays);
-        self.tell(move |stream| {
-            layout::send(stream, APPLICATION, &picture, &bounds, plays).map_err(|error| error.to_string())
-        })
+        self.tell(move |stream| layout::send(stream, &picture, &bounds, plays).map_err(|error| error.to_string()))
     }
 
     fn send_columns(&mut self, picture: &Arc<Picture>) -> Result<(), RecordError> {
@@ -201,10 +194,7 @@ impl Viewer {
         self.tell(move |stream| Picture::send_trace(stream, points).map_err(|error| error.to_string()))
     }
 
-    fn tell(
-        &mut self,
-        job: impl FnOnce(&RecordingStream) -> Result<(), String> + Send + 'static,
-    ) -> Result<(), RecordError> {
+    fn tell(&mut self, job: impl FnOnce(&Stream) -> Result<(), String> + Send + 'static) -> Result<(), RecordError> {
         let job: Job = Box::new(job);
         self.link.send(job).map_err(lost)
     }

@@ -2,7 +2,7 @@
 
 use super::super::fields::{Key, Kind, Range, Table};
 use super::hinge::HINGE;
-use super::{MOST_BODIES, NOT_NEGATIVE, POSITIVE, VECTOR};
+use super::{MOST_BODIES, NOT_NEGATIVE, POINT, POSITIVE, VECTOR};
 
 /// `[[body]]`
 pub const BODY: Table = Table {
@@ -56,6 +56,8 @@ pub const BODY: Table = Table {
         )
         .default("false")
         .example("true"),
+        Key::new("burn", Kind::Table(&BURN), "In place of `mass`, `center` and `inertia`: they follow a table over time. What leaves has the body's velocity; thrust is a load.")
+            .example("{ times = [0.0, 2.0], mass = [12.0, 4.0] }"),
         Key::new("markers", Kind::Map(&VECTOR), "Named points, body axes, from the root marker.")
             .unit("m")
             .example("{ tip = [0.0, 0.0, -1.0] }"),
@@ -71,21 +73,24 @@ pub const BODY: Table = Table {
     ],
 };
 
-/// Coordinates or a marker's name.
-pub(super) const POINT: Kind = Kind::Either(&[VECTOR, Kind::Text]);
-
-/// `{ body = …, at = … }`
-pub const ATTACHMENT: Table = Table {
-    name: "attachment",
-    doc: "A point on a body; `\"body.marker\"` says the same of a marker and `\"body\"` of the root marker.",
+/// A mass that burns away.
+const BURN: Table = Table {
+    name: "burn",
+    doc: "Mass properties by a table over time: straight from point to point, constant before the first and after the last. A time \
+          given twice is a jump.",
     types: &[],
     keys: &[
-        Key::new("body", Kind::Text, "Name of the body, or \"ground\".").required().example("\"ground\""),
-        Key::new("at", VECTOR, "Coordinates from the root marker, body axes.")
+        super::force::TIMES,
+        Key::new("mass", Kind::List(&POSITIVE, &[]), "Mass at those times.")
+            .unit("kg")
+            .required()
+            .example("[12.0, 4.0]"),
+        Key::new("center", Kind::List(&VECTOR, &[]), "Centre of mass at those times, body axes; without it always the root marker.")
             .unit("m")
-            .default("[0.0, 0.0, 0.0]")
-            .example("[1.0, 0.0, 0.5]"),
-        Key::new("marker", Kind::Text, "A marker's name, in place of `at`.").example("\"tip\""),
+            .example("[[0.4, 0.0, 0.0], [0.7, 0.0, 0.0]]"),
+        Key::new("inertia", Kind::List(&Kind::List(&super::NUMBER, &[3, 6]), &[]), "Inertia about the centre of mass at those times, as the body's `inertia`; without it the body is a point mass.")
+            .unit("kg m²")
+            .example("[[0.02, 1.1, 1.1], [0.01, 0.5, 0.5]]"),
     ],
 };
 
@@ -123,6 +128,9 @@ pub const SHAPE: Table = Table {
         )
         .default("1.0")
         .example("0.001"),
+        Key::new("hull", Kind::Flag, "Of a mesh: whether its convex hull touches other shapes, whatever its own form.")
+            .default("false")
+            .example("true"),
         Key::new("at", VECTOR, "Where its middle stands, body axes.")
             .unit("m")
             .default("[0.0, 0.0, 0.0]")

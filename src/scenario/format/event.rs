@@ -1,8 +1,7 @@
 //! What a run takes note of.
 
 use super::super::fields::{Key, Kind, Range, Table};
-use super::body::ATTACHMENT;
-use super::{NUMBER, VECTOR};
+use super::{ATTACHMENT, NUMBER, VECTOR};
 
 /// `[[event]]`
 pub const EVENT: Table = Table {

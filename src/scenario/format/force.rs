@@ -1,8 +1,7 @@
 //! What pushes.
 
 use super::super::fields::{Key, Kind, Table};
-use super::body::ATTACHMENT;
-use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
+use super::{ATTACHMENT, NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
 
 /// `[[force]]`
 pub const FORCE: Table = Table {
@@ -87,8 +86,31 @@ pub const FORCE: Table = Table {
             .default("\"inertial\"")
             .only(&["load"])
             .example("\"body\""),
+        Key::new("over_time", Kind::Table(&OVER_TIME), "Scales force and torque over time.")
+            .only(&["load"])
+            .example("{ times = [0.0, 0.1, 2.0, 2.0], values = [0.0, 1.0, 1.0, 0.0] }"),
     ],
 };
+
+/// A factor by a table over time.
+pub(super) const OVER_TIME: Table = Table {
+    name: "over_time",
+    doc: "A factor by a table over time: straight from point to point, constant before the first and after the last. A time \
+          given twice is a jump.",
+    types: &[],
+    keys: &[
+        TIMES,
+        Key::new("values", Kind::List(&NUMBER, &[]), "The factor at those times.")
+            .required()
+            .example("[0.0, 1.0, 0.0]"),
+    ],
+};
+
+/// The times of a table.
+pub(super) const TIMES: Key = Key::new("times", Kind::List(&NUMBER, &[]), "Times, not decreasing.")
+    .unit("s")
+    .required()
+    .example("[0.0, 0.5, 2.0]");
 
 const LINKS: &[&str] = &["spring", "bushing", "curve"];
 

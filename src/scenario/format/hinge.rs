@@ -1,11 +1,10 @@
 //! Hinges.
 
 use super::super::fields::{Key, Kind, Range, Table};
-use super::body::POINT;
 use super::contact::DRY;
 use super::force::{INTERPOLATIONS, POINTS};
-use super::{NOT_NEGATIVE, NUMBER, POSITIVE, VECTOR};
-use crate::hinge::{DECLARED, Which, count, names};
+use super::{NOT_NEGATIVE, NUMBER, POINT, POSITIVE, VECTOR};
+use crate::hinge::{AlongTurn, DECLARED, Which, count, names};
 
 /// `hinge = { … }`
 pub const HINGE: Table = Table {
@@ -49,6 +48,14 @@ pub const HINGE: Table = Table {
             .only(&ACROSS)
             .example("[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]"),
         PITCH,
+        Key::new("curve", Kind::Table(&GUIDE_CURVE), "The curve, hinge frame.")
+            .required()
+            .only(&["along"])
+            .example("{ helix = [0.3, 0.1, 2.0] }"),
+        Key::new("turn", Kind::Choice(AlongTurn::WORDS), "How it turns along the curve.")
+            .default("\"follows\"")
+            .only(&["along"])
+            .example("\"held\""),
         Key::new("position", PER_COORDINATE, "Coordinates at the start, or the guess from which statics starts.")
             .unit("m or rad")
             .default("0.0")
@@ -153,6 +160,35 @@ const LIMITS: Kind = Kind::Either(&[
 ]);
 
 const CURVES: Kind = Kind::Either(&[Kind::Table(&HINGE_CURVE), Kind::List(&Kind::Table(&HINGE_CURVE), &[])]);
+
+/// The curve of a hinge of type `along`.
+pub(super) const GUIDE_CURVE: Table = Table {
+    name: "guide",
+    doc: "A curve that a body is guided along: exactly one of `straight`, `points`, `helix` and `parameter`. The coordinate is its \
+          arc length, from its beginning, or from parameter 0 where its range has that. A run or an equilibrium beyond its ends is an error.",
+    types: &[],
+    keys: &[
+        Key::new("straight", POSITIVE, "Along x, of this length.").unit("m").example("1.2"),
+        Key::new(
+            "points",
+            Kind::List(&VECTOR, &[]),
+            "The spline of degree 5 through these points: four continuous derivatives.",
+        )
+        .unit("m")
+        .example("[[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [2.0, 0.5, 0.0]]"),
+        Key::new(
+            "helix",
+            Kind::List(&NUMBER, &[3]),
+            "Radius (m), rise per turn (m) and number of turns of a helix about z that begins at [radius, 0, 0]; right-handed with a rise above zero.",
+        )
+        .example("[0.3, 0.1, 2.0]"),
+        Key::new("parameter", Kind::Text, "The name of the parameter of the formulas `x`, `y` and `z`.").example("\"u\""),
+        Key::new("x", Kind::Text, "Formula of the parameter.").unit("m").default("\"0\"").example("\"u\""),
+        Key::new("y", Kind::Text, "Formula of the parameter.").unit("m").default("\"0\"").example("\"sin(u)\""),
+        Key::new("z", Kind::Text, "Formula of the parameter.").unit("m").default("\"0\"").example("\"0.5*u^2\""),
+        Key::new("range", Kind::List(&NUMBER, &[2]), "Where the parameter begins and ends.").example("[-1.0, 1.0]"),
+    ],
+};
 
 /// A spring or damper of a hinge by a table of points.
 pub const HINGE_CURVE: Table = Table {

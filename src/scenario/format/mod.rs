@@ -15,7 +15,7 @@ mod settings;
 mod start;
 
 pub use beam::{BEAM, BEAM_CURVE, CABLE, LINE_LOAD, MATERIAL, SECTION};
-pub use body::{ATTACHMENT, BODY, ROUND, SHAPE};
+pub use body::{BODY, ROUND, SHAPE};
 pub use contact::{CONTACT, FRICTION};
 pub use controller::CONTROLLER;
 pub use couplings::{DRIVE, GEAR, HINGE_COORDINATE, LOOP};
@@ -38,6 +38,24 @@ const NOT_NEGATIVE: Kind = Kind::Number(Range::AtLeast(0.0));
 const POSITIVE: Kind = Kind::Number(Range::Above(0.0));
 /// Three numbers.
 const VECTOR: Kind = Kind::List(&NUMBER, &[3]);
+
+/// Coordinates or a marker's name.
+const POINT: Kind = Kind::Either(&[VECTOR, Kind::Text]);
+
+/// `{ body = …, at = … }`
+pub const ATTACHMENT: Table = Table {
+    name: "attachment",
+    doc: "A point on a body; `\"body.marker\"` says the same of a marker and `\"body\"` of the root marker.",
+    types: &[],
+    keys: &[
+        Key::new("body", Kind::Text, "Name of the body, or \"ground\".").required().example("\"ground\""),
+        Key::new("at", VECTOR, "Coordinates from the root marker, body axes.")
+            .unit("m")
+            .default("[0.0, 0.0, 0.0]")
+            .example("[1.0, 0.0, 0.5]"),
+        Key::new("marker", Kind::Text, "A marker's name, in place of `at`.").example("\"tip\""),
+    ],
+};
 
 /// A whole file.
 pub const SCENARIO: Table = Table {

@@ -84,7 +84,7 @@ pub const STATICS: Table = Table {
             "What is asked of a scene with `[[contact]]`.",
         )
         .default("\"as-given\"")
-        .example("\"as-given\""),
+        .example("\"settle\""),
         Key::new(
             "gap",
             Kind::Number(Range::Between(1e-12, 1e-2)),
@@ -144,7 +144,10 @@ const WANTS: &[(&str, &str)] = &[
     ("any", "The nearest one, whatever it is, and what it is."),
 ];
 
-const CONTACTS: &[(&str, &str)] = &[("as-given", "Whether it stands as it is put.")];
+const CONTACTS: &[(&str, &str)] = &[
+    ("as-given", "Whether it stands as it is put."),
+    ("settle", "The same; what does not stand is moved until it does, as far as it takes."),
+];
 
 const METHODS: &[(&str, &str)] = &[
     ("auto", "The cascade."),

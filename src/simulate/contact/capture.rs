@@ -5,52 +5,58 @@
 //! (2)  K* ∋ w + μ |w_t| n  ⊥  λ ∈ K(μ),   w = J v⁺ + n (2 max(g_m, 0) / h + 0.2 min(g_m, 0) / h_max + e min(u_n, 0))
 //! ```
 //!
-//! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`super::cone`].) All pairs that might meet within the step
-//! are in (2), with the way that is left to them: nothing sinks but by the rounding of the forces, of which a part is taken back with
-//! every step, and steps may be halved. The method has order 1; a step and its two
+//! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`crate::contact::cone`].) All pairs that might meet within the step
+//! are in (2), with the way that is left to them: nothing sinks but by half a step's way at a blow, of which a part is taken back with
+//! every step, and steps may be halved. Coordinates of trees are put back on their rigid limits. Dry friction of hinges
+//! is bounded in (2). The method has order 1; a step and its two
 //! halves are compared in positions, as velocities jump at blows, and the halves are kept.
-//!
-//! `M⁻¹` is made of the blocks of the trees on the ground, all of them in as many solutions as the largest has coordinates.
 
-use super::cone::{Law, Problem};
-use super::frame::{self, Column, Frame};
-use super::pairs::{Key, restitution};
-use super::watch::DEEPER;
-use super::{Contacts, LOOSE};
+use super::Contacts;
+use super::blocks::Blocks;
+use crate::contact::cone::{Law, Problem};
+use crate::contact::frame::{self, Frame, along};
+use crate::contact::geometry::feature::Meeting;
+use crate::contact::hinges::{self, Id, Support};
+use crate::contact::pairs::{Key, restitution};
 use crate::dynamics::{Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
+use crate::simulate::nonsmooth::Rubbing;
 use crate::simulate::problem::Motion;
+use crate::simulate::state::State;
 use crate::spatial::Wrench;
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// Steps are at most this part of the scene's time, and at least that.
 const LONGEST: f64 = 0.02;
 const SHORTEST: f64 = 1e-5;
-/// Positions of a step and of its halves differ by no more than this part of the scene's length, if a run asks for more.
-const COARSE: f64 = 1e-4;
+/// Positions of a step and of its halves differ by no more than the root of a run's tolerance, within these bounds (parts of the
+/// scene's length): half the digits, as the order is one.
+const COARSE: [f64; 2] = [1e-5, 2e-3];
+/// A gap below this part of a shape's size is none for the events that take over.
+const CLOSES: f64 = 1e-4;
 /// Forces are found to this part of the largest, or as far as so many sweeps take them.
-const FOUND: f64 = 1e-9;
+const FOUND: f64 = 1e-7;
 const MOST_SWEEPS: usize = 400;
+/// Forces that change by more than this in the last sweep are not found.
+const ENOUGH: f64 = 1e-4;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
 /// What has sunk by rounding of the forces rises by this part of it in a step, in the longest one at most.
 const RISES: f64 = 0.2;
 /// A step gains no more than this part of the kinetic energy.
 const GAINED: f64 = 0.01;
-/// Nor of the scene's weight over its length.
+/// Energy gain that is rounding, in parts of the scene's weight over its length.
 const ROUNDING: f64 = 1e-9;
 /// What has sunk by more than this part of a shape's size is lost.
 pub(super) const LOST: f64 = 1e-2;
-/// Trees with more coordinates than this are answered row by row.
-const LARGE: usize = 30;
 
 /// What carries over from step to step.
 #[derive(Debug, Default)]
 pub(super) struct Memory {
     /// Impulses of the last step over its length (N).
-    forces: Vec<(Key, Vector3<f64>)>,
-    /// Contacts that pushed in the last step.
-    active: Vec<Key>,
+    forces: Vec<(Id, Vector3<f64>)>,
+    /// What pushed in the last step.
+    active: Vec<Id>,
     calm: usize,
     /// Steps in which nothing moved.
     still: usize,
@@ -61,12 +67,26 @@ pub(super) struct Memory {
     step: f64,
 }
 
+impl Memory {
+    /// Contacts that pushed in the last step, and with what.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (&Key, &Vector3<f64>)> {
+        self.forces.iter().filter_map(|(id, force)| match id {
+            Id::Contact(key) => Some((key, force)),
+            Id::Stop(..) | Id::Friction(_) => None,
+        })
+    }
+}
+
 /// A step and what it did.
 struct Made {
     position: Vec<f64>,
     velocity: Vec<f64>,
-    forces: Vec<(Key, Vector3<f64>)>,
+    forces: Vec<(Id, Vector3<f64>)>,
     lost: f64,
+    /// Work that raises what has sunk (J).
+    raised: f64,
+    /// Whether its forces are found.
+    found: bool,
 }
 
 /// The stepper of (1).
@@ -86,7 +106,7 @@ impl Capture {
     pub(in crate::simulate) fn new(motion: &Motion, start: Start<'_>, tolerance: f64) -> Result<Self, StepError> {
         let before = (start.position.to_vec(), start.velocity.to_vec());
         let progress = Progress::new(motion, start)?;
-        Ok(Self { progress, tolerance: tolerance.max(COARSE), before, next: Vec::new() })
+        Ok(Self { progress, tolerance: tolerance.sqrt().clamp(COARSE[0], COARSE[1]), before, next: Vec::new() })
     }
 }
 
@@ -111,6 +131,12 @@ impl Stepper<Motion> for Capture {
             let from = [first.position.as_slice(), first.velocity.as_slice()];
             let second = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces).map_err(fail)?;
             let (scales, _) = motion.scales();
+            if !(first.found && second.found) && step > SHORTEST * span {
+                // Of a shorter step fewer supports are in the way.
+                self.progress.reject();
+                h = 0.5 * step;
+                continue;
+            }
             let off =
                 whole.position.iter().zip(&second.position).zip(scales).map(|((a, b), scale)| (a - b).abs() / scale);
             let error = off.fold(0.0, f64::max) / self.tolerance;
@@ -122,7 +148,7 @@ impl Stepper<Motion> for Capture {
             }
             // Contacts take energy out; what has sunk may rise by a little.
             let after = motion.system.at(time + step, &second.position, &second.velocity).energies().kinetic;
-            let gained = -(first.lost + second.lost);
+            let gained = -(first.lost + second.lost) - (first.raised + second.raised);
             let rounding = motion
                 .contacts
                 .as_ref()
@@ -143,7 +169,7 @@ impl Stepper<Motion> for Capture {
             memory.lost += first.lost + second.lost;
             memory.steps += 1;
             memory.step = if last { memory.step.max(proposed.min(h)) } else { proposed };
-            let active: Vec<Key> = second.forces.iter().map(|(key, _)| *key).collect();
+            let active: Vec<Id> = second.forces.iter().map(|(id, _)| *id).collect();
             memory.calm = if active == memory.active { memory.calm + 1 } else { 0 };
             memory.active = active;
             memory.forces = second.forces;
@@ -186,6 +212,15 @@ impl Motion {
         self.system.pressed().fill(Wrench::ZERO);
         self.system.at(time, q, v).accelerations(a).map(|_| ())
     }
+
+    /// Lets go of everything that stops and dry friction hold: captured steps bear it from now on.
+    pub(in crate::simulate) fn let_go(&mut self, time: f64, state: &State) -> Result<(), Fault> {
+        self.hold(time, state, &[])?;
+        if let Some(nonsmooth) = &mut self.nonsmooth {
+            nonsmooth.phase.rubbing.fill(Rubbing::Sticks);
+        }
+        Ok(())
+    }
 }
 
 impl Contacts {
@@ -201,13 +236,13 @@ impl Contacts {
 
     /// The couple that has sunk deepest in the last place, and how far, in parts of its size.
     pub(in crate::simulate) fn deepest(&self) -> Option<([String; 2], f64)> {
-        let each = (0..self.pairs.couples.len()).filter(|couple| self.pairs.apart(*couple) <= 0.0);
+        let near = self.pairs.near(&vec![0.0; self.pairs.pieces.len()]).into_iter();
         let depth = |couple: usize| (couple, self.pairs.depth(couple) / self.pairs.couples[couple].size);
-        let (couple, depth) = each.map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (couple, depth) = near.map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((self.between(couple), depth))
     }
 
-    /// The same if it is lost; places shapes at the place of the system.
+    /// The couple that has sunk by more than [`LOST`], and how far; places shapes at the place of the system.
     pub(in crate::simulate) fn sunk(&mut self, system: &System) -> Option<([String; 2], f64)> {
         self.pairs.place_at(system.links());
         self.deepest().filter(|(_, depth)| *depth > LOST)
@@ -216,7 +251,7 @@ impl Contacts {
     /// Lets events go on: what captured steps have brought together is closed.
     pub(in crate::simulate) fn end_capture(&mut self) {
         self.capturing = false;
-        self.closing = COARSE;
+        self.closing = CLOSES;
     }
 
     /// Energy that captured contacts took out since this was last asked (J).
@@ -227,7 +262,10 @@ impl Contacts {
     /// Whether events may take over again.
     pub(in crate::simulate) fn is_calm(&self, time: f64) -> bool {
         let few = 3 * self.memory.active.len() <= super::MOST_ROWS && self.pairs.couples.len() <= super::MOST_COUPLES;
-        self.capturing && few && self.memory.calm >= CALM && time >= self.until
+        // Dry friction and rigid stops that press are followed by captured steps alone.
+        let hinges = self.memory.active.iter().any(|id| !matches!(id, Id::Contact(_)));
+        let hinges = hinges || !self.model.hinge_friction.is_empty();
+        self.capturing && few && !hinges && self.memory.calm >= CALM && time >= self.until
     }
 
     /// Whether nothing has moved for some captured steps.
@@ -242,7 +280,19 @@ impl Contacts {
         self.pairs.place(motion.motion());
         let mut push = vec![0.0; v.len()];
         let mut wrenches = Vec::new();
-        for (key, force) in &self.memory.forces {
+        for (id, force) in &self.memory.forces {
+            let key = match id {
+                Id::Contact(key) => key,
+                Id::Stop(stop, sign) => {
+                    push[self.model.stops[*stop].velocity] += sign * force.x;
+                    continue;
+                }
+                Id::Friction(index) => {
+                    let own = &self.model.hinge_friction[*index];
+                    (0..own.count).for_each(|i| push[own.velocity + i] += force[i]);
+                    continue;
+                }
+            };
             let Some(meeting) = self.pairs.meeting(key) else { continue };
             let frame = Frame::new(&self.model, motion.motion(), &self.pairs, &self.carried, *key, meeting, None);
             frame.push(&frame.basis.tr_mul(force), &mut push);
@@ -257,29 +307,43 @@ impl Contacts {
         wrenches.into_iter().for_each(|(links, point, force)| super::rows::press(system, links, &point, &force));
     }
 
+    /// What may bear within a step: contacts, and rigid stops and dry friction of hinges.
+    fn supports(&self, frames: &[Frame], q: &[f64], v: &[f64]) -> Vec<Support> {
+        let contact = |frame: &Frame| {
+            let friction = self.law(frame.key.couple).friction;
+            let law = Law::Coulomb { stick: friction.stick, slide: friction.slide };
+            let (columns, gap) = (frame.columns.clone(), frame.meeting.gap);
+            Support { id: Id::Contact(frame.key), columns, gap, law }
+        };
+        let mut all: Vec<Support> = frames.iter().map(contact).collect();
+        all.extend(hinges::supports(&self.model, q, v, self.slow));
+        all
+    }
+
+    /// The part of a speed that a blow on a support gives back.
+    fn restitution(&self, support: &Support) -> f64 {
+        match support.id {
+            Id::Contact(key) => restitution(self.law(key.couple).law),
+            Id::Stop(stop, _) => restitution(self.model.stops[stop].law),
+            Id::Friction(_) => 0.0,
+        }
+    }
+
     /// Frames of all pairs whose gap is at most what velocities make up in a step.
     fn ahead(&mut self, motion: &crate::motion::Motion, h: f64) -> Vec<Frame> {
         frame::carried(motion, &self.model, &mut self.carried);
         self.pairs.place(motion);
         let fall = h * self.model.gravity.norm();
-        let mut found: Vec<(Key, crate::contact::geometry::feature::Meeting)> = Vec::new();
-        for couple in 0..self.pairs.couples.len() {
-            let reach = h * (self.pairs.fastest(couple, motion) + fall);
+        let mut found: Vec<(Key, Meeting)> = Vec::new();
+        let speeds: Vec<_> = (0..self.pairs.pieces.len()).map(|piece| self.pairs.speed(piece, motion)).collect();
+        let margins: Vec<f64> = speeds.iter().map(|(v, turning)| h * (v.norm() + turning + fall)).collect();
+        for couple in self.pairs.near(&margins) {
+            let [a, b] = self.pairs.couples[couple].pieces.map(|piece| speeds[piece]);
+            let reach = h * ((a.0 - b.0).norm() + a.1 + b.1 + fall);
             if self.pairs.apart(couple) > reach {
                 continue;
             }
-            let (first, size) = (found.len(), self.pairs.couples[couple].size);
-            let overlap = std::cell::OnceCell::new();
-            self.pairs.meetings(couple, LOOSE * size, reach, |meeting| {
-                let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
-                let counts = meeting.gap > -1e-6 * size || meeting.gap >= -DEEPER * depth();
-                let double = |(_, other): &(Key, crate::contact::geometry::feature::Meeting)| {
-                    (other.point - meeting.point).norm() < 1e-4 * size && other.normal.dot(&meeting.normal) > 0.99
-                };
-                if counts && !found[first..].iter().any(double) {
-                    found.push((Key { couple, features: meeting.features }, meeting));
-                }
-            });
+            self.pairs.facing(couple, reach, &mut found);
         }
         let frame = |(key, meeting)| Frame::new(&self.model, motion, &self.pairs, &self.carried, key, meeting, None);
         found.into_iter().map(frame).collect()
@@ -292,7 +356,7 @@ fn moreau(
     time: f64,
     [q, v]: [&[f64]; 2],
     h: f64,
-    warm: &[(Key, Vector3<f64>)],
+    warm: &[(Id, Vector3<f64>)],
 ) -> Result<Made, Fault> {
     let mut position = q.to_vec();
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
@@ -301,153 +365,40 @@ fn moreau(
     motion.free(time + 0.5 * h, &position, v, &mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
     let Motion { contacts: Some(contacts), system, .. } = motion else {
-        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0 });
+        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, raised: 0.0, found: true });
     };
     let frames = contacts.ahead(system.at(time + 0.5 * h, &position, v).motion(), h);
-    let blocks = Blocks::new(contacts, system, &position, v, &frames);
-    let laws = frames.iter().map(|frame| {
-        let friction = contacts.law(frame.key.couple).friction;
-        Law::Coulomb { stick: friction.stick, slide: friction.slide }
-    });
-    let rate = |frame: &Frame| {
-        let e = restitution(contacts.law(frame.key.couple).law);
-        let gap = frame.meeting.gap;
-        let bounce = if -frame.speed.x > contacts.rest && gap <= 0.0 { e * frame.speed.x } else { 0.0 };
-        let way = if gap > 0.0 { 2.0 * gap / h } else { RISES * gap / h.max(LONGEST * contacts.model.time_scale()) };
-        frame.rates(&velocity) + Vector3::x() * (way + bounce)
+    let supports = contacts.supports(&frames, &position, v);
+    let blocks = Blocks::new(contacts, system, &position, v, &supports);
+    let longest = LONGEST * contacts.model.time_scale();
+    let way = |support: &Support| {
+        if support.gap > 0.0 { 2.0 * support.gap / h } else { RISES * support.gap / h.max(longest) }
     };
-    let problem = Problem { blocks: blocks.matrix(), rates: frames.iter().map(rate).collect(), laws: laws.collect() };
-    let known = |frame: &Frame| warm.iter().find(|(key, _)| *key == frame.key).map(|(_, force)| force * h);
-    let guess = |frame: &Frame| known(frame).map_or_else(Vector3::zeros, |force| frame.basis.tr_mul(&force));
-    let guess: Vec<Vector3<f64>> = frames.iter().map(guess).collect();
-    let found = problem.solve(&guess, FOUND, MOST_SWEEPS);
-    let before: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.rates(&velocity)).collect();
+    let rate = |support: &Support| {
+        let (speed, e) = (along(&support.columns[0], v), contacts.restitution(support));
+        let bounce = if -speed > contacts.rest && support.gap <= 0.0 { e * speed } else { 0.0 };
+        support.rates(&velocity) + Vector3::x() * (way(support) + bounce)
+    };
+    // Of hinges the three numbers are their own.
+    let basis = |i: usize| frames.get(i).map_or_else(Matrix3::identity, |frame| frame.basis);
+    let known = |support: &Support| warm.iter().find(|(id, _)| *id == support.id).map(|(_, force)| force * h);
+    let guess = |i: usize| known(&supports[i]).map_or_else(Vector3::zeros, |force| basis(i).tr_mul(&force));
+    let problem = Problem {
+        blocks: blocks.matrix(),
+        rates: supports.iter().map(rate).collect(),
+        laws: supports.iter().map(|support| support.law.times(h)).collect(),
+    };
+    let found = problem.solve(&(0..supports.len()).map(guess).collect::<Vec<_>>(), FOUND, MOST_SWEEPS);
+    let before: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     blocks.push(&found.forces, &mut velocity);
-    let mut lost = 0.0;
-    for ((frame, force), before) in frames.iter().zip(&found.forces).zip(&before) {
-        lost -= 0.5 * force.dot(&(before + frame.rates(&velocity)));
+    let (mut lost, mut raised) = (0.0, 0.0);
+    for ((support, force), before) in supports.iter().zip(&found.forces).zip(&before) {
+        lost -= 0.5 * force.dot(&(before + support.rates(&velocity)));
+        raised += force.x * (-way(support)).max(0.0);
     }
     System::displace(&contacts.model, &mut position, &half(&velocity));
-    let forces = frames.iter().zip(&found.forces).filter(|(_, force)| **force != Vector3::zeros());
-    let forces = forces.map(|(frame, force)| (frame.key, frame.basis * force / h)).collect();
-    Ok(Made { position, velocity, forces, lost })
-}
-
-/// The part of `J` and of `M⁻¹ Jᵀ` of a contact in one tree.
-struct Part {
-    tree: usize,
-    rows: DMatrix<f64>,
-    answers: DMatrix<f64>,
-}
-
-/// `J` and `M⁻¹ Jᵀ`, by contacts and trees.
-struct Blocks {
-    /// Velocity coordinates of every tree.
-    trees: Vec<Vec<usize>>,
-    parts: Vec<Vec<Part>>,
-    /// Contacts of every tree.
-    contacts: Vec<Vec<usize>>,
-}
-
-impl Blocks {
-    fn new(contacts: &Contacts, system: &mut System, q: &[f64], v: &[f64], frames: &[Frame]) -> Self {
-        let trees = contacts.trees.clone();
-        let mut of = vec![(0, 0); v.len()];
-        trees.iter().enumerate().for_each(|(tree, own)| own.iter().enumerate().for_each(|(k, i)| of[*i] = (tree, k)));
-        let mut parts: Vec<Vec<Part>> = frames.iter().map(|frame| split(&frame.columns, &of, &trees)).collect();
-        let largest = parts.iter().flatten().map(|part| part.rows.ncols()).max().unwrap_or(0);
-        if largest <= LARGE {
-            let inverse = inverses(system, q, v, &trees, largest);
-            for part in parts.iter_mut().flatten() {
-                part.answers = &inverse[part.tree] * part.rows.transpose();
-            }
-        } else {
-            let full = frame::responses(system, q, v, frames);
-            for (parts, full) in parts.iter_mut().zip(&full) {
-                for part in parts {
-                    let own = &trees[part.tree];
-                    part.answers = DMatrix::from_fn(own.len(), 3, |i, j| full[j][own[i]]);
-                }
-            }
-        }
-        let mut touching = vec![Vec::new(); trees.len()];
-        parts.iter().enumerate().for_each(|(i, own)| own.iter().for_each(|part| touching[part.tree].push(i)));
-        Self { trees, parts, contacts: touching }
-    }
-
-    fn matrix(&self) -> Vec<Vec<(usize, Matrix3<f64>)>> {
-        let mut all: Vec<Vec<(usize, Matrix3<f64>)>> = vec![Vec::new(); self.parts.len()];
-        for (i, parts) in self.parts.iter().enumerate() {
-            for part in parts {
-                for j in &self.contacts[part.tree] {
-                    let Some(other) = self.parts[*j].iter().find(|other| other.tree == part.tree) else { continue };
-                    let product = &part.rows * &other.answers;
-                    let block = Matrix3::from_fn(|r, c| product[(r, c)]);
-                    match all[i].iter_mut().find(|(k, _)| k == j) {
-                        Some((_, sum)) => *sum += block,
-                        None => all[i].push((*j, block)),
-                    }
-                }
-            }
-        }
-        all
-    }
-
-    /// Adds `M⁻¹ Jᵀ λ`.
-    fn push(&self, forces: &[Vector3<f64>], v: &mut [f64]) {
-        for (parts, force) in self.parts.iter().zip(forces) {
-            for part in parts {
-                for (k, i) in self.trees[part.tree].iter().enumerate() {
-                    v[*i] += (0..3).map(|j| part.answers[(k, j)] * force[j]).sum::<f64>();
-                }
-            }
-        }
-    }
-}
-
-fn split(columns: &[Column; 3], of: &[(usize, usize)], trees: &[Vec<usize>]) -> Vec<Part> {
-    let mut parts: Vec<Part> = Vec::new();
-    for (row, column) in columns.iter().enumerate() {
-        for (i, value) in column {
-            let (tree, k) = of[*i];
-            let at = parts.iter().position(|part| part.tree == tree).unwrap_or_else(|| {
-                let rows = DMatrix::zeros(3, trees[tree].len());
-                parts.push(Part { tree, rows, answers: DMatrix::zeros(0, 0) });
-                parts.len() - 1
-            });
-            parts[at].rows[(row, k)] = *value;
-        }
-    }
-    parts
-}
-
-/// `M⁻¹` of every tree: unit forces on one coordinate of all of them at once.
-fn inverses(system: &mut System, q: &[f64], v: &[f64], trees: &[Vec<usize>], largest: usize) -> Vec<DMatrix<f64>> {
-    let mut all: Vec<DMatrix<f64>> = trees.iter().map(|own| DMatrix::zeros(own.len(), own.len())).collect();
-    let (mut impulse, mut change) = (vec![0.0; v.len()], vec![0.0; v.len()]);
-    for k in 0..largest {
-        impulse.fill(0.0);
-        trees.iter().filter_map(|own| own.get(k)).for_each(|i| impulse[*i] = 1.0);
-        frame::respond(system, q, v, &impulse, &mut change);
-        for (own, inverse) in trees.iter().zip(&mut all).filter(|(own, _)| own.len() > k) {
-            own.iter().enumerate().for_each(|(row, i)| inverse[(row, k)] = change[*i]);
-        }
-    }
-    all
-}
-
-/// Velocity coordinates of the trees that stand on the ground; all in one if loops, drives or gears tie them.
-pub(super) fn trees(model: &crate::model::Model) -> Vec<Vec<usize>> {
-    let mut of = vec![0; model.links.len()];
-    let mut trees: Vec<Vec<usize>> = Vec::new();
-    for (index, link) in model.links.iter().enumerate().skip(1) {
-        let begins = link.parent == 0 && (trees.is_empty() || !model.is_constrained());
-        if begins {
-            trees.push(Vec::new());
-        }
-        of[index] = if begins || link.parent == 0 { trees.len() - 1 } else { of[link.parent] };
-        let tree = of[index];
-        trees[tree].extend(link.velocity..link.velocity + link.joint.counts().1);
-    }
-    trees
+    hinges::within_limits(&contacts.model, &mut position);
+    let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
+    let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
+    Ok(Made { position, velocity, forces, lost, raised, found: found.change <= ENOUGH })
 }

@@ -1,10 +1,10 @@
 //! An instant of contact: blows, what touches afterwards, and whether it sticks, slips or lifts.
 
-use super::cone::{Answer, State as Did};
-use super::frame::{Frame, problem, responses};
 use super::impact::FOUND;
 use super::watch::BEYOND;
 use super::{Closed, Contacts, GAP, Mode, STRAIGHT, Trouble};
+use crate::contact::cone::{Answer, State as Did};
+use crate::contact::frame::{Frame, problem, responses};
 use crate::dynamics::{Fault, System};
 use crate::simulate::events::Kind;
 use crate::simulate::state::State;
@@ -324,7 +324,7 @@ impl Contacts {
     pub(in crate::simulate) fn comes_to_rest(&mut self, state: &mut State, a: &[f64]) -> bool {
         let (length, span) = (self.model.length_scale(), self.model.time_scale());
         let rests = self.model.links.iter().skip(1).all(|link| {
-            let unit = if link.joint.is_slide() { length } else { 1.0 };
+            let unit = if link.joint.is_distance() { length } else { 1.0 };
             (link.velocity..link.velocity + link.joint.counts().1).all(|i| {
                 state.velocity[i].abs() <= self.slow * unit / length && a[i].abs() <= STILL * unit / (span * span)
             })

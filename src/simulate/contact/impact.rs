@@ -9,10 +9,10 @@
 //! cradle: their points together, the others being as they are, until nothing approaches. By Kane's paradox (1) may gain
 //! energy: then e is halved, and zero in the end.
 
-use super::cone::{Answer, Law};
-use super::frame::{Frame, problem, responses};
-use super::pairs::restitution;
 use super::{Contacts, Trouble};
+use crate::contact::cone::{Answer, Law};
+use crate::contact::frame::{Frame, problem, responses};
+use crate::contact::pairs::restitution;
 use crate::dynamics::System;
 use crate::simulate::state::State;
 use nalgebra::Vector3;

@@ -7,7 +7,7 @@
 //! (2)  closed until λ_n < 0;   sticks until |λ_t| > μ_stick λ_n;   slips until u·d < 0;   open until gap < 0
 //! ```
 //!
-//! What follows from an event is decided by one cone problem for all contacts that touch ([`cone`]): on velocities
+//! What follows from an event is decided by one cone problem for all contacts that touch ([`crate::contact::cone`]): on velocities
 //! ([`impact`]), then on accelerations ([`decide`]). Forces of (1) come from its rows alone, so that what sticks does not creep.
 //!
 //! **Linearly dependent rows** (a box on four corners): accelerations are unique if all stick, forces are not; taken are those of least
@@ -17,23 +17,21 @@
 //! it across. Where nothing does, it is kept: a row `u_⊥ = 0` whose force λ_⊥ is none ([`STRAIGHT`]) takes the stiffness out, and
 //! an event ends it as soon as there is one. A slip that turns has its own direction; below the speed [`KEPT`] that of the step's start.
 
+mod blocks;
 mod capture;
-mod cone;
 mod decide;
-mod frame;
 mod impact;
-mod pairs;
 mod rows;
 mod watch;
 
-use self::frame::Frame;
-use self::pairs::{Key, Pairs};
 use super::state::State;
+use crate::contact::frame::{self, Frame};
 use crate::contact::geometry::feature::Meeting;
+use crate::contact::pairs::{Key, LOOSE, Pairs, Untouchable};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
+use crate::record::ContactPush;
 use crate::spatial::link::LinkAcceleration;
-use crate::statics::standing::Untouchable;
 pub(super) use capture::Capture;
 pub(super) use decide::Told;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -44,11 +42,9 @@ pub(super) use watch::Aspect;
 
 /// A gap below this part of a shape's size is none: rounding of positions of some sizes.
 const GAP: f64 = 1e-9;
-/// A closed contact counts until its features are outside of where they are nearest by this part of the size.
-const LOOSE: f64 = 1e-7;
 /// More rows than this are not decided event by event.
 const MOST_ROWS: usize = 150;
-/// Nor are scenes in which more pairs of shapes may meet.
+/// Scenes in which more pairs of shapes may meet are not decided event by event.
 const MOST_COUPLES: usize = 1000;
 /// So many events within this part of the scene's time are a storm.
 const STORM: usize = 60;
@@ -163,7 +159,7 @@ impl Contacts {
             independent: Vec::new(),
             reserve: OnceCell::new(),
             impacts: 0,
-            trees: capture::trees(model),
+            trees: blocks::trees(model),
             capturing: false,
             until: 0.0,
             span: 0.0,
@@ -247,6 +243,31 @@ impl Contacts {
         told
     }
 
+    /// What bears in the last place.
+    pub(super) fn pushes(&self, out: &mut Vec<ContactPush>) {
+        out.clear();
+        let push = |couple: usize, meeting: &Meeting, force: Vector3<f64>, slips: bool| ContactPush {
+            between: self.between(couple),
+            point: meeting.point.into(),
+            normal: meeting.normal.into(),
+            force: force.into(),
+            slips,
+        };
+        if !self.capturing && !self.closed.is_empty() {
+            let bears = self.closed.iter().filter(|closed| closed.mode != Mode::Spare);
+            let slips = |closed: &Closed| matches!(closed.mode, Mode::Slip(_));
+            out.extend(bears.map(|one| push(one.key.couple, &one.meeting, one.force, slips(one))));
+            return;
+        }
+        for (key, force) in self.memory.pairs() {
+            let Some(meeting) = self.pairs.meeting(key) else { continue };
+            let normal = meeting.normal.dot(force);
+            let across = (force - meeting.normal * normal).norm();
+            let limit = self.law(key.couple).friction.slide * normal;
+            out.push(push(key.couple, &meeting, *force, !self.resting && across >= limit * (1.0 - 1e-6)));
+        }
+    }
+
     /// Names of the bodies of a couple.
     fn between(&self, couple: usize) -> [String; 2] {
         self.pairs.couples[couple].pieces.map(|piece| self.model.bodies[self.pairs.pieces[piece].body].name.clone())
@@ -306,7 +327,7 @@ pub(super) enum Trouble {
         between: [String; 2],
         why: String,
     },
-    /// The same, but captured steps may go on.
+    /// What one cone problem does not decide: captured steps may go on.
     Undecided {
         between: [String; 2],
         why: String,

@@ -1,7 +1,7 @@
 //! Eq. (1) of the module: accelerations with the rows of closed contacts, and states kept on them.
 
-use super::frame::{Frame, along, respond};
 use super::{Closed, Contacts, Mode};
+use crate::contact::frame::{Frame, along, respond};
 use crate::contact::support::{Cone, slack};
 use crate::dynamics::{Fault, System};
 use crate::spatial::Wrench;

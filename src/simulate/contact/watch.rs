@@ -1,7 +1,9 @@
 //! Numbers whose change of sign is an event of contact.
 
-use super::cone::Law;
-use super::{Contacts, GAP, LOOSE, Mode, STRAIGHT};
+use super::{Contacts, GAP, Mode, STRAIGHT};
+use crate::contact::cone::Law;
+use crate::contact::frame::Frame;
+use crate::contact::pairs::{DEEPER, LOOSE};
 use crate::dynamics::System;
 use nalgebra::Vector3;
 
@@ -20,8 +22,6 @@ pub(in crate::simulate) enum Aspect {
     Slip(usize),
 }
 
-/// Of shapes that overlap, features count that do by no more than this many times the overlap itself.
-pub(super) const DEEPER: f64 = 2.0;
 /// Forces beyond their cones by less than this part are round-off of what balances them.
 pub(super) const BEYOND: f64 = 1e-8;
 
@@ -96,7 +96,8 @@ impl Contacts {
         let links = [a, b].map(|piece| &system.links()[self.pairs.pieces[piece].link]);
         let speed =
             |i: usize, x: &Vector3<f64>| links[i].velocity + links[i].angular_velocity.cross(&(x - links[i].position));
-        if apart > 0.0 {
+        let balls = [a, b].iter().all(|piece| self.pairs.pieces[*piece].reach.is_finite());
+        if apart > 0.0 && balls {
             let (from, to) = (self.pairs.middle(a), self.pairs.middle(b));
             let rate = (to - from).normalize().dot(&(speed(1, &to) - speed(0, &from)));
             return [apart, rate];
@@ -139,8 +140,8 @@ impl Contacts {
     }
 
     /// The laws of contacts as they move; friction at rest is `less` than it is by that part.
-    pub(super) fn laws(&self, frames: &[super::Frame], less: f64) -> Vec<Law> {
-        let law = |frame: &super::Frame| {
+    pub(super) fn laws(&self, frames: &[Frame], less: f64) -> Vec<Law> {
+        let law = |frame: &Frame| {
             let friction = self.law(frame.key.couple).friction;
             let slip = frame.slip();
             let held = self.closed.iter().find(|closed| closed.key == frame.key).map(|closed| closed.mode);

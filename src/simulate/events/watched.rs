@@ -30,6 +30,7 @@ impl Events {
         }
         match function {
             Function::Contact(_) => 0.0,
+            Function::End(end) => model.curve_ends[end].sign * self.state.velocity[model.curve_ends[end].velocity],
             Function::Depth(side) => side.sign * self.state.velocity[model.stops[side.stop].velocity],
             Function::Push(_) | Function::Reserve(_) | Function::Speed(_) | Function::Breakaway(_) => 0.0,
             Function::User(event) => {
@@ -84,6 +85,7 @@ impl Events {
         match function {
             Function::Contact(_) => 0.0,
             Function::Depth(side) => model.stops[side.stop].depth(side.sign, position),
+            Function::End(end) => model.curve_ends[end].beyond(position),
             Function::Push(side) => model.stops[side.stop].push(side.sign, position, velocity),
             Function::Reserve(held) => self.reserves[held],
             Function::Speed(index) => {

@@ -51,6 +51,11 @@ impl Run<'_, '_> {
         if contacts.capturing {
             return Ok(());
         }
+        if !self.model.hinge_friction.is_empty() && !contacts.resting {
+            // Dry friction of hinges beside contacts is followed by captured steps alone.
+            self.catch(motion, time);
+            return Ok(());
+        }
         let before = system.at(time, &self.state.position, &self.state.velocity).energies();
         let kept = self.state.clone();
         let changed = match contacts.resolve(system, time, &mut self.state, at_limit) {

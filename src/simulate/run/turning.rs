@@ -2,13 +2,28 @@
 
 use super::Run;
 use crate::integrate::Method;
+use crate::model::CurveEnd;
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Hit, Kind, Turn};
 use crate::simulate::instant::{self, Outcome};
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
 
+/// A guard behind the search for events: the end of a curve is passed by no more than this part of its slack.
+const PASSED: f64 = 1e3;
+
 impl Run<'_, '_> {
+    fn leaves(&self, time: f64, end: &CurveEnd) -> RunError {
+        let hinge = self.model.bodies[end.body].name.clone();
+        RunError::Leaves { time, hinge, at: end.at, speed: self.state.velocity[end.velocity] }
+    }
+
+    /// Nothing is beyond the curve that it is guided along.
+    pub(super) fn guard_curves(&self, time: f64) -> Result<(), RunError> {
+        let far = |end: &&CurveEnd| end.beyond(&self.state.position) > PASSED * end.slack;
+        self.model.curve_ends.iter().find(far).map_or(Ok(()), |end| Err(self.leaves(time, end)))
+    }
+
     /// What follows from an event.
     pub(super) fn turn(
         &mut self,
@@ -21,14 +36,17 @@ impl Run<'_, '_> {
             self.stopped_by = Some(self.model.events[event].name.clone());
             return Ok(());
         }
-        if let Some(rule) = self.model.contacts.first().filter(|_| self.rests || matches!(turn, Turn::Strike(_))) {
-            let what = if self.rests {
-                "a stop or dry friction lets go of what rests"
-            } else {
-                "a rigid stop is hit, which is not there yet beside contact in motion"
-            };
-            let why = format!("at t = {time} s {what}");
+        if let Turn::Leave(end) = turn {
+            return Err(self.leaves(time, &self.model.curve_ends[end]));
+        }
+        if let Some(rule) = self.model.contacts.first().filter(|_| self.rests) {
+            let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
             return Err(RunError::Contact { name: rule.name.clone(), why });
+        }
+        if matches!(turn, Turn::Strike(_)) && self.catch(motion, time) {
+            // A rigid stop and contacts at one instant: captured steps resolve both.
+            self.arm(motion, time);
+            return Ok(());
         }
         let outcome = match turn {
             Turn::Contact { .. } => Outcome::default(),

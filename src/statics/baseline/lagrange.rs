@@ -23,6 +23,7 @@
 mod balance;
 mod constraints;
 mod entries;
+mod gradient;
 mod poses;
 mod steady;
 
@@ -42,7 +43,7 @@ const MOST_NEWTON_STEPS: usize = 60;
 const MOST_TRANSIENT_STEPS: usize = 400;
 /// Largest turn of a link in one Newton step (rad).
 const NEWTON_TURN: f64 = 1.0;
-/// The same in one step of the continuation.
+/// Largest turn of a link in one step of the continuation (rad).
 const TRANSIENT_TURN: f64 = 0.4;
 /// A line search that comes down to this part of its first step has come to a stand.
 const SMALLEST_PART: f64 = 1e-3;
@@ -102,7 +103,7 @@ pub(in crate::statics) fn run(
     Ok(Outcome { place, stage, reactions, force_evaluations, factorizations, note })
 }
 
-/// Poses, multipliers and what is left of the equations there.
+/// Poses, multipliers and the residual of the equations there.
 #[derive(Debug, Clone)]
 struct State {
     poses: Poses,
@@ -225,7 +226,7 @@ impl<'l, 's> Search<'l, 's> {
         self.state.residual.iter().zip(&self.weights).map(|(r, w)| 0.5 * (r * w).powi(2)).sum()
     }
 
-    /// The multipliers of the least unbalanced force; `None` where the constraints depend on each other.
+    /// The multipliers of the least unbalanced force; `None` if the constraints depend on each other.
     fn balance_at_best(&mut self) -> Option<()> {
         self.entries.clear();
         self.entries.add_least_squares(self.model.links.len(), self.model.length_scale());
@@ -260,7 +261,7 @@ impl<'l, 's> Search<'l, 's> {
         }
     }
 
-    /// The step of the shifted equations; `None` where they are singular.
+    /// The step of the shifted equations; `None` if they are singular.
     fn direction(&mut self, shift: f64) -> Option<Vec<f64>> {
         self.entries.clear();
         let push = push(&self.sums, &self.state.multipliers, self.pushed.len());
@@ -295,7 +296,7 @@ impl<'l, 's> Search<'l, 's> {
         self.evaluate();
     }
 
-    /// Newton with a line search, until balanced; `None` where it comes to a stand.
+    /// Newton with a line search, until balanced; `None` if it comes to a stand.
     fn newton(&mut self, history: &mut Vec<Iteration>) -> Result<Option<Place>, Fault> {
         for _ in 0..MOST_NEWTON_STEPS {
             if let Some(place) = self.balanced()? {

@@ -69,7 +69,7 @@ pub(in crate::statics) fn run(
 }
 
 /// The system with locked coordinates held: in a tree they are too heavy to move, as masses do not change where the forces
-/// balance; beside loops, drives and gears they have rows, and drives stand or go on at their steady rate.
+/// balance; with loops, drives and gears they have rows, and drives stand or go on at their steady rate.
 fn held(landscape: &mut Landscape<'_>, q: &[f64]) -> Result<System, Fault> {
     let model = landscape.model();
     if model.is_constrained() {

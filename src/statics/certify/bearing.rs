@@ -79,7 +79,7 @@ pub(in crate::statics) fn pulling(
     Ok(worst.filter(|index| pull(*index) < -PULLS))
 }
 
-/// The scene in which these stops bear, and the guess on them; `None` where loops have no position there.
+/// The scene in which these stops bear, and the guess on them; `None` if loops have no position there.
 pub(in crate::statics) fn with(model: &Model, set: &Set, start: &[f64]) -> Option<(Arc<Model>, Vec<f64>)> {
     let (mut bearing, mut guess) = (Model::clone(model), start.to_vec());
     bearing.stops.clear();
@@ -104,7 +104,7 @@ pub(in crate::statics) fn with(model: &Model, set: &Set, start: &[f64]) -> Optio
     bring(&mut bearing, &mut guess, &held).then(|| (Arc::new(bearing), guess))
 }
 
-/// Moves coordinates to where they are held, loops closed all the way; false where these cannot follow.
+/// Moves coordinates to where they are held, loops closed all the way; false if these cannot follow.
 fn bring(bearing: &mut Model, q: &mut [f64], held: &[(usize, f64)]) -> bool {
     let given: Vec<f64> = held.iter().map(|(at, _)| q[*at]).collect();
     let length = bearing.length_scale();

@@ -93,7 +93,7 @@ pub(in crate::statics) fn prestress_note(landscape: &Landscape<'_>) -> Option<St
     Some(text.to_owned())
 }
 
-/// The same by sweeps, which take time in proportion to the size of the scene.
+/// Examines closed positions by sweeps, which take time in proportion to the size of the scene.
 fn examine_by_sweeps(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f64, Option<Stability>), Fault> {
     let free = landscape.free.clone();
     let largest = largest_acceleration(landscape, place)?;

@@ -19,7 +19,7 @@ use crate::statics::problem::sizes::{NEUTRAL, comparable, symmetric};
 use crate::statics::problem::{Landscape, Weak};
 use faer::Mat;
 
-/// `μ` of (4). A motion that nothing but the coordinate of a stop stiffens makes a fall however small `v` is beside it: with the
+/// `μ` of (4). A motion that nothing but the coordinate of a stop stiffens makes a fall however small `v` is compared with it: with the
 /// largest `μ` that leaves a fall both are of one size.
 const SLACKS: [f64; 3] = [1e-3, 1e-6, NEUTRAL];
 

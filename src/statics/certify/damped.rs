@@ -41,7 +41,7 @@ pub(in crate::statics) fn modes(model: &Model, free: &[usize], linear: &Lineariz
     of_motions(model, free, linear, &linear.mass, &|part| part)
 }
 
-/// The same of motions `y` that are `of(y)` in free coordinates, whose mass matrix is `mass`.
+/// All damped modes of motions `y` that are `of(y)` in free coordinates, whose mass matrix is `mass`.
 pub(in crate::statics) fn of_motions(
     model: &Model,
     free: &[usize],

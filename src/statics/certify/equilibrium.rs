@@ -46,7 +46,7 @@ pub struct Equilibrium {
     pub residual_force: f64,
     /// The velocity coordinate that it is along; `None` if nothing is free to move.
     pub residual_at: Option<usize>,
-    /// The same relative to the forces that cancel there.
+    /// Largest unbalanced hinge force, relative to the forces that cancel there.
     pub relative_residual: f64,
     /// What rounding alone may leave of the forces there, relative to them: nobody can ask for less.
     pub round_off: f64,
@@ -60,7 +60,7 @@ pub struct Equilibrium {
     pub poses: Vec<Pose>,
     /// What the hinge passes to each named body at its root marker, inertial axes.
     pub reactions: Vec<Wrench>,
-    /// Verdict and modes; `None` where there is no equilibrium.
+    /// Verdict and modes; `None` if there is no equilibrium.
     pub stability: Option<Stability>,
     /// What locked hinges have to hold: coordinate name and force (N, N m).
     pub holding: Vec<(String, f64)>,
@@ -70,7 +70,7 @@ pub struct Equilibrium {
     pub standing: Option<Box<Standing>>,
     /// Multipliers of the independent rows of loops, drives and gears (N or N m).
     pub multipliers: Vec<f64>,
-    /// The same by loop, drive and gear, all of its rows: zero for those that others stand for.
+    /// Multipliers of all rows by loop, drive and gear (N or N m): zero for linearly dependent rows.
     pub carried: Vec<(String, Vec<f64>)>,
     /// Loops and gears with such rows, how many, of how many: reactions in and around them are not unique.
     pub redundant: Vec<(String, usize, usize)>,

@@ -10,7 +10,7 @@
 //! V(s) = V(0) − c·s,                 cᵢ = aᵢ·Fᵢ + τᵢ                                              (3)
 //! ```
 //!
-//! `Fᵢ` is the weight of the subtree that the slide carries, with its dead loads, and `τᵢ` a constant motor force. Where the
+//! `Fᵢ` is the weight of the subtree that the slide carries, with its dead loads, and `τᵢ` a constant motor force. If the
 //! projection `d` of `c` onto the null space of `A` is not zero, `V` has no lower bound: along `d` it falls at the rate `d·c`, and
 //! `K d·d = 0` forbids a strict minimum. No search is needed to say so.
 //!
@@ -36,7 +36,7 @@ use nalgebra::Vector3;
 
 /// An eigenvalue of `AᵀA` below this part of the largest is zero: what unit axes leave by round-off.
 const FEELS_NOTHING: f64 = 16.0 * f64::EPSILON;
-/// A part of the motion that is smaller than this beside its largest one is round-off.
+/// A part of the motion that is smaller than this part of its largest one is round-off.
 const MOVES: f64 = 1e-9;
 /// Coordinates of one component beyond which its eigenvectors would take longer than the search.
 const MOST: usize = 400;
@@ -323,7 +323,7 @@ impl<'m> Scene<'m> {
         stops.into_iter().any(|stop| stop.range[usize::from(direction > 0.0)].is_finite())
     }
 
-    /// `d = N Nᵀ c` of some columns, the others held; `None` where it vanishes.
+    /// `d = N Nᵀ c` of some columns, the others held; `None` if it vanishes.
     fn downhill(&self, columns: &[usize]) -> Option<Vec<f64>> {
         let n = columns.len();
         let mut place = vec![None; self.columns.len()];
@@ -348,7 +348,7 @@ impl<'m> Scene<'m> {
         (norm(&|k| motion[k]) > BALANCED * size).then_some(motion)
     }
 
-    /// The fall along a motion; `None` where a moment of the weight may stop it, eq. (4).
+    /// The fall along a motion; `None` if a moment of the weight may stop it, eq. (4).
     fn told(&self, columns: &[usize], motion: &[f64]) -> Option<Fall> {
         let of = |k: usize| &self.columns[columns[k]];
         let all = || 0..columns.len();

@@ -3,7 +3,7 @@
 use crate::model::Model;
 use faer::Mat;
 
-/// A direction in coordinate space, told by the hinges that carry it.
+/// A direction in coordinate space, by the hinges that carry it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
     /// Undamped frequency (Hz); 0 for a neutral one.

@@ -13,7 +13,7 @@ use crate::statics::problem::{Across, MOST_MODES, by_sweeps};
 use faer::{Mat, Side};
 use std::sync::Arc;
 
-/// The same where something damps: damped modes are exact in the space of all others.
+/// Largest damped problem solved densely: damped modes are exact in the space of all undamped ones.
 pub(in crate::statics) const MOST_DENSE: usize = 200;
 
 /// Whether all modes of a scene are computed, by matrices.

@@ -129,13 +129,13 @@ impl Sweeps<'_> {
         Ok(negatives.map(|negatives| negatives.saturating_sub(self.rows.negatives())))
     }
 
-    /// The rows after a factorization of the sweep; false where they make it singular.
+    /// The rows after a factorization of the sweep; false if they make it singular.
     fn border(&mut self) -> bool {
         let Self { solver, free, full, rows, .. } = self;
         rows.factorize(&mut |rhs| solved(solver, free, full, rhs))
     }
 
-    /// Factorizes `K + sM`; false where it is not definite.
+    /// Factorizes `K + sM`; false if it is not definite.
     fn factorize(&mut self, s: f64) -> Result<bool, Fault> {
         // Beside rows and forces that reach far the sweep alone need not be definite.
         let definite = self.rows.is_empty() && !self.solver.is_bordered();
@@ -160,7 +160,7 @@ impl Sweeps<'_> {
         self.free.iter().map(|i| self.product[*i]).collect()
     }
 
-    /// The modes, with a shift that lets them be told from `neutral` motions; none where none does.
+    /// The modes, with a shift that lets them be told from `neutral` motions; none if none does.
     fn iterate(&mut self, magnitude: &[f64], neutral: usize) -> Result<Option<Modes>, Fault> {
         let unit = 1.0 / self.system.model().time_scale().powi(2);
         // Neutral motions make K itself singular: a shift well below the wanted eigenvalues takes care of them.
@@ -181,7 +181,7 @@ impl Sweeps<'_> {
         Ok(None)
     }
 
-    /// The same with one shift; none where round-off of the stiffness is too large beside it.
+    /// The lowest modes with one shift; `None` if round-off of the stiffness is too large for it.
     fn with_shift(&mut self, s: f64, magnitude: &[f64], neutral: usize) -> Result<Option<Modes>, Fault> {
         let mut space = Space::new(self.free.len());
         (0..STARTS).for_each(|_| self.let_in(&mut space));
@@ -261,7 +261,7 @@ impl Sweeps<'_> {
         self.add(space, vector);
     }
 
-    /// The image of the next vector; false where there is none.
+    /// The image of the next vector; false if there is none.
     fn grow(&mut self, space: &mut Space) -> bool {
         let Some(momentum) = space.momenta.get(space.columns.len()) else { return false };
         let image = self.solve(momentum);
@@ -314,7 +314,7 @@ impl Space {
         Self { vectors: room(), momenta: room(), columns: room(), starts: 0 }
     }
 
-    /// Eigenvalues and vectors of T, of which as many are looked at as asked for; none where it is not finite.
+    /// Eigenvalues and vectors of T, of which as many are looked at as asked for; none if it is not finite.
     fn modes(&self, looked_at: usize) -> Option<Found> {
         let m = self.columns.len();
         let entry = |i: usize, j: usize| self.columns[j].get(i).copied().unwrap_or(0.0);

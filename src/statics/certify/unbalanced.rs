@@ -29,7 +29,7 @@ pub(in crate::statics) fn describe(landscape: &mut Landscape<'_>, place: &Place,
 }
 
 /// The coordinate whose force nothing resists: a shifted solve leaves it to the shift, `σ B x` with `(K + σB) x = f`,
-/// while it hands every other force to the stiffness. `None` where the stiffness resists them all.
+/// while it hands every other force to the stiffness. `None` if the stiffness resists them all.
 fn unresisted(landscape: &mut Landscape<'_>, place: &Place) -> Option<usize> {
     landscape.look(&place.q).ok()?;
     let curvatures = place.scales.stiffness.iter().zip(&landscape.metric).map(|(k, b)| k / b);

@@ -7,7 +7,7 @@
 //!   passes zero; other branches leave along that direction, and are followed too;
 //! - the motion loses its stability without either: **flutter**, which only loads without a potential can do.
 //!
-//! Each is located on the curve itself to round-off, by a root of what passes zero there. Where a hinge comes to a stop or
+//! Each is located on the curve itself to round-off, by a root of what passes zero there. If a hinge comes to a stop or
 //! lifts off one the branch ends, and goes on as another one, on which the stop bears or no longer does.
 
 mod stops;
@@ -18,15 +18,14 @@ use super::certify::equilibrium::Equilibrium;
 use super::certify::stability::Verdict;
 use super::family::{Moving, borne};
 use super::problem::assembled::Assembled;
-use super::search::equilibrium_while;
+use super::search::{Observers, equilibrium_observed};
 use crate::model::description::Description;
 use crate::model::problem::number;
 use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
 use std::cell::RefCell;
 use std::collections::VecDeque;
-use stops::Turn;
-use trace::{Tracer, seeds};
+use trace::{Tracer, Turn, seeds};
 
 /// Branches that are followed, the first one included.
 const MOST_BRANCHES: usize = 24;
@@ -172,7 +171,7 @@ impl EventKind {
 /// Follows the equilibrium that is found at `from`.
 ///
 /// # Errors
-/// Where the scene cannot be evaluated at the start, and where nothing feels the parameter.
+/// If the scene cannot be evaluated at the start, and if nothing feels the parameter.
 pub fn follow(
     description: &Description,
     statics: &super::Settings,
@@ -185,7 +184,9 @@ pub fn follow(
         .map_err(|problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
     let (model, assembled) = Assembled::of(model)?;
     let asked = RefCell::new(&mut *go_on);
-    let start = equilibrium_while(&model, statics, &model.start_position, &|| (asked.borrow_mut())(settings.from));
+    let goes_on = || (asked.borrow_mut())(settings.from);
+    let observers = Observers { go_on: Some(&goes_on), ..Observers::default() };
+    let start = equilibrium_observed(&model, statics, &model.start_position, observers);
     let start = start.map_err(|fault| fault.to_string())?;
     let mut path = Path { branches: Vec::new(), complete: start.converged, start, notes: Vec::new() };
     if !path.start.converged {

@@ -5,9 +5,8 @@
 //! begins there with the other set, in the direction of the parameter in which the stop is pressed, or the coordinate
 //! leaves its limit: that may be back where it came from.
 
-use super::trace::{Seed, Tracer};
+use super::trace::{Seed, Tracer, Turn};
 use crate::model::{Stop, StopLaw};
-use crate::statics::certify::bearing::Set;
 use crate::statics::family::Moving;
 use crate::statics::search::curve::{Direction, Point};
 
@@ -16,19 +15,6 @@ use crate::statics::search::curve::{Direction, Point};
 const SLACK: f64 = 1e-10;
 /// How far ahead the new branch is looked at, in largest steps.
 const AHEAD: f64 = 1e-3;
-
-/// What changes at the end of a branch.
-#[derive(Debug, Clone)]
-pub(super) struct Turn {
-    /// The stops that bear from there on.
-    pub set: Set,
-    /// Which of them has changed.
-    pub index: usize,
-    /// Where.
-    pub point: Point,
-    /// Arclength since the last point.
-    pub s: f64,
-}
 
 /// How far a stop is from a change: positive as long as nothing changes, with the round-off of that.
 fn clear(moving: &mut Moving<'_>, stop: &Stop, side: i8, bears: bool, point: &Point) -> Result<[f64; 2], String> {
@@ -63,7 +49,7 @@ impl Tracer<'_> {
                 let start = value(self, a).map_or(0.0, |[start, _]| start).max(0.0);
                 let ends = [(0.0, start), (step, end)];
                 let located = self.located(a, ends, &mut |tracer, point| value(tracer, point).ok().map(|[x, _]| x));
-                // Where the branch begins on it, it has turned at once.
+                // If the branch begins on it, it has turned at once.
                 let (s, point) = located.unwrap_or_else(|| (0.0, a.clone()));
                 if first.as_ref().is_none_or(|first| s < first.s) {
                     let mut set = set.clone();
@@ -75,7 +61,7 @@ impl Tracer<'_> {
         first
     }
 
-    /// The branch that goes on after a change, where there is one: `before` tells in which direction the parameter went.
+    /// The branch that goes on after a change, if there is one: `before` tells in which direction the parameter went.
     pub(super) fn onward(&mut self, turn: &Turn, before: &[i8], parent: (usize, usize)) -> Option<Seed> {
         let (q, parameter) = (turn.point.place.q.clone(), turn.point.parameter);
         let stop = self.moving.stop(turn.index);

@@ -1,10 +1,11 @@
 //! One branch, point by point.
 
-use super::stops::Turn;
 use super::{Branch, End, Event, EventKind, PathPoint, Settings};
+use crate::statics::certify::bearing::Set;
 use crate::statics::certify::stability::Verdict;
 use crate::statics::family::{Count, Moving};
 use crate::statics::search::curve::{Curve, Direction, Family, Point};
+use crate::statics::search::illinois::illinois;
 
 /// A step is given up below this part of the largest one.
 const SMALLEST: f64 = 1e-6;
@@ -31,6 +32,19 @@ pub(super) struct Seed {
     pub(super) parent: Option<(usize, usize)>,
     /// Distance from the bifurcation that it leaves (arclength); 0 for others.
     pub(super) beside: f64,
+}
+
+/// What changes at the end of a branch.
+#[derive(Debug, Clone)]
+pub(super) struct Turn {
+    /// The stops that bear from there on.
+    pub set: Set,
+    /// Which of them has changed.
+    pub index: usize,
+    /// Where.
+    pub point: Point,
+    /// Arclength since the last point.
+    pub s: f64,
 }
 
 /// A point on the way between two others, by arclength from the first.
@@ -251,33 +265,21 @@ impl<'a> Tracer<'a> {
         by_root.or_else(|| self.by_count(a, step, counts[0], |count| count.negative))
     }
 
-    /// The root of a number along the curve, by the Illinois rule.
+    /// The root of a number along the curve; `None` if the number cannot be evaluated on the way.
     pub(super) fn located(
         &mut self,
         a: &Point,
         ends: [(f64, f64); 2],
         of: &mut dyn FnMut(&mut Self, &Point) -> Option<f64>,
     ) -> Option<(f64, Point)> {
-        let [mut low, mut high] = ends;
-        let size = low.1.abs().max(high.1.abs());
-        let mut best = None;
-        for _ in 0..40 {
-            let s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            let point = self.curve().ahead(a, s)?;
-            let value = of(self, &point)?;
-            best = Some((s, point));
-            if value.abs() < 1e-13 * size || (high.0 - low.0).abs() < 1e-14 * self.settings.step {
-                break;
-            }
-            if value.signum() == high.1.signum() {
-                high = (s, value);
-                low.1 *= 0.5;
-            } else {
-                low = high;
-                high = (s, value);
-            }
-        }
-        best
+        let small = 1e-13 * ends[0].1.abs().max(ends[1].1.abs());
+        let mut failed = false;
+        let found = illinois(ends, small, |s| {
+            let at = self.curve().ahead(a, s).and_then(|point| Some((of(self, &point)?, point)));
+            failed |= at.is_none();
+            at
+        });
+        found.filter(|_| !failed)
     }
 
     /// The zero-stiffness direction at a singular point.

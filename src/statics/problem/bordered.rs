@@ -38,7 +38,7 @@ impl Rows {
         self.rows.is_empty()
     }
 
-    /// After a factorization of `K + D`; false where the motions make it singular.
+    /// After a factorization of `K + D`; false if the motions make it singular.
     pub(in crate::statics) fn factorize(&mut self, solve: &mut dyn FnMut(&[f64]) -> Vec<f64>) -> bool {
         if self.rows.is_empty() {
             return true;
@@ -59,7 +59,7 @@ impl Rows {
         self.values.iter().filter(|w| **w < 0.0).count()
     }
 
-    /// From a solution of `K + D` to that of (1). Twice: what is left across the rows goes away however large `Y` is.
+    /// From a solution of `K + D` to that of (1). Twice: the residual across the rows vanishes however large `Y` is.
     pub(in crate::statics) fn correct(&self, x: &mut [f64]) {
         for _ in 0..2 {
             let along: Vec<f64> = self.rows.iter().map(|row| dot(row, x)).collect();

@@ -9,16 +9,12 @@
 //! For rows that are clearly independent: the smallest singular value of the rows over turns and levers says so, as in
 //! [`super::split`], which has the general case by dense matrices.
 
-use super::split::{Motions, NEARLY, Split};
 use crate::sparse::{Gram, SparseRows};
-use std::sync::Arc;
 
-/// Rows whose smallest singular value is below this have squares, in `A`, that lose half of their digits.
-const CLEAR: f64 = 1e-6;
 /// Vectors of Hutchinson's estimate: its relative deviation is `√(2/8)`.
 const PROBES: usize = 8;
 
-/// Clearly independent rows.
+/// Rows independent by more than round-off.
 #[derive(Debug, Clone)]
 pub(in crate::statics) struct Held {
     /// Over the free coordinates, of unit size in the metric.
@@ -28,7 +24,7 @@ pub(in crate::statics) struct Held {
 
 impl Held {
     /// Rows of unit size in the metric; `None` if they are linearly dependent to working precision.
-    fn of(rows: SparseRows, metric: &[f64]) -> Option<Self> {
+    pub(super) fn of(rows: SparseRows, metric: &[f64]) -> Option<Self> {
         let weights: Vec<f64> = metric.iter().map(|b| 1.0 / b).collect();
         Some(Self { gram: Gram::of(&rows, &weights)?, rows })
     }
@@ -39,14 +35,14 @@ impl Held {
     }
 
     /// Eq. (2).
-    fn multipliers(&self, force: &[f64], metric: &[f64]) -> Vec<f64> {
+    pub(super) fn multipliers(&self, force: &[f64], metric: &[f64]) -> Vec<f64> {
         let weighted: Vec<f64> = force.iter().zip(metric).map(|(f, b)| f / b).collect();
         let mut multipliers = self.rows.times(&weighted);
         self.gram.solve(&mut multipliers);
         multipliers
     }
 
-    /// Eq. (1), twice: what is left is small beside what is taken.
+    /// Eq. (1), twice: the residual is small compared with what the rows take.
     pub(in crate::statics) fn felt(&self, force: &[f64], metric: &[f64]) -> Vec<f64> {
         let mut left = force.to_vec();
         for _ in 0..2 {
@@ -78,31 +74,4 @@ fn sign(i: usize, probe: usize) -> f64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     if (z ^ (z >> 31)) & 1 == 0 { 1.0 } else { -1.0 }
-}
-
-/// Rows at one position, as in [`super::split::Given`].
-pub(super) struct SparseGiven<'a> {
-    /// Over the free coordinates, of unit size in the metric.
-    pub(super) rows: SparseRows,
-    /// The same over turns and levers.
-    pub(super) plain: SparseRows,
-    pub(super) force: &'a [f64],
-    pub(super) metric: &'a [f64],
-}
-
-/// Splits at a position where rows are clearly independent, also beside the largest of the smallest singular values `met` so
-/// far; else `None`.
-pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>) -> Option<Split> {
-    let SparseGiven { rows, plain, force, metric } = given;
-    let ones = vec![1.0; metric.len()];
-    let least = Gram::of(&plain, &ones)?.smallest_singular_value();
-    // Not a number is not clear. A long chain of loops has small values everywhere: only beside those met before do they mean
-    // that this position is singular.
-    if !(least >= met.map_or(CLEAR, |met| CLEAR.max(NEARLY * met))) {
-        return None;
-    }
-    let held = Held::of(rows, metric)?;
-    let multipliers = held.multipliers(force, metric);
-    let regular = met.map_or(least, |met| met.max(least));
-    Some(Split { motions: Motions::Held(Arc::new(held)), multipliers, singular: false, regular })
 }

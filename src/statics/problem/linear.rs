@@ -7,7 +7,7 @@ use faer::{Mat, Side};
 pub(in crate::statics) struct Definite(Llt<f64>);
 
 impl Definite {
-    /// Cholesky of `K + diag(shift)`; `None` where that is not positive definite.
+    /// Cholesky of `K + diag(shift)`; `None` if that is not positive definite.
     pub(in crate::statics) fn of(stiffness: &Mat<f64>, shift: &[f64]) -> Option<Self> {
         shifted(stiffness, shift).llt(Side::Lower).ok().map(Self)
     }

@@ -59,7 +59,7 @@ pub(in crate::statics) struct Landscape<'s> {
     pub stiffnesses: usize,
     /// Factorizations of them.
     pub factorizations: usize,
-    /// Every position whose forces were looked at, for whoever watches the search; `None` where nobody does.
+    /// Every position whose forces were looked at, for whoever watches the search; `None` if nobody does.
     pub(in crate::statics) trail: Option<Vec<Vec<f64>>>,
     stiffness: Stiffness,
     /// Which velocity coordinates are distances, and the scene's length.
@@ -72,7 +72,7 @@ pub(in crate::statics) struct Landscape<'s> {
     pub(in crate::statics) ties: Option<Box<Ties>>,
     /// Of a tree whose limits are heeded.
     limits: Option<Box<Limits>>,
-    /// Where the search began; `None` where nothing is searched for.
+    /// Where the search began; `None` if nothing is searched for.
     origin: Option<Origin>,
     /// Says whether the search may go on.
     pub(in crate::statics) watch: Option<&'s Watch<'s>>,
@@ -247,7 +247,7 @@ impl<'s> Landscape<'s> {
         self.stiffness.look(self.system, q, &self.rest, self.conservative)
     }
 
-    /// The same as matrices, for methods that need them; without loops as [`Landscape::look`].
+    /// Looks at a position with the stiffness as a matrix, for methods that need it; without loops as [`Landscape::look`].
     ///
     /// # Errors
     /// As [`Landscape::look`].
@@ -261,7 +261,7 @@ impl<'s> Landscape<'s> {
         Ok(())
     }
 
-    /// Factorizes `K + σB` at the place last looked at; false where it is not positive definite.
+    /// Factorizes `K + σB` at the place last looked at; false if it is not positive definite.
     pub(in crate::statics) fn factorize(&mut self, shift: f64) -> bool {
         self.factorizations += 1;
         if let Stiffness::Closed { .. } = self.stiffness {
@@ -290,7 +290,7 @@ impl<'s> Landscape<'s> {
         self.newton_shifted(rhs, &none)
     }
 
-    /// `(K + diag(shift)) x = rhs`; `None` where that is singular.
+    /// `(K + diag(shift)) x = rhs`; `None` if that is singular.
     pub(in crate::statics) fn newton_shifted(&mut self, rhs: &[f64], shift: &[f64]) -> Option<Vec<f64>> {
         self.factorizations += 1;
         if !self.stiffness.factorize(self.system, &self.with_stops(shift), false) {
@@ -341,7 +341,7 @@ impl<'s> Landscape<'s> {
         of.sqrt()
     }
 
-    /// Where the stiffness is negative by more than `shift` (a diagonal) at the place last looked at: a direction to look for
+    /// If the stiffness is negative by more than `shift` (a diagonal) at the place last looked at: a direction to look for
     /// the most negative one from.
     pub(in crate::statics) fn negative_direction(&mut self, shift: &[f64]) -> Option<Vec<f64>> {
         self.factorizations += 1;
@@ -404,7 +404,7 @@ impl<'s> Landscape<'s> {
         x.iter().zip(&self.metric).map(|(x, b)| b * x * x).sum::<f64>().sqrt()
     }
 
-    /// The unbalanced forces at `q`, and the magnitudes of the terms they are what is left of (a sweep of absolute
+    /// The unbalanced forces at `q`, and the magnitudes of the terms whose sums they are (a sweep of absolute
     /// values).
     ///
     /// # Errors
@@ -424,7 +424,7 @@ impl<'s> Landscape<'s> {
         Ok((force, scales))
     }
 
-    /// The same in these velocity coordinates of a tree.
+    /// Forces and scales in these velocity coordinates of a tree.
     fn forces_of(&mut self, which: &[usize], q: &[f64]) -> Result<(Vec<f64>, Scales), Fault> {
         let mut magnitudes = self.system.at(0.0, q, &self.rest).residual(&self.rest, &mut self.full)?.magnitudes();
         if let Some(limits) = &self.limits {

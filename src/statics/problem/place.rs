@@ -76,7 +76,7 @@ impl Place {
         self.excess() <= BALANCED
     }
 
-    /// What is left is the round-off of the balance itself.
+    /// The residual is the round-off of the balance itself.
     pub(in crate::statics) fn is_round_off(&self) -> bool {
         self.excess() == 0.0
     }

@@ -1,7 +1,7 @@
 //! Prestress of linearly dependent rows.
 //!
 //! Rows that are linearly dependent at a position carry self-stresses `ω`, `Gᵀ ω = 0`: multipliers `λ + Σ αⱼ ωⱼ` balance the same
-//! loads, whatever `α` is. Where the rows are dependent in all positions around (a planar four-bar of spatial hinges) a
+//! loads, whatever `α` is. If the rows are dependent in all positions around (a planar four-bar of spatial hinges) a
 //! self-stress has no stiffness. Where they are not (three rods whose lines meet in a point, a rope-straight pair of rods) it
 //! does:
 //!
@@ -33,7 +33,7 @@ pub(in crate::statics) enum Prestress {
     None,
     /// The stiffness depends on how the rows share the load. Equally stiff rows are taken.
     Shared,
-    /// The same, and rigid rows are stable where equally stiff ones would give way.
+    /// The stiffness depends on how the rows share the load, and rigid rows are stable if equally stiff ones would give way.
     Certified,
 }
 
@@ -115,7 +115,7 @@ impl Landscape<'_> {
     fn stress_stiffness(&mut self, q: &[f64], z: &Mat<f64>, alpha: &[f64]) -> Result<Mat<f64>, Fault> {
         let load = self.system.multiplier_size().max(f64::MIN_POSITIVE.sqrt());
         let size = alpha.iter().map(|x| x * x).sum::<f64>().sqrt();
-        // A stress of the size of the load loses no digits beside it.
+        // A stress of the size of the load loses no digits when it is added.
         let scale = if load > 1e-9 { load / size } else { 1.0 / size };
         let without = self.along(q, z)?;
         let add = |alpha: &[f64], by: f64| alpha.iter().map(|x| by * x).collect::<Vec<f64>>();

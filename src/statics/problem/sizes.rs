@@ -1,4 +1,4 @@
-//! Sizes of the terms that a stiffness is the sum of: beside them it counts, or is round-off.
+//! Sizes of the terms that a stiffness is the sum of: compared with them it counts, or is round-off.
 
 use faer::Mat;
 
@@ -10,7 +10,7 @@ pub(in crate::statics) fn symmetric(m: &Mat<f64>) -> Mat<f64> {
 }
 
 /// Sizes of stiffness terms with which coordinates are compared: one without any stiffness, as of a body that floats, is neutral
-/// beside the largest of the others.
+/// compared with the largest of the others.
 pub(in crate::statics) fn comparable(magnitude: &[f64]) -> Vec<f64> {
     let largest = magnitude.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(*x));
     magnitude.iter().map(|x| if *x > 0.0 { *x } else { largest }).collect()
@@ -23,7 +23,7 @@ pub(in crate::statics) fn relative(stiffness: &Mat<f64>, magnitude: &[f64]) -> M
     Mat::from_fn(root.len(), root.len(), |i, j| stiffness[(i, j)] / root[i] / root[j])
 }
 
-/// Sizes of the stiffness terms along the columns of `z`, where there is one.
+/// Sizes of the stiffness terms along the columns of `z`, if there is one.
 pub(in crate::statics) fn sizes(z: Option<&Mat<f64>>, magnitude: &[f64]) -> Vec<f64> {
     let Some(z) = z else { return magnitude.to_vec() };
     let size = |j: usize| (0..z.nrows()).map(|i| z[(i, j)].powi(2) * magnitude[i]).sum::<f64>();

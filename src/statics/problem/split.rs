@@ -10,11 +10,12 @@
 //! The second costs a small part of the first; singular values are left to the places where rows are linearly dependent: there
 //! `S⁻¹ Uᵀ G` of those that count takes the place of `G`. Which count is asked without the masses.
 //!
-//! Few rows across a large scene are told by what they hold, `Q₁` or `V₁`, instead of by what they leave: `n × m` numbers
+//! Few rows across a large scene are represented by what they hold, `Q₁` or `V₁`, instead of by what they leave: `n × m` numbers
 //! instead of `n × (n − m)`. Where rows are linearly dependent the branch decides what is held beside `V₁`: of what was held
 //! before, the part that no row feels here, `Q y` with `V₁ᵀ Q y = 0`.
 
 use super::held::Held;
+use crate::sparse::{Gram, SparseRows};
 use faer::linalg::solvers::Qr;
 use faer::{Mat, Par};
 use std::sync::Arc;
@@ -24,6 +25,9 @@ pub(in crate::statics) const DEPENDENT: f64 = 1e-10;
 
 /// Below this part of what it was elsewhere a row is left to the branch that the search came along.
 pub(in crate::statics) const NEARLY: f64 = 1e-2;
+
+/// Rows whose smallest singular value is below this have squares, in `A`, that lose half of their digits.
+const CLEAR: f64 = 1e-6;
 
 /// The motions where the last step began.
 #[derive(Debug, Clone)]
@@ -69,7 +73,7 @@ impl Motions {
             }
             Self::Across(c) => {
                 let mut left = force.to_vec();
-                // Twice: what is left is small beside what is taken.
+                // Twice: the residual is small compared with what the rows take.
                 for _ in 0..2 {
                     let along: Vec<f64> = (0..c.ncols()).map(|j| times(c, j, &|i| left[i] / metric[i])).collect();
                     let held = |i: usize| along.iter().enumerate().map(|(j, a)| c[(i, j)] * a).sum::<f64>();
@@ -153,7 +157,7 @@ pub(in crate::statics) struct Split {
 pub(in crate::statics) struct Given {
     /// In the metric, each of about unit size.
     pub(in crate::statics) rows: Mat<f64>,
-    /// The same rows over turns and parts of their component's lever, of about unit size there: whether they are linearly
+    /// These rows over turns and parts of their component's lever, of about unit size there: whether they are linearly
     /// dependent is a matter of geometry. A body a million times heavier than its neighbours does not make rows dependent.
     pub(in crate::statics) plain: Mat<f64>,
     /// In the metric.
@@ -164,7 +168,7 @@ pub(in crate::statics) struct Given {
     pub(in crate::statics) sizes: Vec<f64>,
 }
 
-/// Splits at a position to which the search came along `branch`. With `held` the motions are told by what holds the rest.
+/// Splits at a position to which the search came along `branch`. With `held` the motions are represented by what holds the rest.
 pub(in crate::statics) fn split(given: &Given, branch: Option<&Branch>, held: bool) -> Split {
     let Given { rows, plain, forces, root, sizes } = given;
     let met = branch.map_or(1.0, |branch| branch.regular);
@@ -197,7 +201,7 @@ pub(in crate::statics) fn split(given: &Given, branch: Option<&Branch>, held: bo
     Split { motions: Motions::of(&columns, root, held), multipliers, singular, regular }
 }
 
-/// A bound below the smallest singular value; `None` where there are more rows than coordinates.
+/// A bound below the smallest singular value; `None` if there are more rows than coordinates.
 fn clear(rows: &Mat<f64>) -> Option<f64> {
     let (m, n) = (rows.nrows(), rows.ncols());
     if m > n {
@@ -263,4 +267,31 @@ fn with_held(taken: &Mat<f64>, before: &Mat<f64>, root: &[f64]) -> Mat<f64> {
     let Ok(svd) = (taken.transpose() * &old).svd() else { return taken.clone() };
     let rest = &old * svd.V().subcols(rank, count - rank);
     Mat::from_fn(n, count, |i, j| if j < rank { taken[(i, j)] } else { rest[(i, j - rank)] })
+}
+
+/// Rows at one position, as in [`Given`].
+pub(super) struct SparseGiven<'a> {
+    /// Over the free coordinates, of unit size in the metric.
+    pub(super) rows: SparseRows,
+    /// These rows over turns and levers.
+    pub(super) plain: SparseRows,
+    pub(super) force: &'a [f64],
+    pub(super) metric: &'a [f64],
+}
+
+/// Splits at a position where rows are independent by more than round-off, also compared with the largest of the smallest singular
+/// values `met` so far; else `None`.
+pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>) -> Option<Split> {
+    let SparseGiven { rows, plain, force, metric } = given;
+    let ones = vec![1.0; metric.len()];
+    let least = Gram::of(&plain, &ones)?.smallest_singular_value();
+    // Not a number is not clear. A long chain of loops has small values everywhere: only beside those met before do they mean
+    // that this position is singular.
+    if !(least >= met.map_or(CLEAR, |met| CLEAR.max(NEARLY * met))) {
+        return None;
+    }
+    let held = Held::of(rows, metric)?;
+    let multipliers = held.multipliers(force, metric);
+    let regular = met.map_or(least, |met| met.max(least));
+    Some(Split { motions: Motions::Held(Arc::new(held)), multipliers, singular: false, regular })
 }

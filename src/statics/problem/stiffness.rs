@@ -110,7 +110,7 @@ impl Stiffness {
         }
     }
 
-    /// `K + diag(by)`; false where it is singular, or not definite and that was wanted.
+    /// `K + diag(by)`; false if it is singular, or not definite and that was wanted.
     pub(in crate::statics) fn factorize(&mut self, system: &System, by: &[f64], definite: bool) -> bool {
         match self {
             Self::Sweep { .. } => self.sweep(system, by, definite).is_ok(),

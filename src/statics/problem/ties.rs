@@ -23,9 +23,8 @@
 //! with the rest (see `prestress`).
 
 use super::bordered::Bordered;
-use super::held::{SparseGiven, split_clearly};
 use super::prestress::Prestress;
-use super::split::{Across, Branch, Given, Motions, NEARLY, Split, split};
+use super::split::{Across, Branch, Given, Motions, NEARLY, SparseGiven, Split, split, split_clearly};
 use super::stiffness::Stiffness;
 use super::{Landscape, Scales};
 use crate::constraint::{Closer, Constraints};
@@ -38,7 +37,7 @@ use std::sync::Arc;
 /// Largest turn (rad), and part of the scene's length, of one step.
 const LONGEST_STEP: f64 = 0.6;
 
-/// What is left of forces at an equilibrium is at most so many times the error that is expected of their sum: of scissors of
+/// The residual at an equilibrium is at most so many times the error that is expected of their sum: of scissors of
 /// 3 to 40 stages it was 1.0.
 const ERRORS: f64 = 4.0;
 
@@ -94,7 +93,7 @@ impl Ties {
 }
 
 impl Landscape<'_> {
-    /// Brings a position onto the rows; false where that cannot be done.
+    /// Brings a position onto the rows; false if that cannot be done.
     pub(in crate::statics) fn close(&mut self, q: &mut [f64]) -> bool {
         let model = self.system.model();
         self.ties.as_mut().is_none_or(|ties| ties.closer.close(model, q))
@@ -140,7 +139,7 @@ impl Landscape<'_> {
         Ok(view.map_or_else(Mat::new, |view| view.motions.basis(&self.metric)))
     }
 
-    /// What is left of a force when the rows have taken their part, `B Z Zᵀ f`; without rows all of it.
+    /// The part of a force that the rows do not take, `B Z Zᵀ f`; without rows all of it.
     pub(in crate::statics) fn along_rows(&mut self, q: &[f64], force: &[f64]) -> Result<Vec<f64>, Fault> {
         if self.ties.is_none() {
             return Ok(force.to_vec());
@@ -246,7 +245,7 @@ impl Landscape<'_> {
         Ok(self.seen(split, &sizes, (0..n).map(entries).collect(), (q, magnitudes), &force))
     }
 
-    /// The same with sparse rows; `None` where they are not clearly independent.
+    /// The view of a position by sparse rows; `None` if they are not independent by more than round-off.
     fn sparse_view(&mut self, q: &[f64]) -> Result<Option<View>, Fault> {
         let (magnitudes, force) = self.unheld(q)?;
         let of_rows = self.system.at(0.0, q, &self.steady).constraint_rows();

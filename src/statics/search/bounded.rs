@@ -5,6 +5,7 @@
 //! residual of the free coordinates, the sign of every multiplier, the stiffness of the free coordinates, and that of the
 //! critical cone (see [`crate::statics::certify::cone`]).
 
+use super::Search;
 use super::cascade::{self, Found};
 use super::polish::polish;
 use crate::dynamics::{Fault, System};
@@ -16,11 +17,9 @@ use crate::statics::effort::Iteration;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::{Landscape, within_limits};
 use crate::statics::settings::{Method, Settings};
-use crate::statics::watch::Watch;
-use std::sync::Arc;
 
 /// Whether the search is for this scene: its loads have a potential, and nothing ties coordinates together.
-pub(in crate::statics) fn is_for(model: &Model, settings: &Settings) -> bool {
+pub(super) fn is_for(model: &Model, settings: &Settings) -> bool {
     settings.method == Method::Auto && !model.is_constrained() && model.is_conservative()
 }
 
@@ -37,20 +36,14 @@ struct Outcome {
 ///
 /// # Errors
 /// The element whose numbers are not finite.
-pub(in crate::statics) fn search(
-    model: &Arc<Model>,
-    settings: &Settings,
-    start: &[f64],
-    watch: &Watch<'_>,
-    searched: &mut dyn FnMut(),
-    trail: Option<&mut Vec<Vec<f64>>>,
-) -> Result<Option<Equilibrium>, Fault> {
-    let Outcome { found, guess, mut history, work } = descend(model, start, watch, trail)?;
+pub(super) fn search(mut search: Search<'_>) -> Result<Option<Equilibrium>, Fault> {
+    let Search { model, settings, watch, .. } = search;
+    let Outcome { found, guess, mut history, work } = descend(search.again())?;
     let Found { mut place, mut notes, effort } = found;
     if !place.is_balanced() && !effort.fell && watch.goes_on() {
         return Ok(None);
     }
-    searched();
+    (search.searched)();
     if effort.fell {
         place = guess;
     }
@@ -76,17 +69,13 @@ pub(in crate::statics) fn search(
     bearing::finish(model, &set, &bearing, found).map(Some)
 }
 
-fn descend(
-    model: &Arc<Model>,
-    start: &[f64],
-    watch: &Watch<'_>,
-    trail: Option<&mut Vec<Vec<f64>>>,
-) -> Result<Outcome, Fault> {
+fn descend(search: Search<'_>) -> Result<Outcome, Fault> {
+    let Search { model, start, watch, .. } = search;
     let q = within_limits(model, start);
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, &q)?;
     landscape.watch = Some(watch);
-    landscape.trail = trail.is_some().then(Vec::new);
+    landscape.trail = search.trail.is_some().then(Vec::new);
     landscape.heed_limits();
     let mut history = Vec::new();
     let guess = match landscape.choose_active(&q)? {
@@ -95,9 +84,7 @@ fn descend(
     };
     landscape.begin(&guess);
     let found = cascade::within_limits(&mut landscape, guess.clone(), &mut history)?;
-    if let (Some(trail), Some(way)) = (trail, landscape.trail.take()) {
-        trail.extend(way);
-    }
+    search.record(&mut landscape);
     let work = [landscape.residuals, landscape.stiffnesses, landscape.factorizations];
     Ok(Outcome { found, guess, history, work })
 }

@@ -12,6 +12,7 @@
 //! a radian or a length of every coordinate at once, `Λ` the range of the parameter: arclength has no unit. The new
 //! tangent is `(y, 1)` of unit length, turned forward.
 
+use super::illinois::illinois;
 use crate::statics::problem::place::Place;
 
 /// Corrector iterations of one step.
@@ -87,7 +88,7 @@ impl Metric {
         square + part * (2.0 * self.dot(a, &along) + part * length)
     }
 
-    /// The direction of unit length; `None` where it has none.
+    /// The direction of unit length; `None` if it has none.
     pub(in crate::statics) fn unit(&self, direction: &Direction) -> Option<Direction> {
         let size = self.dot(direction, direction).sqrt();
         let x = direction.x.iter().map(|x| x / size).collect();
@@ -171,7 +172,7 @@ impl<'f> Curve<'f> {
         self.correct(q, from.parameter + s * from.ahead.parameter, &from.ahead, s.abs().max(NEAR))
     }
 
-    /// The same where it surely belongs to the same curve.
+    /// The solution at arclength `s` from a point, if the tangents show that it belongs to the same curve.
     pub(in crate::statics) fn step(&mut self, from: &Point, s: f64) -> Option<Point> {
         let next = self.ahead(from, s)?;
         let straight = self.metric.dot(&next.ahead, &from.ahead) > STRAIGHT;
@@ -190,32 +191,11 @@ impl<'f> Curve<'f> {
         small: f64,
         of: &mut dyn FnMut(&mut Self, &Point) -> Option<f64>,
     ) -> Option<(f64, Point)> {
-        let [mut low, mut high] = ends;
-        let mut best: Option<(f64, Point, f64)> = None;
         self.sharp = true;
-        for _ in 0..60 {
-            let mut s = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            let (least, most) = (low.0.min(high.0), low.0.max(high.0));
-            if !(s > least && s < most) {
-                s = 0.5 * (low.0 + high.0);
-            }
-            let Some(point) = self.ahead(from, s) else { break };
-            let Some(value) = of(self, &point) else { break };
-            if best.as_ref().is_none_or(|(_, _, least)| value.abs() <= *least) {
-                best = Some((s, point, value.abs()));
-            }
-            if value.abs() <= small || most - least <= 4.0 * f64::EPSILON * most.abs() {
-                break;
-            }
-            // Illinois: an end that stays loses half its weight.
-            if value.signum() == high.1.signum() {
-                high = (s, value);
-                low.1 *= 0.5;
-            } else {
-                low = high;
-                high = (s, value);
-            }
-        }
-        best.map(|(s, point, _)| (s, point))
+        illinois(ends, small, |s| {
+            let point = self.ahead(from, s)?;
+            let value = of(self, &point)?;
+            Some((value, point))
+        })
     }
 }

@@ -6,12 +6,13 @@
 //! | stable | no | Newton with line search; what runs away is left with the motion itself |
 //! | any | either | Newton with line search: the nearest equilibrium, whatever it is |
 //!
-//! Where that fails, later stages of the [`cascade`] take over: continuation in the load, then dynamic relaxation.
+//! Where that fails, later stages of the [`cascade`] take over: the [`release`] of the guess, then dynamic relaxation.
 
 mod bounded;
 mod cascade;
 pub(super) mod curve;
 mod free;
+pub(super) mod illinois;
 mod newton;
 mod polish;
 mod release;
@@ -51,27 +52,24 @@ use std::sync::Arc;
 /// ```
 ///
 /// # Errors
-/// Where the system cannot be evaluated at the guess: a singular hinge, a number that is not finite.
+/// If the system cannot be evaluated at the guess: a singular hinge, a number that is not finite.
 pub fn equilibrium(model: &Arc<Model>, settings: &Settings, start: &[f64]) -> Result<Equilibrium, Fault> {
-    equilibrium_observed(model, settings, start, &mut || {})
+    equilibrium_observed(model, settings, start, Observers::default())
 }
 
-/// The same as long as `go_on`, asked once for every step of the search, says so: after that the answer is what was found until
-/// then, not converged unless it is balanced.
-///
-/// # Errors
-/// As [`equilibrium`].
-pub fn equilibrium_while(
-    model: &Arc<Model>,
-    settings: &Settings,
-    start: &[f64],
-    go_on: &dyn Fn() -> bool,
-) -> Result<Equilibrium, Fault> {
-    let watch = Watch::new(settings.time_limit, go_on);
-    search(model, settings, start, &watch, &mut || {}, None).map(|(found, _)| found)
+/// What looks at a search while it goes on; [`Observers::default`] has nothing that does.
+#[derive(Default)]
+pub struct Observers<'o> {
+    /// Whether the search goes on, asked once for every step. After the first `false` the answer is what was found until then, not
+    /// converged unless it is balanced.
+    pub go_on: Option<&'o dyn Fn() -> bool>,
+    /// Called between the search and the certificate, for whoever holds a clock.
+    pub searched: Option<&'o mut dyn FnMut()>,
+    /// Receives every pose whose forces the search has looked at, the guess first.
+    pub trail: Option<&'o mut Vec<Vec<f64>>>,
 }
 
-/// The same; `searched` is called between the search and the certificate, for whoever holds a clock.
+/// Finds the equilibrium from the guess `start`, as [`equilibrium`], while `observers` look on.
 ///
 /// # Errors
 /// As [`equilibrium`].
@@ -79,44 +77,70 @@ pub fn equilibrium_observed(
     model: &Arc<Model>,
     settings: &Settings,
     start: &[f64],
-    searched: &mut dyn FnMut(),
+    observers: Observers<'_>,
 ) -> Result<Equilibrium, Fault> {
-    let watch = Watch::new(settings.time_limit, &|| true);
-    search(model, settings, start, &watch, searched, None).map(|(found, _)| found)
+    let Observers { go_on, searched, trail } = observers;
+    let watch = Watch::new(settings.time_limit, go_on.unwrap_or(&|| true));
+    let mut unobserved = || {};
+    let searched = searched.unwrap_or(&mut unobserved);
+    search(Search { model, settings, start, watch: &watch, searched, trail })
 }
 
-/// As [`equilibrium_while`] with the way there: every pose whose forces the search has looked at, the guess first.
-///
-/// # Errors
-/// As [`equilibrium`].
-pub fn equilibrium_watched(
-    model: &Arc<Model>,
-    settings: &Settings,
-    start: &[f64],
-    go_on: &dyn Fn() -> bool,
-) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
-    let watch = Watch::new(settings.time_limit, go_on);
-    search(model, settings, start, &watch, &mut || {}, Some(Vec::new()))
+/// One search: what is asked, and what looks on.
+struct Search<'s> {
+    model: &'s Arc<Model>,
+    settings: &'s Settings,
+    /// The guess.
+    start: &'s [f64],
+    watch: &'s Watch<'s>,
+    /// Called between the search and the certificate.
+    searched: &'s mut dyn FnMut(),
+    /// Receives the poses of the search.
+    trail: Option<&'s mut Vec<Vec<f64>>>,
 }
 
-fn search(
-    model: &Arc<Model>,
-    settings: &Settings,
-    start: &[f64],
-    watch: &Watch<'_>,
-    searched: &mut dyn FnMut(),
-    mut trail: Option<Vec<Vec<f64>>>,
-) -> Result<(Equilibrium, Vec<Vec<f64>>), Fault> {
+impl Search<'_> {
+    /// This search, to be used again after it.
+    fn again(&mut self) -> Search<'_> {
+        self.of(self.model, self.start)
+    }
+
+    /// This search of another model and from another guess.
+    fn of<'s>(&'s mut self, model: &'s Arc<Model>, start: &'s [f64]) -> Search<'s> {
+        let trail = self.trail.as_deref_mut();
+        Search { model, settings: self.settings, start, watch: self.watch, searched: &mut *self.searched, trail }
+    }
+
+    /// Records the poses that a landscape has looked at.
+    fn record(self, landscape: &mut Landscape<'_>) {
+        if let (Some(trail), Some(way)) = (self.trail, landscape.trail.take()) {
+            trail.extend(way);
+        }
+    }
+}
+
+fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
+    let (model, settings, start) = (search.model, search.settings, search.start);
     if let Some(found) = unresting(model, settings, start)? {
-        searched();
-        return Ok((found, trail.map_or_else(Vec::new, |_| vec![start.to_vec()])));
+        (search.searched)();
+        search.trail.iter_mut().for_each(|trail| trail.push(start.to_vec()));
+        return Ok(found);
     }
     if model.stops.is_empty() {
-        return search_free(model, settings, start, watch, searched, trail);
+        return on_curves(model, search_free(search)?);
     }
-    let mut found = turns::search(model, settings, start, watch, searched, trail.as_mut())?;
+    let mut found = turns::search(search)?;
     weak::examine_weak(model, settings, &mut found)?;
-    Ok((found, trail.unwrap_or_default()))
+    on_curves(model, found)
+}
+
+/// What is found must be on the curves that bodies are guided along.
+fn on_curves(model: &Model, found: Equilibrium) -> Result<Equilibrium, Fault> {
+    let Some(end) = model.beyond_curve(&found.position) else { return Ok(found) };
+    let ends = model.curve_ends.iter().filter(|other| other.position == end.position).map(|end| end.at);
+    let range = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], at| [from.min(at), to.max(at)]);
+    let (body, at) = (model.bodies[end.body].name.clone(), found.position[end.position]);
+    Err(Fault::BeyondCurve { body, at, range })
 }
 
 /// What is told at once of a scene that falls for ever wherever it is: the cascade would follow it without end. `None` for
@@ -132,9 +156,9 @@ fn unresting(model: &Arc<Model>, settings: &Settings, start: &[f64]) -> Result<O
     certify(landscape, settings, place, Effort { stage: "start", ..Effort::default() }, Vec::new(), notes).map(Some)
 }
 
-/// What a start leaves unbalanced.
+/// The residual of a state that does not hold itself.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Leftover {
+pub struct Residual {
     /// Largest unbalanced force, relative to the forces that cancel there.
     pub relative: f64,
     /// That force (N or N m).
@@ -143,12 +167,11 @@ pub struct Leftover {
     pub hinge: String,
 }
 
-/// Whether a state holds itself: what is left over where it does not. `None` where it does, and for a state that moves
-/// otherwise than its drives.
+/// The residual of a state that does not hold itself. `None` if it does, and for a state that moves otherwise than its drives.
 ///
 /// # Errors
-/// Where the system cannot be evaluated there.
-pub fn leftover(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Result<Option<Leftover>, Fault> {
+/// If the system cannot be evaluated there.
+pub fn residual(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Result<Option<Residual>, Fault> {
     let (model, position) = &bearing::bearing(model, position);
     let mut system = System::new(model);
     let mut landscape = Landscape::new(&mut system, position)?;
@@ -158,7 +181,7 @@ pub fn leftover(model: &Arc<Model>, position: &[f64], velocity: &[f64]) -> Resul
     }
     let place = Place::at(&mut landscape, position.clone())?;
     let (relative, worst) = place.residual();
-    Ok(worst.filter(|_| !place.is_balanced()).map(|worst| Leftover {
+    Ok(worst.filter(|_| !place.is_balanced()).map(|worst| Residual {
         relative,
         force: place.force[worst],
         hinge: model.label(landscape.free[worst]),

@@ -13,7 +13,7 @@ pub(in crate::statics) fn polish(
     history: &mut Vec<Iteration>,
 ) -> Result<Place, Fault> {
     // Zero-stiffness motions make the stiffness singular: a shift far below the stiffness of all others keeps the
-    // step finite, and delays what is left by as little as it is smaller.
+    // step finite, and delays the residual by as little as it is smaller.
     let mut part = 0.0;
     for _ in 0..10 {
         // Loops may hide a small force behind the large ones that they hold: it is taken down to their round-off.

@@ -1,4 +1,4 @@
-//! Load continuation: the guess is held by forces, and these are let go.
+//! The release of the guess: it is held by forces, and these are let go (a Newton homotopy).
 //!
 //! At the guess `q₀` the forces `f(q₀)` are left in the hinges. Together with forces that hold it, the guess is in
 //! balance; the family
@@ -79,7 +79,7 @@ pub(in crate::statics) fn run(
     }
 }
 
-/// Along the curve from λ = 0 to 1; `None` where it does not get there.
+/// Along the curve from λ = 0 to 1; `None` if it does not get there.
 fn follow(
     curve: &mut Curve<'_>,
     guess: &Place,

@@ -1,4 +1,4 @@
-//! The way out of a saddle: along the motion that runs away fastest, downhill as far as it goes.
+//! Leaving a saddle: along the direction of negative curvature that runs away fastest, downhill as far as it goes.
 //!
 //! ```text
 //! K x = λ B x,  λ lowest:   x ← (K + σB)⁻¹ B x,   −λ < σ ≤ −1.2 λ       inverse iteration
@@ -32,7 +32,7 @@ pub(in crate::statics) struct WayOut {
     pub potential: f64,
 }
 
-/// The way out of a balanced `place`, no longer than `radius`; none where no motion runs away, or none gets lower.
+/// The step off a balanced `place`, no longer than `radius`; none if no motion runs away, or none gets lower.
 pub(in crate::statics) fn way_out(
     landscape: &mut Landscape<'_>,
     place: &Place,
@@ -46,7 +46,7 @@ pub(in crate::statics) fn way_out(
     downhill(landscape, place, &direction, potential, radius)
 }
 
-/// The lowest place that is found along a `direction` of negative curvature, no longer than `radius`; none where none is lower.
+/// The lowest place that is found along a `direction` of negative curvature, no longer than `radius`; none if none is lower.
 pub(in crate::statics) fn downhill(
     landscape: &mut Landscape<'_>,
     place: &Place,
@@ -86,7 +86,7 @@ fn lower(landscape: &mut Landscape<'_>, place: &Place, whole: &[f64], part: f64,
     }
 }
 
-/// The motion of the lowest `λ` at the place last looked at, from a `first` one; none where no
+/// The motion of the lowest `λ` at the place last looked at, from a `first` one; none if no
 /// shift makes the stiffness definite.
 fn fastest(landscape: &mut Landscape<'_>, place: &Place, first: &[f64]) -> Option<Vec<f64>> {
     let metric = landscape.metric.clone();

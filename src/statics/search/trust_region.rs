@@ -24,12 +24,12 @@ use crate::statics::effort::Iteration;
 use crate::statics::problem::place::{BALANCED, Place};
 use crate::statics::problem::{FAR, Landscape};
 
-/// Steps, and sweeps over one link (or entries of a matrix, where there is one): what fails says so in seconds, a large scene
+/// Steps, and sweeps over one link (or entries of a matrix, if there is one): what fails says so in seconds, a large scene
 /// in some tens of them. Beside springs of 10⁹ N/m, or bodies a million times heavier than others, twenty thousand steps may
 /// be the way along a valley.
 const MOST_ITERATIONS: usize = 40_000;
 const MOST_WORK: usize = 16_000_000;
-/// Even so, as many as this, and sweeps.
+/// Minimum iterations, and sweeps, before stagnation is judged.
 const LEAST_ITERATIONS: [usize; 2] = [400, 4000];
 const LEAST_SWEEPS: usize = 4_000_000;
 /// A search of more steps goes along a valley that bends, or falls for ever: after every so many steps it is asked whether it does.
@@ -40,12 +40,12 @@ const LOWEST: usize = 4;
 const PART: f64 = 1e-2;
 /// Trials for one step's shift.
 const MOST_SHIFTS: usize = 40;
-/// A step is taken where the potential falls by this part of what the quadratic model says. With steps that are worth
+/// A step is taken if the potential falls by this part of what the quadratic model says. With steps that are worth
 /// next to nothing a long chain crumples, and takes four times as long to unfold.
 const WORTH: f64 = 0.1;
-/// A search that in so many steps neither falls by this part of all that it has fallen since the first so many of them nor halves
-/// its least residual makes no progress: forty thousand such steps would gain less than a ten-thousandth. What the first ones gain
-/// does not count: stiff springs that they relax hold more than all that is left to gain in the valley after it.
+/// Stagnation window: steps in which a search that neither falls by the part `PROGRESS` of its fall since the first window nor halves
+/// its least residual makes no progress. Forty thousand such steps would gain less than a ten-thousandth. The fall in the first window
+/// does not count: the stiff springs that it relaxes hold more energy than there is to gain in the valley after it.
 const WINDOW: usize = 500;
 const PROGRESS: f64 = 1e-6;
 
@@ -53,7 +53,7 @@ const PROGRESS: f64 = 1e-6;
 #[derive(Debug, Clone)]
 pub(in crate::statics) struct Outcome {
     pub place: Place,
-    /// Saddles that were left, each with the velocity coordinates that carried the way out.
+    /// Saddles that were left, each with the velocity coordinates that carried the direction of negative curvature.
     pub left: Vec<Vec<usize>>,
     /// Whether the potential fell without end.
     pub fell: bool,
@@ -279,7 +279,7 @@ impl Search<'_, '_> {
         Ok(0.5 * (linear + there))
     }
 
-    /// Where a valley bends (a stiff spring beside soft ones, a heavy body among light ones) the step leaves its floor: back
+    /// If a valley bends (a stiff spring beside soft ones, a heavy body among light ones) the step leaves its floor: back
     /// to it from the end of the step, from the end of the parabola of the floor, or that end itself, whichever is lowest.
     fn corrected(&mut self, trial: &Trial, q: &[f64], enough: f64) -> Result<Option<Lower>, Fault> {
         let back = self.back(trial, &trial.x, q);
@@ -426,7 +426,7 @@ impl Search<'_, '_> {
     }
 
     /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls. How short
-    /// the last steps into the saddle were says nothing about the way out of it.
+    /// the last steps into the saddle were says nothing about the direction of negative curvature.
     fn leave_saddle(&mut self, history: &mut Vec<Iteration>) -> Result<bool, Fault> {
         if self.landscape.free.is_empty() {
             return Ok(false);

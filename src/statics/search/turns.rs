@@ -1,61 +1,47 @@
 //! Which stops bear, by turns: for scenes whose coordinates are tied together, or whose loads have no potential.
 //!
 //! A coordinate beyond its limit gets its stop, a stop that would have to pull is taken away, and the search starts from the
-//! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. Where a
+//! guess again. It ends where every stop that bears presses and no other is passed: the conditions of Signorini. If a
 //! search ends in no balance, stops in the way of the forces left there are tried. (In a tree whose loads have a potential the
 //! set that bears is the active set of a minimum within the limits, see [`super::bounded`].)
 //!
-//! **Beside loops, drives and gears** coordinates depend on each other, and two stops can seldom bear at once: of those
+//! **With loops, drives and gears** coordinates depend on each other, and two stops can seldom bear at once: of those
 //! that are passed only the first on the way from the guess is added, the loops are brought onto it from there in short
 //! steps, and where they cannot be, it takes the place of the others.
 
-use super::bounded;
 use super::free::search_free;
+use super::{Search, bounded};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, StopLaw};
 use crate::statics::certify::bearing::{PASSED, PULLS, Set, finish, held, limit, load, touching, unit, with};
 use crate::statics::certify::equilibrium::Equilibrium;
 use crate::statics::problem::Landscape;
-use crate::statics::settings::{Settings, Want};
-use crate::statics::watch::Watch;
+use crate::statics::settings::Want;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// The equilibrium with the stops heeded; poses of the search go to `trail`.
-pub(in crate::statics) fn search(
-    model: &Arc<Model>,
-    settings: &Settings,
-    start: &[f64],
-    watch: &Watch<'_>,
-    searched: &mut dyn FnMut(),
-    mut trail: Option<&mut Vec<Vec<f64>>>,
-) -> Result<Equilibrium, Fault> {
-    let (descends, stable) = (bounded::is_for(model, settings), settings.want == Want::Stable);
+/// The equilibrium with the stops heeded.
+pub(super) fn search(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
+    let (descends, stable) = (bounded::is_for(search.model, search.settings), search.settings.want == Want::Stable);
     if descends
         && stable
-        && let Some(found) = bounded::search(model, settings, start, watch, searched, trail.as_deref_mut())?
+        && let Some(found) = bounded::search(search.again())?
     {
         return Ok(found);
     }
-    let found = by_turns(model, settings, start, watch, searched, trail.as_deref_mut())?;
+    let found = by_turns(search.again())?;
     // The nearest equilibrium was wanted; downhill there is one, wherever it is.
     if descends
         && !(stable || found.balanced)
-        && let Some(found) = bounded::search(model, settings, start, watch, searched, trail)?
+        && let Some(found) = bounded::search(search)?
     {
         return Ok(found);
     }
     Ok(found)
 }
 
-fn by_turns(
-    model: &Arc<Model>,
-    settings: &Settings,
-    start: &[f64],
-    watch: &Watch<'_>,
-    searched: &mut dyn FnMut(),
-    mut trail: Option<&mut Vec<Vec<f64>>>,
-) -> Result<Equilibrium, Fault> {
+fn by_turns(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
+    let Search { model, start, watch, .. } = search;
     let mut set = touching(model, start);
     let mut seen = HashSet::new();
     let mut added = None;
@@ -68,15 +54,11 @@ fn by_turns(
             let alone: Set = set.iter().enumerate().map(last).collect();
             set = if seen.contains(&alone) { vec![0; set.len()] } else { alone };
             if seen.contains(&set) {
-                return nowhere(model, settings, start, watch, searched);
+                return nowhere(search);
             }
             continue;
         };
-        let (mut found, way) =
-            search_free(&bearing, settings, &guess, watch, searched, trail.is_some().then(Vec::new))?;
-        if let Some(trail) = &mut trail {
-            trail.extend(way);
-        }
+        let mut found = search_free(search.of(&bearing, &guess))?;
         stages.append(&mut found.stages);
         steps += found.iterations;
         evaluations += found.force_evaluations;
@@ -109,24 +91,20 @@ fn give_up(found: &mut Equilibrium, ended: Option<String>) {
     found.notes.push(ended.unwrap_or_else(none));
 }
 
-/// Where the loops have no position on the stops that were tried: what is found without any, as no equilibrium.
-fn nowhere(
-    model: &Model,
-    settings: &Settings,
-    start: &[f64],
-    watch: &Watch<'_>,
-    searched: &mut dyn FnMut(),
-) -> Result<Equilibrium, Fault> {
-    let mut free = Model::clone(model);
+/// If the loops have no position on the stops that were tried: what is found without any, as no equilibrium.
+fn nowhere(mut search: Search<'_>) -> Result<Equilibrium, Fault> {
+    let Search { start, watch, .. } = search;
+    let mut free = Model::clone(search.model);
     free.stops.clear();
     let free = Arc::new(free);
-    let (mut found, _) = search_free(&free, settings, start, watch, searched, None)?;
+    search.trail = None;
+    let mut found = search_free(search.of(&free, start))?;
     let ended = watch.note(found.stage, found.relative_residual);
     give_up(&mut found, ended);
     Ok(found)
 }
 
-/// The set after a balance: stops that are passed added, those that pull taken away. `None` where nothing changes.
+/// The set after a balance: stops that are passed added, those that pull taken away. `None` if nothing changes.
 fn revised(
     model: &Arc<Model>,
     set: &Set,
@@ -165,7 +143,7 @@ fn revised(
 }
 
 /// Of the stops towards which the forces at the guess drive loops, gears and drives, the one that is reached first, added.
-/// `None` where there is no other.
+/// `None` if there is no other.
 fn first_in_the_way(model: &Arc<Model>, set: &Set, bearing: &Arc<Model>, guess: &[f64]) -> Result<Option<Set>, Fault> {
     let mut system = System::new(bearing);
     let mut landscape = Landscape::new(&mut system, guess)?;
@@ -187,7 +165,7 @@ fn first_in_the_way(model: &Arc<Model>, set: &Set, bearing: &Arc<Model>, guess: 
     }))
 }
 
-/// The stops towards which the forces at the guess push, added. `None` where there is no other.
+/// The stops towards which the forces at the guess push, added. `None` if there is no other.
 fn in_the_way(model: &Arc<Model>, set: &Set, start: &[f64]) -> Result<Option<Set>, Fault> {
     let rest = vec![0.0; model.velocity_count()];
     let mut residual = rest.clone();

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! `c` is what loops move that change with `p` themselves, at fixed independent coordinates. `K` is factorized once, by the sweep of
-//! the transfer equations where that covers the scene; nothing is solved again beside the equilibrium. Derivatives by a number
+//! the transfer equations where that covers the scene; nothing but the equilibrium is solved for. Derivatives by a number
 //! are extrapolated differences at given positions (see `extrapolate`), so that every kind of number and of output counts:
 //! multipliers, reactions and what stops bear follow from the place. Along the curve of (2) forces stay balanced to first order, and
 //! that is checked: it proves (1).
@@ -57,7 +57,7 @@ pub struct Sensitivities {
     pub outputs: Vec<Response>,
     /// The columns.
     pub parameters: Vec<Influence>,
-    /// Row by row: the derivative, in SI units of the output by the number; `None` where there is none, as a note says.
+    /// Row by row: the derivative, in SI units of the output by the number; `None` if there is none, as a note says.
     pub derivatives: Vec<Vec<Option<f64>>>,
     /// What a person should know.
     pub notes: Vec<String>,
@@ -239,7 +239,7 @@ fn mode(model: &Model, found: &Equilibrium, index: usize) -> Result<(Vec<f64>, f
     let near = |other: &usize| (modes[*other].frequency_hz / mode.frequency_hz - 1.0).abs() < REPEATED;
     if let Some(twin) = (0..modes.len()).filter(|other| *other != index).find(near) {
         return Err(format!(
-            "it equals `frequency[{twin}]`, {} Hz: of a repeated frequency every change splits off another motion",
+            "the frequency is repeated, so it has no derivative: it equals `frequency[{twin}]`, {} Hz",
             mode.frequency_hz
         ));
     }

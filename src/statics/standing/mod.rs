@@ -16,13 +16,13 @@ mod closed;
 mod margins;
 mod mechanism;
 mod rolling;
+mod settle;
 mod supports;
 
-pub use closed::{Contact, Untouchable};
-pub(crate) use closed::{rule_of, solid_of};
+pub use crate::contact::pairs::Untouchable;
+pub use closed::Contact;
 pub use margins::{Interval, Margins};
 pub use mechanism::{Giving, Mechanism};
-pub(crate) use supports::column_of;
 
 use self::closed::Scene;
 use self::supports::{Bearers, Bears};
@@ -114,6 +114,9 @@ pub enum Unanswered {
     /// Loops that cannot be closed in the pose.
     #[error("{0}")]
     Open(String),
+    /// A scene that was to settle.
+    #[error("the scene does not settle: {0}")]
+    Unsettled(String),
 }
 
 /// A friction margin below this is round-off of the conic solver.
@@ -135,9 +138,18 @@ pub(super) fn equilibrium(
     settings: &Settings,
     asked: &Margin,
     search: &dyn Fn() -> Result<Equilibrium, Fault>,
+    go_on: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, Unanswered> {
     let pose = &model.start_position;
-    let given = standing(description, model, settings, asked, pose)?;
+    let given = match standing(description, model, settings, asked, pose) {
+        Ok(given) if given.verdict != Verdict::Falls => given,
+        Ok(_) | Err(Unanswered::Untouchable(Untouchable::Overlap { .. }))
+            if settings.settle && !model.contacts.is_empty() =>
+        {
+            return settled(description, model, settings, asked, go_on);
+        }
+        other => other?,
+    };
     let needs_friction = given.friction_margin.is_some_and(|part| part > NOT_NEEDED);
     if given.verdict == Verdict::Stands && model.contacts.is_empty() && !needs_friction {
         // An equilibrium without friction, too: it has its modes.
@@ -153,6 +165,25 @@ pub(super) fn equilibrium(
     let mut found = search()?;
     found.notes.push("dry friction does not hold the given pose: this is an equilibrium without it".to_owned());
     Ok(Equilibrium { standing: Some(Box::new(given)), ..found })
+}
+
+/// Where a scene settles from its start position, as one that stands.
+fn settled(
+    description: &Description,
+    model: &Arc<Model>,
+    settings: &Settings,
+    asked: &Margin,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Equilibrium, Unanswered> {
+    let end = settle::settle(model, settings, &model.start_position, go_on)?;
+    let there = standing(description, model, settings, asked, &end.pose)?;
+    let mut found = certificate::certificate(description, model, settings, &end.pose, &there)?;
+    (found.stage, found.iterations) = ("settled", end.steps);
+    found.notes.push(format!(
+        "settled from the given pose in {} steps: `{}` moved by {:.3e} m, more than any other body",
+        end.steps, model.bodies[end.body].name, end.moved
+    ));
+    Ok(Equilibrium { standing: Some(Box::new(there)), ..found })
 }
 
 /// Whether a pose stands, and the margins that are `asked` for. `description` is the scene's, for the numbers that they move.

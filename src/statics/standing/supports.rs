@@ -1,16 +1,17 @@
 //! The supports of a pose and what they have to bear: eq. (1) of the module.
 
 use super::closed::Scene;
+use crate::contact::frame::column_of;
 use crate::contact::support::{Cone, Supports};
 use crate::dynamics::{Fault, System};
 use crate::model::{Model, StopLaw};
-use crate::motion::{Motion, project};
-use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// A coordinate this near to a limit touches it: part of the scene's length, or rad.
 const TOUCHES: f64 = 1e-9;
+/// A load below this part of the forces that cancel in it is their rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// What a support is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +39,7 @@ impl Bearers {
     pub(super) fn new(model: &Arc<Model>, pose: &[f64], scene: &Scene) -> Result<Self, Fault> {
         let length = model.length_scale();
         let units: Vec<f64> = units(model);
-        let mut bearers = Self { supports: Supports::new(units.clone()), list: Vec::new(), load: load(model, pose)? };
+        let mut bearers = Self { supports: Supports::new(units.clone()), list: Vec::new(), load: borne(model, pose)? };
         for (k, contact) in scene.contacts.iter().enumerate() {
             let ends = contact.bodies.map(|body| model.bodies[body].link);
             let column = |along: &Vector3<f64>| column_of(model, &scene.motion, ends, &contact.point, along);
@@ -95,13 +96,23 @@ impl Bearers {
     }
 }
 
-/// 1 for slides, the scene's length for turns (m).
+/// 1 for distances, the scene's length for turns (m).
 fn units(model: &Model) -> Vec<f64> {
     let mut units = vec![model.length_scale(); model.velocity_count()];
-    for link in model.links.iter().skip(1).filter(|link| link.joint.is_slide()) {
+    for link in model.links.iter().skip(1).filter(|link| link.joint.is_distance()) {
         units[link.velocity] = 1.0;
     }
     units
+}
+
+/// What supports have to bear: [`load`] without what is rounding of forces that cancel.
+fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
+    let rest = vec![0.0; model.velocity_count()];
+    let (mut system, mut residual) = (System::new(model), rest.clone());
+    let sizes = system.at(0.0, pose, &rest).residual(&rest, &mut residual)?.magnitudes().force;
+    let mut load = load(model, pose)?;
+    load.iter_mut().zip(&sizes).filter(|(f, size)| f.abs() <= ROUNDING * **size).for_each(|(f, _)| *f = 0.0);
+    Ok(load)
 }
 
 /// What the balance of the coordinates lacks at rest (N, N m): gravity, springs, motors, loads.
@@ -128,32 +139,4 @@ fn tied(model: &Arc<Model>, pose: &[f64]) -> Vec<Vec<(usize, f64)>> {
     let row =
         |row: usize| (0..matrix.ncols()).map(|i| (i, matrix[(row, i)])).filter(|(_, entry)| *entry != 0.0).collect();
     (0..matrix.nrows()).map(row).collect()
-}
-
-/// How a unit force along a direction at a point, on the second link and against the first, pushes the coordinates.
-pub(crate) fn column_of(
-    model: &Model,
-    motion: &Motion,
-    ends: [usize; 2],
-    point: &Vector3<f64>,
-    along: &Vector3<f64>,
-) -> Vec<(usize, f64)> {
-    let mut column: Vec<(usize, f64)> = Vec::new();
-    for (end, sign) in ends.into_iter().zip([-1.0, 1.0]) {
-        let force = along * sign;
-        let mut at = end;
-        while at != 0 {
-            let (link, moving) = (&model.links[at], &motion.links[at]);
-            let wrench = Wrench { force, moment: (point - moving.position).cross(&force) };
-            project(motion, link, at, &wrench, |velocity, value| {
-                match column.iter_mut().find(|(i, _)| *i == velocity) {
-                    Some((_, sum)) => *sum += value,
-                    None => column.push((velocity, value)),
-                }
-            });
-            at = link.parent;
-        }
-    }
-    column.retain(|(_, value)| *value != 0.0);
-    column
 }

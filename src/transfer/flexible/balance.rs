@@ -50,7 +50,7 @@ impl RodBalance {
         })
     }
 
-    /// The same of a change of the accelerations alone: no weight, no velocity terms.
+    /// The inward sweep for a change of the accelerations alone: no weight, no velocity terms.
     pub(in crate::transfer) fn inward_change(
         &mut self,
         (rod, at): (&Rod, &RodMotion),

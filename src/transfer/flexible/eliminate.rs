@@ -41,7 +41,7 @@ impl RodPivot {
         &self.inertia
     }
 
-    /// `S` and `e` of the tip's link in, those of the parent link at its root marker out.
+    /// `S` and `e` of the tip's link in, those of the parent link at its root marker out; every coordinate has the armature.
     ///
     /// # Errors
     /// The pivot that is not positive.
@@ -50,7 +50,7 @@ impl RodPivot {
         &mut self,
         (rod, at): (&Rod, &RodMotion),
         gravity: &Vector3<f64>,
-        tau: &[f64],
+        (armature, tau): (f64, &[f64]),
         (mut S, mut e): (Reduced, Wrench),
     ) -> Result<(Reduced, Wrench), f64> {
         let (m, last) = (rod.count(), rod.steps());
@@ -76,6 +76,7 @@ impl RodPivot {
             (S, e) = (S.shifted(&link.arm), e.shifted(link.arm));
         }
         for (i, inertia) in self.inertia.iter_mut().enumerate() {
+            *self.pivot.entry(i, i) += armature;
             *inertia = *self.pivot.entry(i, i);
         }
         self.pivot.factorize_definite()?;
@@ -117,15 +118,16 @@ impl RodPivot {
         })
     }
 
-    /// Eqs. (3) for a load on the tip alone, nothing of it kept: `y = L⁻¹ u`, so that `uᵀ D⁻¹ u = yᵀ y`, and what the tip's link
+    /// Eqs. (3) for a load on the tip and one on every coordinate, nothing of it kept: `y = L⁻¹ u`, so that `uᵀ D⁻¹ u = yᵀ y`, and what the tip's link
     /// passes on, as seen at the tip.
     pub(in crate::transfer) fn pass(
         &self,
         (at, arm): (&RodMotion, &Vector3<f64>),
+        tau: f64,
         e: &Wrench,
         y: &mut [f64],
     ) -> Wrench {
-        y.iter_mut().enumerate().for_each(|(i, y)| *y = -at.project(i, e));
+        y.iter_mut().enumerate().for_each(|(i, y)| *y = tau - at.project(i, e));
         self.pivot.forward(y, |y, factor, other| *y += factor * other, |y, factor| *y *= factor);
         let more = self.columns.iter().zip(&*y).fold(Wrench::ZERO, |mut sum, (g, y)| {
             sum.add_times(*y, g);

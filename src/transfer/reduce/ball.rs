@@ -5,8 +5,7 @@
 //! only the other two move, keeps the digits of what resists it. `D⁻¹` as a matrix has lost them: its largest entries
 //! round off what belongs to the smallest.
 
-use super::part::Lost;
-use super::{LOST_BY_BALL, LinkAcceleration, SINGULAR};
+use super::{LOST_BY_BALL, LinkAcceleration, Lost, SINGULAR};
 use crate::model::{Link, Model};
 use crate::motion::LinkMotion;
 use crate::spatial::fused::fma;
@@ -15,7 +14,7 @@ use crate::spatial::{Sym3, Wrench};
 use crate::transfer::element::Reduced;
 use nalgebra::{Matrix3, Vector3};
 
-/// What is left of a ball, `H` being the moment part: `S H = [fm; mm]`, `D = L diag(d) Lᵀ`, and of the last solution `L⁻¹ u`.
+/// The factors of an eliminated ball, `H` being the moment part: `S H = [fm; mm]`, `D = L diag(d) Lᵀ`, and of the last solution `L⁻¹ u`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Ball {
     /// `fm L⁻ᵀ`, inertial axes.
@@ -72,7 +71,7 @@ impl Factors {
         (Self { order, l21, l31, l32, inverse: Vector3::new(i1, i2, 1.0 / d3) }, Vector3::new(D.xx, d2, d3))
     }
 
-    /// With diagonal pivoting: of what is left the largest pivot comes next.
+    /// With diagonal pivoting: the largest remaining pivot comes next.
     #[cold]
     #[inline(never)]
     fn pivoted(D: &Sym3) -> (Self, Vector3<f64>) {
@@ -139,7 +138,7 @@ fn permuted(D: &Sym3, [i, j, k]: [usize; 3]) -> Sym3 {
     Sym3 { xx: diagonal[i], yy: diagonal[j], zz: diagonal[k], xy: beside(i, j), xz: beside(i, k), yz: beside(j, k) }
 }
 
-/// Eq. (5) for a ball: what is left of it and `S'`, and what happened to digits (a pivot below `doubtful` has lost many); on failure the pivot that is not positive.
+/// Eq. (5) for a ball: its factors and `S'`, and what happened to digits (a pivot below `doubtful` has lost many); on failure the pivot that is not positive.
 /// Without armature `S' H = 0` holds identically, so those blocks are set, not computed.
 #[inline]
 pub(super) fn eliminate(

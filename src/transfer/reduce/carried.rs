@@ -1,7 +1,6 @@
 //! What a link passes on to its parent, in registers.
 
-use super::part::Lost;
-use super::{LOST, One, SINGULAR};
+use super::{LOST, Lost, One, SINGULAR};
 use crate::model::Link;
 use crate::motion::LinkMotion;
 use crate::spatial::Wrench;
@@ -78,7 +77,7 @@ impl Carried {
         Self { force: self.force - Quad::of(&applied.force), moment: self.moment - Quad::of(&applied.moment), ..*self }
     }
 
-    /// Eqs. (5) and (6) for a turn: what is left of it; on failure the pivot.
+    /// Eqs. (5) and (6) for a turn: its factors; on failure the pivot.
     #[inline(always)]
     pub(super) fn turn(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
         let n = Quad::of(axis);
@@ -147,7 +146,7 @@ impl Carried {
         (straight, Left::of(force, moment, D, J.trace() + 3.0 * pitch * pitch * link.mass, u))
     }
 
-    /// The same for a slide.
+    /// Eliminates a slide.
     #[inline(always)]
     pub(super) fn slide(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
         let n = Quad::of(axis);
@@ -155,7 +154,7 @@ impl Carried {
         Left::of(force, moment, n.dot(force) + armature, self.ff.trace(), tau - n.dot(self.force))
     }
 
-    /// The same for a slide below which nothing turns: the moments do not count.
+    /// Eliminates a slide below which nothing turns: the moments do not count.
     #[inline(always)]
     pub(super) fn translation(&self, axis: &Vector3<f64>, armature: f64, tau: f64) -> Result<Left, f64> {
         let (n, force) = (Quad::of(axis), self.ff.times(axis));

@@ -2,7 +2,7 @@
 
 use super::ball::{self, Ball, Pivot};
 use super::carried::Carried;
-use super::{Load, One, Singular, three, translate};
+use super::{Load, Lost, One, Singular, three, translate};
 use crate::model::Model;
 use crate::motion::Motion;
 use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
@@ -48,18 +48,6 @@ pub(super) struct Passed {
     pub(super) others: Carried,
     /// What happened to digits in it.
     pub(super) lost: Lost,
-}
-
-/// What happened to digits in an elimination.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Lost {
-    /// Nothing.
-    #[default]
-    None,
-    /// Some may be lost: the accelerations tell.
-    Perhaps,
-    /// A pivot has lost five or more.
-    Many,
 }
 
 impl<'a> Part<'a> {
@@ -176,7 +164,7 @@ fn flexible(
     let rod = place.ball as usize;
     let given = (&scene.model.rods[rod], &scene.motion.rods[rod]);
     let (tau, tip) = (&tau[place.velocity as usize..], (here.matrix(), here.vector()));
-    let (S, e) = rods[rod].eliminate(given, &scene.model.gravity, tau, tip)?;
+    let (S, e) = rods[rod].eliminate(given, &scene.model.gravity, (place.armature, tau), tip)?;
     Ok(Carried::of(&S, &e))
 }
 

@@ -13,8 +13,7 @@
 //! Without it: forces at the centres of mass, where a fast turn about a line through a mass cancels before it is multiplied,
 //! and moments in the axes in which bodies are given, where it meets the small moment of inertia alone.
 
-use super::part::Lost;
-use super::{Load, Reduction};
+use super::{Load, Lost, Reduction};
 use crate::model::{Body, Joint, Model};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::{Sym3, Wrench};
@@ -39,7 +38,7 @@ const MOST_ROUNDS: usize = 8;
 pub(super) struct Refinement {
     /// The bodies in the order of their links.
     bodies: Vec<usize>,
-    /// Hinge forces that are left over, and what they accelerate; one per velocity.
+    /// Residual hinge forces, and what they accelerate; one per velocity.
     left: Vec<f64>,
     step: Vec<f64>,
     /// Of flexible elements.
@@ -115,14 +114,14 @@ impl Reduction {
     }
 
     /// Whether the last solution moves links in a way that hardly anything resists: `q̈ᵀ M q̈`, but for velocities the sum of
-    /// `uᵀ D⁻¹ u`, beside the same of links that resist every turn as they do that about their worst axis.
+    /// `uᵀ D⁻¹ u`, compared with that of links that resist every turn as they do that about their worst axis.
     fn is_soft(&self, model: &Model) -> bool {
         let (mut resisted, mut seen) = (0.0, 0.0);
         for (index, link) in model.links.iter().enumerate().skip(1) {
             resisted += match link.joint {
                 Joint::None => 0.0,
                 Joint::Ball { .. } => self.balls[self.plan[index].ball as usize].resisted(),
-                Joint::Flex { rod, .. } => self.rods[rod].resisted(),
+                Joint::Flex { rod, .. } | Joint::Along { rod } => self.rods[rod].resisted(),
                 _ => self.hinges[index].u.powi(2) * self.hinges[index].inverse,
             };
             seen += link.inertia.trace() * self.a[index].angular.norm_squared();
@@ -180,10 +179,10 @@ impl Reduction {
                     let moment = at.turn.tr_mul(&passed.moment) + own.moment;
                     (0..3).for_each(|i| left[to + i] = rotor(to + i) - moment[i]);
                 }
-                Joint::Flex { .. } => {}
+                Joint::Flex { .. } | Joint::Along { .. } => {}
             }
-            if let Joint::Flex { rod, count } = link.joint {
-                let range = to..to + count;
+            if let Some(rod) = link.joint.rod() {
+                let range = to..to + link.joint.counts().1;
                 let (given, second) = ((&model.rods[rod], &motion.rods[rod]), &hinge[range.clone()]);
                 let tip = passed + Wrench { force: own.force, moment: at.turn * own.moment };
                 let rows = &mut left[range.clone()];

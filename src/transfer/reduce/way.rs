@@ -24,8 +24,8 @@ impl Reduction {
     }
 
     /// Eq. (6) at one hinge for a load without velocity terms: takes `e` across it and puts `u` and `D⁻¹ u`, three numbers a
-    /// [part](parts) of its coordinates, zero for those it does not have. `tau` is the hinge force on a single coordinate. Of a
-    /// flexible element both are `L⁻¹ u` with `D = L Lᵀ`.
+    /// [part](parts) of its coordinates, zero for those it does not have. `tau` is the hinge force on a single coordinate. Of an
+    /// element both are `L⁻¹ u` with `D = L Lᵀ`.
     ///
     /// Over the ways from loaded links to the root these are the only ones that are not zero, and for any two loads
     /// `b`, `c` it is `bᵀ M⁻¹ c = Σ uᵦ · D⁻¹ u꜀`: small systems of loads need no outward sweep.
@@ -47,9 +47,10 @@ impl Reduction {
                 *e = passed;
                 put([u, step]);
             }
-            Joint::Flex { rod, count } => {
+            Joint::Flex { rod, .. } | Joint::Along { rod } => {
                 let mut y = [0.0; MOST_COORDINATES];
-                *e = self.rods[rod].pass((&motion.rods[rod], &at.arm), e, &mut y[..count]);
+                let tau = if link.joint.is_scalar() { tau } else { 0.0 };
+                *e = self.rods[rod].pass((&motion.rods[rod], &at.arm), tau, e, &mut y[..link.joint.counts().1]);
                 y.chunks_exact(3).take(parts(link)).for_each(|y| put([Vector3::from_column_slice(y); 2]));
             }
             Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => {

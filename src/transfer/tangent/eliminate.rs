@@ -23,7 +23,7 @@ impl Coupled {
     }
 }
 
-/// One coordinate; false where the pivot does not do. `S` is left as the parent's side sees it, at the link's marker.
+/// One coordinate; false if the pivot does not do. `S` is left as the parent's side sees it, at the link's marker.
 #[inline(always)]
 pub(super) fn eliminate_one<const PARTS: u8>(
     left: &mut Left,

@@ -1,4 +1,4 @@
-//! One hinge at the point of the tangent, and what is left of it.
+//! One hinge at the point of the tangent, and the factors of its elimination.
 
 use super::At;
 use super::parts::{ACCELERATIONS, Block, Carried, PLACES, RATES, Varied};
@@ -48,7 +48,7 @@ impl Way {
     }
 }
 
-/// What is left of a ball, inertial axes.
+/// The factors of an eliminated ball, inertial axes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Three {
     /// `inertial_from_link`.

@@ -45,7 +45,7 @@ pub struct Pair {
 struct Meeting {
     pair: Pair,
     link: usize,
-    /// That link among those that are met at; `None` for the ground.
+    /// Index of that link among the links where pairs meet; `None` for the ground.
     sum: Option<usize>,
 }
 
@@ -72,7 +72,7 @@ pub struct TangentMatrix {
     /// Places of the entries in the order in which (2) comes to them, and where those of each column begin.
     inboard: Vec<u32>,
     inboard_starts: Vec<usize>,
-    /// The same in the order of (4).
+    /// Places of the entries in the order in which (4) comes to them.
     across: Vec<u32>,
     meetings: Vec<Meeting>,
     /// `S` that the links where pairs meet gain, ascending by link.

@@ -141,7 +141,7 @@ impl Carried {
         Self { turn, place, rate, speed, ..Self::default() }
     }
 
-    /// The same with every part that takes part.
+    /// Changes every block that takes part.
     #[inline(always)]
     pub(super) fn each<const PARTS: u8>(&mut self, mut change: impl FnMut(&mut Block)) {
         if has(PARTS, ACCELERATIONS) {
@@ -160,7 +160,7 @@ impl Carried {
         }
     }
 
-    /// The same with every pair of parts.
+    /// Changes every block that takes part, with its partner in `other`.
     #[inline(always)]
     pub(super) fn each_with<const PARTS: u8>(&mut self, other: &Self, mut change: impl FnMut(&mut Block, &Block)) {
         if has(PARTS, ACCELERATIONS) {
@@ -215,7 +215,7 @@ impl Carried {
         }
     }
 
-    /// The same of a slice with its centre of mass at the marker.
+    /// Adds a slice of a rod with its centre of mass at the marker.
     pub(super) fn add_slice<const PARTS: u8>(&mut self, mass: f64, at: &LinkMotion, b: Quad) {
         let link = Link { mass, ..Link::ground() };
         self.add_body::<PARTS>(&link, at, b);

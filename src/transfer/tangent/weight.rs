@@ -23,17 +23,17 @@ use nalgebra::{Matrix3, Vector3};
 pub(super) struct Weight {
     left: Pages<Left>,
     balls: Vec<Three>,
-    /// What arrives at links with several children from all but the first; nothing between two sweeps.
+    /// What arrives at links with several children from all but the first; zero between two sweeps.
     joins: Vec<Columns>,
-    /// The same for moments.
+    /// Moments that arrive at links with several children from all but the first; zero between two sweeps.
     moments: Vec<Quad>,
-    /// Turns of the links, where several hang on one.
+    /// Turns of links with several children.
     turned: Pages<Quad>,
     /// Whether the last factorization broke down.
     broken: bool,
 }
 
-/// What is left of a turn, slide or screw.
+/// The factors of an eliminated turn, slide or screw.
 #[derive(Debug, Clone, Copy, Default)]
 struct Left {
     /// Of a turn or screw; zero for others.
@@ -45,7 +45,7 @@ struct Left {
     u: f64,
 }
 
-/// What is left of a ball, inertial axes.
+/// The factors of an eliminated ball, inertial axes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Three {
     turn: Matrix3<f64>,

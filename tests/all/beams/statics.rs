@@ -110,7 +110,7 @@ fn end_moments_make_circles() {
         for elements in [4, 8] {
             let torque = Vector3::new(0.0, 0.0, turns * std::f64::consts::TAU);
             let (on, force) = (("rod", "tip").into(), Vector3::zeros());
-            let kind = Load { on, force, torque, axes: LoadAxes::Body };
+            let kind = Load { on, force, torque, axes: LoadAxes::Body, over_time: None };
             let force = ForceDescription { name: "tip".to_owned(), kind: kind.into() };
             let model = Model::build(&weightless(rod(elements, 1)).force(force)).expect("sound");
             // Bent once around, it flutters out of its plane.

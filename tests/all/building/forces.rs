@@ -59,7 +59,8 @@ fn numbers_of_a_force_must_be_finite_and_those_of_springs_not_negative() {
     let bad = Vector3::new(0.0, f64::NAN, 0.0);
     for (field, pair) in [("force", [bad, Vector3::x()]), ("torque", [Vector3::x(), bad])] {
         let [push, twist] = pair;
-        let kind = ForceKind::Load(Load { on: on("arm"), force: push, torque: twist, axes: LoadAxes::Body });
+        let kind =
+            ForceKind::Load(Load { on: on("arm"), force: push, torque: twist, axes: LoadAxes::Body, over_time: None });
         assert_problem(first, field, &[&format!("`{field}` of `push` is [0, NaN, 0]")], |d| {
             d.forces = vec![force("push", kind)];
         });

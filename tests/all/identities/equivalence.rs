@@ -70,7 +70,7 @@ fn halved(description: &Description, index: usize, random: &mut Random) -> Descr
                     share_out(end);
                 }
             }
-            ForceKind::Load(Load { on, force, torque, axes }) => {
+            ForceKind::Load(Load { on, force, torque, axes, .. }) => {
                 if share_out(on) && *axes == LoadAxes::Body {
                     *force = weld.rotation.inverse() * *force;
                     *torque = weld.rotation.inverse() * *torque;

@@ -139,7 +139,7 @@ fn links_that_are_no_tree() {
     robot.urdf: 2 errors
     "###);
     insta::assert_snapshot!(refused(&robot(&link("loose"))), @r###"
-    error: 2 links hang on no joint: `base`, `loose`
+    error: 2 links are not reached by any joint: `base`, `loose`
      --> robot.urdf:3:1
       |
     3 | <link name="loose"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/><inertia ixx="0.2" iyy="0.2" izz="0.05" ixy="0" ixz="0" iyz="0"...

@@ -153,13 +153,13 @@ fn what_is_not_taken_is_listed_line_by_line() {
     ));
     insta::assert_snapshot!(notes(&import(&text.replace("<link name=\"base\"/>", "<link name=\"base\" colour=\"red\"/>"), &Options::default())), @r###"
     2: ignored: link `base`: `colour = "red"` is not known here
-    3: ignored: <collision> of link `arm`: contacts between bodies are not simulated
+    3: ignored: <collision> of link `arm`: contacts between bodies are not imported: describe them with `[[contact]]`
     4: ignored: <mesh> of <geometry> of <visual> of link `arm`: no file `package://parts/arm.stl`: it is not drawn; say where the package is with `--package parts=FOLDER` or ROS_PACKAGE_PATH
-    5: ignored: sensor `eye`: sensors are not simulated
-    6: ignored: <safety_controller> of joint `turn`: controllers are not simulated
+    5: ignored: sensor `eye`: sensors are not imported: describe what they measure with `[[output]]`
+    6: ignored: <safety_controller> of joint `turn`: controllers are not imported: describe them with `[[controller]]`
     6: used: <limit> of joint `turn`: `effort = 2`: no motor acts in it; it is the `limit` of every [[motor]] in it that has none of its own
     6: ignored: <limit> of joint `turn`: a continuous joint has no `lower` and `upper`
-    7: ignored: transmission `motor`: actuators and their gears are not simulated
+    7: ignored: transmission `motor`: actuators and their gears are not imported: describe them with `[[motor]]` and `[[gear]]`
     8: ignored: <gazebo>: meant for Gazebo
     9: ignored: wheel `spare`: not known here, nor is anything within it
     9: ignored: <robot>: the text `stray words`

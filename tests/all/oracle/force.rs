@@ -58,7 +58,7 @@ fn of_kind(description: &Description, placed: &[Placed], kind: &ForceKind) -> Ve
                 Push { body: second, at: xb, force: -pull, torque: Vector3::zeros() },
             ]
         }
-        ForceKind::Load(Load { on, force, torque, axes }) => {
+        ForceKind::Load(Load { on, force, torque, axes, .. }) => {
             let (body, at, point) = attached(description, placed, on);
             let turn = if *axes == LoadAxes::Body { at.turn } else { Matrix3::identity() };
             vec![Push { body, at: point, force: turn * force, torque: turn * torque }]

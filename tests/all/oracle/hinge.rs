@@ -177,6 +177,7 @@ pub(super) fn conditions(description: &Description, placed: &[Placed], body: usi
                 vec![pair.turns(&duals[0], &first), pair.turns(&duals[1], &second)],
             )
         }
+        HingeKind::Along { .. } => unreachable!("`guides` has an oracle of its own"),
         HingeKind::Planar => (
             vec![pair.distance(&z), pair.angle(&x, &z), pair.angle(&y, &z)],
             vec![pair.slides(&x), pair.slides(&y), pair.turns(&z, &z)],

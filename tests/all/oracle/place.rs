@@ -128,6 +128,7 @@ fn relative(hinge: &HingeDescription) -> Relative {
             turn = about(first, q[0]) * about(second, q[1]);
             spin = first.normalize() * v[0] + about(first, q[0]) * second.normalize() * v[1];
         }
+        HingeKind::Along { .. } => unreachable!("`guides` has an oracle of its own"),
         HingeKind::Planar => {
             shift = Vector3::new(q[0], q[1], 0.0);
             slip = Vector3::new(v[0], v[1], 0.0);

@@ -29,7 +29,7 @@ fn find(model: &Arc<Model>, method: Method) -> Equilibrium {
     equilibrium(model, &settings, &model.start_position).expect("the guess can be evaluated")
 }
 
-/// Scenes where Newton's method ends in a place from which no step makes the forces smaller: continuation in the load
+/// Scenes where Newton's method ends in a place from which no step makes the forces smaller: the release of the guess
 /// gets around that in some, and only the motion itself in others.
 #[test]
 fn later_stages_find_what_newton_does_not() {

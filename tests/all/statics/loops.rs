@@ -430,13 +430,13 @@ fn round_off_is_what_rounding_does_and_excuses_nothing_else() {
     };
     let left = |off: f64| {
         let model = model(off);
-        stillpoint::statics::leftover(&model, &model.start_position, &[0.0; 3]).expect("finite")
+        stillpoint::statics::residual(&model, &model.start_position, &[0.0; 3]).expect("finite")
     };
     let round_off = by(Method::Auto, &model(0.0)).round_off;
     assert!((1e-11..1e-9).contains(&round_off), "{round_off:e}");
     for off in [10.0, 30.0, 100.0] {
-        let leftover = left(off * round_off).expect("a pose that is not balanced");
-        assert!(leftover.relative > 3.0 * round_off, "{}", leftover.relative);
+        let residual = left(off * round_off).expect("a pose that is not balanced");
+        assert!(residual.relative > 3.0 * round_off, "{}", residual.relative);
     }
     assert_eq!(left(0.0), None);
 }

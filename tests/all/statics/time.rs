@@ -8,7 +8,7 @@ use std::time::Instant;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
 use stillpoint::scenario;
-use stillpoint::statics::{Equilibrium, Method, Settings, Want, equilibrium, equilibrium_while};
+use stillpoint::statics::{Equilibrium, Method, Observers, Settings, Want, equilibrium, equilibrium_observed};
 
 /// A crumpled chain: the search takes hundreds of steps.
 fn crumpled(seed: u64) -> Arc<Model> {
@@ -67,7 +67,9 @@ fn the_caller_ends_the_search_within_a_step() {
             asked.set(asked.get() + 1);
             asked.get() <= most
         };
-        let found = equilibrium_while(&model, &Settings::default(), &model.start_position, &go_on).expect("statics");
+        let observers = Observers { go_on: Some(&go_on), ..Observers::default() };
+        let settings = Settings::default();
+        let found = equilibrium_observed(&model, &settings, &model.start_position, observers).expect("statics");
         assert!(!found.converged && says(&found, "the search was stopped"), "{most}: {:?}", found.notes);
         assert!(found.iterations as u64 <= most, "{} steps", found.iterations);
     }

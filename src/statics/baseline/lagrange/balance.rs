@@ -1,7 +1,8 @@
 //! Forces on every link in maximal coordinates, and how they vary with the poses.
 
-use super::constraints::{Constraint, Gradient, axial};
-use super::entries::{Entries, Part};
+use super::constraints::{Constraint, axial};
+use super::entries::Entries;
+use super::gradient::{Gradient, Part};
 use super::poses::Poses;
 use crate::dynamics::applied;
 use crate::force::Act;
@@ -94,7 +95,7 @@ pub(super) fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
             let n = parent.turn * (link.turn * axis);
             Gradient { force: n, on_link: zero, on_parent: n.cross(&(own.position - parent.position)) }
         }
-        Joint::None | Joint::Ball { .. } | Joint::Flex { .. } => {
+        Joint::None | Joint::Ball { .. } | Joint::Flex { .. } | Joint::Along { .. } => {
             Gradient { force: zero, on_link: zero, on_parent: zero }
         }
     }
@@ -169,7 +170,7 @@ fn hinge(
         own || motor || pushed[link.velocity + i]
     };
     match link.joint {
-        Joint::None | Joint::Flex { .. } => {}
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
         Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } if !active(0) => {}
         Joint::Turn | Joint::Screw { .. } => {
             let gradient = coordinate(poses, index, link);

@@ -26,11 +26,11 @@
 //! thread    g = u·(D + B − A) − p φ    as plane, and the moment −p m on the link, p m on P; φ, m: see `spatial::twist`
 //! ```
 
-use super::entries::{Entries, Part};
+use super::entries::Entries;
+use super::gradient::{Gradient, Part};
 use crate::constraint::{IndependentRow, Rule};
 use crate::model::{Joint, Link, Model};
 use crate::motion::{LinkMotion, Motion, hinge_from_link};
-use crate::spatial::Wrench;
 use crate::spatial::twist::Twist;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -66,39 +66,6 @@ enum Kind {
     Distance { length: f64, point: Vector3<f64>, on_link: Vector3<f64> },
 }
 
-/// What a multiplier of size one does: `force` and `on_link` to the link, `−force` and `on_parent` to the parent. The
-/// same numbers are the gradient with respect to displacements and small turns.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Gradient {
-    pub(super) force: Vector3<f64>,
-    pub(super) on_link: Vector3<f64>,
-    pub(super) on_parent: Vector3<f64>,
-}
-
-impl Gradient {
-    pub(super) fn times(&self, factor: f64) -> Self {
-        Self { force: factor * self.force, on_link: factor * self.on_link, on_parent: factor * self.on_parent }
-    }
-
-    pub(super) fn on_link(&self, size: f64) -> Wrench {
-        Wrench { force: size * self.force, moment: size * self.on_link }
-    }
-
-    pub(super) fn on_parent(&self, size: f64) -> Wrench {
-        Wrench { force: -size * self.force, moment: size * self.on_parent }
-    }
-
-    /// The blocks that are not zero by kind: link, part, row vector.
-    pub(super) fn blocks(&self, link: usize, parent: usize) -> [(usize, Part, Vector3<f64>); 4] {
-        [
-            (link, Part::Place, self.force),
-            (link, Part::Turn, self.on_link),
-            (parent, Part::Place, -self.force),
-            (parent, Part::Turn, self.on_parent),
-        ]
-    }
-}
-
 /// All constraints of a tree with locked hinges held at `q`, and the number of their rows.
 pub(super) fn of_model(model: &Model, q: &[f64]) -> (Vec<Constraint>, usize) {
     let (mut list, mut row) = (Vec::new(), 0);
@@ -117,7 +84,7 @@ fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
     let locked = model.coordinates[link.velocity..link.velocity + count].iter().any(|c| c.lock);
     match link.joint {
         // Scenes with flexible elements are refused before.
-        Joint::None | Joint::Flex { .. } => welded(point, link.turn),
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => welded(point, link.turn),
         Joint::Turn | Joint::Screw { .. } if locked => {
             let (z, angle) = (Vector3::z_axis(), q[link.position]);
             let slid = link.joint.pitch() * angle * (link.turn * z.into_inner());

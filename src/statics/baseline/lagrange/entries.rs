@@ -1,6 +1,6 @@
 //! The entries of the sparse matrix, and its solution: equilibrated, LU with pivoting, one step of refinement.
 
-use super::constraints::Gradient;
+use super::gradient::{Gradient, Part};
 use crate::spatial::Wrench;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
@@ -8,15 +8,8 @@ use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 use nalgebra::{Matrix3, Vector3};
 
-/// Passes of equilibration: each halves the logarithm of what is left.
+/// Passes of equilibration: each halves the logarithm of the remaining ratios.
 const PASSES: usize = 4;
-
-/// Displacement (or force) and turn (or moment) of a link.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
-    Place,
-    Turn,
-}
 
 /// First index of a part of a link; the ground has none.
 fn index((link, part): (usize, Part)) -> Option<usize> {
@@ -105,14 +98,14 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    /// Analyses the pattern of `entries`; `None` where the matrix is too large to address.
+    /// Analyses the pattern of `entries`; `None` if the matrix is too large to address.
     pub(super) fn of(entries: &Entries, size: usize) -> Option<Self> {
         let (symbolic, order) = SymbolicSparseColMat::try_new_from_indices(size, size, &entries.pairs).ok()?;
         let factor = SymbolicLu::try_new(symbolic.as_ref()).ok()?;
         Some(Self { symbolic, order, factor, size })
     }
 
-    /// The solution of one system; `None` where the matrix is singular.
+    /// The solution of one system; `None` if the matrix is singular.
     pub(super) fn solve(&self, entries: &Entries, rhs: &[f64]) -> Option<Vec<f64>> {
         let (rows, cols) = equilibration(entries, self.size);
         let scaled: Vec<f64> =

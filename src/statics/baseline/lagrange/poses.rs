@@ -49,7 +49,7 @@ impl Poses {
                 continue;
             }
             match link.joint {
-                Joint::None | Joint::Flex { .. } => {}
+                Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
                 Joint::Turn | Joint::Screw { .. } => {
                     let turn = relative();
                     let angle = 2.0 * turn.k.atan2(turn.w);

@@ -12,7 +12,8 @@
 //! How these vary is taken as differences: their error, some parts in 10⁹, only costs that part of the convergence.
 
 use super::balance::coordinate;
-use super::entries::{Entries, Part};
+use super::entries::Entries;
+use super::gradient::Part;
 use super::poses::Poses;
 use crate::model::Model;
 use crate::spatial::Wrench;

@@ -7,45 +7,45 @@
 //! ```
 
 use super::cone;
+use super::geometry::feature::Meeting;
+use super::geometry::tangents;
 use super::pairs::{Key, Pairs};
-use crate::contact::geometry::feature::Meeting;
-use crate::contact::geometry::tangents;
 use crate::dynamics::System;
 use crate::model::Model;
-use crate::motion::Motion;
+use crate::motion::{Motion, project};
+use crate::spatial::Wrench;
 use crate::spatial::link::LinkAcceleration;
-use crate::statics::standing::column_of;
 use nalgebra::{Matrix3, Vector3};
 
 /// Entries of a generalized force that are not zero: velocity coordinate and value.
-pub(super) type Column = Vec<(usize, f64)>;
+pub(crate) type Column = Vec<(usize, f64)>;
 
 /// One contact in a place.
 #[derive(Debug, Clone)]
-pub(super) struct Frame {
-    pub(super) key: Key,
-    pub(super) meeting: Meeting,
+pub(crate) struct Frame {
+    pub(crate) key: Key,
+    pub(crate) meeting: Meeting,
     /// Links of both bodies.
-    pub(super) links: [usize; 2],
+    pub(crate) links: [usize; 2],
     /// Normal and two tangents.
-    pub(super) basis: Matrix3<f64>,
+    pub(crate) basis: Matrix3<f64>,
     /// `J` by rows: normal, tangents.
-    pub(super) columns: [Column; 3],
+    pub(crate) columns: [Column; 3],
     /// `u`, in the basis (m/s).
-    pub(super) speed: Vector3<f64>,
+    pub(crate) speed: Vector3<f64>,
     /// `c` of (1), in the basis (m/s²).
-    pub(super) bias: Vector3<f64>,
+    pub(crate) bias: Vector3<f64>,
     /// Relative angular velocity (rad/s).
-    pub(super) spin: Vector3<f64>,
+    pub(crate) spin: Vector3<f64>,
 }
 
 /// `Σ c x` of a column.
-pub(super) fn along(column: &Column, x: &[f64]) -> f64 {
+pub(crate) fn along(column: &Column, x: &[f64]) -> f64 {
     column.iter().map(|(i, c)| c * x[*i]).sum()
 }
 
 /// Accelerations of all links for hinge accelerations of zero.
-pub(super) fn carried(motion: &Motion, model: &Model, out: &mut Vec<LinkAcceleration>) {
+pub(crate) fn carried(motion: &Motion, model: &Model, out: &mut Vec<LinkAcceleration>) {
     out.clear();
     out.push(LinkAcceleration::default());
     for (link, at) in model.links.iter().zip(&motion.links).skip(1) {
@@ -57,7 +57,7 @@ pub(super) fn carried(motion: &Motion, model: &Model, out: &mut Vec<LinkAccelera
 impl Frame {
     /// A contact where the links of `motion` are; `carried` as [`carried`]. Its first tangent is that of `across`, so that it turns
     /// with the normal and does not jump.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &Model,
         motion: &Motion,
         pairs: &Pairs,
@@ -107,36 +107,46 @@ impl Frame {
     }
 
     /// Velocity of what touches, across the normal (m/s).
-    pub(super) fn slip(&self) -> Vector3<f64> {
+    pub(crate) fn slip(&self) -> Vector3<f64> {
         self.basis.column(1) * self.speed.y + self.basis.column(2) * self.speed.z
     }
 
     /// `J x`.
-    pub(super) fn rates(&self, x: &[f64]) -> Vector3<f64> {
+    pub(crate) fn rates(&self, x: &[f64]) -> Vector3<f64> {
         Vector3::from_fn(|i, _| along(&self.columns[i], x))
     }
 
     /// The generalized force of a force on the second body, in the basis.
-    pub(super) fn push(&self, force: &Vector3<f64>, out: &mut [f64]) {
+    pub(crate) fn push(&self, force: &Vector3<f64>, out: &mut [f64]) {
         for (column, f) in self.columns.iter().zip(force) {
             column.iter().for_each(|(i, c)| out[*i] += c * f);
         }
     }
 
     /// A vector across the normal, in the tangents.
-    pub(super) fn flat(&self, vector: &Vector3<f64>) -> nalgebra::Vector2<f64> {
+    pub(crate) fn flat(&self, vector: &Vector3<f64>) -> nalgebra::Vector2<f64> {
         nalgebra::Vector2::new(self.basis.column(1).dot(vector), self.basis.column(2).dot(vector))
     }
 }
 
 /// How hinge velocities or accelerations answer to a generalized force, at the last factorization.
-pub(super) fn respond(system: &mut System, q: &[f64], v: &[f64], impulse: &[f64], change: &mut [f64]) {
+pub(crate) fn respond(system: &mut System, q: &[f64], v: &[f64], impulse: &[f64], change: &mut [f64]) {
     let mut factorized = system.factorized(q, v);
     factorized.answer_impulse(impulse, change);
 }
 
 /// `X` of (2) for all three rows of every contact.
-pub(super) fn responses(system: &mut System, q: &[f64], v: &[f64], frames: &[Frame]) -> Vec<[Vec<f64>; 3]> {
+pub(crate) fn responses(system: &mut System, q: &[f64], v: &[f64], frames: &[Frame]) -> Vec<[Vec<f64>; 3]> {
+    responses_to(system, q, v, frames.iter().map(|frame| &frame.columns))
+}
+
+/// `X` of (2) for three rows each.
+pub(crate) fn responses_to<'a>(
+    system: &mut System,
+    q: &[f64],
+    v: &[f64],
+    columns: impl Iterator<Item = &'a [Column; 3]>,
+) -> Vec<[Vec<f64>; 3]> {
     let n = v.len();
     let mut impulse = vec![0.0; n];
     let mut answer = |column: &Column| {
@@ -146,11 +156,11 @@ pub(super) fn responses(system: &mut System, q: &[f64], v: &[f64], frames: &[Fra
         column.iter().for_each(|(i, _)| impulse[*i] = 0.0);
         change
     };
-    frames.iter().map(|frame| [0, 1, 2].map(|i| answer(&frame.columns[i]))).collect()
+    columns.map(|columns| [0, 1, 2].map(|i| answer(&columns[i]))).collect()
 }
 
 /// `A` of (2), by blocks.
-pub(super) fn blocks(frames: &[Frame], responses: &[[Vec<f64>; 3]]) -> Vec<Vec<(usize, Matrix3<f64>)>> {
+pub(crate) fn blocks(frames: &[Frame], responses: &[[Vec<f64>; 3]]) -> Vec<Vec<(usize, Matrix3<f64>)>> {
     let block = |i: usize, j: usize| Matrix3::from_fn(|r, c| along(&frames[i].columns[r], &responses[j][c]));
     let row = |i: usize| {
         let all = (0..frames.len()).map(|j| (j, block(i, j)));
@@ -160,11 +170,39 @@ pub(super) fn blocks(frames: &[Frame], responses: &[[Vec<f64>; 3]]) -> Vec<Vec<(
 }
 
 /// The problem of contacts with these rates and laws.
-pub(super) fn problem(
+pub(crate) fn problem(
     frames: &[Frame],
     responses: &[[Vec<f64>; 3]],
     rates: Vec<Vector3<f64>>,
     laws: Vec<cone::Law>,
 ) -> cone::Problem {
     cone::Problem { blocks: blocks(frames, responses), rates, laws }
+}
+
+/// How a unit force along a direction at a point, on the second link and against the first, pushes the coordinates.
+pub(crate) fn column_of(
+    model: &Model,
+    motion: &Motion,
+    ends: [usize; 2],
+    point: &Vector3<f64>,
+    along: &Vector3<f64>,
+) -> Vec<(usize, f64)> {
+    let mut column: Vec<(usize, f64)> = Vec::new();
+    for (end, sign) in ends.into_iter().zip([-1.0, 1.0]) {
+        let force = along * sign;
+        let mut at = end;
+        while at != 0 {
+            let (link, moving) = (&model.links[at], &motion.links[at]);
+            let wrench = Wrench { force, moment: (point - moving.position).cross(&force) };
+            project(motion, link, at, &wrench, |velocity, value| {
+                match column.iter_mut().find(|(i, _)| *i == velocity) {
+                    Some((_, sum)) => *sum += value,
+                    None => column.push((velocity, value)),
+                }
+            });
+            at = link.parent;
+        }
+    }
+    column.retain(|(_, value)| *value != 0.0);
+    column
 }

@@ -1,0 +1,82 @@
+//! Rigid stops and dry friction of hinges as supports of the cone problem, beside contacts.
+
+use super::cone::Law;
+use super::frame::{Column, along};
+use super::pairs::Key;
+use crate::model::{Model, StopLaw};
+use nalgebra::Vector3;
+
+/// What bears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Id {
+    /// Two features of two shapes.
+    Contact(Key),
+    /// Index of a rigid stop, and the sign of the motion that leaves it.
+    Stop(usize, f64),
+    /// Index of the dry friction of a hinge.
+    Friction(usize),
+}
+
+/// A support: up to three rows of `J`, and the law of their forces.
+#[derive(Debug, Clone)]
+pub(crate) struct Support {
+    pub(crate) id: Id,
+    pub(crate) columns: [Column; 3],
+    /// What a motion along the first row may use up (m or rad).
+    pub(crate) gap: f64,
+    pub(crate) law: Law,
+}
+
+impl Support {
+    fn of_hinge(id: Id, first: usize, signs: &[f64], gap: f64, law: Law) -> Self {
+        let column = |i: usize| signs.get(i).map_or_else(Vec::new, |sign| vec![(first + i, *sign)]);
+        Self { id, columns: [column(0), column(1), column(2)], gap, law }
+    }
+
+    /// `J x`.
+    pub(crate) fn rates(&self, x: &[f64]) -> Vector3<f64> {
+        Vector3::from_fn(|i, _| along(&self.columns[i], x))
+    }
+}
+
+/// Puts coordinates of a tree that have passed rigid limits back on them.
+pub(crate) fn within_limits(model: &Model, q: &mut [f64]) {
+    if model.is_constrained() {
+        return;
+    }
+    for stop in model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+        q[stop.position] = q[stop.position].clamp(stop.range[0], stop.range[1]);
+    }
+}
+
+/// Both limits of every rigid stop, and dry friction: what holds a hinge that is slower than `still` (parts of the scene's speeds),
+/// or what it slides with.
+pub(crate) fn supports(model: &Model, q: &[f64], v: &[f64], still: f64) -> Vec<Support> {
+    let mut all = Vec::new();
+    let is_free = |velocity: usize| !model.coordinates[velocity].lock;
+    for (index, stop) in model.stops.iter().enumerate().filter(|(_, stop)| is_free(stop.velocity)) {
+        if !matches!(stop.law, StopLaw::Rigid { .. }) {
+            continue;
+        }
+        let at = q[stop.position];
+        for (gap, sign) in [(at - stop.range[0], 1.0), (stop.range[1] - at, -1.0)] {
+            if gap.is_finite() {
+                let law = Law::Coulomb { stick: 0.0, slide: 0.0 };
+                all.push(Support::of_hinge(Id::Stop(index, sign), stop.velocity, &[sign], gap, law));
+            }
+        }
+    }
+    for (index, own) in model.hinge_friction.iter().enumerate().filter(|(_, own)| is_free(own.velocity)) {
+        let speed = v[own.velocity..own.velocity + own.count].iter().map(|v| v * v).sum::<f64>().sqrt();
+        let bound = if speed <= still { own.friction.stick } else { own.friction.slide };
+        let signs = [1.0; 3];
+        all.push(Support::of_hinge(
+            Id::Friction(index),
+            own.velocity,
+            &signs[..own.count],
+            0.0,
+            Law::Bounded { bound },
+        ));
+    }
+    all
+}

@@ -1,0 +1,54 @@
+//! Ends of the curves that bodies are guided along: nothing goes beyond them. An end that a rigid stop keeps a body from is none.
+
+use super::{Link, Model, Stop, StopLaw};
+use crate::element::Rod;
+
+/// One end of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveEnd {
+    /// Index of the body whose hinge it is.
+    pub body: usize,
+    /// Index into the position vector.
+    pub position: usize,
+    /// Index into the velocity vector.
+    pub velocity: usize,
+    /// Arc length there (m).
+    pub at: f64,
+    /// 1 if the curve is below it, −1 if it is above.
+    pub sign: f64,
+    /// What rounding leaves of it (m).
+    pub slack: f64,
+}
+
+/// This part of its length a curve may be left by rounding, of integrals along it among others.
+const ROUNDING: f64 = 1e-12;
+
+impl CurveEnd {
+    /// How far a coordinate is beyond it (m).
+    pub fn beyond(&self, position: &[f64]) -> f64 {
+        self.sign * (position[self.position] - self.at)
+    }
+}
+
+impl Model {
+    /// The end of a curve that a position is beyond, by more than rounding.
+    pub fn beyond_curve(&self, position: &[f64]) -> Option<&CurveEnd> {
+        self.curve_ends.iter().find(|end| !(end.beyond(position) <= end.slack))
+    }
+}
+
+/// The ends of all curves but for those behind a rigid stop.
+pub(super) fn ends(links: &[Link], rods: &[Rod], stops: &[Stop]) -> Vec<CurveEnd> {
+    let of_link = |link: &Link| {
+        let [from, to] = rods[link.joint.rod()?].guide()?.range();
+        let (body, position, velocity) = (link.body, link.position, link.velocity);
+        let end = |at: f64, sign: f64| CurveEnd { body, position, velocity, at, sign, slack: ROUNDING * (to - from) };
+        Some([end(from, -1.0), end(to, 1.0)])
+    };
+    let guarded = |end: &CurveEnd| {
+        let side = |stop: &Stop| if end.sign > 0.0 { end.at - stop.range[1] } else { stop.range[0] - end.at };
+        let rigid = |stop: &&Stop| stop.position == end.position && matches!(stop.law, StopLaw::Rigid { .. });
+        stops.iter().filter(rigid).any(|stop| side(stop) >= -end.slack)
+    };
+    links.iter().filter_map(of_link).flatten().filter(|end| !guarded(end)).collect()
+}

@@ -1,0 +1,130 @@
+//! `J M⁻¹ Jᵀ` of many contacts: `M⁻¹` is made of the blocks of the trees on the ground, all of them in as many solutions as the
+//! largest has coordinates.
+
+use super::Contacts;
+use crate::contact::frame::{self, Column};
+use crate::contact::hinges::Support;
+use crate::dynamics::System;
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+/// Trees with more coordinates than this are answered row by row.
+const LARGE: usize = 30;
+
+/// The part of `J` and of `M⁻¹ Jᵀ` of a contact in one tree.
+struct Part {
+    tree: usize,
+    rows: DMatrix<f64>,
+    answers: DMatrix<f64>,
+}
+
+/// `J` and `M⁻¹ Jᵀ`, by contacts and trees.
+pub(super) struct Blocks {
+    /// Velocity coordinates of every tree.
+    trees: Vec<Vec<usize>>,
+    parts: Vec<Vec<Part>>,
+    /// Contacts of every tree.
+    contacts: Vec<Vec<usize>>,
+}
+
+impl Blocks {
+    pub(super) fn new(contacts: &Contacts, system: &mut System, q: &[f64], v: &[f64], supports: &[Support]) -> Self {
+        let trees = contacts.trees.clone();
+        let mut of = vec![(0, 0); v.len()];
+        trees.iter().enumerate().for_each(|(tree, own)| own.iter().enumerate().for_each(|(k, i)| of[*i] = (tree, k)));
+        let mut parts: Vec<Vec<Part>> = supports.iter().map(|support| split(&support.columns, &of, &trees)).collect();
+        let largest = parts.iter().flatten().map(|part| part.rows.ncols()).max().unwrap_or(0);
+        if largest <= LARGE {
+            let inverse = inverses(system, q, v, &trees, largest);
+            for part in parts.iter_mut().flatten() {
+                part.answers = &inverse[part.tree] * part.rows.transpose();
+            }
+        } else {
+            let full = frame::responses_to(system, q, v, supports.iter().map(|support| &support.columns));
+            for (parts, full) in parts.iter_mut().zip(&full) {
+                for part in parts {
+                    let own = &trees[part.tree];
+                    part.answers = DMatrix::from_fn(own.len(), 3, |i, j| full[j][own[i]]);
+                }
+            }
+        }
+        let mut touching = vec![Vec::new(); trees.len()];
+        parts.iter().enumerate().for_each(|(i, own)| own.iter().for_each(|part| touching[part.tree].push(i)));
+        Self { trees, parts, contacts: touching }
+    }
+
+    pub(super) fn matrix(&self) -> Vec<Vec<(usize, Matrix3<f64>)>> {
+        let mut all: Vec<Vec<(usize, Matrix3<f64>)>> = vec![Vec::new(); self.parts.len()];
+        for (i, parts) in self.parts.iter().enumerate() {
+            for part in parts {
+                for j in &self.contacts[part.tree] {
+                    let Some(other) = self.parts[*j].iter().find(|other| other.tree == part.tree) else { continue };
+                    let product = &part.rows * &other.answers;
+                    let block = Matrix3::from_fn(|r, c| product[(r, c)]);
+                    match all[i].iter_mut().find(|(k, _)| k == j) {
+                        Some((_, sum)) => *sum += block,
+                        None => all[i].push((*j, block)),
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// Adds `M⁻¹ Jᵀ λ`.
+    pub(super) fn push(&self, forces: &[Vector3<f64>], v: &mut [f64]) {
+        for (parts, force) in self.parts.iter().zip(forces) {
+            for part in parts {
+                for (k, i) in self.trees[part.tree].iter().enumerate() {
+                    v[*i] += (0..3).map(|j| part.answers[(k, j)] * force[j]).sum::<f64>();
+                }
+            }
+        }
+    }
+}
+
+fn split(columns: &[Column; 3], of: &[(usize, usize)], trees: &[Vec<usize>]) -> Vec<Part> {
+    let mut parts: Vec<Part> = Vec::new();
+    for (row, column) in columns.iter().enumerate() {
+        for (i, value) in column {
+            let (tree, k) = of[*i];
+            let at = parts.iter().position(|part| part.tree == tree).unwrap_or_else(|| {
+                let rows = DMatrix::zeros(3, trees[tree].len());
+                parts.push(Part { tree, rows, answers: DMatrix::zeros(0, 0) });
+                parts.len() - 1
+            });
+            parts[at].rows[(row, k)] = *value;
+        }
+    }
+    parts
+}
+
+/// `M⁻¹` of every tree: unit forces on one coordinate of all of them at once.
+fn inverses(system: &mut System, q: &[f64], v: &[f64], trees: &[Vec<usize>], largest: usize) -> Vec<DMatrix<f64>> {
+    let mut all: Vec<DMatrix<f64>> = trees.iter().map(|own| DMatrix::zeros(own.len(), own.len())).collect();
+    let (mut impulse, mut change) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+    for k in 0..largest {
+        impulse.fill(0.0);
+        trees.iter().filter_map(|own| own.get(k)).for_each(|i| impulse[*i] = 1.0);
+        frame::respond(system, q, v, &impulse, &mut change);
+        for (own, inverse) in trees.iter().zip(&mut all).filter(|(own, _)| own.len() > k) {
+            own.iter().enumerate().for_each(|(row, i)| inverse[(row, k)] = change[*i]);
+        }
+    }
+    all
+}
+
+/// Velocity coordinates of the trees that stand on the ground; all in one if loops, drives or gears tie them.
+pub(super) fn trees(model: &crate::model::Model) -> Vec<Vec<usize>> {
+    let mut of = vec![0; model.links.len()];
+    let mut trees: Vec<Vec<usize>> = Vec::new();
+    for (index, link) in model.links.iter().enumerate().skip(1) {
+        let begins = link.parent == 0 && (trees.is_empty() || !model.is_constrained());
+        if begins {
+            trees.push(Vec::new());
+        }
+        of[index] = if begins || link.parent == 0 { trees.len() - 1 } else { of[link.parent] };
+        let tree = of[index];
+        trees[tree].extend(link.velocity..link.velocity + link.joint.counts().1);
+    }
+    trees
+}

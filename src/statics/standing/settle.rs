@@ -1,0 +1,344 @@
+//! Settling: from a guess that does not stand to a pose that does, along a quasi-static path.
+//!
+//! ```text
+//! (1)  (K + σB) x = f + Jᵀλ,    w = J x + n gap,    w and λ obey Coulomb's law        ([`crate::contact::cone`])
+//! (2)  −½ (f + f⁺)·x − Σ λ_n (gap⁺ − gap) − Σ λ_t·J_t x    against    −σ xᵀBx − ½ xᵀKx
+//! ```
+//!
+//! (1) is a step of implicit Euler's method, h = 1/σ, for a motion without inertia, `B q̇ = f + Jᵀλ`: pseudo-transient continuation
+//! (Kelley, Keyes, SIAM J. Numer. Anal. 35, 1998) with the cone problem of an instant. As σ falls it becomes Newton's method
+//! on the contacts that stay closed. (2) compares the fall of the Lagrangian along a step with what the linear model says of it, curvature of
+//! the contacts included; σ follows from their ratio as in a trust region. Rigid stops and dry friction of hinges are supports as contacts are.
+//!
+//! The path depends on friction and on the guess. That its end stands is not claimed here: it is certified like any pose.
+
+use super::Unanswered;
+use crate::contact::cone::{Law, Problem};
+use crate::contact::frame::{Column, Frame, along, carried};
+use crate::contact::hinges::{self, Id, Support};
+use crate::contact::pairs::Pairs;
+use crate::dynamics::System;
+use crate::model::Model;
+use crate::motion::Motion;
+use crate::statics::problem::Landscape;
+use crate::statics::problem::place::Place;
+use crate::statics::settings::Settings;
+use crate::statics::watch::Watch;
+use nalgebra::{Matrix3, Vector3};
+use std::sync::Arc;
+
+/// A step moves no shape by more than this part of the smallest one, so that none is passed.
+const LONGEST: f64 = 0.3;
+/// Steps until the search ends.
+const MOST_STEPS: usize = 3000;
+/// Trials of one step.
+const MOST_TRIALS: usize = 60;
+/// A scene that has moved by this many of its lengths falls for ever.
+const FAR: f64 = 100.0;
+/// What is left of the forces in parts of those that cancel, and the last step in parts of the scene's length.
+const BALANCED: f64 = 1e-10;
+const STILL: f64 = 1e-10;
+/// Forces below this part of them may be rounding that is magnified.
+const LITTLE: f64 = 1e-7;
+/// A step is taken if the Lagrangian falls by this part of what the model says; σ falls or rises beyond these ratios (Conn, Gould,
+/// Toint, "Trust-region methods", 2000, 6.1).
+const WORTH: f64 = 0.05;
+const RATIOS: [f64; 2] = [0.25, 0.75];
+/// A gap below this part of the scene's length is rounding of positions.
+const ROUNDING: f64 = 1e-13;
+/// After steps below this part of the scene's length impulses are found to the last digits.
+const NEAR: f64 = 1e-5;
+/// Impulses are found to this part of the largest then, before that to a thousand times as much in a tenth of the sweeps.
+const FOUND: f64 = 1e-12;
+const MOST_SWEEPS: usize = 3000;
+
+/// Where a guess has settled.
+#[derive(Debug, Clone)]
+pub(super) struct Settled {
+    pub(super) pose: Vec<f64>,
+    /// The largest way of a body's origin (m), and of which.
+    pub(super) moved: f64,
+    pub(super) body: usize,
+    pub(super) steps: usize,
+}
+
+struct Search<'l, 's> {
+    landscape: &'l mut Landscape<'s>,
+    model: Arc<Model>,
+    pairs: Pairs,
+    /// The longest step of a shape (m).
+    longest: f64,
+    sigma: f64,
+    warm: Vec<(Id, Vector3<f64>)>,
+    /// Whether the last step was short.
+    close: bool,
+}
+
+/// A step of (1).
+struct Step {
+    /// Free coordinates, and all of them.
+    x: Vec<f64>,
+    full: Vec<f64>,
+    supports: Vec<Support>,
+    forces: Vec<Vector3<f64>>,
+    /// What the model says of (2) (J).
+    predicted: f64,
+}
+
+/// Lets a scene settle from a pose.
+///
+/// # Errors
+/// [`Unanswered`]: shapes that cannot touch, a scene that cannot be evaluated, or one that does not come to rest.
+pub(super) fn settle(
+    model: &Arc<Model>,
+    settings: &Settings,
+    pose: &[f64],
+    go_on: &dyn Fn() -> bool,
+) -> Result<Settled, Unanswered> {
+    let watch = Watch::new(settings.time_limit, go_on);
+    let mut system = System::new(model);
+    let mut landscape = Landscape::new(&mut system, pose)?;
+    landscape.watch = Some(&watch);
+    if !model.is_constrained() {
+        landscape.heed_limits();
+    }
+    let none = vec![0.0; landscape.free.len()];
+    let q = landscape.moved(pose, &none);
+    if !q.iter().all(|q| q.is_finite()) {
+        return Err(Unanswered::Unsettled("its loops cannot be closed".to_owned()));
+    }
+    let pairs = Pairs::new(model)?;
+    let sizes = pairs.pieces.iter().map(|piece| piece.size);
+    let longest = LONGEST * sizes.fold(model.length_scale(), f64::min);
+    let place = Place::at(&mut landscape, q)?;
+    landscape.begin(&place);
+    let unbalanced = place.force.iter().zip(&landscape.metric).map(|(f, b)| f * f / b).sum::<f64>().sqrt();
+    let sigma = (unbalanced / (0.1 * landscape.reach())).max(f64::MIN_POSITIVE);
+    let mut search = Search {
+        landscape: &mut landscape,
+        model: Arc::clone(model),
+        pairs,
+        longest,
+        sigma,
+        warm: Vec::new(),
+        close: false,
+    };
+    let (place, steps) = search.run(place)?;
+    let (moved, body) = way(model, pose, &place.q);
+    Ok(Settled { pose: place.q, moved, body, steps })
+}
+
+/// The largest distance between the origins of a body in two poses, and of which body.
+fn way(model: &Model, from: &[f64], to: &[f64]) -> (f64, usize) {
+    let rest = vec![0.0; model.velocity_count()];
+    let (mut before, mut after) = (Motion::new(model), Motion::new(model));
+    before.update(model, from, &rest);
+    after.update(model, to, &rest);
+    let of = |body: &crate::model::Body| {
+        (after.body_pose(body).translation.vector - before.body_pose(body).translation.vector).norm()
+    };
+    let all = model.bodies.iter().enumerate().map(|(index, body)| (of(body), index));
+    all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
+}
+
+/// Size of the forces that cancel, in the metric of `B⁻¹`.
+fn pull(place: &Place, metric: &[f64]) -> f64 {
+    place.scales.force.iter().zip(metric).map(|(f, b)| f * f / b).sum::<f64>().sqrt()
+}
+
+/// Sizes of the terms in the work of a step (J).
+fn stirred(place: &Place, x: &[f64]) -> f64 {
+    place.scales.force.iter().zip(x).map(|(force, x)| force * x.abs()).sum()
+}
+
+impl Search<'_, '_> {
+    fn run(&mut self, mut place: Place) -> Result<(Place, usize), Unanswered> {
+        let mut travelled = 0.0;
+        for steps in 1..=MOST_STEPS {
+            if !self.landscape.goes_on() {
+                return Err(Unanswered::Unsettled(format!("the search was ended after {steps} steps")));
+            }
+            self.landscape.look(&place.q)?;
+            let Some((step, next)) = self.accepted(&place)? else {
+                return Err(Unanswered::Unsettled(format!("no step of the {steps}th goes down")));
+            };
+            let far = self.farthest(&place.q, &step.full);
+            travelled += far;
+            self.close = far <= NEAR * self.model.length_scale();
+            let left = self.sigma_size(&step.x);
+            let pull = pull(&place, &self.landscape.metric);
+            place = next;
+            self.warm = step.supports.iter().map(|support| support.id).zip(step.forces).collect();
+            let short = far <= STILL * self.model.length_scale();
+            if short && left <= BALANCED * pull {
+                return Ok((place, steps));
+            }
+            if travelled > FAR * self.model.length_scale() {
+                return Err(Unanswered::Unsettled(format!(
+                    "it has moved by {travelled:.3e} m, {FAR} times its own size, and nothing stops it"
+                )));
+            }
+        }
+        Err(Unanswered::Unsettled(format!("it still moves after {MOST_STEPS} steps")))
+    }
+
+    /// `σ |x|_B`: what the step leaves of the forces (in the metric of `B⁻¹`).
+    fn sigma_size(&self, x: &[f64]) -> f64 {
+        self.sigma * self.landscape.size(x)
+    }
+
+    /// The largest displacement of a point of any shape (m).
+    fn farthest(&mut self, q: &[f64], x: &[f64]) -> f64 {
+        let motion = self.landscape.system().at(0.0, q, x);
+        self.pairs.place(motion.motion());
+        let speeds = (0..self.pairs.pieces.len()).map(|piece| self.pairs.speed(piece, motion.motion()));
+        let finite = speeds.map(|(v, turning)| v.norm() + turning);
+        finite.fold(0.0, f64::max)
+    }
+
+    /// A step that is worth taking, and where it leads; σ is that of the next one.
+    fn accepted(&mut self, place: &Place) -> Result<Option<(Step, Place)>, Unanswered> {
+        let supports = self.supports(&place.q);
+        let mut supports = Some(supports);
+        for _ in 0..MOST_TRIALS {
+            if !self.landscape.factorize(self.sigma) {
+                self.sigma *= 4.0;
+                continue;
+            }
+            let step = self.step(place, supports.take().unwrap_or_default());
+            let far = self.farthest(&place.q, &step.full);
+            if !(far <= self.longest) {
+                self.sigma *= (1.2 * far / self.longest).clamp(2.0, 1e6);
+                self.landscape.look(&place.q)?;
+                supports = Some(step.supports);
+                continue;
+            }
+            let q = self.landscape.moved(&place.q, &step.x);
+            let next = if q.iter().all(|q| q.is_finite()) { Place::at(self.landscape, q).ok() } else { None };
+            let ratio = next.as_ref().map_or(-1.0, |next| self.fall(place, &step, next) / step.predicted);
+            // Below rounding of the forces there is nothing to compare.
+            let borne: f64 = step.forces.iter().map(|force| force.norm()).sum();
+            let noise = ROUNDING * (borne * self.model.length_scale() + stirred(place, &step.x));
+            let slight = step.predicted.abs() <= noise;
+            // What is left is rounding if it is little, and a shorter step magnifies it less.
+            let little = self.sigma_size(&step.x) <= LITTLE * pull(place, &self.landscape.metric);
+            let ratio = match (slight, little) {
+                (false, _) => ratio,
+                (true, true) => 0.5,
+                (true, false) => 1.0,
+            };
+            if slight && little || ratio < RATIOS[0] || !ratio.is_finite() {
+                self.sigma *= 4.0;
+            } else if ratio > RATIOS[1] {
+                self.sigma /= 4.0;
+            }
+            if let Some(next) = next.filter(|_| ratio > WORTH) {
+                return Ok(Some((step, next)));
+            }
+            self.landscape.look(&place.q)?;
+            supports = Some(step.supports);
+        }
+        Ok(None)
+    }
+
+    /// The left side of (2) (J).
+    fn fall(&mut self, place: &Place, step: &Step, next: &Place) -> f64 {
+        let work = place.force.iter().zip(&next.force).zip(&step.x).map(|((a, b), x)| 0.5 * (a + b) * x);
+        let mut fall = -work.sum::<f64>();
+        let rest = vec![0.0; step.full.len()];
+        let motion = self.landscape.system().at(0.0, &next.q, &rest);
+        self.pairs.place(motion.motion());
+        for (support, force) in step.supports.iter().zip(&step.forces).filter(|(_, force)| **force != Vector3::zeros())
+        {
+            let rates = support.rates(&step.full);
+            let opened = match support.id {
+                Id::Contact(key) => self.pairs.meeting(&key).map_or(rates.x, |meeting| meeting.gap - support.gap),
+                Id::Stop(..) | Id::Friction(_) => rates.x,
+            };
+            fall -= force.x * opened + force.y * rates.y + force.z * rates.z;
+        }
+        fall
+    }
+
+    /// The solution of (1) with the last factorization.
+    fn step(&mut self, place: &Place, supports: Vec<Support>) -> Step {
+        let n = self.model.velocity_count();
+        let free = self.landscape.free.clone();
+        let spread = |x: &[f64]| {
+            let mut full = vec![0.0; n];
+            free.iter().zip(x).for_each(|(i, x)| full[*i] = *x);
+            full
+        };
+        let loose = self.landscape.solve(&place.force);
+        let unborne = spread(&loose);
+        let mut answers: Vec<[Vec<f64>; 3]> = Vec::with_capacity(supports.len());
+        for support in &supports {
+            let mut answer = |column: &Column| {
+                if column.is_empty() {
+                    return vec![0.0; n];
+                }
+                let mut full = vec![0.0; n];
+                column.iter().for_each(|(i, c)| full[*i] = *c);
+                let rhs: Vec<f64> = free.iter().map(|i| full[*i]).collect();
+                spread(&self.landscape.solve(&rhs))
+            };
+            answers.push([0, 1, 2].map(|i| answer(&support.columns[i])));
+        }
+        let block = |i: usize, j: usize| Matrix3::from_fn(|r, c| along(&supports[i].columns[r], &answers[j][c]));
+        let row = |i: usize| {
+            let all = (0..supports.len()).map(|j| (j, block(i, j)));
+            all.filter(|(j, block)| *j == i || *block != Matrix3::zeros()).collect()
+        };
+        let problem = Problem {
+            blocks: (0..supports.len()).map(row).collect(),
+            rates: supports.iter().map(|one| one.rates(&unborne) + Vector3::x() * self.way(one.gap)).collect(),
+            laws: supports.iter().map(|one| one.law).collect(),
+        };
+        let known = |one: &Support| self.warm.iter().find(|(id, _)| *id == one.id).map(|(_, force)| *force);
+        let guess: Vec<Vector3<f64>> = supports.iter().map(|one| known(one).unwrap_or_else(Vector3::zeros)).collect();
+        let (found, most) = if self.close { (FOUND, MOST_SWEEPS) } else { (1e3 * FOUND, MOST_SWEEPS / 10) };
+        let forces = problem.solve(&guess, found, most).forces;
+        let mut full = unborne;
+        let mut pushed = spread(&place.force);
+        for ((support, answer), force) in supports.iter().zip(&answers).zip(&forces) {
+            for c in 0..3 {
+                full.iter_mut().zip(&answer[c]).for_each(|(x, a)| *x += force[c] * a);
+                support.columns[c].iter().for_each(|(i, value)| pushed[*i] += value * force[c]);
+            }
+        }
+        let x: Vec<f64> = free.iter().map(|i| full[*i]).collect();
+        let worked: f64 = pushed.iter().zip(&full).map(|(f, x)| f * x).sum();
+        let square = self.landscape.size(&x).powi(2);
+        Step { x, full, supports, forces, predicted: -0.5 * worked - 0.5 * self.sigma * square }
+    }
+
+    /// What a step may use up of a gap: nothing of its rounding, and of a deep overlap what it can take back (m).
+    fn way(&self, gap: f64) -> f64 {
+        let rounding = ROUNDING * self.model.length_scale();
+        if gap.abs() <= rounding { 0.0 } else { gap.max(-0.25 * self.longest) }
+    }
+
+    /// What may bear within a step from a pose.
+    fn supports(&mut self, q: &[f64]) -> Vec<Support> {
+        let rest = vec![0.0; self.model.velocity_count()];
+        let motion = self.landscape.system().at(0.0, q, &rest);
+        let motion = motion.motion();
+        let mut links = Vec::new();
+        carried(motion, &self.model, &mut links);
+        self.pairs.place(motion);
+        let mut found = Vec::new();
+        let margins = vec![self.longest; self.pairs.pieces.len()];
+        for couple in self.pairs.near(&margins) {
+            self.pairs.facing(couple, 2.0 * self.longest, &mut found);
+        }
+        let contact = |(key, meeting)| {
+            let frame = Frame::new(&self.model, motion, &self.pairs, &links, key, meeting, None);
+            let friction = self.model.contacts[self.pairs.couples[key.couple].rule].friction;
+            let law = Law::Coulomb { stick: friction.stick, slide: friction.stick };
+            Support { id: Id::Contact(key), columns: frame.columns, gap: frame.meeting.gap, law }
+        };
+        let mut supports: Vec<Support> = found.into_iter().map(contact).collect();
+        supports.extend(hinges::supports(&self.model, q, &rest, 0.0));
+        supports
+    }
+}

@@ -1,0 +1,191 @@
+//! `[statics] contact = "settle"`: guesses that do not stand, moved to where they do.
+
+use crate::common::Random;
+use nalgebra::Vector3;
+use std::fmt::Write as _;
+use std::sync::Arc;
+use stillpoint::contact::support::Verdict;
+use stillpoint::model::Model;
+use stillpoint::motion::Motion;
+use stillpoint::scenario::parse;
+use stillpoint::statics::settings::Margin;
+use stillpoint::statics::standing::{Standing, Unanswered, standing};
+use stillpoint::statics::{Equilibrium, Settings, answer};
+
+fn settled(text: &str) -> (Arc<Model>, Result<Equilibrium, Unanswered>) {
+    let text = format!("[statics]\ncontact = \"settle\"\n{text}");
+    let scenario =
+        parse("scene.toml", &text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
+    let model = Model::build(&scenario.description).unwrap();
+    let found = answer(scenario.description, Arc::clone(&model), &[], &scenario.statics, &Margin::default(), &|| true);
+    (model, found.map(|held| held.found))
+}
+
+/// Judged anew, from the pose alone.
+fn judged(text: &str, pose: &[f64]) -> Standing {
+    let scenario = parse("scene.toml", text, &[]).unwrap();
+    let model = Model::build(&scenario.description).unwrap();
+    standing(&scenario.description, &model, &Settings::default(), &Margin::default(), pose).unwrap()
+}
+
+fn place(model: &Arc<Model>, pose: &[f64], body: &str) -> Vector3<f64> {
+    let mut motion = Motion::new(model);
+    motion.update(model, pose, &vec![0.0; model.velocity_count()]);
+    let body = model.bodies.iter().find(|one| one.name == body).unwrap();
+    motion.body_pose(body).translation.vector
+}
+
+const BIN: &str = "[[body]]\nname = \"bin\"\nshape = [{ plane = [0, 0, 1] }, { plane = [1, 0, 0], at = [-0.3, 0, 0] }, { plane = [-1, 0, 0], at = \
+                   [0.3, 0, 0] }, { plane = [0, 1, 0], at = [0, -0.3, 0] }, { plane = [0, -1, 0], at = [0, 0.3, 0] }]\nhinge = { type = \
+                   \"fixed\" }\n";
+
+/// Balls, capsules and boxes above each other over a bin, turned anyhow.
+fn heap(random: &mut Random, count: usize, friction: f64) -> String {
+    let mut text = BIN.to_owned();
+    for k in 0..count {
+        let mut size = |low: f64, high: f64| random.between(low, high);
+        let shape = match k % 3 {
+            0 => format!("{{ box = [{:?}, {:?}, {:?}] }}", size(0.08, 0.2), size(0.08, 0.2), size(0.08, 0.2)),
+            1 => format!("{{ sphere = {:?} }}", size(0.05, 0.1)),
+            _ => format!("{{ capsule = [{:?}, {:?}] }}", size(0.03, 0.06), size(0.1, 0.2)),
+        };
+        let (x, y, mass) = (size(-0.12, 0.12), size(-0.12, 0.12), size(0.2, 2.0));
+        let q = random.turn();
+        let at = [x, y, 0.2 + 0.28 * k as f64, q.w, q.i, q.j, q.k];
+        let _ = write!(
+            text,
+            "[[body]]\nname = \"b{k}\"\nmass = {mass:?}\ninertia = [0.002, 0.003, 0.004]\nshape = {shape}\nhinge = {{ type = \"free\", \
+             position = {at:?} }}\n"
+        );
+    }
+    text + &format!("[[contact]]\nbetween = [\"*\", \"*\"]\nfriction = {friction:?}\n")
+}
+
+#[test]
+fn random_heaps_settle_to_where_they_stand() {
+    let mut random = Random::new(0x5e77_1e01);
+    let mut slick = 0;
+    for case in 0..60 {
+        let friction = if case % 4 == 0 { 0.0 } else { random.between(0.2, 0.9) };
+        slick += usize::from(friction == 0.0);
+        let text = heap(&mut random, 1 + case % 4, friction);
+        let (_, found) = settled(&text);
+        let found = found.unwrap_or_else(|error| panic!("case {case}: {error}\n{text}"));
+        assert!(found.converged, "case {case}: {:?}\n{text}", found.notes);
+        let again = judged(&text, &found.position);
+        assert_eq!(again.verdict, Verdict::Stands, "case {case}: {}", again.slack);
+        assert!(found.notes.iter().any(|note| note.contains("settled from the given pose")), "{:?}", found.notes);
+    }
+    assert_eq!(slick, 15);
+}
+
+/// A ball on three fixed ones without friction: its centre is at the distance of both radii from each of theirs.
+#[test]
+fn a_ball_settles_between_three_others() {
+    let mut random = Random::new(0xba11);
+    for case in 0..40 {
+        let centers: Vec<(Vector3<f64>, f64)> = (0..3)
+            .map(|k| {
+                let angle = std::f64::consts::TAU * (f64::from(k) + random.between(-0.1, 0.1)) / 3.0;
+                let radius = random.between(0.08, 0.12);
+                (Vector3::new(0.12 * angle.cos(), 0.12 * angle.sin(), random.between(0.0, 0.02)), radius)
+            })
+            .collect();
+        let radius = random.between(0.1, 0.14);
+        let shapes: Vec<String> = centers
+            .iter()
+            .map(|(at, r)| format!("{{ sphere = {r:?}, at = [{:?}, {:?}, {:?}] }}", at.x, at.y, at.z))
+            .collect();
+        let text = format!(
+            "[[body]]\nname = \"nest\"\nshape = [{}]\nhinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"ball\"\nmass = 1.0\ninertia = [0.004, \
+             0.004, 0.004]\nshape = {{ sphere = {radius:?} }}\nhinge = {{ type = \"free\", position = [{:?}, {:?}, 0.4, 1, 0, 0, 0] \
+             }}\n[[contact]]\nbetween = [\"nest\", \"ball\"]\n",
+            shapes.join(", "),
+            random.between(-0.03, 0.03),
+            random.between(-0.03, 0.03),
+        );
+        let (model, found) = settled(&text);
+        let found = found.unwrap_or_else(|error| panic!("case {case}: {error}\n{text}"));
+        assert!(found.converged, "case {case}: {:?}", found.notes);
+        let at = place(&model, &found.position, "ball");
+        for (center, r) in &centers {
+            let off = (at - center).norm() - r - radius;
+            assert!(off.abs() < 1e-10, "case {case}: {off:e}");
+        }
+        assert!(at.z > centers[0].0.z);
+    }
+}
+
+/// A bar on a hinge with a spring comes down on a floor: it leans on its round end, or the spring holds it off the floor.
+#[test]
+fn a_flap_leans_on_the_floor_or_hangs_in_its_spring() {
+    let mut random = Random::new(0xf1a9);
+    let (mut leaning, mut hanging) = (0, 0);
+    for case in 0..40 {
+        let (length, radius, height) = (0.5, random.between(0.01, 0.03), random.between(0.1, 0.4));
+        let stiffness = random.between(0.1, 30.0);
+        let text = format!(
+            "[[body]]\nname = \"floor\"\nshape = {{ plane = [0, 0, 1] }}\nhinge = {{ type = \"fixed\" }}\n[[body]]\nname = \"flap\"\nmass = \
+             1.0\ncenter = [0.25, 0, 0]\ninertia = [0.001, 0.03, 0.03]\nshape = {{ sphere = {radius:?}, at = [{length:?}, 0, 0] }}\nhinge = {{ \
+             type = \"revolute\", axis = [0, -1, 0], at = [0, 0, {height:?}], position = [0.6], stiffness = [{stiffness:?}] }}\n[[contact]]\nbetween = \
+             [\"floor\", \"flap\"]\nfriction = 0.3\n"
+        );
+        let (_, found) = settled(&text);
+        let found = found.unwrap_or_else(|error| panic!("case {case}: {error}\n{text}"));
+        assert!(found.converged, "case {case}: {:?}\n{text}", found.notes);
+        let angle = found.position[0];
+        let touching = -((height - radius) / length).asin();
+        // What the spring lacks at an angle (N m).
+        let falls = |angle: f64| 9.80665 * 0.25 * angle.cos() + stiffness * angle;
+        if falls(touching) > 0.0 {
+            leaning += 1;
+            assert!((angle - touching).abs() < 1e-12, "case {case}: {angle} {touching}");
+        } else {
+            hanging += 1;
+            assert!(falls(angle).abs() < 1e-9 && angle > touching, "case {case}: {angle} {touching}");
+        }
+    }
+    assert!(leaning > 5 && hanging > 5, "{leaning} {hanging}");
+}
+
+#[test]
+fn what_falls_for_ever_does_not_settle() {
+    let text = "[[body]]\nname = \"table\"\nshape = { box = [0.3, 0.3, 0.1] }\nhinge = { type = \"fixed\" }\n[[body]]\nname = \"cup\"\nmass = \
+                1.0\ninertia = [0.01, 0.01, 0.01]\nshape = { box = [0.2, 0.2, 0.2] }\nhinge = { type = \"free\", position = [0.24, 0, 0.18, 1, 0, \
+                0, 0] }\n[[contact]]\nbetween = [\"table\", \"cup\"]\nfriction = 0.4\n";
+    let error = settled(text).1.unwrap_err().to_string();
+    assert!(error.contains("does not settle") && error.contains("nothing stops it"), "{error}");
+}
+
+/// Every shipped scene that asks whether it stands does, two of them where they settle or with the inputs that they ask for.
+#[test]
+fn the_shipped_scenes_stand() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/standing");
+    let mut count = 0;
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let scenario = stillpoint::scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        let model = Model::build(&scenario.description).unwrap();
+        let unknown = &scenario.unknown;
+        let held =
+            answer(scenario.description.clone(), model, unknown, &scenario.statics, &Margin::default(), &|| true);
+        let found = held.unwrap_or_else(|error| panic!("{}: {error}", path.display())).found;
+        assert!(found.converged, "{}: {:?}", path.display(), found.notes);
+        count += 1;
+    }
+    assert!(count >= 7, "{count}");
+}
+
+/// What stands as it is given is kept bit for bit, settling asked for or not.
+#[test]
+fn what_stands_does_not_settle() {
+    let text = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n[[body]]\nname = \"box\"\nmass = \
+                1.0\ninertia = [0.01, 0.01, 0.01]\nshape = { box = [0.2, 0.2, 0.2] }\nhinge = { type = \"free\", position = [0.24, 0, 0.1, 1, 0, \
+                0, 0] }\n[[contact]]\nbetween = [\"floor\", \"box\"]\nfriction = 0.4\n";
+    let (model, found) = settled(text);
+    let found = found.unwrap();
+    assert!(found.converged && found.position == model.start_position && found.stage == "given");
+}
