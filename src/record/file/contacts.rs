@@ -70,3 +70,36 @@ pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<(f64, Vec<Cont
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_are_read_back_bit_for_bit() {
+        let mut bits = 0x1234_5678_9abc_def1_u64;
+        let mut number = || loop {
+            // Marsaglia's xorshift: numbers of all sizes.
+            bits ^= bits << 13;
+            bits ^= bits >> 7;
+            bits ^= bits << 17;
+            let number = f64::from_bits(bits);
+            if number.is_finite() {
+                return number;
+            }
+        };
+        for _ in 0..2000 {
+            let mut vector = || [number(), number(), number()];
+            let push = ContactPush {
+                between: ["a", "b"].map(str::to_owned),
+                point: vector(),
+                normal: vector(),
+                force: vector(),
+                slips: true,
+            };
+            let time = number();
+            let read = parsed(message(time, std::slice::from_ref(&push)).as_bytes());
+            assert_eq!(read, Some((time, vec![push])));
+        }
+    }
+}
