@@ -223,7 +223,7 @@ impl<'s, 'a> Finder<'s, 'a> {
             return None;
         }
         if let Some(pair) = self.pairs.get(&sorted(i, j)) {
-            return Some(Wanted { friction: pair.friction([&one.touch, &other.touch]), pair: Some(pair) });
+            return Some(Wanted { friction: pair.friction, pair: Some(pair) });
         }
         let above = |weld: usize| self.weld[self.scene.bodies[weld].parent];
         let moving = welds[0] != WORLD && welds[1] != WORLD;

@@ -39,8 +39,8 @@ impl Law {
 pub(super) struct Pair {
     pub(super) geoms: [usize; 2],
     pub(super) name: Option<String>,
-    dimension: Option<u8>,
-    friction: Option<f64>,
+    /// The coefficient that acts; that of the geoms has no part in it.
+    pub(super) friction: f64,
 }
 
 impl Touch {
@@ -87,15 +87,6 @@ impl Touch {
     /// The coefficient of friction between both.
     pub(super) fn friction_with(&self, other: &Self) -> f64 {
         self.law_with(other).coefficient()
-    }
-}
-
-impl Pair {
-    /// The coefficient of friction: its own, otherwise that of both geoms.
-    pub(super) fn friction(&self, [one, other]: [&Touch; 2]) -> f64 {
-        let law = one.law_with(other);
-        let dimension = self.dimension.unwrap_or(law.dimension);
-        Law { dimension, friction: self.friction.unwrap_or(law.friction) }.coefficient()
     }
 }
 
@@ -153,18 +144,17 @@ fn pair(settled: &Settled<'_>, scene: &Scene<'_>) -> Option<Pair> {
     let name = element.text("name").map(str::to_owned);
     let geom = |key| find(&element.required(key)?, "geom", &scene.names.geoms, scene);
     let geoms = [geom("geom1")?, geom("geom2")?];
-    let dimension = dimension(settled)?;
-    let mut friction = None;
+    let dimension = dimension(settled)?.unwrap_or(3);
+    let mut along = [1.0; 2];
     if settled.attribute("friction").is_some() {
         let numbers = settled.numbers("friction", 5)?;
-        let (first, second) = (numbers.first().copied()?, numbers.get(1).copied());
-        let least = second.map_or(first, |second| first.min(second));
-        refuse_negative(settled, least)?;
-        if second.is_some_and(|second| second != first) {
-            let what = "its friction depends on the direction: the smaller coefficient counts in all of them";
-            element.note(Taken::Approximated, what);
-        }
-        friction = Some(least);
+        along.iter_mut().zip(&numbers).for_each(|(own, given)| *own = *given);
+    }
+    let friction = along[0].min(along[1]);
+    refuse_negative(settled, friction)?;
+    if along[0] != along[1] && dimension > 1 {
+        let what = "its friction depends on the direction: the smaller coefficient counts in all of them";
+        element.note(Taken::Approximated, what);
     }
     for geom in geoms {
         let (body, shape) = scene.geoms[geom];
@@ -178,5 +168,5 @@ fn pair(settled: &Settled<'_>, scene: &Scene<'_>) -> Option<Pair> {
         element.note(Taken::Ignored, "both geoms are on one body");
         return None;
     }
-    Some(Pair { geoms, name, dimension, friction })
+    Some(Pair { geoms, name, friction: Law { dimension, friction }.coefficient() })
 }

@@ -1,7 +1,7 @@
 //! `/contacts`: what contacts push with, as JSON with a schema: their number changes from sample to sample.
 
-use super::CONTACTS_TOPIC;
 use super::chunks::{Records, Stop};
+use super::{CONTACTS_TOPIC, HINGES_TOPIC};
 use crate::record::ContactPush;
 use mcap::records::Record;
 use serde_json::{Value, json};
@@ -56,9 +56,14 @@ fn parsed(data: &[u8]) -> Option<(f64, Vec<ContactPush>)> {
 
 /// All messages of a file with their times (s), to its last whole chunk where it was cut.
 pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<(f64, Vec<ContactPush>)>, String> {
-    let (mut channel, mut all) = (None, Vec::new());
+    let (mut channel, mut samples, mut all) = (None, None, Vec::new());
     loop {
         match records.next() {
+            Some(Ok(Record::Channel(found))) if found.topic == HINGES_TOPIC => samples = Some(found.id),
+            // Contacts stand before the sample that they belong to.
+            Some(Ok(Record::Message { header, .. })) if channel.is_none() && samples == Some(header.channel_id) => {
+                return Ok(all);
+            }
             Some(Ok(Record::Channel(found))) if found.topic == CONTACTS_TOPIC => channel = Some(found.id),
             Some(Ok(Record::Message { header, data })) if Some(header.channel_id) == channel => {
                 all.push(parsed(&data).ok_or("a message of `/contacts` is not what its schema says")?);

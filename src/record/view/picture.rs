@@ -75,6 +75,7 @@ impl Picture {
         }
         forces::send(stream, &self.scene, &self.scales)?;
         let arrows = Arrows3D::update_fields().with_radii([Radius::new_ui_points(1.5)]);
+        stream.log(forces::contacts_path(), &arrows)?;
         stream.log(forces::reactions_path(), &arrows.with_colors([forces::REACTION]))?;
         let center = Points3D::update_fields().with_radii([Radius::new_ui_points(4.0)]).with_colors([CENTER]);
         stream.log(center_path(), &center)?;
