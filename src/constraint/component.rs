@@ -79,11 +79,25 @@ pub(super) fn sharing(lists: &[Vec<usize>], links: usize) -> Vec<usize> {
 
 /// The lengths of every element's component, where `motion` is.
 pub(super) fn lengths(model: &Model, elements: &[Element], rules: &[Rule], motion: &Motion) -> Vec<Lengths> {
+    let own: Vec<Lengths> = elements.iter().map(|element| of_element(element, rules, model, motion)).collect();
+    of_components(model, elements, &own)
+}
+
+/// The levers of every element: its component's, and that of its own hinges (m).
+pub(super) fn levers(model: &Model, elements: &[Element], rules: &[Rule], motion: &Motion) -> Vec<[f64; 2]> {
+    let own: Vec<Lengths> = elements.iter().map(|element| of_element(element, rules, model, motion)).collect();
+    let shared = of_components(model, elements, &own);
+    let lever = |(own, shared): (&Lengths, &Lengths)| match own.lever > NO_LEVER * own.reach {
+        true => [shared.lever, own.lever],
+        false => [shared.lever, if own.reach > 0.0 { own.reach } else { shared.lever }],
+    };
+    own.iter().zip(&shared).map(lever).collect()
+}
+
+fn of_components(model: &Model, elements: &[Element], own: &[Lengths]) -> Vec<Lengths> {
     let of = components(model, elements);
     let mut found = vec![Lengths::default(); elements.len()];
-    for (element, first) in elements.iter().zip(&of) {
-        found[*first] = found[*first].max(of_element(element, rules, model, motion));
-    }
+    own.iter().zip(&of).for_each(|(own, first)| found[*first] = found[*first].max(*own));
     // If no hinge reaches from end to end, the bodies themselves are the only lengths there are.
     let mut bodies = vec![0.0_f64; elements.len()];
     for (element, first) in elements.iter().zip(&of).filter(|(_, first)| found[**first].reach == 0.0) {

@@ -10,7 +10,8 @@
 
 use super::choose::{self, DEPENDENT};
 use super::close::Closing;
-use super::component::{between_ends, components, lengths, members};
+use super::component::{between_ends, components, lengths, levers, members};
+use super::row::Rule;
 use super::rows::Owner;
 use super::{Constraints, Mode};
 use crate::model::Model;
@@ -129,9 +130,9 @@ impl Constraints {
     }
 
     /// Eq. (1): velocities and entries of every row that is solved for; none of one whose square is below [`DEPENDENT`] times
-    /// that of the largest of its element.
+    /// that of the largest of its element, or times what its hinges could make it at most.
     fn unit_rows(&mut self, model: &Model, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
-        let levers = lengths(model, &self.elements, &self.rules, motion);
+        let levers = levers(model, &self.elements, &self.rules, motion);
         let (mut of_unknown, mut slides) = (Vec::new(), vec![false; model.velocity_count()]);
         self.plan.groups.iter().for_each(|group| of_unknown.extend(group.rows.iter().map(|_| group.element)));
         model.lengths().for_each(|velocity| slides[velocity] = true);
@@ -140,22 +141,42 @@ impl Constraints {
         self.gradient(model, motion, |unknown, velocity, entry| {
             // Hinges that both ends of a loop stand on carry nothing of it.
             if inner[of_unknown[unknown]].binary_search(&velocity).is_ok() {
-                let unit = if slides[velocity] { levers[of_unknown[unknown]].lever } else { 1.0 };
-                entries[unknown].push((velocity, unit * entry));
+                entries[unknown].push((velocity, entry));
             }
         });
         for group in &self.plan.groups {
-            let lever = levers[group.element].lever;
-            let unit = |row: usize| if self.rules[row].turns() { 1.0 } else { 1.0 / lever };
-            let square = |(k, row): (usize, &usize)| {
-                unit(*row).powi(2) * entries[group.first + k].iter().map(|(_, entry)| entry * entry).sum::<f64>()
+            let [lever, own] = levers[group.element];
+            let turns = |row: &usize| self.rules[*row].turns();
+            let square = |k: usize, row: &usize, lever: f64| {
+                let unit = |velocity: usize| if slides[velocity] { lever } else { 1.0 };
+                let entries = entries[group.first + k].iter();
+                let sum = entries.map(|(velocity, entry)| (unit(*velocity) * entry).powi(2)).sum::<f64>();
+                if turns(row) { sum } else { sum / lever.powi(2) }
             };
-            let squares: Vec<f64> = group.rows.iter().enumerate().map(square).collect();
+            let squares: Vec<f64> = group.rows.iter().enumerate().map(|(k, row)| square(k, row, lever)).collect();
             let largest = squares.iter().fold(0.0, |m: f64, x| m.max(*x));
+            let is_one: Vec<bool> = group
+                .rows
+                .iter()
+                .enumerate()
+                .zip(&squares)
+                .map(|((k, row), of_component)| {
+                    // A turn by 1 rad moves the ends by their lever at most, a thread by its pitch at least.
+                    let could = match self.rules[*row] {
+                        Rule::Motion { .. } => 0.0,
+                        Rule::Thread { pitch, .. } => (pitch / own).powi(2).min(1.0),
+                        _ => 1.0,
+                    };
+                    *of_component > DEPENDENT * largest && square(k, row, own) > DEPENDENT * could
+                })
+                .collect();
             for (k, (row, square)) in group.rows.iter().zip(&squares).enumerate() {
+                let size = square.sqrt() * if turns(row) { 1.0 } else { lever };
                 let entries = &mut entries[group.first + k];
-                match *square > DEPENDENT * largest {
-                    true => entries.iter_mut().for_each(|(_, entry)| *entry *= unit(*row) / square.sqrt()),
+                match is_one[k] {
+                    true => entries
+                        .iter_mut()
+                        .for_each(|(velocity, entry)| *entry *= if slides[*velocity] { lever } else { 1.0 } / size),
                     false => entries.clear(),
                 }
             }

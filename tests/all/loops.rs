@@ -13,6 +13,7 @@ mod motors;
 mod order;
 mod prestress;
 mod rank;
+mod repeats;
 mod stops;
 mod trusses;
 

@@ -161,6 +161,16 @@ def compiler(case):
     return case.model(case.arm(other + case.arm(name="c")), settings=f"<compiler {what}/>")
 
 
+def bounds_of_nothing(case):
+    """Bodies that weigh nothing but for bounds, in frames and not, welded and not."""
+    inside = case.one("", f'<geom size="0.1" mass="0" pos="{case.vector()}"/>')
+    joint = case.one("", case.joint("k"))
+    bare = f'<body name="c" pos="{case.vector()}" {case.turn()}>{joint}{inside}</body>'
+    framed = f'<frame pos="{case.vector()}" {case.turn()}>{bare}</frame>'
+    bounds = f'<compiler boundmass="{case.number(0.1, 2)}" boundinertia="{case.number(0.01, 0.1)}"/>'
+    return case.model(case.arm(case.one(bare, framed)), settings=bounds)
+
+
 def actuator(case, joint, more=""):
     limited = f'forcerange="{text(np.sort(case.random.uniform(-3, 3, 2)))}"'
     kind = case.one(
@@ -299,6 +309,7 @@ FEATURES = [
     fromto,
     welded_inertia,
     compiler,
+    bounds_of_nothing,
     forces_of_actuators,
     force_range_of_joint,
     force_range_of_several,

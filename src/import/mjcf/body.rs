@@ -225,8 +225,8 @@ impl<'w, 'a> Walk<'w, 'a> {
             name = format!("{GROUND}_body");
             element.note(Taken::Used, format!("it is called `{name}` here: `{GROUND}` is what does not move"));
         }
-        let pose = around.frame * pose::pose(&settled, &self.scene.settings);
-        let body = self.add_body(*element, name, around.body, pose);
+        let own = pose::pose(&settled, &self.scene.settings);
+        let body = self.add_body(*element, name, around.body, around.frame * own);
         self.scene.bodies[body].gravity_compensation = settled.number("gravcomp").unwrap_or(0.0);
         if settled.flag("mocap") == Some(true) {
             element.note(Taken::Approximated, "a mocap body stays where it is: nothing moves it from outside");
@@ -247,13 +247,15 @@ impl<'w, 'a> Walk<'w, 'a> {
         let mut parts = Parts::default();
         // Joints, geoms and inertia first: a body's joints stand before those of the bodies in it.
         self.children(element, &inner, &mut parts);
-        self.weigh(body, &parts);
+        self.weigh(body, &parts, &own.translation.vector);
     }
 
-    fn weigh(&mut self, body: usize, parts: &Parts) {
+    /// `place` is the body's `pos`, as it is written.
+    fn weigh(&mut self, body: usize, parts: &Parts, place: &Vector3<f64>) {
         let settings = &self.scene.settings;
         let element = self.scene.bodies[body].element;
-        if parts.inertial.is_none() && settings.inertia_from_geoms == FromGeoms::Never {
+        let moves = !self.scene.bodies[body].joints.is_empty();
+        if parts.inertial.is_none() && settings.inertia_from_geoms == FromGeoms::Never && moves {
             let message = format!("{}: `<inertial>` is missing", element.label());
             let help = "the model asks for inertiafromgeom=\"false\": every body then needs its own";
             element.refuse(Problem::at(element.place(), message).help(help));
@@ -265,7 +267,11 @@ impl<'w, 'a> Walk<'w, 'a> {
             element.refuse(Problem::at(element.place(), message).help(help));
         }
         let given = mass::of_body(parts.inertial, &parts.geoms, settings);
-        let bounded = mass::bounded(given, settings);
+        let mut bounded = mass::bounded(given, settings);
+        if bounded != given && parts.inertial.is_none() && given == mass::NOTHING {
+            // As MuJoCo does: the frame of inertia that nothing gives is a copy of the body's frame in its parent.
+            bounded.center = *place;
+        }
         if bounded != given {
             let moments = |mass: &MassProperties| number(mass.inertia.symmetric_eigenvalues().min());
             let what = format!(

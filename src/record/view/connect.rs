@@ -41,7 +41,9 @@ fn connect(given: &str, title: &str) -> Result<Stream, RecordError> {
 }
 
 fn stream(place: &str, title: &str) -> Result<Stream, RecordError> {
-    Stream::connect(place, title).map_err(|error| failed(format!("`{place}`: {error}"), ADDRESS_HINT))
+    // What the listener does with the first messages may be known before the last of them is sent.
+    Stream::connect(place, title)
+        .map_err(|error| failed(format!("the viewer is lost: `{place}`: {error}"), ADDRESS_HINT))
 }
 
 const ADDRESS_HINT: &str = "addresses look like `rerun+http://127.0.0.1:9876/proxy` or `127.0.0.1:9876`";
