@@ -9,12 +9,10 @@ use super::lower::clean;
 use super::pose::roll_pitch_yaw;
 use super::scene::{Drawn, Scene, Solid, WORLD};
 use super::touch::{Pair, Touch};
+use crate::budget::CONTACTS;
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use toml_edit::Array;
-
-/// More contacts than these are not written one by one.
-const MOST: usize = 10_000;
 
 /// A pattern for all bodies saves so many contacts at least.
 const WORTH: usize = 3;
@@ -281,7 +279,7 @@ impl<'s, 'a> Finder<'s, 'a> {
                 if covered == Some(wanted.friction) && wanted.pair.is_none() {
                     continue;
                 }
-                if entries.len() == MOST {
+                if entries.len() == CONTACTS {
                     self.refuse();
                     return entries;
                 }
@@ -294,7 +292,7 @@ impl<'s, 'a> Finder<'s, 'a> {
 
     fn refuse(&self) {
         let root = self.scene.bodies[WORLD].element;
-        let message = format!("its {} colliding bodies touch in more than {MOST} pairs", self.list.len());
+        let message = format!("its {} colliding bodies touch in more than {CONTACTS} pairs", self.list.len());
         let help = "write them in the scenario as patterns, with `[[contact]]`, and leave out `contact = true`";
         root.refuse(Problem::at(root.place(), message).help(help));
     }

@@ -2,7 +2,7 @@
 
 use super::super::log::Taken;
 use super::defaults::{Defaults, Settled};
-use super::scene::{Scene, find};
+use super::scene::{Scene, WORLD, find};
 use super::tree::Tree;
 
 /// How a geom touches others.
@@ -164,8 +164,15 @@ fn pair(settled: &Settled<'_>, scene: &Scene<'_>) -> Option<Pair> {
             return None;
         }
     }
-    if scene.geoms[geoms[0]].0 == scene.geoms[geoms[1]].0 {
-        element.note(Taken::Ignored, "both geoms are on one body");
+    let carrier = |geom: usize| {
+        let mut body = scene.geoms[geom].0;
+        while body != WORLD && scene.bodies[body].joints.is_empty() {
+            body = scene.bodies[body].parent;
+        }
+        body
+    };
+    if carrier(geoms[0]) == carrier(geoms[1]) {
+        element.note(Taken::Ignored, "its geoms do not move against each other");
         return None;
     }
     Some(Pair { geoms, name, friction: Law { dimension, friction }.coefficient() })

@@ -3,7 +3,7 @@
 use super::lines::coil_radii;
 use super::place::{Anchor, Part, Place, toward};
 use super::{Drawing, Triangles};
-use crate::record::ContactPush;
+use crate::record::contact::{ContactPush, still};
 use crate::record::scene::{BodyPicture, LinePicture, LoadPicture};
 use crate::record::solids::{Form, Solid};
 use crate::spatial::{Pose, Wrench};
@@ -185,13 +185,13 @@ impl Drawing {
         }
     }
 
-    /// What contacts push with on the second body, from where it acts: green what sticks, orange what slips.
+    /// What contacts push with, from where it acts: green what sticks, orange what slips.
     pub(super) fn add_contacts(&mut self, contacts: &[ContactPush]) {
-        let arrow = Arc::new(Triangles::arrow());
-        let full =
-            contacts.iter().map(|one| Vector3::from(one.force).norm()).filter(|x| x.is_finite()).fold(0.0, f64::max);
+        let (arrow, still) = (Arc::new(Triangles::arrow()), still(&self.scene));
+        let sizes = contacts.iter().map(|one| Vector3::from(one.force).norm());
+        let full = sizes.filter(|x| x.is_finite()).fold(0.0, f64::max);
         for one in contacts {
-            let Some((turn, length)) = self.arrow(&one.force.into(), full) else { continue };
+            let Some((turn, length)) = self.arrow(&one.drawn(&still).into(), full) else { continue };
             let (name, color) = (one.between.join(", "), if one.slips { SLIP } else { STICK });
             let place = Place::Point { at: (None, one.point), turn, scale: length };
             self.parts.push(Part { name, triangles: arrow.clone(), color, unbounded: false, place });

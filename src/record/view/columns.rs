@@ -107,7 +107,7 @@ impl Columns {
 
     /// Adds what contacts push with at a time (s).
     pub(super) fn push_contacts(&mut self, time: f64, pushes: &[ContactPush], picture: &Picture) {
-        let arrows = contact_arrows(pushes, &picture.scales);
+        let arrows = contact_arrows(pushes, &picture.still, &picture.scales);
         self.contacts.times.push(time);
         self.contacts.lengths.push(arrows.len());
         self.contacts.arrows.extend(arrows);

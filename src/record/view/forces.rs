@@ -8,6 +8,7 @@ use crate::record::scene::LinePicture;
 use crate::record::{ContactPush, Scene};
 use crate::spatial::{Pose, Wrench};
 use nalgebra::{Point3, Vector3};
+use std::collections::HashSet;
 
 /// A push, a torque, a reaction.
 const FORCE: Color = Color(super::sdk::Rgba32::from_rgb(200, 60, 40));
@@ -159,10 +160,14 @@ fn arrow(vector: &Vector3<f64>, full: f64, size: f64) -> Option<Vector3<f64>> {
     Some(direction * (ARROW * size * (length / full).clamp(SHORTEST, 1.0)))
 }
 
-/// What contacts push with as arrows on the second bodies, full length for the weight of the scene: origins, vectors and colours.
-pub(super) fn contact_arrows(pushes: &[ContactPush], scales: &Scales) -> Vec<([f32; 3], [f32; 3], Color)> {
+/// What contacts push with as arrows, full length for the weight of the scene: origins, vectors and colours.
+pub(super) fn contact_arrows(
+    pushes: &[ContactPush],
+    still: &HashSet<String>,
+    scales: &Scales,
+) -> Vec<([f32; 3], [f32; 3], Color)> {
     let one = |push: &ContactPush| {
-        let drawn = arrow(&Vector3::from(push.force), scales.weight, scales.size)?;
+        let drawn = arrow(&Vector3::from(push.drawn(still)), scales.weight, scales.size)?;
         Some((point(&Vector3::from(push.point)), point(&drawn), if push.slips { SLIP } else { STICK }))
     };
     pushes.iter().filter_map(one).collect()

@@ -211,6 +211,10 @@ fn geoms_touch_as_in_mujoco() {
         let description = taken(scene);
         for one in 0..scene.balls.len() {
             for other in one + 1..scene.balls.len() {
+                // What is welded together has a contact in MuJoCo if a <pair> names it, and nothing that it could do.
+                if scene.weld(scene.balls[one].body) == scene.weld(scene.balls[other].body) {
+                    continue;
+                }
                 let found = said(&description, scene.balls[one].radius, scene.balls[other].radius);
                 let theirs = read[format!("{index}.xml")][format!("g{one} g{other}")].as_f64();
                 assert_eq!(found.is_some(), theirs.is_some(), "g{one} and g{other}: {}", scene.text());
