@@ -13,6 +13,7 @@ mod actuator;
 mod asset;
 mod attach;
 mod body;
+mod collide;
 mod couple;
 mod defaults;
 mod geom;
@@ -29,6 +30,7 @@ mod scene;
 mod servo;
 mod settings;
 mod tendon;
+mod touch;
 mod tree;
 mod weigh;
 mod weld;
@@ -68,6 +70,9 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
         let model = &models[instance.model];
         scene.enter(&instance, &models);
         tendon::read(&model.tree, &model.defaults, &mut scene, &mut output, &mut tendons);
+        if scene.settings.contacts {
+            touch::read(&model.tree, &model.defaults, &mut scene);
+        }
         couple::read(&model.tree, &model.defaults, &mut scene, &tendons, &mut output);
     }
     actuator::read(&models, &mut scene, &tendons, &key, &mut output);
