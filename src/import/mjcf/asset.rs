@@ -177,7 +177,7 @@ impl Mesh {
             let found = mesh.convex_parts(Vector3::from(self.placing.scale), true);
             found.map(|_| ()).map_err(|error| error.to_string())
         };
-        self.hull.get_or_init(find).as_ref().map(|()| ()).map_err(String::as_str)
+        self.hull.get_or_init(find).as_ref().copied().map_err(String::as_str)
     }
 
     fn weigh(&self) -> Result<Weight, String> {

@@ -5,8 +5,7 @@
 
 use super::super::draft::{Draft, Entry};
 use super::super::log::{Problem, Taken};
-use super::lower::clean;
-use super::pose::roll_pitch_yaw;
+use super::pose::{clean, roll_pitch_yaw};
 use super::scene::{Drawn, Scene, Solid, WORLD};
 use super::touch::{Pair, Touch};
 use crate::budget::CONTACTS;

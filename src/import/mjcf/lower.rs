@@ -6,7 +6,7 @@ use super::super::log::{Place, Problem, Taken};
 use super::super::xml::Element;
 use super::collide::Colliders;
 use super::key::Key;
-use super::pose::roll_pitch_yaw;
+use super::pose::{clean, roll_pitch_yaw};
 use super::scene::{Body, Joint, Kind, Scene, WORLD};
 use crate::model::description::GROUND;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
@@ -374,13 +374,6 @@ fn finite(body: &Body<'_>, scene: &Scene<'_>) {
         let message = format!("{}: its numbers grow beyond all that can be computed with", body.element.label());
         body.element.refuse(Problem::at(body.element.place(), message).help("look at its sizes, densities and gears"));
     }
-}
-
-/// A vector without the round-off of turning it.
-pub(super) fn clean(vector: Vector3<f64>) -> [f64; 3] {
-    let noise = 1e-15 * vector.amax();
-    // Also −0 becomes 0.
-    [vector.x, vector.y, vector.z].map(|part| if part.abs() <= noise { 0.0 } else { part })
 }
 
 fn unique(wanted: String, used: &mut HashSet<String>) -> String {

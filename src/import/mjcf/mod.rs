@@ -25,6 +25,7 @@ mod limits;
 mod lower;
 mod mass;
 mod model;
+mod pair;
 mod pose;
 mod scene;
 mod servo;
@@ -71,7 +72,7 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
         scene.enter(&instance, &models);
         tendon::read(&model.tree, &model.defaults, &mut scene, &mut output, &mut tendons);
         if scene.settings.contacts {
-            touch::read(&model.tree, &model.defaults, &mut scene);
+            pair::read(&model.tree, &model.defaults, &mut scene);
         }
         couple::read(&model.tree, &model.defaults, &mut scene, &tendons, &mut output);
     }

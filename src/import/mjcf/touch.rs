@@ -1,9 +1,7 @@
-//! How geoms touch: `contype`, `conaffinity`, `condim`, `friction`, `priority`, and what `<contact>` says of pairs and bodies.
+//! How geoms touch: `contype`, `conaffinity`, `condim`, `friction`, `priority`.
 
 use super::super::log::Taken;
-use super::defaults::{Defaults, Settled};
-use super::scene::{Scene, WORLD, find};
-use super::tree::Tree;
+use super::defaults::Settled;
 
 /// How a geom touches others.
 #[derive(Debug, Clone)]
@@ -41,6 +39,13 @@ pub(super) struct Pair {
     pub(super) name: Option<String>,
     /// The coefficient that acts; that of the geoms has no part in it.
     pub(super) friction: f64,
+}
+
+impl Pair {
+    /// With the coefficient of sliding of a contact of so many dimensions.
+    pub(super) fn new(geoms: [usize; 2], name: Option<String>, dimension: u8, friction: f64) -> Self {
+        Self { geoms, name, friction: Law { dimension, friction }.coefficient() }
+    }
 }
 
 impl Touch {
@@ -91,7 +96,7 @@ impl Touch {
 }
 
 /// `condim`; `None` if it was refused.
-fn dimension(settled: &Settled<'_>) -> Option<Option<u8>> {
+pub(super) fn dimension(settled: &Settled<'_>) -> Option<Option<u8>> {
     let Some(attribute) = settled.attribute("condim") else { return Some(None) };
     match attribute.number()? {
         1.0 => Some(Some(1)),
@@ -108,72 +113,12 @@ fn dimension(settled: &Settled<'_>) -> Option<Option<u8>> {
     }
 }
 
-fn refuse_negative(settled: &Settled<'_>, friction: f64) -> Option<()> {
+/// `None` if a coefficient is negative: it was refused.
+pub(super) fn refuse_negative(settled: &Settled<'_>, friction: f64) -> Option<()> {
     if friction >= 0.0 {
         return Some(());
     }
     let attribute = settled.attribute("friction")?;
     attribute.element.refuse(attribute.wrong(&format!("must not be negative, found {friction}")));
     None
-}
-
-/// Reads what `<contact>` says in an instance of a model.
-pub(super) fn read<'a>(tree: &Tree<'a>, defaults: &Defaults<'a>, scene: &mut Scene<'a>) {
-    for element in tree.section("contact") {
-        match element.name() {
-            "exclude" => {
-                let settled = Settled::bare(&element);
-                element.text("name");
-                let body = |key| find(&settled.element.required(key)?, "body", &scene.names.bodies, scene);
-                if let (Some(one), Some(other)) = (body("body1"), body("body2")) {
-                    scene.excluded.push([one, other]);
-                }
-            }
-            "pair" => {
-                let settled = defaults.of(&element, None);
-                let read = pair(&settled, scene);
-                scene.pairs.extend(read);
-            }
-            _ => {}
-        }
-    }
-}
-
-fn pair(settled: &Settled<'_>, scene: &Scene<'_>) -> Option<Pair> {
-    let element = settled.element;
-    let name = element.text("name").map(str::to_owned);
-    let geom = |key| find(&element.required(key)?, "geom", &scene.names.geoms, scene);
-    let geoms = [geom("geom1")?, geom("geom2")?];
-    let dimension = dimension(settled)?.unwrap_or(3);
-    let mut along = [1.0; 2];
-    if settled.attribute("friction").is_some() {
-        let numbers = settled.numbers("friction", 5)?;
-        along.iter_mut().zip(&numbers).for_each(|(own, given)| *own = *given);
-    }
-    let friction = along[0].min(along[1]);
-    refuse_negative(settled, friction)?;
-    if along[0] != along[1] && dimension > 1 {
-        let what = "its friction depends on the direction: the smaller coefficient counts in all of them";
-        element.note(Taken::Approximated, what);
-    }
-    for geom in geoms {
-        let (body, shape) = scene.geoms[geom];
-        let touches = shape.is_some_and(|shape| scene.bodies[body].shapes[shape].touch.is_some());
-        if !touches {
-            element.note(Taken::Ignored, "one of its geoms touches nothing here");
-            return None;
-        }
-    }
-    let carrier = |geom: usize| {
-        let mut body = scene.geoms[geom].0;
-        while body != WORLD && scene.bodies[body].joints.is_empty() {
-            body = scene.bodies[body].parent;
-        }
-        body
-    };
-    if carrier(geoms[0]) == carrier(geoms[1]) {
-        element.note(Taken::Ignored, "its geoms do not move against each other");
-        return None;
-    }
-    Some(Pair { geoms, name, friction: Law { dimension, friction }.coefficient() })
 }

@@ -28,7 +28,7 @@ fn a_box_that_tips_turns_about_its_lower_edge_in_the_recording_of_its_collapse()
         let edges = [random.between(0.1, 0.3), random.between(0.2, 0.6), random.between(0.5, 0.9)];
         // Beyond tipping, far from sliding.
         let slope = (edges[0] / edges[2]).atan() + random.between(0.02, 0.2);
-        bench.write("scene.toml", &on_a_floor(edges, 3.0, slope, 0.0));
+        bench.write("scene.toml", on_a_floor(edges, 3.0, slope, 0.0));
         let answer = bench.call(&["statics", "scene.toml", "--collapse", "fall.mcap"]).code(1);
         assert!(answer.out.contains("two seconds: `box` lifts off `floor`"), "{}", answer.out);
         let recording = Recording::open(&bench.path().join("fall.mcap")).expect("a recording");
@@ -53,7 +53,7 @@ fn a_box_that_tips_turns_about_its_lower_edge_in_the_recording_of_its_collapse()
 #[test]
 fn what_needs_no_friction_has_no_collapse_to_record() {
     let bench = Bench::new();
-    bench.write("scene.toml", &on_a_floor([0.2; 3], 0.5, 0.0, 0.0));
+    bench.write("scene.toml", on_a_floor([0.2; 3], 0.5, 0.0, 0.0));
     let answer = bench.call(&["statics", "scene.toml", "--collapse", "fall.mcap"]).code(0);
     assert!(answer.err.contains("no collapse to record in `fall.mcap`: no friction has to hold it"), "{}", answer.err);
     assert!(!bench.path().join("fall.mcap").exists());
@@ -73,7 +73,7 @@ fn exported_contacts_obey_coulombs_law() {
     let mut random = Random::new(0x000e_4702);
     for _ in 0..4 {
         let (friction, speed) = (random.between(0.2, 0.6), random.between(0.5, 1.5));
-        bench.write("scene.toml", &on_a_floor([0.4, 0.3, 0.1], friction, 0.0, speed));
+        bench.write("scene.toml", on_a_floor([0.4, 0.3, 0.1], friction, 0.0, speed));
         bench.call(&["run", "scene.toml", "--out", "run.mcap", "--quiet"]).code(0);
         bench.call(&["export", "run.mcap", "--csv", "contacts.csv", "--channel", "contacts", "--quiet"]).code(0);
         let text = std::fs::read_to_string(bench.path().join("contacts.csv")).expect("a table");

@@ -119,7 +119,7 @@ fn robots_stand_on_the_polygon_of_their_feet() {
         let walker = walker(&mut random);
         let friction = random.between(0.4, 1.2);
         bench.write("walker.urdf", &walker.urdf);
-        bench.write("scene.toml", &scene(friction, walker.height));
+        bench.write("scene.toml", scene(friction, walker.height));
         let from = [walker.center.x, walker.center.y];
         let inside = to_border(&walker.feet, from, [1.0, 0.0]);
         let stands = inside > 0.0;

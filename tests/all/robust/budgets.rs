@@ -50,7 +50,7 @@ fn contacts_of_a_model_that_no_pattern_says_are_counted() {
     // Two crowds, and nobody meets their own: as many pairs as the product.
     let model = |of_each: usize| {
         let ball = |k: usize| {
-            let (own, other) = if k % 2 == 0 { (1, 2) } else { (2, 4) };
+            let (own, other) = if k.is_multiple_of(2) { (1, 2) } else { (2, 4) };
             format!(
                 "<body name=\"b{k}\"><freejoint/><geom size=\"0.1\" contype=\"{own}\" conaffinity=\"{other}\"/></body>"
             )
