@@ -17,13 +17,10 @@ use super::error::RunError;
 use super::problem::Motion;
 use super::settings::{Integrator, Settings};
 use super::state::State;
-use crate::force::load::LoadLaw;
-use crate::force::{End, Force, Law};
 use crate::integrate::{Progress, Start, StepError, Stepper};
 use crate::model::{Model, StopLaw};
-use crate::motion::Motion as Place;
 use crate::record::ContactPush;
-use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap};
+use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap, with_contacts};
 use std::sync::Arc;
 
 /// What (1) may leave of accelerations, in parts of the scene's own: its loads are balanced to the tolerance of the conic
@@ -56,7 +53,10 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
     };
     match found.map_err(|why| refuse(why.to_string()))? {
         Some(found) if found.verdict == Verdict::Stands => {
-            return Ok(Some(Held { model: loaded(model, &state.position, &found), contacts: pushes(model, &found) }));
+            return Ok(Some(Held {
+                model: with_contacts(model, &state.position, &found.contacts),
+                contacts: pushes(model, &found),
+            }));
         }
         Some(found) if found.verdict == Verdict::Wedged => {
             return Err(refuse("the scene stands only if its contacts are squeezed beforehand".to_owned()));
@@ -131,26 +131,6 @@ fn pushes(model: &Model, found: &Bearing) -> Vec<ContactPush> {
         slips: false,
     };
     found.contacts.iter().map(push).collect()
-}
-
-/// The model with the forces of its contacts as loads on both bodies: they have no power and, as pairs, no potential.
-fn loaded(model: &Arc<Model>, q: &[f64], found: &Bearing) -> Arc<Model> {
-    let mut place = Place::new(model);
-    place.update(model, q, &vec![0.0; model.velocity_count()]);
-    let mut forces = model.forces.to_vec();
-    for (k, one) in found.contacts.iter().enumerate() {
-        for (index, force) in one.contact.bodies.into_iter().zip([-one.force, one.force]) {
-            let body = &model.bodies[index];
-            let link = &place.links[body.link];
-            let point = link.turn.tr_mul(&(one.contact.point - link.position));
-            let on = End { link: body.link, body: Some(index), point };
-            let name = format!("contact {k} on {}", body.name);
-            forces.push(Force { name, law: Law::Load(LoadLaw::dead(on, force)) });
-        }
-    }
-    let mut loaded = Model::clone(model);
-    loaded.forces = forces.into();
-    Arc::new(loaded)
 }
 
 /// A step of any length along which nothing moves.

@@ -1,6 +1,7 @@
 //! The outputs of an equilibrium, and what its beams bear.
 
 use super::certify::equilibrium::Equilibrium;
+use super::standing::with_contacts;
 use crate::dynamics::{BeamState, Fault, Powers, System};
 use crate::model::Model;
 use crate::output::{Given, Outputs};
@@ -11,6 +12,7 @@ use std::sync::Arc;
 /// # Errors
 /// The output that is not a finite number, or a pose that cannot be evaluated.
 pub fn outputs(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<f64>, Fault> {
+    let model = &pushed(model, found);
     let Some(mut outputs) = Outputs::new(model) else { return Ok(Vec::new()) };
     let (q, v) = (&found.position[..], &found.velocity[..]);
     let rest = vec![0.0; v.len()];
@@ -46,12 +48,20 @@ pub fn beams(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<BeamState>, 
     if model.beams.is_empty() {
         return Ok(Vec::new());
     }
-    let mut system = System::new(model);
+    let mut system = System::new(&pushed(model, found));
     push_as_found(&mut system, found)?;
     let mut at = system.at(0.0, &found.position, &found.velocity);
     at.share_multipliers()?;
     let rest = vec![0.0; found.velocity.len()];
     Ok(at.residual(&rest, &mut rest.clone())?.beams())
+}
+
+/// The model, with what its contacts bear as loads.
+fn pushed(model: &Arc<Model>, found: &Equilibrium) -> Arc<Model> {
+    match &found.standing {
+        Some(standing) if !standing.contacts.is_empty() => with_contacts(model, &found.position, &standing.contacts),
+        _ => Arc::clone(model),
+    }
 }
 
 /// Places the rows of loops, drives and gears, which push as the search found: what locks and stops hold is not in the system.

@@ -12,7 +12,7 @@ use crate::statics::problem::Landscape;
 use crate::statics::problem::linear::General;
 use crate::statics::problem::place::{BALANCED, Place};
 use crate::statics::settings::{Method, Settings, Want};
-use crate::statics::standing::Standing;
+use crate::statics::standing::answer::Standing;
 use std::sync::Arc;
 
 /// What the search found, with the evidence.

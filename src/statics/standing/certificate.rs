@@ -60,7 +60,10 @@ fn loaded(description: &Description, model: &Model, pose: &[f64], standing: &Sta
     }
     for (velocity, force) in standing.stop_forces.iter() {
         let coordinate = &model.coordinates[*velocity];
-        let hinge = &mut loaded.bodies[coordinate.body].hinge;
+        let name = &model.bodies[coordinate.body].name;
+        let of_bodies = loaded.bodies.iter_mut().map(|body| (&body.name, &mut body.hinge));
+        let of_beams = loaded.beams.iter_mut().map(|beam| (&beam.name, &mut beam.hinge));
+        let Some((_, hinge)) = of_bodies.chain(of_beams).find(|(body, _)| *body == name) else { continue };
         hinge.force.resize(hinge.kind.counts().1, 0.0);
         hinge.force[velocity - model.bodies[coordinate.body].hinge.velocity] += force;
     }

@@ -13,8 +13,12 @@ const TOUCHES: f64 = 1e-9;
 /// A load below this part of the forces that cancel in it is their rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The same of strains of beams, which are known to the balance that they have settled to.
+/// A load of strains of beams below this part is: they are known to the balance that they have settled to.
 const SETTLED: f64 = 1e-8;
+
+/// Forces of supports balance bodies before they balance strains, which are only that near to their balance: what is left of
+/// strains counts by its square over the square of this.
+const COARSE: f64 = 30.0;
 
 /// What a support is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,11 +103,14 @@ impl Bearers {
     }
 }
 
-/// 1 for distances, the scene's length for turns (m).
+/// 1 for distances, the scene's length for turns (m), more for strains.
 fn units(model: &Model) -> Vec<f64> {
     let mut units = vec![model.length_scale(); model.velocity_count()];
     for link in model.links.iter().skip(1).filter(|link| link.joint.is_distance()) {
         units[link.velocity] = 1.0;
+    }
+    for link in model.links.iter().filter(|link| link.joint.is_flex()) {
+        units[link.velocity..link.velocity + link.joint.counts().1].iter_mut().for_each(|unit| *unit *= COARSE);
     }
     units
 }

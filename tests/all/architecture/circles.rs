@@ -30,7 +30,6 @@ const CIRCLES: &[&[&str]] = &[
     ],
     &["scenario/beam", "scenario/body", "scenario/force", "scenario/hinge"],
     &["simulate/events", "simulate/instant"],
-    &["statics/certify/bearing", "statics/certify/equilibrium", "statics/inverse", "statics/standing"],
 ];
 
 /// File → the files that it imports, each by its path without `.rs` and `/mod.rs`.

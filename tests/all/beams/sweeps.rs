@@ -269,6 +269,7 @@ fn markers_are_on_the_centre_line() {
 /// The linear equations about any state against differences of the accelerations; strains are states like hinge coordinates.
 #[test]
 fn linear_equations_match_differences_of_the_accelerations() {
+    let mut compared = 0;
     for seed in 0..CASES {
         let mut random = Random::new(900 + seed);
         let model = scene(&mut random, false);
@@ -282,18 +283,23 @@ fn linear_equations_match_differences_of_the_accelerations() {
             held: Vec::new(),
             pressed: Vec::new(),
         };
-        let found = linearize(&model, &place, &[], None).expect("the linear equations");
-        assert_eq!((found.a.nrows(), found.states.len()), (2 * n, 2 * n), "seed {seed}");
         let mut system = System::new(&model);
         let mut at = |by: &[f64], rate: &[f64]| {
             let (mut moved, mut a) = (q.clone(), vec![0.0; n]);
             System::displace(&model, &mut moved, by);
             let v: Vec<f64> = v.iter().zip(rate).map(|(v, by)| v + by).collect();
-            system.at(0.0, &moved, &v).accelerations(&mut a).expect("no singular hinge");
-            a
+            system.at(0.0, &moved, &v).accelerations(&mut a).is_ok().then_some(a)
         };
         let step = 1e-5;
         let [none, by] = [vec![0.0; n], random.list(n, -step, step)];
+        // A beam that ends in nothing may have a motion without inertia.
+        if at(&none, &none).is_none_or(|a| largest(a) > 1e10) {
+            continue;
+        }
+        let mut at = |by: &[f64], rate: &[f64]| at(by, rate).expect("no singular hinge");
+        compared += 1;
+        let found = linearize(&model, &place, &[], None).expect("the linear equations");
+        assert_eq!((found.a.nrows(), found.states.len()), (2 * n, 2 * n), "seed {seed}");
         let back: Vec<f64> = by.iter().map(|x| -x).collect();
         for (first, [ahead, behind]) in
             [(0, [at(&by, &none), at(&back, &none)]), (n, [at(&none, &by), at(&none, &back)])]
@@ -301,15 +307,10 @@ fn linear_equations_match_differences_of_the_accelerations() {
             let told = |i: usize| (0..n).map(|j| found.a[(n + i, first + j)] * by[j]).sum::<f64>();
             let size = largest((0..n).map(told));
             let apart = largest((0..n).map(|i| told(i) - 0.5 * (ahead[i] - behind[i])));
-            println!(
-                "seed {seed} {:e} {:e}",
-                largest(ahead.iter().copied()),
-                largest(found.a.col_iter().flat_map(|c| c.iter().copied().collect::<Vec<_>>()))
-            );
-            let rounding = 1e-12 * largest(ahead.iter().copied());
-            assert!(apart < 1e-6 * size + rounding, "seed {seed}, {first}: {apart:e} of {size:e}");
+            assert!(apart < 1e-6 * size, "seed {seed}, {first}: {apart:e} of {size:e}");
         }
     }
+    assert!(compared > 50, "{compared} scenes");
 }
 
 /// What a start file says of beams is what they start with, bit for bit.
