@@ -22,6 +22,9 @@ pub const LARGEST: f64 = 1e154;
 /// Bodies of a scenario with all copies, and of a recording.
 pub const BODIES: usize = 1_000_000;
 
+/// Contacts that the importer of MJCF writes for pairs of bodies.
+pub const CONTACTS: usize = 10_000;
+
 /// Problems of one kind for which a similar name is looked for, in the files of one command: each costs a comparison
 /// with every known name.
 pub const SUGGESTIONS: usize = 50;

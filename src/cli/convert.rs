@@ -29,6 +29,9 @@ pub(super) struct Arguments {
     /// Leave out the dry friction of joints
     #[arg(long)]
     no_friction: bool,
+    /// Let what collides in the model touch: shapes of `<collision>`, geoms
+    #[arg(long)]
+    contact: bool,
     /// Let joints of a URDF move that follow others (<mimic>)
     #[arg(long)]
     no_mimics: bool,
@@ -56,6 +59,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         key: arguments.key.clone(),
         without_limits: arguments.no_limits,
         without_friction: arguments.no_friction,
+        contact: arguments.contact,
         without_mimics: arguments.no_mimics,
         weld_massless: arguments.weld_massless,
         folder: arguments.out.as_deref().filter(|out| out.as_os_str() != "-").map(folder),

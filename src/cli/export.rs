@@ -9,7 +9,7 @@ use super::number::count;
 use super::samples::{self, Place, Rows};
 use super::{Exit, output};
 use crate::record::table::Column;
-use crate::record::{Recording, Table};
+use crate::record::{ContactTable, Recording, Table};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, bail};
 use clap::Args;
@@ -28,7 +28,7 @@ pub(super) struct Arguments {
     /// Write Parquet: a name ending in .parquet is one file, a name without an ending a folder with one file per channel
     #[arg(long, value_name = "FILE.parquet|DIR")]
     parquet: Option<PathBuf>,
-    /// Only this channel (hinges, energy, reactions, couplings, outputs, tf) or this column (upper.angle); may be repeated
+    /// Only this channel (hinges, energy, reactions, couplings, outputs, contacts, tf) or this column (upper.angle); may be repeated
     #[arg(long, value_name = "NAME")]
     channel: Vec<String>,
     /// Print one JSON object on standard output and nothing else there
@@ -53,7 +53,10 @@ type Create = fn(File, &[Column]) -> anyhow::Result<Box<dyn Sheet>>;
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let recording = samples::open(&arguments.recording, arguments.quiet)?;
-    let tables = Table::all(&recording.scene);
+    let mut tables = Table::all(&recording.scene);
+    let contacts = ContactTable::of(&recording)?;
+    tables.extend(contacts.as_ref().map(|contacts| contacts.table.clone()));
+    let touching = contacts.map_or_else(Vec::new, |contacts| contacts.rows);
     let mut places = Vec::new();
     for name in &arguments.channel {
         places.extend(samples::columns(&tables, name)?);
@@ -71,18 +74,18 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
                 "`--csv {named}` writes the table on standard output, and nothing else can go there: leave out `--json` and `--parquet`"
             );
         }
-        let export = Export { recording: &recording, tables: &tables, places: &places };
+        let export = Export { recording: &recording, tables: &tables, places: &places, touching: &touching };
         return export.print().map(|()| Exit::Done);
     }
     if let Some(target) = &arguments.csv {
-        written.extend(Export { recording: &recording, tables: &tables, places: &places }.write(
+        written.extend(Export { recording: &recording, tables: &tables, places: &places, touching: &touching }.write(
             target,
             "csv",
             delimited::create,
         )?);
     }
     if let Some(target) = &arguments.parquet {
-        written.extend(Export { recording: &recording, tables: &tables, places: &places }.write(
+        written.extend(Export { recording: &recording, tables: &tables, places: &places, touching: &touching }.write(
             target,
             "parquet",
             parquet()?,
@@ -125,6 +128,8 @@ struct Export<'a> {
     recording: &'a Recording,
     tables: &'a [Table],
     places: &'a [Place],
+    /// Rows of the table `contacts`.
+    touching: &'a [Vec<f64>],
 }
 
 impl Export<'_> {
@@ -186,7 +191,7 @@ impl Export<'_> {
 
     /// Hands every sample to a sheet; how many there were.
     fn rows(&self, mut sheet: Box<dyn Sheet + '_>, places: &[Place]) -> anyhow::Result<usize> {
-        let mut rows = Rows::new(self.tables, places);
+        let mut rows = Rows::new(self.tables, places).with_contacts(self.touching);
         let mut written = 0;
         samples::each(self.recording, |sample| {
             written += 1;

@@ -4,7 +4,7 @@ use super::inputs::Inputs;
 use super::{Exit, output, pixels, samples};
 use crate::record::drawing::{Drawing, Extras};
 use crate::record::picture::{Eye, Frame, svg};
-use crate::record::{Footage, OwnedSample};
+use crate::record::{ContactPush, Footage, OwnedSample};
 use anyhow::{bail, ensure};
 use clap::Args;
 use serde_json::json;
@@ -25,6 +25,9 @@ pub(super) struct Arguments {
     /// Draw what the hinges pass to the bodies as arrows
     #[arg(long)]
     reactions: bool,
+    /// Draw what contacts push with as arrows: green what sticks, orange what slips
+    #[arg(long)]
+    contacts: bool,
     /// Print one JSON object on standard output and nothing else there
     #[arg(long)]
     json: bool,
@@ -113,6 +116,16 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let mut drawing = arguments.looks.drawing(&footage, &shown, arguments.quiet);
     if arguments.reactions {
         drawing = drawing.with_reactions(&shown.bodies, &shown.reactions);
+    }
+    if arguments.contacts {
+        let instants = footage.recording.contacts()?;
+        let nearest = |one: &&(f64, Vec<ContactPush>), other: &&(f64, Vec<ContactPush>)| {
+            (one.0 - shown.time).abs().total_cmp(&(other.0 - shown.time).abs())
+        };
+        match instants.iter().min_by(nearest) {
+            Some((_, pushes)) => drawing = drawing.with_contacts(pushes),
+            None => output::warning(&format!("`{}` has no contacts to draw", arguments.recording.display())),
+        }
     }
     let [width, height] = arguments.looks.size();
     let frame = Frame::new(&drawing, [&shown.bodies[..]], arguments.looks.camera(), [width, height]);

@@ -1,4 +1,4 @@
-//! Poses that follow each other without a simulation: the iterates of a search, and mode shapes.
+//! Poses that follow each other without a simulation: the iterates of a search, mode shapes, and how a scene gives way.
 
 use super::{Common, json, recording};
 use crate::dynamics::System;
@@ -119,13 +119,48 @@ fn shown(found: &Equilibrium) -> &[Mode] {
     &modes[..modes.len().min(MOST_MODES)]
 }
 
-/// A mode as it swings about the equilibrium, from time zero.
-fn swing(model: &Model, found: &Equilibrium, mode: &Mode) -> Vec<Frame> {
-    let free: Vec<usize> = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock).collect();
+/// How a scene gives way: from rest, ever faster, as far as a mode swings. Returns what happens, in words; `None` if nothing gives way.
+pub(super) fn collapse(
+    common: &Common,
+    scenario: &Scenario,
+    model: &Arc<Model>,
+    found: &Equilibrium,
+    path: &Path,
+) -> anyhow::Result<Option<String>> {
+    let mechanism = found.standing.as_ref().and_then(|standing| standing.mechanism.as_ref());
+    let Some(mechanism) = mechanism.filter(|mechanism| mechanism.motion.iter().any(|rate| *rate != 0.0)) else {
+        return Ok(None);
+    };
+    let unit = units(model);
+    let largest = mechanism.motion.iter().zip(&unit).map(|(rate, unit)| (rate / unit).abs()).fold(0.0, f64::max);
+    let frames = (SHOWN * RATE) as usize;
+    let frame = |frame: usize| {
+        let part = frame as f64 / frames as f64;
+        let far = AMPLITUDE / largest * part * part;
+        let step: Vec<f64> = mechanism.motion.iter().map(|rate| far * rate).collect();
+        let mut q = found.position.clone();
+        System::displace(model, &mut q, &step);
+        (SHOWN * part, q)
+    };
+    let frames: Vec<Frame> = (0..=frames).map(frame).collect();
+    let said = mechanism.to_string();
+    film(common, scenario, model, found, &frames, (Some(path), &[]), &json!({ "collapse": said }))?;
+    Ok(Some(said))
+}
+
+/// What a velocity coordinate is compared with: 1 rad, or the scene's length (m).
+fn units(model: &Model) -> Vec<f64> {
     let mut unit = vec![1.0; model.velocity_count()];
     for link in model.links.iter().filter(|link| link.joint.is_distance()) {
         unit[link.velocity] = model.length_scale();
     }
+    unit
+}
+
+/// A mode as it swings about the equilibrium, from time zero.
+fn swing(model: &Model, found: &Equilibrium, mode: &Mode) -> Vec<Frame> {
+    let free: Vec<usize> = (0..model.velocity_count()).filter(|i| !model.coordinates[*i].lock).collect();
+    let unit = units(model);
     let largest = free.iter().zip(&mode.shape).map(|(i, x)| (x / unit[*i]).abs()).fold(0.0, f64::max);
     let frames = (SHOWN * RATE) as usize;
     let frame = |frame: usize| {

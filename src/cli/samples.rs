@@ -110,22 +110,38 @@ fn unknown(tables: &[Table], name: &str) -> anyhow::Error {
     anyhow!("there is no channel `{name}` in the recording\nhint: {hint}")
 }
 
+/// The table whose rows are not in samples.
+const CONTACTS: &str = "contacts";
+
 /// A recording's rows of chosen columns.
 pub(super) struct Rows<'a> {
     tables: &'a [Table],
     places: &'a [Place],
     rows: Vec<Vec<f64>>,
+    /// The rows of the table `contacts`, which are not in samples.
+    contacts: std::slice::Iter<'a, Vec<f64>>,
 }
 
 impl<'a> Rows<'a> {
     pub(super) fn new(tables: &'a [Table], places: &'a [Place]) -> Self {
-        Self { tables, places, rows: vec![Vec::new(); tables.len()] }
+        Self { tables, places, rows: vec![Vec::new(); tables.len()], contacts: [].iter() }
+    }
+
+    /// With the rows of the table `contacts`, one for each sample that is read.
+    pub(super) fn with_contacts(self, rows: &'a [Vec<f64>]) -> Self {
+        Self { contacts: rows.iter(), ..self }
     }
 
     /// The chosen numbers of a sample, in the order of the places.
     pub(super) fn read(&mut self, sample: &OwnedSample) -> impl Iterator<Item = f64> + '_ {
+        let touching = self.contacts.next();
         for (index, (table, row)) in self.tables.iter().zip(&mut self.rows).enumerate() {
-            if self.places.iter().any(|place| place.table == index) {
+            if table.name == CONTACTS {
+                row.clear();
+                // A recording that was cut may have lost the last ones.
+                row.extend_from_slice(touching.map_or(&[][..], Vec::as_slice));
+                row.resize(table.columns.len(), f64::NAN);
+            } else if self.places.iter().any(|place| place.table == index) {
                 table.fill(sample, row);
             }
         }

@@ -11,7 +11,7 @@ use anyhow::Context;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -43,6 +43,9 @@ pub(super) struct Arguments {
     /// Record the mode shapes there, two seconds each, for `view`
     #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
     modes: Option<PathBuf>,
+    /// Record how the scene gives way there, or would first with less friction: contact and dry friction alone, two seconds
+    #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
+    collapse: Option<PathBuf>,
     /// Record the poses of the search there, one per second, for `view`
     #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
     iterates: Option<PathBuf>,
@@ -77,7 +80,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         return baselines::main(&scenario, &model, common, arguments.out.as_deref());
     }
     let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
-    let written = [&arguments.save, &arguments.modes, &arguments.iterates, &arguments.out, arguments.viewers.rrd()];
+    let Arguments { save, modes, collapse, iterates, out, .. } = arguments;
+    let written = [save, modes, collapse, iterates, out, arguments.viewers.rrd()];
     written.into_iter().flatten().try_for_each(|output| read.spare(output))?;
     let sinks = arguments.viewers.sinks();
     let watched = arguments.iterates.is_some() || !sinks.is_empty();
@@ -116,6 +120,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             output::print(&format!("  recording    {} ({modes}, two seconds each)", path.display()))?;
         }
     }
+    if let Some(path) = &arguments.collapse {
+        arguments.record_collapse(&scenario, &model, &found, path)?;
+    }
     arguments.save_start(&scenario, &model, &found)?;
     if common.json {
         output::print(&result.to_string())?;
@@ -131,6 +138,31 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
 }
 
 impl Arguments {
+    /// The recording of how the scene gives way.
+    fn record_collapse(
+        &self,
+        scenario: &Scenario,
+        model: &Arc<Model>,
+        found: &Equilibrium,
+        path: &Path,
+    ) -> anyhow::Result<()> {
+        let common = &self.common;
+        match poses::collapse(common, scenario, model, found, path)? {
+            Some(said) if !common.json && !common.quiet => {
+                output::print(&format!("  recording    {} (two seconds: {said})", path.display()))
+            }
+            Some(_) => Ok(()),
+            None => {
+                let why = match &found.standing {
+                    None => "the scene has neither contact nor dry friction",
+                    Some(_) => "no friction has to hold it",
+                };
+                output::warning(&format!("no collapse to record in `{}`: {why}", path.display()));
+                Ok(())
+            }
+        }
+    }
+
     /// The start file that is asked for.
     fn save_start(&self, scenario: &Scenario, model: &Model, found: &Equilibrium) -> anyhow::Result<()> {
         let Some(path) = &self.save else { return Ok(()) };

@@ -47,6 +47,8 @@ pub struct Options {
     pub without_limits: bool,
     /// Dry friction of joints is left out.
     pub without_friction: bool,
+    /// What collides in the model touches: its shapes, and if the model says which pairs, these.
+    pub contact: bool,
     /// Joints of a URDF that follow others are let go.
     pub without_mimics: bool,
     /// Joints on which nothing with mass or inertia hangs are fixed: their motion would be undetermined.

@@ -8,7 +8,7 @@
 //! coordinates are rows of their own.
 
 use super::{Input, Place, Signal};
-use crate::model::Model;
+use crate::model::{Joint, Model};
 use faer::Mat;
 use std::cmp::Ordering;
 
@@ -120,9 +120,24 @@ fn eliminate(table: &mut Mat<f64>, n: usize) -> Vec<(usize, usize)> {
     }
 }
 
-/// A velocity coordinate as a state: `crank.angle`, `arm.turn[0]` of a rotation vector.
+/// Strains of beams, in their order.
+const STRAINS: [&str; 6] = ["stretch", "shear_y", "shear_z", "twist", "bend_y", "bend_z"];
+
+/// Of a coordinate of a beam's element which strain it is, and the degree of its polynomial.
+fn strain(model: &Model, velocity: usize) -> Option<(usize, usize)> {
+    let body = &model.bodies[model.coordinates[velocity].body];
+    let Joint::Flex { rod, .. } = model.links[body.link].joint else { return None };
+    let (rod, index) = (&model.rods[rod], velocity - model.links[body.link].velocity);
+    Some((rod.strain_of(index), index / rod.free_strains().count()))
+}
+
+/// A velocity coordinate as a state: `crank.angle`, `arm.turn[0]` of a rotation vector, `boom/2.bend_y[0]` of the second
+/// element of a beam.
 pub(super) fn label(model: &Model, velocity: usize) -> String {
     let body = &model.bodies[model.coordinates[velocity].body];
+    if let Some((strain, degree)) = strain(model, velocity) {
+        return format!("{}.{}[{degree}]", body.name, STRAINS[strain]);
+    }
     let (index, plain) = (velocity - body.hinge.velocity, body.hinge.kind.plain_coordinates());
     match body.hinge.kind.positions().get(index).filter(|_| index < plain) {
         Some((name, _)) => format!("{}.{name}", body.name),
@@ -131,6 +146,9 @@ pub(super) fn label(model: &Model, velocity: usize) -> String {
 }
 
 fn unit(model: &Model, velocity: usize) -> &'static str {
+    if let Some((strain, _)) = strain(model, velocity) {
+        return if strain < 3 { "m" } else { "rad" };
+    }
     let hinge = &model.bodies[model.coordinates[velocity].body].hinge;
     if hinge.kind.velocities()[velocity - hinge.velocity].1 == "m/s" { "m" } else { "rad" }
 }

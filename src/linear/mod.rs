@@ -114,9 +114,6 @@ pub enum LinearError {
     /// Dense matrices of this size are of no use.
     #[error("the tree of the scene has {0} degrees of freedom: its equations are dense, and made for {MOST} at most")]
     Large(usize),
-    /// Flexible elements.
-    #[error("the equations of scenes with beams are not made yet: `statics` has their frequencies")]
-    Beams,
     /// Motions without inertia.
     #[error("a motion of the scene has no inertia at this place")]
     Massless,
@@ -133,9 +130,6 @@ pub fn linearize(
     outputs: Option<&[String]>,
 ) -> Result<StateSpace, LinearError> {
     let n = model.velocity_count();
-    if !model.beams.is_empty() {
-        return Err(LinearError::Beams);
-    }
     if n > MOST {
         return Err(LinearError::Large(n));
     }

@@ -50,6 +50,11 @@ pub struct BeamDescription {
     pub bending: Option<f64>,
     /// Of a cable, where it ends.
     pub far: Option<FarEnd>,
+    /// The coordinates of its elements at the start, from the root to the tip (rad for bends and twists, m for the others);
+    /// none where it begins unstrained, or in the shape of a cable.
+    pub strains: Vec<f64>,
+    /// Their rates.
+    pub strain_rates: Vec<f64>,
 }
 
 /// Where a cable ends, and how. Its root hinge says on which body it begins and where; its kind and its frame follow from the
@@ -203,6 +208,8 @@ impl BeamDescription {
             load: None,
             bending: None,
             far: None,
+            strains: Vec::new(),
+            strain_rates: Vec::new(),
         }
     }
 

@@ -15,6 +15,8 @@ pub struct Shape {
     pub color: Option<[f64; 4]>,
     /// Whether it touches the shapes of other bodies, if there is a contact between them.
     pub collides: bool,
+    /// Whether it is drawn.
+    pub visible: bool,
 }
 
 /// The solids.

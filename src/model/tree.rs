@@ -144,6 +144,7 @@ impl<'a> Tree<'a> {
         // A list of rest positions of a hinge with a quaternion is longer than its velocities; the quaternion itself
         // is kept in the ball's joint.
         let scalars = hinge.kind.plain_coordinates();
+        let rates = self.whole.and_then(|whole| whole.rates.get(&body)).unwrap_or(&hinge.velocity);
         for i in 0..velocities {
             self.coordinates.push(Coordinate {
                 body,
@@ -154,7 +155,7 @@ impl<'a> Tree<'a> {
                 force: value(&hinge.force, i),
                 lock: hinge.lock,
             });
-            self.start_velocity.push(value(&hinge.velocity, i));
+            self.start_velocity.push(value(rates, i));
         }
         let strained = self.whole.and_then(|whole| whole.strained.get(&body)).unwrap_or(&hinge.position);
         for i in 0..positions {

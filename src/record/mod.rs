@@ -15,6 +15,8 @@
 
 mod contact;
 #[cfg(feature = "record")]
+mod contact_table;
+#[cfg(feature = "record")]
 pub mod drawing;
 mod error;
 mod event;
@@ -39,6 +41,8 @@ pub mod table;
 pub mod view;
 
 pub use contact::ContactPush;
+#[cfg(feature = "record")]
+pub use contact_table::ContactTable;
 pub use error::RecordError;
 pub use event::Event;
 pub use fanout::Fanout;

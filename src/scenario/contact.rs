@@ -2,6 +2,7 @@
 
 use super::findings::Finding;
 use super::reader::{Reader, Value, number};
+use crate::hinge::HingeKind;
 use crate::mesh::Mesh;
 use crate::model::StopLaw;
 use crate::model::contact::fits;
@@ -45,6 +46,10 @@ pub(super) fn check_neighbours(scenario: &Reader<'_>, description: &Description)
             continue;
         }
         let left_out = |body: &BodyDescription| {
+            // What is welded together cannot touch, however it is named.
+            if matches!(body.hinge.kind, HingeKind::Fixed) {
+                return None;
+            }
             let parent = *index.get(body.hinge.parent.as_str())?;
             let fit = |a: &BodyDescription, b: &BodyDescription| fits(one, &a.name) && fits(other, &b.name);
             let both = fit(body, parent) || fit(parent, body);

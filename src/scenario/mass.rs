@@ -193,7 +193,7 @@ mod tests {
         use nalgebra::Isometry3;
         let solid = |edges: Vector3<f64>, z: f64| {
             let pose = Isometry3::translation(0.3, 0.0, z);
-            Shape { geometry: Geometry::Box(edges), pose, color: None, collides: true }
+            Shape { geometry: Geometry::Box(edges), pose, color: None, collides: true, visible: true }
                 .mass_properties(700.0)
                 .expect("a box")
         };

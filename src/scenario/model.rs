@@ -125,6 +125,7 @@ fn model<'a>(table: &Reader<'_>, settings: Vec<Setting<'a>>, folder: &Path) -> O
         prefix: table.text("prefix").unwrap_or_default().to_owned(),
         without_limits: table.flag("limits") == Some(false),
         without_friction: table.flag("friction") == Some(false),
+        contact: table.flag("contact") == Some(true),
         without_mimics: table.flag("mimics") == Some(false),
         weld_massless: table.text("massless") == Some("weld"),
         floating: table.text("base") == Some("free"),

@@ -42,6 +42,7 @@ fn shape(table: &Reader<'_>, owner: &str, folder: &Path) -> Option<Shape> {
         pose: Isometry3::from_parts(Translation3::from(at), table.turn("rpy")),
         color: color(table, owner),
         collides: table.flag("contact").unwrap_or(true),
+        visible: table.flag("visible").unwrap_or(true),
     })
 }
 

@@ -10,6 +10,8 @@
 //! "boom.force" = 1234.5678901234567
 //! [multipliers]
 //! "loop boom pin" = [1234.5678901234567, 0.0, 0.0, 0.0, 0.0]
+//! [strains]
+//! "jib" = [0.00123, 0.00045]
 //! ```
 //!
 //! Numbers have all their digits: what is read is what was written, bit for bit.
@@ -26,10 +28,10 @@ use super::sources::Sources;
 use super::{check, quantities, syntax};
 use crate::constraint::Constraints;
 use crate::integrate::Method;
-use crate::model::description::Description;
+use crate::model::description::{BeamDescription, Description};
 use crate::model::parameter::{Field, Parameter};
 use crate::model::problem::{Element, Problem};
-use crate::model::{Body, Model};
+use crate::model::{Beam, Body, Link, Model};
 use crate::simulate::{Grid, Integrator, Resume, State};
 use crate::suggest::closest_of_many;
 use crate::text_file;
@@ -119,6 +121,7 @@ fn text_of(
     for body in hinges() {
         line(&mut out, body, &velocity[body.hinge.velocity..][..body.hinge.kind.counts().1]);
     }
+    strains(&mut out, model, position, velocity);
     if !inputs.is_empty() {
         out += "\n[inputs]\n";
         for (address, value) in inputs {
@@ -132,6 +135,28 @@ fn text_of(
         }
     }
     out
+}
+
+/// Coordinates of the elements of beams, and their rates where these move.
+fn strains(out: &mut String, model: &Model, position: &[f64], velocity: &[f64]) {
+    let of = |beam: &Beam, list: &[f64], first: &dyn Fn(&Link) -> usize| -> Vec<f64> {
+        let links = beam.elements.iter().map(|element| &model.links[element.link]);
+        links.flat_map(|link| list[first(link)..][..link.joint.counts().1].iter().copied()).collect()
+    };
+    let mut table = |title: &str, lists: Vec<Vec<f64>>| {
+        let _ = writeln!(out, "\n[{title}]");
+        for (beam, numbers) in model.beams.iter().zip(lists) {
+            let _ = writeln!(out, "{} = {numbers:?}", quoted(&beam.name));
+        }
+    };
+    if model.beams.is_empty() {
+        return;
+    }
+    table("strains", model.beams.iter().map(|beam| of(beam, position, &|link| link.position)).collect());
+    let rates: Vec<Vec<f64>> = model.beams.iter().map(|beam| of(beam, velocity, &|link| link.velocity)).collect();
+    if rates.iter().flatten().any(|rate| *rate != 0.0) {
+        table("strain_rates", rates);
+    }
 }
 
 /// ``loop `boom pin` `` → `loop boom pin`: easier to write.
@@ -209,7 +234,9 @@ impl File<'_> {
         let scene = self.changed.clone();
         self.lists("positions");
         self.changed.bodies.iter_mut().for_each(|body| body.hinge.velocity.clear());
+        self.changed.beams.iter_mut().for_each(|beam| beam.hinge.velocity.clear());
         self.lists("velocities");
+        self.read_strains();
         let model = match Model::build(&self.changed) {
             Ok(model) => model,
             Err(problems) => {
@@ -266,15 +293,20 @@ impl File<'_> {
     /// One of the tables of lists.
     fn lists(&mut self, list: &'static str) {
         let Some(table) = self.whole.table(list) else { return };
-        if list == "positions" && !self.changed.beams.is_empty() {
-            let message = "the scene has flexible beams, whose strains a start cannot give yet".to_owned();
-            let help = "start from the scenario's own guess: beams begin unstrained";
+        let cable = self.changed.beams.iter().find(|beam| beam.far.is_some());
+        if let Some(cable) = cable.filter(|_| list == "positions") {
+            let message = format!("`{}` is a cable: its length follows from the scenario's own positions", cable.name);
+            let help = "start from the scenario's own guess: cables begin in the shape of the elastic catenary";
             self.whole.findings.push(Finding::error(self.whole.key_span(list), message).help(help));
             return;
         }
         for (name, _) in self.whole.names(list) {
-            let Some(index) = self.changed.bodies.iter().position(|body| body.name == name) else {
-                let known = self.changed.bodies.iter().map(|body| body.name.as_str());
+            let Description { bodies, beams, .. } = &mut self.changed;
+            let own = bodies.iter_mut().map(|body| (&body.name, &mut body.hinge));
+            let of_beams = beams.iter_mut().map(|beam| (&beam.name, &mut beam.hinge));
+            let Some((_, hinge)) = own.chain(of_beams).find(|(body, _)| *body == name) else {
+                let bodies = self.changed.bodies.iter().map(|body| body.name.as_str());
+                let known = bodies.chain(self.changed.beams.iter().map(|beam| beam.name.as_str()));
                 let near = closest_of_many(self.whole.findings.errors(), name, known);
                 let finding = Finding::error(table.key_span(name), format!("the scene has no body `{name}`"));
                 let help = near.map(|near| format!("did you mean `{near}`?"));
@@ -282,7 +314,6 @@ impl File<'_> {
                 continue;
             };
             let Some(numbers) = table.numbers(name) else { continue };
-            let hinge = &mut self.changed.bodies[index].hinge;
             match list {
                 "positions" => hinge.position = numbers,
                 _ => hinge.velocity = numbers,
@@ -291,11 +322,43 @@ impl File<'_> {
         if list == "velocities" {
             return;
         }
-        for body in &self.changed.bodies {
-            if body.hinge.kind.counts().0 > 0 && !table.has(&body.name) {
-                let message = format!("the position of `{}` is missing", body.name);
+        let bodies = self.changed.bodies.iter().map(|body| (&body.name, &body.hinge));
+        for (name, hinge) in bodies.chain(self.changed.beams.iter().map(|beam| (&beam.name, &beam.hinge))) {
+            if hinge.kind.counts().0 > 0 && !table.has(name) {
+                let message = format!("the position of `{name}` is missing");
                 let help = "a start gives the coordinates of every hinge of the scene";
                 self.whole.findings.push(Finding::error(self.whole.key_span(list), message).help(help));
+            }
+        }
+    }
+
+    /// Of every beam: all of its strains, and their rates where the file has them.
+    fn read_strains(&mut self) {
+        for beam in &mut self.changed.beams {
+            beam.strain_rates.clear();
+        }
+        for (list, needed) in [("strains", true), ("strain_rates", false)] {
+            let Some(table) = self.whole.table(list) else {
+                if let Some(beam) = self.changed.beams.first().filter(|_| needed) {
+                    let message = format!("the strains of `{}` are missing", beam.name);
+                    let help = "a start gives the strains of every beam of the scene, under `[strains]`";
+                    self.whole.findings.push(Finding::error(self.whole.key_span("positions"), message).help(help));
+                }
+                continue;
+            };
+            for (name, _) in self.whole.names(list) {
+                let Some(numbers) = table.numbers(name) else { continue };
+                let Some(beam) = self.changed.beams.iter_mut().find(|beam| beam.name == name) else {
+                    let message = format!("the scene has no beam `{name}`");
+                    self.whole.findings.push(Finding::error(table.key_span(name), message));
+                    continue;
+                };
+                *if needed { &mut beam.strains } else { &mut beam.strain_rates } = numbers;
+            }
+            let missing = |beam: &&BeamDescription| needed && beam.strains.is_empty();
+            for beam in self.changed.beams.iter().filter(missing) {
+                let message = format!("the strains of `{}` are missing", beam.name);
+                self.whole.findings.push(Finding::error(self.whole.key_span(list), message));
             }
         }
     }
@@ -355,11 +418,14 @@ impl File<'_> {
     fn report(&self, problem: Problem) {
         let body = match problem.element {
             Element::Body(body) => Some(self.changed.bodies[body].name.as_str()),
+            Element::Beam(beam) => Some(self.changed.beams[beam].name.as_str()),
             _ => None,
         };
         let list = match problem.field.as_str() {
             "hinge.position" => Some("positions"),
             "hinge.velocity" => Some("velocities"),
+            "strains" => Some("strains"),
+            "strain_rates" => Some("strain_rates"),
             _ => None,
         };
         let written = list.zip(body).and_then(|(list, body)| Some(self.whole.table(list)?.span_of(body)));

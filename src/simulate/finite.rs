@@ -5,14 +5,14 @@ use super::error::RunError;
 use super::state::State;
 use crate::dynamics::Fault;
 use crate::model::Model;
-use crate::record::{Energy, Sample};
+use crate::record::{ContactPush, Energy, Sample};
 use crate::spatial::Wrench;
 
-/// The first number of a sample that is not finite is an error that names its owner; outputs have been checked.
+/// The first number of a sample and of its contacts that is not finite is an error that names its owner; outputs have been checked.
 ///
 /// # Errors
 /// [`Fault::NotFinite`].
-pub(super) fn check(model: &Model, sample: &Sample<'_>) -> Result<(), RunError> {
+pub(super) fn check(model: &Model, sample: &Sample<'_>, contacts: &[ContactPush]) -> Result<(), RunError> {
     let Sample { time, positions, velocities, accelerations, bodies, reactions, couplings, energy, .. } = *sample;
     let owner = |index: usize| model.owner(index).to_owned();
     let body = |index: usize| model.bodies[index].name.clone();
@@ -37,6 +37,13 @@ pub(super) fn check(model: &Model, sample: &Sample<'_>) -> Result<(), RunError> 
         let channel =
             |index: usize| couplings::channels(model).into_iter().nth(index).map_or_else(String::new, |c| c.body);
         first(couplings).map(|index| ("what pushes", channel(index)))
+    });
+    let found = found.or_else(|| {
+        let whole = |push: &ContactPush| [push.point, push.normal, push.force].iter().flatten().all(|x| x.is_finite());
+        let bad = contacts.iter().find(|push| !whole(push));
+        bad.map(|ContactPush { between: [one, other], .. }| {
+            ("the force of the contact", format!("{one}` and `{other}"))
+        })
     });
     let found = found.or_else(|| {
         let energies = [("the kinetic energy", kinetic), ("the potential energy", potential), ("the work", work)];
@@ -70,3 +77,40 @@ pub(super) fn check_start(model: &Model, start: &State, tolerance: f64) -> Resul
 
 /// Rounding of an angle below this is of no account (rad).
 const FINEST: f64 = 1e-10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One hanging body, at rest.
+    fn checked(force: [f64; 3]) -> Result<(), RunError> {
+        use crate::model::description::{BodyDescription, Description, HingeDescription};
+        let ball = BodyDescription::new("ball", HingeDescription::free()).mass(1.0).inertia([1.0; 3]);
+        let scene = Description::new("touching").body(ball);
+        let model = Model::build(&scene).expect("a model");
+        let energy = Energy { kinetic: 0.0, potential: 0.0, work: 0.0, dissipated: 0.0, error: 0.0 };
+        let sample = Sample {
+            time: 0.5,
+            positions: &[],
+            velocities: &[],
+            accelerations: &[],
+            bodies: &[],
+            reactions: &[],
+            couplings: &[],
+            outputs: &[],
+            energy,
+        };
+        let between = ["ball", "floor"].map(str::to_owned);
+        let push = ContactPush { between, point: [0.0; 3], normal: [0.0, 0.0, 1.0], force, slips: false };
+        check(&model, &sample, &[push])
+    }
+
+    #[test]
+    fn forces_of_contacts_that_are_no_numbers_are_found_before_they_are_recorded() {
+        assert!(checked([0.0, 0.0, 1.0]).is_ok());
+        for wrong in [f64::NAN, f64::INFINITY] {
+            let said = checked([0.0, wrong, 1.0]).expect_err("no number").to_string();
+            assert!(said.contains("the force of the contact of `ball` and `floor`"), "{said}");
+        }
+    }
+}

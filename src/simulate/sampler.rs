@@ -133,11 +133,9 @@ impl Sampler {
         let (q, v) = (&state.position, &state.velocity);
         let fault = |fault| RunError::Sample { time, fault };
         motion.accelerations(time, q, v, &mut self.accelerations).map_err(fault)?;
-        if !motion.model().contacts.is_empty() {
-            if let Some(contacts) = &motion.contacts {
-                contacts.pushes(&mut self.contacts);
-            }
-            recorder.contacts(time, &self.contacts)?;
+        let touches = !motion.model().contacts.is_empty();
+        if let Some(contacts) = &motion.contacts {
+            contacts.pushes(&mut self.contacts);
         }
         let mut at = motion.at(time, q, v);
         at.share_multipliers().map_err(fault)?;
@@ -160,7 +158,10 @@ impl Sampler {
             outputs,
             energy,
         };
-        finite::check(motion.model(), &sample)?;
+        finite::check(motion.model(), &sample, &self.contacts)?;
+        if touches {
+            recorder.contacts(time, &self.contacts)?;
+        }
         recorder.sample(&sample)?;
         self.count += 1;
         Ok(())

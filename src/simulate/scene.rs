@@ -117,7 +117,7 @@ fn picture(body: &Body, reach: f64) -> BodyPicture {
         center: body.mass.center.into(),
         inertia: [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23],
         markers: body.markers.iter().map(|(name, at)| (name.clone(), (*at).into())).collect(),
-        shapes: body.shapes.iter().map(|one| shape(one, reach)).collect(),
+        shapes: body.shapes.iter().filter(|one| one.visible).map(|one| shape(one, reach)).collect(),
         hinge: body.hinge.kind.name().to_owned(),
         hinge_axes: body.hinge.kind.axes().iter().map(|axis| (turn * axis.normalize()).into()).collect(),
         hinge_at: body.hinge.parent_from_hinge.translation.vector.into(),

@@ -3,5 +3,6 @@
 mod cables;
 mod closed;
 mod scenes;
+mod standing;
 mod statics;
 mod sweeps;

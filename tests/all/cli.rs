@@ -15,6 +15,7 @@ mod poses;
 mod precision;
 mod python;
 mod recordings;
+mod seen;
 mod shell;
 #[cfg(feature = "friction")]
 mod standing;
@@ -23,6 +24,7 @@ mod start;
 mod studies;
 mod sweep;
 mod truths;
+mod walkers;
 mod words;
 
 use crate::scenarios::file;

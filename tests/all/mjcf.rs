@@ -2,6 +2,7 @@
 
 mod attached;
 mod compare;
+mod contacts;
 mod features;
 mod losses;
 mod refused;

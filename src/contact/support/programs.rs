@@ -140,7 +140,8 @@ impl<'a> Scaled<'a> {
                 column.iter().for_each(|(row, entry)| along[*row] += entry * d);
             }
             let curve = square(&along);
-            if curve == 0.0 || square(&rest) < 1e-32 * self.load.len() as f64 {
+            // The gradient vanishes where no forces do better: of loads that no support feels nothing else is left.
+            if !(curve > 0.0 && steep > 0.0) || square(&rest) < 1e-32 * self.load.len() as f64 {
                 break;
             }
             let step = steep / curve;
@@ -160,7 +161,9 @@ impl<'a> Scaled<'a> {
     }
 
     fn unbalanced(&self, forces: &[f64]) -> f64 {
-        self.rest(forces).iter().fold(0.0, |most, rest| f64::max(most, rest.abs()))
+        // A maximum passes over what is not a number.
+        let size = |rest: &f64| if rest.is_nan() { f64::INFINITY } else { rest.abs() };
+        self.rest(forces).iter().map(size).fold(0.0, f64::max)
     }
 
     /// (D) for a motion: a lower bound of `τ*`, less what its rates lie outside of the dual cones times the forces.

@@ -23,6 +23,8 @@ pub(super) struct Mesh {
     rule: Rule,
     /// Reckoned where it is asked for, once.
     weight: OnceCell<Result<Weight, String>>,
+    /// Whether its convex hull can be found, looked for once.
+    hull: OnceCell<Result<(), String>>,
 }
 
 /// What geoms refer to.
@@ -96,7 +98,7 @@ fn mesh(settled: &Settled<'_>, settings: &Settings, folders: &Folders<'_>) -> Op
     let rule = [Rule::Convex, Rule::Exact, Rule::Legacy, Rule::Shell][rule.unwrap_or(2)];
     let (most, hull) = (settled.number("maxhullvert").filter(|most| *most >= 0.0), rule == Rule::Convex);
     let source = Source { path, own: own(settled), most_of_hull: most.filter(|_| hull) };
-    Some((name, Mesh { file, placing, source, rule, weight: OnceCell::new() }))
+    Some((name, Mesh { file, placing, source, rule, weight: OnceCell::new(), hull: OnceCell::new() }))
 }
 
 /// The corners and triangles that the model has itself, as 32-bit numbers, which MuJoCo keeps.
@@ -161,6 +163,21 @@ impl Mesh {
     /// Why that cannot be told.
     pub(super) fn weight(&self) -> Result<&Weight, &str> {
         self.weight.get_or_init(|| self.weigh()).as_ref().map_err(String::as_str)
+    }
+
+    /// Whether it can touch with its convex hull.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub(super) fn hull(&self) -> Result<(), &str> {
+        let find = || {
+            let path = self.source.path.as_ref().filter(|_| self.file.is_some());
+            let path = path.ok_or("it is not drawn from a file, and touches nothing then")?;
+            let mesh = mesh::Mesh::read(path).map_err(|error| error.to_string())?;
+            let found = mesh.convex_parts(Vector3::from(self.placing.scale), true);
+            found.map(|_| ()).map_err(|error| error.to_string())
+        };
+        self.hull.get_or_init(find).as_ref().copied().map_err(String::as_str)
     }
 
     fn weigh(&self) -> Result<Weight, String> {

@@ -10,6 +10,7 @@ use super::model::{Instance, Model};
 use super::pose;
 use super::scene::{Body, Names, Scene, Site, WORLD};
 use super::settings::FromGeoms;
+use super::touch::Touch;
 use crate::model::description::{GROUND, MassProperties};
 use crate::model::problem::number;
 use nalgebra::{Isometry3, Translation3, Vector3};
@@ -31,6 +32,9 @@ pub(super) fn read<'a>(models: &[Model<'a>], at: usize) -> Scene<'a> {
             bodies: Vec::new(),
             joints: Vec::new(),
             sites: Vec::new(),
+            geoms: Vec::new(),
+            excluded: Vec::new(),
+            pairs: Vec::new(),
             names: Names::default(),
             prefix: String::new(),
             instances: Vec::new(),
@@ -321,8 +325,10 @@ impl<'w, 'a> Walk<'w, 'a> {
 
     fn geom(&mut self, element: &Element<'a>, around: &Around, parts: &mut Parts) {
         let settled = self.model().defaults.of(element, around.class);
-        element.text("name");
-        let Some(geom) = geom::geom(&settled, &self.scene.settings, &self.model().assets, &around.frame, around.weighs)
+        let contacts = self.scene.settings.contacts;
+        let name = if contacts { self.name(element, around) } else { element.text("name").map(str::to_owned) };
+        let Some(mut geom) =
+            geom::geom(&settled, &self.scene.settings, &self.model().assets, &around.frame, around.weighs)
         else {
             return;
         };
@@ -330,7 +336,26 @@ impl<'w, 'a> Walk<'w, 'a> {
             Ok(mass) => parts.geoms.push(mass),
             Err(why) => parts.unknown = Some(why),
         }
-        self.scene.bodies[around.body].shapes.extend(geom.drawn);
+        let shapes = &mut self.scene.bodies[around.body].shapes;
+        if contacts {
+            let at = geom.drawn.as_ref().map(|_| shapes.len());
+            let Some(touch) = Touch::read(&settled, name.clone()) else { return };
+            match (&geom.touching, &mut geom.drawn) {
+                (Ok(()), Some(drawn)) => drawn.touch = Some(touch),
+                (Err(why), _) if touch.is_willing() => {
+                    element.note(Taken::Ignored, format!("it touches nothing: {why}"))
+                }
+                _ => {}
+            }
+            let index = self.scene.geoms.len();
+            self.scene.geoms.push((around.body, at));
+            if let Some(name) = name
+                && self.scene.names.geoms.insert(name.clone(), index).is_some()
+            {
+                settled.refuse(&format!("two geoms are called `{name}`"), "names must be unique");
+            }
+        }
+        shapes.extend(geom.drawn);
     }
 
     fn site(&mut self, element: &Element<'a>, around: &Around) {

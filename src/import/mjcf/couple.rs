@@ -110,7 +110,7 @@ fn closure(
     if welded {
         output.vector(&mut entry, "rpy", roll_pitch_yaw(&ends[0].1.rotation), None);
         // Also where it is zero: left out, it would follow from the positions.
-        entry.numbers("rpy_second", &super::lower::clean(roll_pitch_yaw(&ends[1].1.rotation)), None);
+        entry.numbers("rpy_second", &super::pose::clean(roll_pitch_yaw(&ends[1].1.rotation)), None);
     }
     Some(entry)
 }

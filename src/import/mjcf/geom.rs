@@ -24,6 +24,8 @@ const TYPES: [&str; 9] = ["plane", "hfield", "sphere", "capsule", "ellipsoid", "
 /// A geom as it was read.
 pub(super) struct Geom {
     pub(super) drawn: Option<Drawn>,
+    /// Whether it can touch others as it is drawn; if it cannot, why not.
+    pub(super) touching: Result<(), String>,
     /// Body axes; or why it is not known.
     pub(super) mass: Result<MassProperties, String>,
 }
@@ -49,17 +51,29 @@ pub(super) fn geom(
     let (pose, size) = place(settled, settings, kind, size)?;
     let pose = frame * pose;
     let shell = settled.flag("shellinertia") == Some(true);
+    let (mut touching, shown) = (Ok(()), group <= SHOWN && color.is_none_or(|color| color[3] > 0.0));
+    let draw = |solid: Solid, pose: Isometry3<f64>| {
+        let drawn = Drawn { solid, pose, color, visible: shown, touch: None, place: element.place() };
+        Some(drawn).filter(|_| shown || settings.contacts)
+    };
     let (drawn, unit) = match kind {
+        "plane" if settings.contacts => {
+            let drawn = draw(Solid::Numbers("plane", vec![0.0, 0.0, 1.0]), pose);
+            return Some(Geom { drawn, touching, mass: Ok(mass::NOTHING) });
+        }
         "plane" | "hfield" | "sdf" => {
             let what = match kind {
-                "plane" => "a plane is there for contacts, which are not imported; it is not drawn",
-                "hfield" => "a height field is there for contacts, which are not imported; it is not drawn",
+                "plane" => {
+                    "a plane is there for contacts, which are not imported without `contact = true`; it is not drawn"
+                }
+                "hfield" => "a height field is there for contacts: it touches nothing and is not drawn",
                 _ => "a signed distance field has no shape here and weighs nothing",
             };
             element.note(Taken::Ignored, what);
             // Only what does not move can have planes and height fields.
             let unknown = kind == "sdf" && weighs;
-            return Some(Geom { drawn: None, mass: if unknown { Err(what.to_owned()) } else { Ok(mass::NOTHING) } });
+            let mass = if unknown { Err(what.to_owned()) } else { Ok(mass::NOTHING) };
+            return Some(Geom { drawn: None, touching, mass });
         }
         "mesh" => {
             let name = settled.attribute("mesh").or_else(|| element.required("mesh"))?;
@@ -71,6 +85,9 @@ pub(super) fn geom(
                 return None;
             };
             let file = mesh.file.clone();
+            if settings.contacts {
+                touching = mesh.hull().map_err(str::to_owned);
+            }
             let drawn = file.map(|file| (Solid::Mesh(file, mesh.placing.scale), pose * mesh.placing.pose()));
             let unit = if weighs && !weightless(settled) { of_mesh(settled, mesh)? } else { Ok(mass::NOTHING) };
             (drawn, unit)
@@ -82,6 +99,9 @@ pub(super) fn geom(
                 return None;
             }
             let (solid, unit) = primitive(settled, kind, &size, shell)?;
+            if matches!(kind, "ellipsoid" | "cylinder") {
+                touching = Err(format!("{kind}s touch nothing yet"));
+            }
             (Some((solid, pose)), Ok(unit))
         }
     };
@@ -90,10 +110,8 @@ pub(super) fn geom(
         Ok(_) => Ok(mass::NOTHING),
         Err(why) => Err(why),
     };
-    let shown = group <= SHOWN && color.is_none_or(|color| color[3] > 0.0);
-    let place = element.place();
-    let drawn = drawn.filter(|_| shown).map(|(solid, pose)| Drawn { solid, pose, color, place });
-    Some(Geom { drawn, mass })
+    let drawn = drawn.and_then(|(solid, pose)| draw(solid, pose));
+    Some(Geom { drawn, touching, mass })
 }
 
 /// What a mesh weighs with a density of one, or why that is not known; `None` if it was refused.
@@ -213,7 +231,8 @@ fn primitive(settled: &Settled<'_>, kind: &str, size: &[f64], shell: bool) -> Op
     let unit = if shell {
         surface(&geometry)
     } else {
-        Shape { geometry, pose: Isometry3::identity(), color: None, collides: true }.mass_properties(1.0)?
+        Shape { geometry, pose: Isometry3::identity(), color: None, collides: true, visible: true }
+            .mass_properties(1.0)?
     };
     Some((solid, unit))
 }

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Elements without an equal here, and why.
 const ELEMENTS: [(&[&str], &str); 9] = [
-    (&["contact"], "contacts are not imported: describe them with `[[contact]]`"),
+    (&["contact"], "contacts are not imported without `[model] contact = true` or `convert --contact`"),
     (&["sensor"], "there are no sensors: a recording has positions, velocities, accelerations and reactions"),
     (&["visual", "statistic", "size", "custom"], "it is for MuJoCo's viewer and memory"),
     (&["light", "camera"], "the viewer has its own"),
@@ -42,7 +42,7 @@ const ATTRIBUTES: [(&[&str], &str); 7] = [
             "maxhullvert",
             "adhesion",
         ],
-        "contacts are not imported, fluids not simulated, and constraints are exact",
+        "contacts are imported with `contact = true`, and then rigid; fluids are not simulated, constraints are exact",
     ),
     (&["solreflimit", "solimplimit", "solreffriction", "solimpfriction"], "stops and dry friction are rigid"),
     (

@@ -4,9 +4,10 @@ use super::super::Options;
 use super::super::draft::{Draft, Entry};
 use super::super::log::{Place, Problem, Taken};
 use super::super::xml::Element;
+use super::collide::Colliders;
 use super::key::Key;
-use super::pose::roll_pitch_yaw;
-use super::scene::{Body, Drawn, Joint, Kind, Scene, Solid, WORLD};
+use super::pose::{clean, roll_pitch_yaw};
+use super::scene::{Body, Joint, Kind, Scene, WORLD};
 use crate::model::description::GROUND;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashSet;
@@ -26,6 +27,7 @@ pub(super) struct Output {
     pub(super) drives: Vec<Entry>,
     pub(super) motors: Vec<Entry>,
     pub(super) forces: Vec<Entry>,
+    colliders: Colliders,
 }
 
 impl Output {
@@ -43,6 +45,7 @@ impl Output {
             drives: Vec::new(),
             motors: Vec::new(),
             forces: Vec::new(),
+            colliders: Colliders::default(),
         };
         for (index, body) in scene.bodies.iter().enumerate() {
             let name = format!("{}{}", options.prefix, body.name);
@@ -100,22 +103,30 @@ impl Output {
     /// Writes everything.
     pub(super) fn write(mut self, scene: &Scene<'_>, key: &Key, options: &Options, draft: &mut Draft) {
         self.heading(scene, key, draft);
+        let ground = format!("{}{}", options.prefix, scene.bodies[WORLD].name);
+        let called = |body: usize| match body {
+            WORLD => (ground.clone(), self.bodies[WORLD] != GROUND),
+            _ => (self.bodies[body].clone(), true),
+        };
+        let part = |name: String| unique(name, &mut self.used);
+        self.colliders = Colliders::new(scene, called, part, &format!("{}*", options.prefix));
         let world = &scene.bodies[WORLD];
         if !world.shapes.is_empty() || self.bodies[WORLD] != GROUND {
             let mut entry = Entry::new(Some(world.element.place()));
             entry.comment("What does not move");
-            let name = format!("{}{}", options.prefix, world.name);
-            entry.set("name", name, None);
-            shapes(&mut entry, world, Vector3::zeros());
+            entry.set("name", ground.as_str(), None);
+            self.colliders.shapes(&mut entry, scene, WORLD);
             let mut hinge = Entry::new(None);
             hinge.set("type", "fixed", None);
             self.vector(&mut hinge, "at", options.at.into(), None);
             self.vector(&mut hinge, "rpy", options.rpy.into(), None);
             entry.inline("hinge", hinge);
             draft.add("body", entry);
+            self.colliders.parts(scene, WORLD, &ground, draft);
         }
         for index in 1..scene.bodies.len() {
             self.body(scene, index, draft);
+            self.colliders.parts(scene, index, &self.bodies[index], draft);
         }
         for (joint, body) in scene.joints.iter().zip(&self.carried).filter(|(_, body)| !body.is_empty()) {
             draft.joint(&joint.name, body);
@@ -126,6 +137,7 @@ impl Output {
             ("drive", self.drives),
             ("motor", self.motors),
             ("force", self.forces),
+            ("contact", self.colliders.contacts),
         ] {
             entries.into_iter().for_each(|entry| draft.add(list, entry));
         }
@@ -146,6 +158,7 @@ impl Output {
         let floating = scene.joints.iter().find(|joint| joint.kind == Kind::Free);
         let start = match (key.moves(), floating) {
             (true, _) => Some("the keyframe moves".to_owned()),
+            (_, Some(_)) if scene.settings.contacts => Some("`statics` says whether it stands".to_owned()),
             (_, Some(joint)) => {
                 Some(format!("nothing holds `{}`: contacts are not imported", scene.bodies[joint.body].name))
             }
@@ -247,7 +260,7 @@ impl Output {
         if any {
             entry.inline("markers", markers);
         }
-        shapes(entry, body, origin);
+        self.colliders.shapes(entry, scene, index);
         entry.inline("hinge", hinge);
     }
 
@@ -346,38 +359,6 @@ fn carried(joint: &Joint<'_>, origin: Vector3<f64>) -> String {
     text
 }
 
-fn shapes(entry: &mut Entry, body: &Body<'_>, origin: Vector3<f64>) {
-    let shape = |drawn: &Drawn| {
-        let mut shape = Entry::new(Some(drawn.place.clone()));
-        match &drawn.solid {
-            Solid::Numbers(key, numbers) => match numbers[..] {
-                [number] => shape.set(key, number, None),
-                _ => shape.numbers(key, numbers, None),
-            },
-            Solid::Mesh(file, scale) => {
-                shape.set("mesh", file.as_str(), None);
-                if *scale != [1.0; 3] {
-                    shape.numbers("scale", scale, None);
-                }
-            }
-        }
-        for (key, vector) in
-            [("at", drawn.pose.translation.vector - origin), ("rpy", roll_pitch_yaw(&drawn.pose.rotation))]
-        {
-            let numbers = clean(vector);
-            if numbers != [0.0; 3] {
-                shape.numbers(key, &numbers, None);
-            }
-        }
-        if let Some(color) = drawn.color {
-            let parts = if color[3] == 1.0 { &color[..3] } else { &color[..] };
-            shape.numbers("color", parts, None);
-        }
-        shape
-    };
-    entry.lines("shape", body.shapes.iter().map(shape).collect());
-}
-
 /// Says so where a number of a body is none.
 fn finite(body: &Body<'_>, scene: &Scene<'_>) {
     let pose = body.pose.to_homogeneous();
@@ -393,13 +374,6 @@ fn finite(body: &Body<'_>, scene: &Scene<'_>) {
         let message = format!("{}: its numbers grow beyond all that can be computed with", body.element.label());
         body.element.refuse(Problem::at(body.element.place(), message).help("look at its sizes, densities and gears"));
     }
-}
-
-/// A vector without the round-off of turning it.
-pub(super) fn clean(vector: Vector3<f64>) -> [f64; 3] {
-    let noise = 1e-15 * vector.amax();
-    // Also −0 becomes 0.
-    [vector.x, vector.y, vector.z].map(|part| if part.abs() <= noise { 0.0 } else { part })
 }
 
 fn unique(wanted: String, used: &mut HashSet<String>) -> String {

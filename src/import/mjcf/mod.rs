@@ -13,6 +13,7 @@ mod actuator;
 mod asset;
 mod attach;
 mod body;
+mod collide;
 mod couple;
 mod defaults;
 mod geom;
@@ -24,11 +25,13 @@ mod limits;
 mod lower;
 mod mass;
 mod model;
+mod pair;
 mod pose;
 mod scene;
 mod servo;
 mod settings;
 mod tendon;
+mod touch;
 mod tree;
 mod weigh;
 mod weld;
@@ -68,6 +71,9 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
         let model = &models[instance.model];
         scene.enter(&instance, &models);
         tendon::read(&model.tree, &model.defaults, &mut scene, &mut output, &mut tendons);
+        if scene.settings.contacts {
+            pair::read(&model.tree, &model.defaults, &mut scene);
+        }
         couple::read(&model.tree, &model.defaults, &mut scene, &tendons, &mut output);
     }
     actuator::read(&models, &mut scene, &tendons, &key, &mut output);

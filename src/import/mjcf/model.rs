@@ -44,6 +44,7 @@ pub(super) fn read<'a>(tree: &Tree<'a>, path: &Path, options: &Options) -> Vec<M
 fn add<'a>(tree: &Tree<'a>, path: &Path, options: &Options, list: &mut Vec<Model<'a>>) -> usize {
     let mut settings = settings::read(tree);
     settings.friction &= !options.without_friction;
+    settings.contacts &= options.contact;
     let defaults = Defaults::read(tree);
     let assets = asset::read(tree, &defaults, &settings, &asset::Folders { model: path, options });
     let index = list.len();
@@ -76,6 +77,7 @@ impl Settings {
         self.gravity = main.gravity;
         (self.springs, self.dampers, self.equality) = (main.springs, main.dampers, main.equality);
         self.friction = main.friction;
+        (self.contacts, self.filter_parent) = (main.contacts, main.filter_parent);
         (self.limits, self.actuation, self.clamp_control) = (main.limits, main.actuation, main.clamp_control);
         self.idle_groups.clone_from(&main.idle_groups);
         let flags =

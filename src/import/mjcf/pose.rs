@@ -100,6 +100,13 @@ pub(super) fn roll_pitch_yaw(turn: &UnitQuaternion<f64>) -> Vector3<f64> {
     Vector3::new(roll, pitch, yaw)
 }
 
+/// A vector without the round-off of turning it.
+pub(super) fn clean(vector: Vector3<f64>) -> [f64; 3] {
+    let noise = 1e-15 * vector.amax();
+    // Also −0 becomes 0.
+    [vector.x, vector.y, vector.z].map(|part| if part.abs() <= noise { 0.0 } else { part })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

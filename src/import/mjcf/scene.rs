@@ -4,6 +4,7 @@ use super::super::log::{Place, Taken};
 use super::super::xml::{Attribute, Element};
 use super::model::{Instance, Model};
 use super::settings::Settings;
+use super::touch::{Pair, Touch};
 use crate::model::description::MassProperties;
 use nalgebra::{Isometry3, Vector3};
 use std::collections::HashMap;
@@ -19,6 +20,12 @@ pub(super) struct Scene<'a> {
     /// In the order of the file.
     pub(super) joints: Vec<Joint<'a>>,
     pub(super) sites: Vec<Site>,
+    /// Body and place in the list of its shapes, if it is there; empty without contacts.
+    pub(super) geoms: Vec<(usize, Option<usize>)>,
+    /// Bodies that do not touch each other.
+    pub(super) excluded: Vec<[usize; 2]>,
+    /// Geoms that touch each other.
+    pub(super) pairs: Vec<Pair>,
     pub(super) names: Names,
     /// What stands before names of the elements that are being read; empty in the main model.
     pub(super) prefix: String,
@@ -32,6 +39,7 @@ pub(super) struct Names {
     pub(super) bodies: HashMap<String, usize>,
     pub(super) joints: HashMap<String, usize>,
     pub(super) sites: HashMap<String, usize>,
+    pub(super) geoms: HashMap<String, usize>,
     /// Names of elements that `<replicate>` has copied.
     pub(super) copied: Vec<String>,
     /// Names of joints that are fixed because they carry nothing with mass.
@@ -51,12 +59,16 @@ pub(super) struct Body<'a> {
     pub(super) gravity_compensation: f64,
 }
 
-/// A solid to be drawn.
+/// A solid that is drawn, or touches.
 pub(super) struct Drawn {
     /// `box` and its numbers, or `mesh` and its file.
     pub(super) solid: Solid,
     pub(super) pose: Isometry3<f64>,
     pub(super) color: Option<[f64; 4]>,
+    /// Whether it is drawn.
+    pub(super) visible: bool,
+    /// How it touches, if it can.
+    pub(super) touch: Option<Touch>,
     pub(super) place: Place,
 }
 

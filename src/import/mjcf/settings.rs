@@ -32,6 +32,10 @@ pub(super) struct Settings {
     pub(super) springs: bool,
     pub(super) dampers: bool,
     pub(super) friction: bool,
+    /// Whether geoms touch each other.
+    pub(super) contacts: bool,
+    /// Whether a body does not touch the one that it hangs on.
+    pub(super) filter_parent: bool,
     pub(super) equality: bool,
     pub(super) limits: bool,
     pub(super) actuation: bool,
@@ -72,6 +76,8 @@ impl Default for Settings {
             springs: true,
             dampers: true,
             friction: true,
+            contacts: true,
+            filter_parent: true,
             equality: true,
             limits: true,
             actuation: true,
@@ -173,6 +179,8 @@ impl Settings {
                 ("actuation", &mut self.actuation),
                 ("clampctrl", &mut self.clamp_control),
                 ("gravity", &mut gravity),
+                ("contact", &mut self.contacts),
+                ("filterparent", &mut self.filter_parent),
             ] {
                 if let Some(at) = flags.attribute(key)
                     && let Some(enabled) = choice(&at, &["disable", "enable"])

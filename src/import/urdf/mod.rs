@@ -24,7 +24,7 @@ mod tree;
 
 use super::Options;
 use super::draft::{Draft, Entry};
-use super::log::Problem;
+use super::log::{Problem, Taken};
 use super::xml::Element;
 use std::path::Path;
 use tree::Tree;
@@ -43,6 +43,7 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
     let name = root.text("name").unwrap_or("robot");
     let file = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
     draft.set("title", &format!("Imported from {file}."), name, root.attribute("name").map(|name| name.place()));
+    let mut touching = 0;
     let mut movers = vec![String::new(); tree.joints.len()];
     for &index in &tree.order {
         let link = &tree.links[index];
@@ -55,11 +56,17 @@ pub(super) fn read(root: &Element<'_>, path: &Path, options: &Options) -> Option
             None => joint::root(link, &mut body, options),
         }
         link::write(&link.element, &mut body);
-        looks.write(&link.element, &mut body);
+        touching += looks.write(&link.element, &mut body);
         draft.add("body", body);
     }
     joint::gears(&tree, &movers, &mut draft, options);
     root.text("version");
+    if touching > 0 {
+        let shapes = if touching == 1 { "shape that collides touches" } else { "shapes that collide touch" };
+        let what =
+            format!("{touching} {shapes} what a `[[contact]]` names together with their bodies, and with its friction");
+        root.note(Taken::Used, what);
+    }
     root.sweep(reason);
     Some(draft)
 }
@@ -84,7 +91,7 @@ fn reason(tag: &str) -> Option<&'static str> {
         "safety_controller" => "controllers are not imported: describe them with `[[controller]]`",
         "calibration" => "reference positions of real joints are not used",
         "contact" | "contact_coefficients" => {
-            "contacts between bodies are not imported: describe them with `[[contact]]`"
+            "a URDF has no law of contact: `[[contact]]` says what touches what, with `[model] contact = true`"
         }
         "texture" => "textures are not drawn",
         _ => return None,

@@ -42,29 +42,28 @@ pub(in crate::model) fn check(description: &Description) -> Vec<Problem> {
         check_name(&mut found, description, index, beam);
         if check_shape(&mut found, beam) && check_elements(&mut found, beam) && check_sections(&mut found, beam) {
             check_turn(&mut found, beam);
+            check_start(&mut found, beam);
         }
         check_mass(&mut found, beam);
         check_rest(&mut found, beam);
-        check_others(&mut found, description, beam);
     }
     problems
 }
 
-/// Whether a pose stands is judged as it is given, and a beam is given without strains: it could not bear anything.
-fn check_others(found: &mut Findings<'_>, description: &Description, beam: &BeamDescription) {
-    let hinges = description.bodies.iter().map(|body| (&body.name, &body.hinge));
-    let own = description.beams.iter().map(|beam| (&beam.name, &beam.hinge));
-    let mut rubbing = hinges
-        .chain(own)
-        .filter(|(_, hinge)| hinge.friction.iter().any(|friction| friction.stick > 0.0))
-        .map(|(name, _)| name);
-    let what = match (rubbing.next(), description.contacts.first()) {
-        (Some(hinge), _) => format!("the hinge of `{hinge}` has dry friction"),
-        (None, Some(_)) => "the scene has contacts".to_owned(),
-        (None, None) => return,
-    };
-    let message = format!("{what}, and `{}` is flexible: the two are not there together yet", beam.name);
-    found.add("", message, "leave out one of them, or replace the beam by links with sprung hinges (`repeat`)");
+fn check_start(found: &mut Findings<'_>, beam: &BeamDescription) {
+    for (field, list) in [("strains", &beam.strains), ("strain_rates", &beam.strain_rates)] {
+        if list.is_empty() {
+            continue;
+        }
+        let (name, what) = (&beam.name, field.replace('_', " "));
+        let count = beam.strain_count();
+        if list.len() != count {
+            let message = format!("`{name}` has {count} coordinates of strains, not {}", list.len());
+            found.add(field, message, "as many as its elements have, from the root to the tip");
+        } else if let Some(wrong) = list.iter().find(|x| !(x.abs() <= LARGEST)) {
+            found.add(field, format!("the {what} of `{name}` have {}", number(*wrong)), "give finite numbers");
+        }
+    }
 }
 
 fn check_name(found: &mut Findings<'_>, description: &Description, index: usize, beam: &BeamDescription) {

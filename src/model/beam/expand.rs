@@ -17,6 +17,8 @@ pub(in crate::model) struct Expanded {
     pub(in crate::model) rods: HashMap<usize, Rod>,
     /// Its coordinates at the start, where it has strains.
     pub(in crate::model) strained: HashMap<usize, Vec<f64>>,
+    /// The rates of these, where it has some.
+    pub(in crate::model) rates: HashMap<usize, Vec<f64>>,
     /// One per beam.
     pub(in crate::model) beams: Vec<Bodies>,
 }
@@ -69,6 +71,7 @@ pub(in crate::model) fn expand(description: Description, shapes: &[Option<Shape>
         description,
         rods: HashMap::new(),
         strained: HashMap::new(),
+        rates: HashMap::new(),
         beams: Vec::with_capacity(beams.len()),
     };
     for (beam, shape) in beams.iter().zip(shapes) {
@@ -105,6 +108,7 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
     let root = bodies.len();
     bodies.push(body(&beam.name, beam.hinge.clone()));
     let mut tips = Vec::with_capacity(ends.len());
+    let mut given = [&beam.strains, &beam.strain_rates].map(|list| list.iter().copied());
     let (mut turn, mut place) = (Matrix3::identity(), Vector3::zeros());
     for (index, ends) in ends.windows(2).enumerate() {
         let section = |s: f64| -> RodSection { beam.section_per_length(ends[0] + s) };
@@ -117,6 +121,7 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
         let (here, parent) = (bodies.len(), bodies.len() - 1);
         let mut hinge = HingeDescription::new(HingeKind::Fixed);
         hinge.parent = bodies[parent].name.clone();
+        let [strains, rates] = given.each_mut().map(|list| list.take(rod.count()).collect::<Vec<f64>>());
         bodies.push(body(&format!("{}/{}", beam.name, index + 1), hinge));
         let unstrained = vec![0.0; rod.count()];
         let (r, p) = rod.pose_at(rod.length, &unstrained);
@@ -133,7 +138,12 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
         let reached: Vec<_> = markers.map(|(name, _)| (name.clone(), place)).collect();
         expanded.description.bodies[root].markers.extend(reached);
         tips.push((here, [ends[0], ends[1]]));
-        if let Some(shape) = shape {
+        if !rates.is_empty() {
+            expanded.rates.insert(here, rates);
+        }
+        if !strains.is_empty() {
+            expanded.strained.insert(here, strains);
+        } else if let Some(shape) = shape {
             expanded.strained.insert(here, rod.fit(|s| shape.strain(ends[0] + s)));
         }
         expanded.rods.insert(here, rod);
@@ -141,6 +151,13 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
     expanded.description.bodies[root].markers.push(("tip".to_owned(), place));
     let (name, markers, is_cable) = (beam.name.clone(), beam.markers.clone(), beam.far.is_some());
     expanded.beams.push(Bodies { name, length, is_cable, root, tips, markers });
+}
+
+impl BeamDescription {
+    /// How many coordinates its elements have.
+    pub(in crate::model) fn strain_count(&self) -> usize {
+        (ends(self).len() - 1) * (self.degree + 1) * self.free.indices().len()
+    }
 }
 
 fn body(name: &str, hinge: HingeDescription) -> BodyDescription {

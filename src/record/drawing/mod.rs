@@ -7,7 +7,7 @@
 //!   body without shape, points and inertia is not drawn.
 //! - Springs are coils, ropes and rods are thin cylinders between their points.
 //! - What is hinged to the ground gets a pin along the axis of its hinge, or a small cube, and so do lines that end on the ground.
-//! - Loads, hinge axes and reactions are arrows, if they are asked for.
+//! - Loads, hinge axes, reactions and forces of contacts are arrows, if they are asked for.
 
 pub(super) mod bounds;
 pub(super) mod ground;
@@ -19,6 +19,7 @@ mod triangles;
 pub use place::{Part, Placement};
 pub use triangles::Triangles;
 
+use super::contact::ContactPush;
 use super::scene::Scene;
 use super::solids::{Form, Solid, solids};
 use crate::spatial::{Pose, Wrench};
@@ -72,6 +73,12 @@ impl Drawing {
     /// Adds what the hinges pass to the bodies at one instant, as arrows that stay where they are.
     pub fn with_reactions(mut self, poses: &[Pose], reactions: &[Wrench]) -> Self {
         self.add_reactions(poses, reactions);
+        self
+    }
+
+    /// Adds what contacts push with at one instant, as arrows that stay where they are.
+    pub fn with_contacts(mut self, contacts: &[ContactPush]) -> Self {
+        self.add_contacts(contacts);
         self
     }
 

@@ -3,6 +3,7 @@
 use super::lines::coil_radii;
 use super::place::{Anchor, Part, Place, toward};
 use super::{Drawing, Triangles};
+use crate::record::contact::{ContactPush, still};
 use crate::record::scene::{BodyPicture, LinePicture, LoadPicture};
 use crate::record::solids::{Form, Solid};
 use crate::spatial::{Pose, Wrench};
@@ -17,6 +18,8 @@ const GROUND: [f64; 4] = [0.30, 0.31, 0.33, 1.0];
 const FORCE: [f64; 4] = [0.78, 0.24, 0.16, 1.0];
 const TORQUE: [f64; 4] = [0.51, 0.27, 0.67, 1.0];
 const REACTION: [f64; 4] = [0.16, 0.43, 0.24, 1.0];
+const STICK: [f64; 4] = [0.18, 0.62, 0.27, 1.0];
+const SLIP: [f64; 4] = [0.93, 0.49, 0.10, 1.0];
 const HINGE: [f64; 4] = [0.84, 0.63, 0.19, 1.0];
 
 /// Radii of ropes and of rods against the scene.
@@ -179,6 +182,19 @@ impl Drawing {
                 unbounded: false,
                 place,
             });
+        }
+    }
+
+    /// What contacts push with, from where it acts: green what sticks, orange what slips.
+    pub(super) fn add_contacts(&mut self, contacts: &[ContactPush]) {
+        let (arrow, still) = (Arc::new(Triangles::arrow()), still(&self.scene));
+        let sizes = contacts.iter().map(|one| Vector3::from(one.force).norm());
+        let full = sizes.filter(|x| x.is_finite()).fold(0.0, f64::max);
+        for one in contacts {
+            let Some((turn, length)) = self.arrow(&one.drawn(&still).into(), full) else { continue };
+            let (name, color) = (one.between.join(", "), if one.slips { SLIP } else { STICK });
+            let place = Place::Point { at: (None, one.point), turn, scale: length };
+            self.parts.push(Part { name, triangles: arrow.clone(), color, unbounded: false, place });
         }
     }
 

@@ -1,7 +1,7 @@
 //! `/contacts`: what contacts push with, as JSON with a schema: their number changes from sample to sample.
 
-use super::CONTACTS_TOPIC;
 use super::chunks::{Records, Stop};
+use super::{CONTACTS_TOPIC, HINGES_TOPIC};
 use crate::record::ContactPush;
 use mcap::records::Record;
 use serde_json::{Value, json};
@@ -56,9 +56,14 @@ fn parsed(data: &[u8]) -> Option<(f64, Vec<ContactPush>)> {
 
 /// All messages of a file with their times (s), to its last whole chunk where it was cut.
 pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<(f64, Vec<ContactPush>)>, String> {
-    let (mut channel, mut all) = (None, Vec::new());
+    let (mut channel, mut samples, mut all) = (None, None, Vec::new());
     loop {
         match records.next() {
+            Some(Ok(Record::Channel(found))) if found.topic == HINGES_TOPIC => samples = Some(found.id),
+            // Contacts stand before the sample that they belong to.
+            Some(Ok(Record::Message { header, .. })) if channel.is_none() && samples == Some(header.channel_id) => {
+                return Ok(all);
+            }
             Some(Ok(Record::Channel(found))) if found.topic == CONTACTS_TOPIC => channel = Some(found.id),
             Some(Ok(Record::Message { header, data })) if Some(header.channel_id) == channel => {
                 all.push(parsed(&data).ok_or("a message of `/contacts` is not what its schema says")?);
@@ -67,6 +72,39 @@ pub(super) fn read(mut records: Records<impl Read>) -> Result<Vec<(f64, Vec<Cont
             None | Some(Err(Stop::Truncated)) => return Ok(all),
             Some(Err(Stop::Damaged(what))) => return Err(what),
             Some(Err(Stop::Io(error))) => return Err(error.to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_are_read_back_bit_for_bit() {
+        let mut bits = 0x1234_5678_9abc_def1_u64;
+        let mut number = || loop {
+            // Marsaglia's xorshift: numbers of all sizes.
+            bits ^= bits << 13;
+            bits ^= bits >> 7;
+            bits ^= bits << 17;
+            let number = f64::from_bits(bits);
+            if number.is_finite() {
+                return number;
+            }
+        };
+        for _ in 0..2000 {
+            let mut vector = || [number(), number(), number()];
+            let push = ContactPush {
+                between: ["a", "b"].map(str::to_owned),
+                point: vector(),
+                normal: vector(),
+                force: vector(),
+                slips: true,
+            };
+            let time = number();
+            let read = parsed(message(time, std::slice::from_ref(&push)).as_bytes());
+            assert_eq!(read, Some((time, vec![push])));
         }
     }
 }

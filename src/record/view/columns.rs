@@ -4,14 +4,15 @@ use super::crowd::Moves;
 use super::curves::curves;
 use super::entity::{TIMELINE, body_path, center_path, point, quaternion};
 use super::forces::{
-    load_paths, load_points, points, reaction_arrows, reactions_path, spring_color, spring_path, strip, tension,
+    contact_arrows, contacts_path, load_paths, load_points, points, reaction_arrows, reactions_path, spring_color,
+    spring_path, strip, tension,
 };
 use super::picture::Picture;
 use super::sdk::{Arrows3D, Color, LineStrips3D, Points3D, Scalars, TimeColumn, Transform3D};
 use super::sent::Sent;
 use super::stream::Stream;
 use super::survey::center_of_mass;
-use crate::record::Sample;
+use crate::record::{ContactPush, Sample};
 
 /// The points of a line.
 type Strip = Vec<[f32; 3]>;
@@ -27,7 +28,29 @@ pub(super) struct Columns {
     springs: Vec<(Vec<Strip>, Vec<Color>)>,
     loads: Vec<Vec<[f32; 3]>>,
     reactions: Vec<([f32; 3], [f32; 3])>,
+    contacts: Contacts,
     center: Vec<[f32; 3]>,
+}
+
+/// Arrows of contacts, whose number changes from sample to sample.
+#[derive(Debug, Clone, Default)]
+struct Contacts {
+    times: Vec<f64>,
+    lengths: Vec<usize>,
+    arrows: Vec<([f32; 3], [f32; 3], Color)>,
+}
+
+impl Contacts {
+    fn send(self, stream: &Stream) -> Sent {
+        if self.times.is_empty() {
+            return Ok(());
+        }
+        let times = TimeColumn::new_duration_secs(TIMELINE, self.times);
+        let (origins, vectors): (Vec<_>, Vec<_>) = self.arrows.iter().map(|(at, along, _)| (*at, *along)).unzip();
+        let colors = self.arrows.iter().map(|(.., color)| *color);
+        let arrows = Arrows3D::update_fields().with_origins(origins).with_vectors(vectors).with_colors(colors);
+        stream.send_columns(contacts_path(), times, arrows.columns(self.lengths)?)
+    }
 }
 
 impl Columns {
@@ -82,6 +105,14 @@ impl Columns {
         self.center.extend(center_of_mass(scene, poses).map(|at| point(&at)));
     }
 
+    /// Adds what contacts push with at a time (s).
+    pub(super) fn push_contacts(&mut self, time: f64, pushes: &[ContactPush], picture: &Picture) {
+        let arrows = contact_arrows(pushes, &picture.still, &picture.scales);
+        self.contacts.times.push(time);
+        self.contacts.lengths.push(arrows.len());
+        self.contacts.arrows.extend(arrows);
+    }
+
     /// Sends everything.
     pub(super) fn send(self, stream: &Stream, picture: &Picture) -> Sent {
         let scene = &picture.scene;
@@ -113,6 +144,7 @@ impl Columns {
             let arrows = Arrows3D::update_fields().with_origins(at).columns_of_unit_batches()?;
             stream.send_columns(path, times.clone(), arrows)?;
         }
+        self.contacts.send(stream)?;
         if !self.reactions.is_empty() {
             let lengths = std::iter::repeat_n(self.reactions.len() / drawn, drawn);
             let (origins, vectors): (Vec<_>, Vec<_>) = self.reactions.into_iter().unzip();

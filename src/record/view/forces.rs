@@ -4,15 +4,18 @@ use super::entity::{color, path, point};
 use super::sdk::{Arrows3D, Color, EntityPath, LineStrips3D, Radius};
 use super::sent::Sent;
 use super::stream::Stream;
-use crate::record::Scene;
 use crate::record::scene::LinePicture;
+use crate::record::{ContactPush, Scene};
 use crate::spatial::{Pose, Wrench};
 use nalgebra::{Point3, Vector3};
+use std::collections::HashSet;
 
 /// A push, a torque, a reaction.
 const FORCE: Color = Color(super::sdk::Rgba32::from_rgb(200, 60, 40));
 const TORQUE: Color = Color(super::sdk::Rgba32::from_rgb(130, 70, 170));
 pub(super) const REACTION: Color = Color(super::sdk::Rgba32::from_rgb(40, 110, 60));
+const STICK: Color = Color(super::sdk::Rgba32::from_rgb(46, 158, 69));
+const SLIP: Color = Color(super::sdk::Rgba32::from_rgb(237, 125, 26));
 /// The longest arrow against the scene.
 const ARROW: f64 = 0.25;
 /// The shortest against the longest.
@@ -33,6 +36,8 @@ pub(super) struct Scales {
     pub(super) tension: f64,
     /// The reaction that is drawn longest (N); zero where none are drawn.
     pub(super) reaction: f64,
+    /// The weight of the scene on earth (N).
+    pub(super) weight: f64,
 }
 
 /// Where the points of a line are.
@@ -89,6 +94,10 @@ pub(super) fn spring_path(name: &str) -> EntityPath {
 
 fn load_path(name: &str) -> EntityPath {
     path(&["loads", name])
+}
+
+pub(super) fn contacts_path() -> EntityPath {
+    path(&["contacts"])
 }
 
 pub(super) fn reactions_path() -> EntityPath {
@@ -149,6 +158,19 @@ fn arrow(vector: &Vector3<f64>, full: f64, size: f64) -> Option<Vector3<f64>> {
     let length = vector.norm();
     let direction = vector.try_normalize(0.0).filter(|_| full > 0.0)?;
     Some(direction * (ARROW * size * (length / full).clamp(SHORTEST, 1.0)))
+}
+
+/// What contacts push with as arrows, full length for the weight of the scene: origins, vectors and colours.
+pub(super) fn contact_arrows(
+    pushes: &[ContactPush],
+    still: &HashSet<String>,
+    scales: &Scales,
+) -> Vec<([f32; 3], [f32; 3], Color)> {
+    let one = |push: &ContactPush| {
+        let drawn = arrow(&Vector3::from(push.drawn(still)), scales.weight, scales.size)?;
+        Some((point(&Vector3::from(push.point)), point(&drawn), if push.slips { SLIP } else { STICK }))
+    };
+    pushes.iter().filter_map(one).collect()
 }
 
 /// Reactions as arrows at the root markers: origins and vectors.

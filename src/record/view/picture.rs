@@ -11,10 +11,12 @@ use super::sdk::{
 use super::sent::Sent;
 use super::stream::Stream;
 use crate::record::Scene;
+use crate::record::contact::still;
 use crate::record::drawing::bounds::Outline;
 use crate::record::drawing::lines::coil_radii;
 use crate::record::solids::{Form, Solid, palette, solids};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use std::collections::HashSet;
 
 /// Everything still, ready to be sent.
 pub(super) struct Picture {
@@ -27,6 +29,8 @@ pub(super) struct Picture {
     pub(super) scales: Scales,
     /// Radius of each line's coils.
     pub(super) coils: Vec<Option<f64>>,
+    /// Names of the bodies that are fixed to the ground.
+    pub(super) still: HashSet<String>,
     /// The statics result.
     pub(super) statics: Option<String>,
     /// What is shown from when on.
@@ -40,8 +44,8 @@ impl Picture {
         let outlines = solids.iter().map(|solids| Outline::new(solids)).collect();
         let crowd = Crowd::take(scene, &mut solids);
         let coils = coil_radii(scene, scales.size);
-        let scene = scene.clone();
-        Self { scene, plots, solids, outlines, crowd, scales, coils, statics: None, captions: Vec::new() }
+        let (scene, still) = (scene.clone(), still(scene));
+        Self { scene, plots, solids, outlines, crowd, scales, coils, still, statics: None, captions: Vec::new() }
     }
 
     /// Whether the body is a thing of its own.
@@ -75,6 +79,7 @@ impl Picture {
         }
         forces::send(stream, &self.scene, &self.scales)?;
         let arrows = Arrows3D::update_fields().with_radii([Radius::new_ui_points(1.5)]);
+        stream.log(forces::contacts_path(), &arrows)?;
         stream.log(forces::reactions_path(), &arrows.with_colors([forces::REACTION]))?;
         let center = Points3D::update_fields().with_radii([Radius::new_ui_points(4.0)]).with_colors([CENTER]);
         stream.log(center_path(), &center)?;

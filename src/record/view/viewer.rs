@@ -15,7 +15,7 @@ use super::{Shown, Sink, Wishes, marks, text};
 use crate::record::drawing::bounds::{Bounds, Outline};
 use crate::record::meshes;
 use crate::record::solids::solids;
-use crate::record::{Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};
+use crate::record::{ContactPush, Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -26,6 +26,8 @@ const PERIOD: Duration = Duration::from_millis(50);
 const PERIOD_PER_BODY: Duration = Duration::from_micros(200);
 /// A picture that nobody waits for is sent in stretches of so many numbers.
 const STRETCH: usize = 1 << 22;
+/// Acceleration of gravity on earth (m/s²), by which arrows of contacts are sized.
+const EARTH: f64 = 9.80665;
 /// Poses that are drawn at most; from there on every second sample is, then every fourth.
 const MOST_POSES: usize = 4_000_000;
 
@@ -40,6 +42,8 @@ pub struct Viewer {
     known: Option<Survey>,
     reactions: bool,
     columns: Columns,
+    /// What contacts push with at the next sample; `None` in a scene without.
+    pushes: Option<Vec<ContactPush>>,
     /// What happened and has not been sent.
     events: Vec<Event>,
     longest: usize,
@@ -116,6 +120,7 @@ impl Viewer {
             known: None,
             reactions: false,
             columns: Columns::default(),
+            pushes: None,
             events: Vec::new(),
             longest: 1,
             thinning: Thinning::new(None, 1),
@@ -140,6 +145,7 @@ impl Viewer {
             size: bounds.size().norm(),
             tension: forces.tension,
             reaction: if self.reactions { forces.reaction } else { 0.0 },
+            weight: EARTH * self.scene.bodies.iter().map(|body| body.mass).sum::<f64>(),
         };
         let mut picture = Picture::new(&self.scene, plots, scales);
         picture.statics = self.statics.clone();
@@ -220,6 +226,9 @@ impl Recorder for Viewer {
         self.columns.push(sample, &picture);
         if self.thinning.draws() {
             self.columns.push_poses(sample, &picture);
+            if let Some(pushes) = &self.pushes {
+                self.columns.push_contacts(sample.time, pushes, &picture);
+            }
         }
         if let Some(center) = center_of_mass(&self.scene, sample.bodies) {
             self.trace.push(point(&center));
@@ -228,6 +237,13 @@ impl Recorder for Viewer {
         if due || self.columns.len() >= self.longest {
             self.send_columns(&picture)?;
         }
+        Ok(())
+    }
+
+    fn contacts(&mut self, _time: f64, contacts: &[ContactPush]) -> Result<(), RecordError> {
+        let pushes = self.pushes.get_or_insert_default();
+        pushes.clear();
+        pushes.extend_from_slice(contacts);
         Ok(())
     }
 
@@ -285,9 +301,14 @@ pub fn view(recording: &Path, sink: &Sink, wishes: &Wishes) -> Result<Shown, Rec
     viewer.begin(bounds, &known)?;
     viewer.replace = false;
     viewer.period = None;
+    // One instant of contacts a sample, in scenes that have them.
+    let mut contacts = recording.contacts()?.into_iter();
     let mut samples = 0;
     for (index, sample) in recording.samples()?.enumerate() {
         let sample = sample?;
+        if let Some((_, pushes)) = contacts.next() {
+            viewer.pushes = Some(pushes);
+        }
         if only.is_none_or(|only| only == index) {
             viewer.sample(&sample.borrow())?;
             samples += 1;

@@ -115,6 +115,7 @@ pub const SHAPE: Table = Table {
         Key::new("contact", Kind::Flag, "Whether it touches other bodies, if there is a `[[contact]]` between them.")
             .default("true")
             .example("false"),
+        Key::new("visible", Kind::Flag, "Whether it is drawn.").default("true").example("false"),
         Key::new(
             "mesh",
             Kind::Text,

@@ -1,6 +1,7 @@
 //! Models of other programs.
 
 use super::super::fields::{Key, Kind, Range, Table};
+use super::contact::DRY;
 use super::{NOT_NEGATIVE, NUMBER, VECTOR};
 
 /// `model = { … }`
@@ -35,6 +36,14 @@ pub const MODEL: Table = Table {
         Key::new("friction", Kind::Flag, "Whether its joints have the dry friction that the model gives them.")
             .default("true")
             .example("false"),
+        Key::new(
+            "contact",
+            Kind::Flag,
+            "Whether its shapes can touch: those of `<collision>` in a URDF, if a `[[contact]]` names their bodies; geoms in MJCF, \
+             with the contacts between them.",
+        )
+        .default("false")
+        .example("true"),
         Key::new("mimics", Kind::Flag, "Whether joints of a URDF that follow others become gears; else they move by themselves.")
             .default("true")
             .example("false"),
@@ -78,6 +87,7 @@ pub const MODEL_HINGE: Table = Table {
         Key::new("damping", POSITIVE_VALUES, "Damping in the hinge.").unit("N s/m or N m s/rad").example("10.0"),
         Key::new("rest", VALUES, "Coordinates at which the spring is relaxed.").unit("m or rad").example("0.2"),
         Key::new("armature", POSITIVE_VALUES, "Added hinge inertia.").unit("kg or kg m²").example("0.01"),
+        Key::new("friction", DRY, "Dry friction of the hinge.").unit("N or N m").example("4.0"),
         Key::new("force", VALUES, "Constant motor force or torque.").unit("N or N m").example("1.5"),
         Key::new("lock", Kind::Flag, "Held at `position` during statics.").example("true"),
         Key::new("limits", Kind::List(&Kind::Number(Range::Any), &[2]), "Lowest and highest coordinate.")

@@ -21,6 +21,9 @@ pub const START: Table = Table {
             .required()
             .example("{ upper = [0.3] }"),
         Key::new("velocities", LISTS, "Velocities of hinges; zero where left out.").example("{ upper = [0.0] }"),
+        Key::new("strains", LISTS, "The coordinates of the elements of every beam, from its root to its tip.")
+            .example("{ jib = [0.001, 0.0, 0.0005, 0.0] }"),
+        Key::new("strain_rates", LISTS, "Their rates; zero where left out.").example("{ jib = [0.0, 0.0, 0.0, 0.0] }"),
         Key::new("inputs", Kind::Map(&NUMBER), "Numbers of the scene that the start needs, by address.")
             .example("{ \"upper.force\" = 12.5 }"),
         Key::new("controllers", LISTS, "What controllers remember, by their names: of the end of a run that goes on.")

@@ -29,11 +29,12 @@ use self::supports::{Bearers, Bears};
 use super::certify::equilibrium::Equilibrium;
 use super::certify::stability::Stability;
 use super::inverse::Held;
+use super::search::{Observers, equilibrium_observed};
 use super::settings::{Margin, Settings};
 pub use crate::contact::support::Verdict;
 use crate::contact::support::{Certificate, Undecided};
 use crate::dynamics::Fault;
-use crate::model::{Description, Model, Parameter};
+use crate::model::{Description, Link, Model, Parameter};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -140,7 +141,7 @@ pub(super) fn equilibrium(
     search: &dyn Fn() -> Result<Equilibrium, Fault>,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Equilibrium, Unanswered> {
-    let pose = &model.start_position;
+    let pose = &bent(model, settings, go_on)?;
     let given = match standing(description, model, settings, asked, pose) {
         Ok(given) if given.verdict != Verdict::Falls => given,
         Ok(_) | Err(Unanswered::Untouchable(Untouchable::Overlap { .. }))
@@ -165,6 +166,26 @@ pub(super) fn equilibrium(
     let mut found = search()?;
     found.notes.push("dry friction does not hold the given pose: this is an equilibrium without it".to_owned());
     Ok(Equilibrium { standing: Some(Box::new(given)), ..found })
+}
+
+/// The start position; beams, which are given without what they bear, bent by it while every hinge stays where it is given,
+/// but for those that cables swing on.
+fn bent(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Result<Vec<f64>, Unanswered> {
+    let pose = &model.start_position;
+    if model.beams.is_empty() {
+        return Ok(pose.clone());
+    }
+    let mut held = Model::clone(model);
+    let swings = |link: &Link| held.beams.iter().any(|beam| beam.is_cable && beam.root == link.body);
+    let hinges = held.links.iter().filter(|link| !link.joint.is_flex() && !swings(link));
+    let hinges: Vec<usize> = hinges.flat_map(|link| link.velocity..link.velocity + link.joint.counts().1).collect();
+    hinges.into_iter().for_each(|velocity| held.coordinates[velocity].lock = true);
+    let held = Arc::new(held);
+    if model.contacts.is_empty() {
+        let observers = Observers { go_on: Some(go_on), ..Observers::default() };
+        return Ok(equilibrium_observed(&held, settings, pose, observers)?.position);
+    }
+    Ok(settle::settle(&held, settings, pose, go_on)?.pose)
 }
 
 /// Where a scene settles from its start position, as one that stands.

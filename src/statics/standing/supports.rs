@@ -13,6 +13,9 @@ const TOUCHES: f64 = 1e-9;
 /// A load below this part of the forces that cancel in it is their rounding.
 const ROUNDING: f64 = 1e-12;
 
+/// The same of strains of beams, which are known to the balance that they have settled to.
+const SETTLED: f64 = 1e-8;
+
 /// What a support is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Bears {
@@ -111,7 +114,13 @@ fn borne(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> {
     let (mut system, mut residual) = (System::new(model), rest.clone());
     let sizes = system.at(0.0, pose, &rest).residual(&rest, &mut residual)?.magnitudes().force;
     let mut load = load(model, pose)?;
-    load.iter_mut().zip(&sizes).filter(|(f, size)| f.abs() <= ROUNDING * **size).for_each(|(f, _)| *f = 0.0);
+    let mut least: Vec<f64> = sizes.iter().map(|size| ROUNDING * size).collect();
+    for link in model.links.iter().filter(|link| link.joint.is_flex()) {
+        let own = link.velocity..link.velocity + link.joint.counts().1;
+        let largest = sizes[own.clone()].iter().fold(0.0, |most: f64, size| most.max(*size));
+        least[own].fill(SETTLED * largest);
+    }
+    load.iter_mut().zip(&least).filter(|(f, least)| f.abs() <= **least).for_each(|(f, _)| *f = 0.0);
     Ok(load)
 }
 

@@ -2,7 +2,6 @@
 
 use crate::common::build;
 use std::f64::consts::PI;
-use stillpoint::linear::{self, LinearError, Place};
 use stillpoint::record::Fanout;
 use stillpoint::scenario::{self, Scenario};
 use stillpoint::simulate::{Start, State, run};
@@ -41,27 +40,4 @@ fn damping_is_accounted_for() {
     let summary = run(&model, &scenario.simulate, 10.0, &start, &mut Fanout::new(), &mut |_, _| true).expect("a run");
     assert!(summary.dissipated > 1e-3, "{} J dissipated", summary.dissipated);
     assert!(summary.energy_drift < 1e-4 * summary.dissipated, "{:e} J unaccounted for", summary.energy_drift);
-}
-
-#[test]
-fn what_is_not_there_yet_is_refused() {
-    let beam = "[[beam]]\nname = \"b\"\nhinge = { type = \"fixed\" }\nsection = { circle = 0.01 }\nlength = 1.0\n\
-                material = { young = 70e9, density = 2700.0 }\n";
-    let slider = "[[body]]\nname = \"w\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [1.0, 0.0, 0.0], friction = 1.0 }\n";
-    let refused = |text: &str| scenario::parse("beam.toml", text, &[]).map_err(|problems| problems.to_string());
-    let problems = refused(&format!("{beam}{slider}")).expect_err("friction beside a beam");
-    assert!(problems.contains("the hinge of `w` has dry friction"), "{problems}");
-    let without = format!("{beam}{}", slider.replace("friction = 1.0", "friction = 0.0"));
-    assert!(refused(&without).is_ok());
-
-    let model = build(&read(beam).description);
-    let place = Place {
-        time: 0.0,
-        position: model.start_position.clone(),
-        velocity: vec![0.0; model.velocity_count()],
-        multipliers: None,
-        held: Vec::new(),
-        pressed: Vec::new(),
-    };
-    assert!(matches!(linear::linearize(&model, &place, &[], None), Err(LinearError::Beams)));
 }

@@ -4,11 +4,13 @@ use crate::common::Random;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
 use std::sync::Arc;
 use stillpoint::dynamics::{Coefficients, MassAction, System, TangentSolver};
+use stillpoint::linear::{Place, linearize};
 use stillpoint::model::Model;
 use stillpoint::model::description::{
     BeamDescription, BeamShape, BodyDescription, Description, ForceDescription, FreeStrains, GROUND, HingeDescription,
     Section,
 };
+use stillpoint::scenario::start;
 
 fn hinge(random: &mut Random) -> HingeDescription {
     match random.below(5) {
@@ -262,4 +264,68 @@ fn markers_are_on_the_centre_line() {
         assert!((at.motion().links[element.link].position - expected).norm() < 1e-14);
     }
     assert!(beam.elements.iter().any(|element| (element.from - 1.1).abs() < 1e-12));
+}
+
+/// The linear equations about any state against differences of the accelerations; strains are states like hinge coordinates.
+#[test]
+fn linear_equations_match_differences_of_the_accelerations() {
+    for seed in 0..CASES {
+        let mut random = Random::new(900 + seed);
+        let model = scene(&mut random, false);
+        let [q, v, _] = state(&mut random, &model);
+        let n = v.len();
+        let place = Place {
+            time: 0.0,
+            position: q.clone(),
+            velocity: v.clone(),
+            multipliers: None,
+            held: Vec::new(),
+            pressed: Vec::new(),
+        };
+        let found = linearize(&model, &place, &[], None).expect("the linear equations");
+        assert_eq!((found.a.nrows(), found.states.len()), (2 * n, 2 * n), "seed {seed}");
+        let mut system = System::new(&model);
+        let mut at = |by: &[f64], rate: &[f64]| {
+            let (mut moved, mut a) = (q.clone(), vec![0.0; n]);
+            System::displace(&model, &mut moved, by);
+            let v: Vec<f64> = v.iter().zip(rate).map(|(v, by)| v + by).collect();
+            system.at(0.0, &moved, &v).accelerations(&mut a).expect("no singular hinge");
+            a
+        };
+        let step = 1e-5;
+        let [none, by] = [vec![0.0; n], random.list(n, -step, step)];
+        let back: Vec<f64> = by.iter().map(|x| -x).collect();
+        for (first, [ahead, behind]) in
+            [(0, [at(&by, &none), at(&back, &none)]), (n, [at(&none, &by), at(&none, &back)])]
+        {
+            let told = |i: usize| (0..n).map(|j| found.a[(n + i, first + j)] * by[j]).sum::<f64>();
+            let size = largest((0..n).map(told));
+            let apart = largest((0..n).map(|i| told(i) - 0.5 * (ahead[i] - behind[i])));
+            println!(
+                "seed {seed} {:e} {:e}",
+                largest(ahead.iter().copied()),
+                largest(found.a.col_iter().flat_map(|c| c.iter().copied().collect::<Vec<_>>()))
+            );
+            let rounding = 1e-12 * largest(ahead.iter().copied());
+            assert!(apart < 1e-6 * size + rounding, "seed {seed}, {first}: {apart:e} of {size:e}");
+        }
+    }
+}
+
+/// What a start file says of beams is what they start with, bit for bit.
+#[test]
+fn start_files_hold_strains_and_their_rates() {
+    for seed in 0..CASES {
+        let mut random = Random::new(2000 + seed);
+        let description = description(&mut random, false);
+        let model = Model::build(&description).expect("a sound scene");
+        let [q, v, _] = state(&mut random, &model);
+        let text = start::text(&model, &q, &v, &[], &[]);
+        let started =
+            start::parse_start("start.toml", &text, &description).unwrap_or_else(|why| panic!("{why}\n{text}"));
+        assert_eq!((&started.model.start_position, &started.model.start_velocity), (&q, &v), "seed {seed}\n{text}");
+        let short = text.replacen("[strains]\n\"one\" = [", "[strains]\n\"one\" = [0.5, ", 1);
+        let refused = start::parse_start("start.toml", &short, &description).expect_err("a number too many");
+        assert!(refused.to_string().contains("coordinates of strains, not"), "{refused}");
+    }
 }

@@ -159,7 +159,8 @@ fn a_closed_mesh_weighs_what_it_encloses() {
     for scale in [Vector3::new(1.0, 1.0, 1.0), Vector3::new(2.0, 0.5, 3.0), Vector3::new(-1.0, 1.0, 2.0)] {
         let edges = Vector3::from(EDGES).cast::<f64>().component_mul(&scale).abs();
         let middle = (Vector3::from(LOW) + 0.5 * Vector3::from(EDGES)).cast::<f64>().component_mul(&scale);
-        let exact = Shape { geometry: Geometry::Box(edges), pose: middle.into(), color: None, collides: true };
+        let exact =
+            Shape { geometry: Geometry::Box(edges), pose: middle.into(), color: None, collides: true, visible: true };
         let exact = exact.mass_properties(1.0).expect("a box");
         for mesh in boxes(&Folder::new()) {
             let solid = mesh.solid(scale).expect("a closed mesh");

@@ -153,7 +153,7 @@ fn what_is_not_taken_is_listed_line_by_line() {
     ));
     insta::assert_snapshot!(notes(&import(&text.replace("<link name=\"base\"/>", "<link name=\"base\" colour=\"red\"/>"), &Options::default())), @r###"
     2: ignored: link `base`: `colour = "red"` is not known here
-    3: ignored: <collision> of link `arm`: contacts between bodies are not imported: describe them with `[[contact]]`
+    3: ignored: <collision> of link `arm`: it touches nothing without `[model] contact = true`
     4: ignored: <mesh> of <geometry> of <visual> of link `arm`: no file `package://parts/arm.stl`: it is not drawn; say where the package is with `--package parts=FOLDER` or ROS_PACKAGE_PATH
     5: ignored: sensor `eye`: sensors are not imported: describe what they measure with `[[output]]`
     6: ignored: <safety_controller> of joint `turn`: controllers are not imported: describe them with `[[controller]]`

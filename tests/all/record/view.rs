@@ -23,7 +23,7 @@ mod with_view {
     use std::path::PathBuf;
     use std::process::{Command, Stdio};
     use stillpoint::record::view::Viewer;
-    use stillpoint::record::{Event, Outcome, Recorder, RecordingFile};
+    use stillpoint::record::{ContactPush, Event, Outcome, Recorder, RecordingFile};
     use tempfile::TempDir;
 
     /// What a call of the `rerun` program prints. It comes with the viewer: `pip install rerun-sdk`.
@@ -138,6 +138,42 @@ mod with_view {
                 "Gaps [m]",
                 "TextLog",
             ] {
+                assert!(print.contains(part), "no {part} in {print}");
+            }
+        }
+    }
+
+    /// Arrows of contacts, at the times of samples and as many as bear then: of a run while it goes on and of its recording alike.
+    #[test]
+    #[ignore = "needs the `rerun` program"]
+    fn what_contacts_push_with_is_shown() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mcap, saved, live) =
+            (folder.path().join("a.mcap"), folder.path().join("a.rrd"), folder.path().join("b.rrd"));
+        let motion = Motion::double_link();
+        let push = |slips: bool| ContactPush {
+            between: ["upper", "lower"].map(str::to_owned),
+            point: [0.25, 0.0, -1.5],
+            normal: [0.0, 0.0, 1.0],
+            force: [0.0, 0.0, 3.0],
+            slips,
+        };
+        let mut file = RecordingFile::create(&mcap).and_then(|file| file.begin(&motion.opening())).expect("open");
+        let mut viewer = Viewer::open(&Sink::Save(live.clone()), &motion.opening()).expect("open");
+        for recorder in [&mut file as &mut dyn Recorder, &mut viewer] {
+            for (k, time) in Motion::times(0.1).enumerate() {
+                let pushes = [vec![push(false), push(true)], Vec::new(), vec![push(true)]];
+                recorder.contacts(time, &pushes[k % 3]).expect("taken");
+                recorder.sample(&motion.at(time).borrow()).expect("taken");
+            }
+            recorder.finish(&Outcome { summary: "{}".into() }).expect("finished");
+        }
+        view(&mcap, &Sink::Save(saved.clone()), &Wishes::default()).expect("saved");
+        for rrd in [saved, live] {
+            verify(&rrd);
+            let print = rerun(&["rrd", "print", "-vvv"], &rrd);
+            // Green and orange as Rerun keeps colours: red, green, blue, opacity in one number.
+            for part in ["/contacts", "Arrows3D:vectors", &0x2e9e_45ff_u32.to_string(), &0xed7d_1aff_u32.to_string()] {
                 assert!(print.contains(part), "no {part} in {print}");
             }
         }

@@ -46,6 +46,26 @@ fn bodies_are_counted_before_any_is_made() {
 }
 
 #[test]
+fn contacts_of_a_model_that_no_pattern_says_are_counted() {
+    // Two crowds, and nobody meets their own: as many pairs as the product.
+    let model = |of_each: usize| {
+        let ball = |k: usize| {
+            let (own, other) = if k.is_multiple_of(2) { (1, 2) } else { (2, 4) };
+            format!(
+                "<body name=\"b{k}\"><freejoint/><geom size=\"0.1\" contype=\"{own}\" conaffinity=\"{other}\"/></body>"
+            )
+        };
+        let balls: String = (0..2 * of_each).map(ball).collect();
+        format!("<mujoco><worldbody>{balls}</worldbody></mujoco>")
+    };
+    let options = Options { contact: true, ..Options::default() };
+    let read = |of_each: usize| convert_text(Path::new("model.xml"), model(of_each), &options);
+    assert_eq!(read(20).expect("few").scenario.matches("[[contact]]").count(), 400);
+    let said = read(101).expect_err("too many").to_string();
+    assert!(said.contains(&format!("more than {} pairs", budget::CONTACTS)), "{said}");
+}
+
+#[test]
 fn thousands_of_misspelt_names_are_all_problems_and_the_first_ones_get_a_suggestion() {
     let mut text = String::new();
     for k in 0..5000 {
