@@ -52,6 +52,12 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         let given = moves || scenario.simulate.resume.is_some();
         scenario.simulate.start = if given { Start::Given } else { Start::Equilibrium };
     }
+    if model.stages.is_some() && (arguments.save_end.is_some() || arguments.start.is_some()) {
+        anyhow::bail!(
+            "{}: a scene with stages begins at t = 0 and goes to its end: leave out `--start` and `--save-end`",
+            scenario.name
+        );
+    }
     let path = recording_path(arguments.out.as_deref(), &common.scenario);
     let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     inputs.spare(&path)?;
@@ -180,7 +186,7 @@ impl Run<'_> {
                 return Ok(Exit::No);
             }
         };
-        let mut result = json::run(self.model, &self.scenario.name, &path, found, &summary);
+        let mut result = json::run(&summary.model, &self.scenario.name, &path, found, &summary);
         if let Some(from) = self.from {
             result["start_file"] = json!(from.display().to_string());
         }
@@ -215,8 +221,8 @@ impl Run<'_> {
         if self.common.json {
             output::print(&result.to_string())?;
         } else if !self.common.quiet {
-            output::print(&text::run(self.model, &summary, &path))?;
-            text::outputs(self.model, &summary.outputs).map_or(Ok(()), |table| output::print(&table))?;
+            output::print(&text::run(&summary.model, &summary, &path))?;
+            text::outputs(&summary.model, &summary.outputs).map_or(Ok(()), |table| output::print(&table))?;
             if let Some(verified) = &verified {
                 output::print(&text::verified(verified))?;
             }

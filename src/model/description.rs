@@ -37,6 +37,7 @@ pub use super::output::{
 };
 use super::parameter::NamedNumbers;
 use super::shape::Shape;
+pub use super::stage::{StageDescription, When};
 pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
 pub use crate::element::guide::GuideCurve;
 pub use crate::force::load::{LoadAxes, OverTime};
@@ -76,6 +77,8 @@ pub struct Description {
     pub controllers: Vec<ControllerDescription>,
     /// What a run takes note of.
     pub events: Vec<EventDescription>,
+    /// Changes of structure in a run, in the order in which they are listed.
+    pub stages: Vec<StageDescription>,
     /// Numbers with names that all this follows from.
     pub named: NamedNumbers,
     /// What may touch what; nothing else does.
@@ -100,6 +103,7 @@ impl Default for Description {
             motors: Vec::new(),
             controllers: Vec::new(),
             events: Vec::new(),
+            stages: Vec::new(),
             named: NamedNumbers::default(),
             contacts: Vec::new(),
             outputs: Vec::new(),

@@ -27,6 +27,7 @@ mod point_mass;
 pub mod prescribed;
 pub mod problem;
 pub mod shape;
+pub mod stage;
 mod tree;
 pub mod watch;
 
@@ -109,6 +110,8 @@ pub struct Model {
     pub events: Vec<Event>,
     /// Numbers that are asked of it.
     pub outputs: Vec<Output>,
+    /// The whole scene of one with changes of structure, of which this is the first; `None` without.
+    pub stages: Option<Arc<Description>>,
     /// Start or guess: hinge coordinates, `position_count` numbers.
     pub start_position: Vec<f64>,
     /// Start velocities, `velocity_count` numbers.
@@ -190,6 +193,9 @@ impl Model {
     /// Every problem that was found, each with the element and the field it belongs to.
     pub fn build(description: &Description) -> Result<Arc<Self>, Vec<Problem>> {
         let model = Self::build_loosely(description)?;
+        if model.stages.is_some() {
+            return Ok(model);
+        }
         match point_mass::problems(description, &model) {
             problems if problems.is_empty() => Ok(model),
             problems => Err(problems),
@@ -199,11 +205,13 @@ impl Model {
     /// Builds without the check for point masses that turn about themselves: an axis that could not be read may stand in for
     /// another.
     pub(crate) fn build_loosely(description: &Description) -> Result<Arc<Self>, Vec<Problem>> {
-        build::build(description).map(Arc::new)
+        if description.stages.is_empty() {
+            return build::build(description).map(Arc::new);
+        }
+        stage::build(description, build::build).map(Arc::new)
     }
 
     /// The model that starts in a state; what follows from the given positions stays.
-    #[cfg(feature = "cli")]
     pub(crate) fn starting_in(self: Arc<Self>, position: &[f64], velocity: &[f64]) -> Arc<Self> {
         let mut model = Arc::unwrap_or_clone(self);
         model.start_position.copy_from_slice(position);

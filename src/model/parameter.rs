@@ -314,7 +314,7 @@ fn numbers(description: &Description, element: Element, key: &str) -> Vec<Parame
     let Some(field) = Field::ALL.into_iter().find(|field| field.name() == key) else { return Vec::new() };
     let (name, quantities) = match element {
         Element::Scene | Element::Gear(_) | Element::Event(_) => return Vec::new(),
-        Element::Contact(_) | Element::Output(_) | Element::Controller(_) => return Vec::new(),
+        Element::Contact(_) | Element::Output(_) | Element::Controller(_) | Element::Stage(_) => return Vec::new(),
         Element::Motor(index) => {
             let motor = &description.motors[index];
             (&motor.name, of_motor(description, motor, field).into_iter().collect())

@@ -50,6 +50,8 @@ pub enum Element {
     Output(usize),
     /// Index into `Description::controllers`.
     Controller(usize),
+    /// Index into `Description::stages`.
+    Stage(usize),
 }
 
 /// Six significant digits without trailing zeros, as in messages: `-9.80665`, `0.1`, `2.5e-9`.

@@ -276,6 +276,7 @@ impl<'a> Tree<'a> {
             contacts: contact::rules(self.description),
             events: Vec::new(),
             outputs: Vec::new(),
+            stages: None,
             bodies,
             halves: if self.rods.is_empty() { Halves::of(&self.links) } else { None },
             beams: self.beams(),

@@ -14,6 +14,7 @@ use super::output::outputs;
 use super::quantities::Parameters;
 use super::reader::Reader;
 use super::spans::SpanTable;
+use super::stage::stage;
 use crate::model::description::Description;
 use std::path::Path;
 use toml::de::DeTable;
@@ -82,6 +83,12 @@ pub(super) fn lower<'a>(
         if let Some(event) = event(table, index, &names) {
             description.events.push(event);
             spans.add_event(index);
+        }
+    }
+    for (index, table) in scenario.tables("stage").iter().enumerate() {
+        if let Some(stage) = stage(table, index) {
+            description.stages.push(stage);
+            spans.stages.push(index);
         }
     }
     for (index, table) in scenario.tables("contact").iter().enumerate() {

@@ -54,6 +54,7 @@ mod settings;
 mod shape;
 mod sources;
 mod spans;
+mod stage;
 pub mod start;
 mod syntax;
 mod unknown;

@@ -20,6 +20,8 @@ pub(super) struct SpanTable<'a> {
     pub(super) motors: Vec<usize>,
     /// And `[[controller]]`.
     pub(super) controllers: Vec<usize>,
+    /// And `[[stage]]`.
+    pub(super) stages: Vec<usize>,
     pub(super) contacts: Vec<usize>,
     pub(super) outputs: Vec<usize>,
     /// Of `beam` or of `cable`.
@@ -53,6 +55,7 @@ impl<'a> SpanTable<'a> {
             gears,
             motors,
             controllers: Vec::new(),
+            stages: Vec::new(),
             contacts,
             outputs,
             beams,
@@ -99,6 +102,7 @@ impl<'a> SpanTable<'a> {
             Element::Event(event) => ("event", *self.events.get(event)?),
             Element::Output(index) => ("output", *self.outputs.get(index)?),
             Element::Controller(index) => ("controller", *self.controllers.get(index)?),
+            Element::Stage(index) => ("stage", *self.stages.get(index)?),
             Element::Beam(index) => *self.beams.get(index)?,
         };
         self.document.get(list)?.get_ref().as_array()?.get(index)

@@ -181,6 +181,19 @@ pub enum RunError {
         /// Why.
         fault: Fault,
     },
+    /// A change of structure that cannot be made.
+    #[error("at t = {time} s stage `{name}` cannot come: {why}")]
+    Stage {
+        /// Time (s).
+        time: f64,
+        /// Its name.
+        name: String,
+        /// What is in the way.
+        why: String,
+    },
+    /// A run that stages cannot be part of.
+    #[error("stages cannot be followed here: {0}")]
+    Stages(&'static str),
     /// The recording cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),

@@ -39,7 +39,23 @@ pub(super) struct Ledger {
     flows: bool,
 }
 
+/// What the ledger of a run has at its end, for the run that goes on with another structure (J).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Booked {
+    /// Kinetic plus potential energy at the very start.
+    pub(super) start: f64,
+    pub(super) work: f64,
+    pub(super) dissipated: f64,
+    pub(super) drift: f64,
+}
+
 impl Ledger {
+    /// Goes on with what an earlier run has booked.
+    pub(super) fn going_on(self, booked: Option<&Booked>) -> Self {
+        let Some(&Booked { start, work, dissipated, drift }) = booked else { return self };
+        Self { start: Energies { kinetic: start, potential: 0.0 }, work, dissipated, drift, ..self }
+    }
+
     pub(super) fn new(model: &Model, time: f64, start: Energies) -> Self {
         let damped = |law: StopLaw| matches!(law, StopLaw::Compliant { damping, .. } if damping > 0.0);
         let stops = model.stops.iter().any(|stop| damped(stop.law));

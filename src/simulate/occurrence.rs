@@ -29,6 +29,8 @@ pub enum Kind {
     Crossing,
     /// A force element switched; what it calls that.
     Force(&'static str),
+    /// A change of structure.
+    Stage,
     /// Another integrator took over.
     Switch,
 }
@@ -49,6 +51,7 @@ impl Kind {
             Self::Rolls => "rolls",
             Self::Crossing => "crossing",
             Self::Force(name) => name,
+            Self::Stage => "stage",
             Self::Switch => "switch",
         }
     }
@@ -64,7 +67,8 @@ pub struct Occurrence {
     /// The name of the event or force, the body whose hinge it is, or the integrator that took over.
     pub name: String,
     /// The value that was crossed (m or rad), of a rope the length of its path (m), of dry friction the coordinate (m or rad; 0 for a
-    /// spherical hinge); of a switch the step that led there (s).
+    /// spherical hinge); of a switch the step that led there (s); of a stage the energy that goes out of motion, gravity and
+    /// springs with it (J).
     pub value: f64,
     /// How fast the number changed before (per second); of a switch nothing; of bodies that strike each other the speed at which they
     /// approach (m/s).
@@ -86,6 +90,7 @@ impl fmt::Display for Occurrence {
         }
         match kind {
             Kind::Switch => write!(f, "`{name}` takes over after a step of {value:.3e} s"),
+            Kind::Stage => write!(f, "stage `{name}`: {value:.6} J go out of the mechanics"),
             Kind::Slip | Kind::Stick => write!(f, "`{name}` {} at {value:.6}", kind.name()),
             _ => write!(f, "{} of `{name}` at {value:.6}, speed {speed:.6}", kind.name()),
         }

@@ -12,13 +12,14 @@ use super::error::{RunError, component_name, named};
 use super::events::{Events, Hit, Kind, Occurrence};
 use super::finite;
 use super::instant::{self, sides};
-use super::ledger::{Ledger, interpolate};
+use super::ledger::{Booked, Ledger, interpolate};
 use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
 use super::resting;
 use super::sampler::Sampler;
 use super::search::Search;
 use super::settings::{Integrator, Resume, Settings};
+use super::staged;
 use super::state::State;
 use super::stiffness::fastest;
 use super::timetable::Timetable;
@@ -70,8 +71,10 @@ pub struct Summary {
     pub energy_drift: f64,
     /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
     pub constraint_error: f64,
-    /// The last state.
+    /// The last state, of this model.
     pub state: State,
+    /// The model at the end: after changes of structure another one than at the start.
+    pub model: Arc<Model>,
     /// What a run needs beside it to go on from there.
     pub resume: Resume,
     /// Root markers of the named bodies at the end.
@@ -141,6 +144,32 @@ pub(super) fn run_with(
     search: Search,
     function: Option<Function<'_>>,
 ) -> Result<Summary, RunError> {
+    match &model.stages {
+        None => run_one(model, settings, rate, start, recorder, go_on, search, function, None),
+        Some(whole) => {
+            staged::refuse(whole, settings, function.is_some())?;
+            staged::run(whole, model, settings, rate, start, recorder, go_on, search)
+        }
+    }
+}
+
+/// A run of one structure. If it goes on where the run of another one ended, `booked` is what that one's ledger has.
+///
+/// # Errors
+/// As [`run`].
+#[expect(clippy::too_many_arguments, reason = "those of the functions above")]
+pub(super) fn run_one(
+    model: &Arc<Model>,
+    settings: &Settings,
+    rate: f64,
+    start: &State,
+    recorder: &mut dyn Recorder,
+    go_on: &mut dyn FnMut(f64, &State) -> bool,
+    search: Search,
+    function: Option<Function<'_>>,
+    booked: Option<&Booked>,
+) -> Result<Summary, RunError> {
+    let given = model;
     let (begin, end) = (settings.begin(), end(model, settings));
     let mut motion = Motion::new(model);
     let mut state = start.clone();
@@ -169,7 +198,7 @@ pub(super) fn run_with(
     }
     let mut before = motion.energies(begin, &state.position, &state.velocity);
     before.kinetic += outcome.lost - outcome.work;
-    let mut ledger = Ledger::new(model, begin, before);
+    let mut ledger = Ledger::new(model, begin, before).going_on(booked);
     ledger.lose(outcome.lost);
     ledger.put_in(outcome.work);
     let mut events = Events::new(model, &state, search, settings.absolute_tolerance);
@@ -207,7 +236,7 @@ pub(super) fn run_with(
     let resume = run.go(&mut motion, settings, recorder, go_on)?;
     let outputs = run.sampler.outputs(&mut motion, &run.ledger, resume.time, &run.state)?;
     let summary = run.summary(&mut motion, settings, resume, before.kinetic + before.potential);
-    Ok(Summary { outputs, ..summary })
+    Ok(Summary { outputs, model: Arc::clone(given), ..summary })
 }
 
 /// The step of a fixed-step method; `None` for an adaptive one.
@@ -282,6 +311,7 @@ impl Run<'_, '_> {
             energy_drift: self.ledger.drift,
             constraint_error: self.gap,
             state: self.state,
+            model: Arc::clone(self.model),
             resume,
             poses,
             tolerance: settings.tolerance,

@@ -18,6 +18,14 @@ const CABLE_POINT: f64 = 0.002;
 
 /// What a picture of this model needs to know.
 pub fn scene(model: &Arc<Model>) -> Scene {
+    match &model.stages {
+        None => of_structure(model),
+        Some(whole) => super::staged::scene(whole, model),
+    }
+}
+
+/// The still part of a recording whose structure does not change.
+pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     let mut by_position: Vec<&Body> = model.bodies.iter().collect();
     by_position.sort_by_key(|body| (body.hinge.position, body.hinge.kind.counts().0));
     let channels = |names: fn(&HingeKind) -> Names, units: [&str; 2]| -> Vec<Channel> {

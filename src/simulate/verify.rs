@@ -102,7 +102,7 @@ pub fn verify(
     let watched = !model.stops.is_empty() || !model.events.is_empty() || !model.contacts.is_empty();
     let states = if watched { (STATES * first.statistics.steps as f64).clamp(1.0, MOST_STATES) } else { 1.0 };
     let rate = states / settings.duration;
-    let mut scan = Scan { stops: &model.stops, scanned: 0, beyond: 0.0 };
+    let mut scan = Scan { stops: if model.stages.is_none() { &model.stops } else { &[] }, scanned: 0, beyond: 0.0 };
     let most = FREE_STEPS + MOST_STEPS * first.statistics.steps;
     let (mut steps, mut too_long) = (0, false);
     let mut go_on = |time: f64, _: &State| {
@@ -131,7 +131,9 @@ pub fn verify(
             VerifiedEvents { events, same, apart, differ_from, scanned: scan.scanned, beyond: scan.beyond }
         }),
     };
-    compare(model, &first.state, &second.state, &mut found);
+    if first.state.position.len() == second.state.position.len() {
+        compare(&first.model, &first.state, &second.state, &mut found);
+    }
     Ok(Some(found))
 }
 

@@ -58,7 +58,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("record", &["budget", "foreign", "markup", "mesh", "spatial", "whole_file"]),
     (
         "simulate",
+        // `constraint` for the assembly of what a stage closes, `suggest` for names of stages.
         &[
+            "constraint",
             "contact",
             "force",
             "hinge",
@@ -70,6 +72,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "integrate",
             "record",
             "spatial",
+            "suggest",
         ],
     ),
     ("simulator", &["integrate", "model", "record", "simulate"]),

@@ -26,7 +26,11 @@ impl Parameter {
             Element::Scene if self.field == Field::Named => description.named.list()[self.index].value,
             Element::Scene => description.gravity[self.index],
             // Events, contacts, outputs and controllers have no parameters.
-            Element::Event(_) | Element::Contact(_) | Element::Output(_) | Element::Controller(_) => f64::NAN,
+            Element::Event(_)
+            | Element::Contact(_)
+            | Element::Output(_)
+            | Element::Controller(_)
+            | Element::Stage(_) => f64::NAN,
             Element::Body(body) => {
                 let body = &description.bodies[body];
                 match self.field {
@@ -81,7 +85,11 @@ impl Parameter {
     pub(super) fn put(&self, description: &mut Description, value: f64) {
         match self.element {
             Element::Scene => description.gravity[self.index] = value,
-            Element::Event(_) | Element::Contact(_) | Element::Output(_) | Element::Controller(_) => {}
+            Element::Event(_)
+            | Element::Contact(_)
+            | Element::Output(_)
+            | Element::Controller(_)
+            | Element::Stage(_) => {}
             Element::Body(body) => {
                 let body = &mut description.bodies[body];
                 let (positions, velocities) = body.hinge.kind.counts();

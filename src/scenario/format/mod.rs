@@ -12,6 +12,7 @@ mod model;
 mod motor;
 mod output;
 mod settings;
+mod stage;
 mod start;
 
 pub use beam::{BEAM, BEAM_CURVE, CABLE, LINE_LOAD, MATERIAL, SECTION};
@@ -26,6 +27,7 @@ pub use model::{MODEL, MODEL_HINGE};
 pub use motor::{MOTOR, TARGET};
 pub use output::{COMPONENTS, DIRECTION, OUTPUT, SECTIONS};
 pub use settings::{PATH, RECORD, SIMULATE, STATICS};
+pub use stage::{STAGE, WHEN};
 pub use start::START;
 
 use super::fields::{ANY_UNIT, Key, Kind, Range, Table};
@@ -94,6 +96,7 @@ pub const SCENARIO: Table = Table {
         Key::new("force", Kind::List(&Kind::Table(&FORCE), &[]), "Springs, bushings, ropes, curves and loads."),
         Key::new("contact", Kind::List(&Kind::Table(&CONTACT), &[]), "What cannot pass through what."),
         Key::new("event", Kind::List(&Kind::Table(&EVENT), &[]), "What a run takes note of, or ends with."),
+        Key::new("stage", Kind::List(&Kind::Table(&STAGE), &[]), "Changes of structure in a run."),
         Key::new("loop", Kind::List(&Kind::Table(&LOOP), &[]), "What closes kinematic loops."),
         Key::new("drive", Kind::List(&Kind::Table(&DRIVE), &[]), "Coordinates with a given motion."),
         Key::new("gear", Kind::List(&Kind::Table(&GEAR), &[]), "Coordinates in a fixed ratio."),

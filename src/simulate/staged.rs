@@ -1,0 +1,356 @@
+//! Runs through changes of structure: one run after the other, each of a model of its own.
+//!
+//! ```text
+//! (1)  M⁺ v⁺ + Gᵀ Λ = Jᵀ M v⁻,   G v⁺ = ċ        v⁻ the velocities of the bodies before, J those of the new coordinates
+//! (2)  E⁻ − E⁺                                    booked as dissipated, or as work if it is negative
+//! ```
+//!
+//! The bodies and their order stay the same. Where a hinge opens its body becomes free, with pose and velocity as they are: no
+//! velocity of a body changes, so that `v⁺` is a copy but for that body. What closes is a row more: (1) is the projection in the
+//! metric of the inertia by which a run settles any state on its rows, an impact without rebound that exchanges momentum at once.
+//! It never gains energy unless a drive of a moving coordinate does work in it. A spring of a hinge that opens keeps its energy:
+//! (2) has it among what goes out.
+//!
+//! A scene without stages does not come here: `run_with` asks once whether there are any.
+
+mod relay;
+
+pub(super) use relay::scene;
+
+use super::error::RunError;
+use super::ledger::Booked;
+use super::occurrence::{Kind, Occurrence};
+use super::problem::Motion;
+use super::run::{Summary, run_one};
+use super::scene::of_structure;
+use super::search::Search;
+use super::settings::{Resume, Settings, Start};
+use super::state::State;
+use crate::constraint::assemble;
+use crate::dynamics::System;
+use crate::model::description::{Description, When};
+use crate::model::stage::Structure;
+use crate::model::{Model, Problem};
+use crate::record::{Event, Recorder};
+use crate::spatial::Pose;
+use crate::suggest;
+use nalgebra::{UnitQuaternion, Vector3};
+use relay::{Layout, Relay};
+use std::sync::Arc;
+
+/// Times that differ by less than this part are one.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// What closes may be open by this part of the scene's length: what the search for events leaves, many times over.
+const OPEN: f64 = 1e-9;
+
+/// Refuses what stages do not go with.
+pub(super) fn refuse(_: &Description, settings: &Settings, has_function: bool) -> Result<(), RunError> {
+    if settings.resume.is_some() {
+        return Err(RunError::Stages("a run with stages begins at t = 0 and goes to its end"));
+    }
+    if has_function {
+        return Err(RunError::Stages("a function that sets inputs knows the structure at the start alone"));
+    }
+    Ok(())
+}
+
+/// The scene that a stage leaves, as it stands in the positions given, with the stages of the file before it.
+///
+/// # Errors
+/// What is wrong with the scene on the way there, or that there is no such stage.
+pub fn at_stage(whole: &Description, name: &str) -> Result<Description, String> {
+    let Some(last) = whole.stages.iter().position(|stage| stage.name == name) else {
+        let near = suggest::closest(name, whole.stages.iter().map(|stage| stage.name.as_str()));
+        return Err(format!(
+            "there is no stage `{name}`{}",
+            near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"))
+        ));
+    };
+    let mut structure = Structure::first(whole);
+    let listed = |problems: Vec<Problem>| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    for stage in 0..=last {
+        let model = Model::build(&structure.describe(whole)).map_err(listed)?;
+        let now = Now::new(&model, 0.0, &model.start_position, &model.start_velocity);
+        if stage == 0 {
+            structure.frames = now.frames(whole, &structure);
+        }
+        let before = structure.clone();
+        structure.apply(whole, stage).map_err(|wrong| wrong.why)?;
+        now.fill(whole, &before, &mut structure);
+    }
+    Ok(structure.describe(whole))
+}
+
+/// Bodies at an instant, of one structure.
+struct Now<'a> {
+    model: &'a Arc<Model>,
+    position: &'a [f64],
+    poses: Vec<Pose>,
+    /// Velocities of the root markers and angular velocities, inertial axes.
+    velocities: Vec<[Vector3<f64>; 2]>,
+}
+
+impl<'a> Now<'a> {
+    fn new(model: &'a Arc<Model>, time: f64, position: &'a [f64], velocity: &[f64]) -> Self {
+        let mut system = System::new(model);
+        let at = system.at(time, position, velocity);
+        let mut poses = Vec::new();
+        at.poses(&mut poses);
+        let links = &at.motion().links;
+        let of_body = |body: &crate::model::Body| {
+            let link = &links[body.link];
+            let arm = link.turn * body.link_from_body.translation.vector;
+            [link.velocity + link.angular_velocity.cross(&arm), link.angular_velocity]
+        };
+        let velocities = model.bodies.iter().map(of_body).collect();
+        Self { model, position, poses, velocities }
+    }
+
+    fn turn(&self, name: &str) -> UnitQuaternion<f64> {
+        let found = self.model.bodies.iter().position(|body| body.name == name);
+        found.map_or_else(UnitQuaternion::identity, |body| self.poses[body].rotation)
+    }
+
+    /// The turn of a loop's frame in its second body by which both frames coincide here.
+    fn frame(&self, whole: &Description, index: usize) -> UnitQuaternion<f64> {
+        let closed = &whole.loops[index];
+        let [first, second] = [0, 1].map(|end| self.turn(&closed.between[end].body));
+        second.inverse() * first * closed.frame
+    }
+
+    /// The frames of all loops that are closed and have none of their own.
+    fn frames(
+        &self,
+        whole: &Description,
+        structure: &Structure,
+    ) -> std::collections::BTreeMap<usize, UnitQuaternion<f64>> {
+        let loops = whole.loops.iter().enumerate();
+        let closed = loops.filter(|(index, one)| structure.is_closed(*index) && one.second_frame.is_none());
+        closed.map(|(index, _)| (index, self.frame(whole, index))).collect()
+    }
+
+    /// Fills in where things are that a stage has changed.
+    fn fill(&self, whole: &Description, before: &Structure, structure: &mut Structure) {
+        for (body, pose) in &mut structure.freed {
+            if !before.freed.contains_key(body) {
+                *pose = self.poses[*body];
+            }
+        }
+        for (body, held) in &mut structure.locked {
+            if !before.locked.contains_key(body) {
+                let hinge = &self.model.bodies[*body].hinge;
+                *held = Some(self.position[hinge.position..hinge.position + hinge.kind.counts().0].to_vec());
+            }
+        }
+        for (index, _) in whole.loops.iter().enumerate().filter(|(_, one)| one.second_frame.is_none()) {
+            if structure.is_closed(index) && !before.is_closed(index) {
+                structure.frames.insert(index, self.frame(whole, index));
+            }
+        }
+    }
+}
+
+/// The coordinates of a state in the model of another structure, in which `freed` bodies are free.
+fn carried(now: &Now<'_>, velocity: &[f64], next: &Model, freed: &[usize]) -> State {
+    let mut state = State { position: next.start_position.clone(), velocity: next.start_velocity.clone() };
+    let (from, to) = (relay::segments(now.model), relay::segments(next));
+    for body in 0..next.bodies.len() {
+        if freed.contains(&body) {
+            let (pose, [linear, angular]) = (&now.poses[body], &now.velocities[body]);
+            let (p, v) = (to[body].position.start, to[body].velocity.start);
+            state.position[p..p + 7].copy_from_slice(&relay::free_position(pose));
+            state.velocity[v..v + 6].copy_from_slice(&relay::free_rates(pose, linear, angular));
+        } else {
+            state.position[to[body].position.clone()].copy_from_slice(&now.position[from[body].position.clone()]);
+            state.velocity[to[body].velocity.clone()].copy_from_slice(&velocity[from[body].velocity.clone()]);
+        }
+    }
+    state
+}
+
+/// A run through all stages.
+struct Staged<'a> {
+    whole: &'a Arc<Description>,
+    structure: Structure,
+    model: Arc<Model>,
+    state: State,
+    time: f64,
+    booked: Option<Booked>,
+    happened: Vec<Occurrence>,
+}
+
+impl Staged<'_> {
+    /// The next stage that comes at a time which has not been reached (s), at most `end`.
+    fn next(&self, end: f64) -> f64 {
+        let pending = self.whole.stages.iter().enumerate().filter(|(index, _)| !self.structure.has_come(*index));
+        let times = pending.filter_map(|(_, stage)| match stage.when {
+            When::Time(time) => Some(time),
+            When::Event(_) => None,
+        });
+        times.fold(end, f64::min)
+    }
+
+    /// The stages that come now, `event` being what ended the run so far.
+    fn due(&self, event: Option<&str>) -> Vec<usize> {
+        let is_due = |when: &When| match when {
+            When::Time(time) => *time <= self.time * (1.0 + ROUNDING),
+            When::Event(name) => event == Some(name),
+        };
+        let stages = self.whole.stages.iter().enumerate();
+        stages
+            .filter(|(index, stage)| !self.structure.has_come(*index) && is_due(&stage.when))
+            .map(|(i, _)| i)
+            .collect()
+    }
+
+    /// Changes the structure: see (1) and (2).
+    fn change(&mut self, stage: usize, recorder: &mut dyn Recorder) -> Result<(), RunError> {
+        let (time, name) = (self.time, self.whole.stages[stage].name.clone());
+        let stop = |why: String| RunError::Stage { time, name: name.clone(), why };
+        let listed =
+            |problems: Vec<Problem>| stop(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
+        let fault = |fault| RunError::Sample { time, fault };
+        let State { position, velocity } = &self.state;
+        let mut old = Motion::new(&self.model);
+        let energy = old.energies(time, position, velocity);
+        let now = Now::new(&self.model, time, position, velocity);
+        let before = self.structure.clone();
+        self.structure.apply(self.whole, stage).map_err(|wrong| stop(wrong.why))?;
+        now.fill(self.whole, &before, &mut self.structure);
+        let next = Model::build(&self.structure.describe(self.whole)).map_err(listed)?;
+        let fresh = |body: &&usize| !before.freed.contains_key(*body);
+        let freed: Vec<usize> = self.structure.freed.keys().filter(fresh).copied().collect();
+        let mut state = carried(&now, velocity, &next, &freed);
+        let next = next.starting_in(&state.position, &state.velocity);
+        let (next, assembly) = assemble(next).map_err(listed)?;
+        let (gap, allowed) = (assembly.given_gap, OPEN * next.length_scale());
+        if gap > allowed {
+            let why = format!(
+                "what closes is open by {gap:.3e} m, allowed: {allowed:.1e} m; let the parts meet before it closes"
+            );
+            return Err(stop(why));
+        }
+        let mut new = Motion::new(&next);
+        new.settle(time, &mut state.position, &mut state.velocity).map_err(fault)?;
+        let after = new.energies(time, &state.position, &state.velocity);
+        let lost = energy.kinetic + energy.potential - after.kinetic - after.potential;
+        if let Some(booked) = &mut self.booked {
+            *(if lost > 0.0 { &mut booked.dissipated } else { &mut booked.work }) += lost.abs();
+        }
+        (self.model, self.state) = (next, state);
+        let happened = Occurrence { time, kind: Kind::Stage, name, value: lost, speed: 0.0, between: None };
+        recorder.event(&Event { time, name: happened.name.clone(), text: happened.to_string() })?;
+        self.happened.push(happened);
+        Ok(())
+    }
+}
+
+/// A length of time (s) after which `begin` is `end`, to the last digit where there is one.
+fn between(begin: f64, end: f64) -> f64 {
+    let near = end - begin;
+    let candidates = [near, near.next_up(), near.next_down()];
+    candidates.into_iter().find(|length| begin + length == end).unwrap_or(near)
+}
+
+/// Runs from stage to stage; `first` is the model before the first one.
+///
+/// # Errors
+/// As [`run_one`], and of a stage that cannot come.
+#[expect(clippy::too_many_arguments, reason = "those of a run")]
+pub(super) fn run(
+    whole: &Arc<Description>,
+    first: &Arc<Model>,
+    settings: &Settings,
+    rate: f64,
+    start: &State,
+    recorder: &mut dyn Recorder,
+    go_on: &mut dyn FnMut(f64, &State) -> bool,
+    search: Search,
+) -> Result<Summary, RunError> {
+    let layout = Layout::new(whole, first);
+    let mut structure = Structure::first(whole);
+    // Frames coincide in the positions as they are given, not where the run starts.
+    if let Ok(given) = Model::build(&structure.describe(whole)) {
+        let now = Now::new(&given, 0.0, &given.start_position, &given.start_velocity);
+        structure.frames = now.frames(whole, &structure);
+    }
+    let mut staged = Staged {
+        whole,
+        structure,
+        model: Arc::clone(first),
+        state: start.clone(),
+        time: settings.begin(),
+        booked: None,
+        happened: Vec::new(),
+    };
+    let end = settings.begin() + settings.duration;
+    let mut total: Option<Summary> = None;
+    let mut event: Option<String> = None;
+    loop {
+        for stage in staged.due(event.as_deref()) {
+            staged.change(stage, recorder)?;
+        }
+        let until = staged.next(end);
+        let resume = total.as_ref().map(|done| Resume { time: staged.time, step: None, grid: None, ..done.resume });
+        let start = if total.is_some() { Start::Given } else { settings.start };
+        let part = Settings { duration: between(staged.time, until), resume, start, ..*settings };
+        let mut relay = Relay::new(&layout, &staged.model, recorder);
+        let done = run_one(
+            &staged.model,
+            &part,
+            rate,
+            &staged.state,
+            &mut relay,
+            go_on,
+            search,
+            None,
+            staged.booked.as_ref(),
+        )?;
+        let happened = std::mem::take(&mut staged.happened);
+        let summary = joined(total, happened, done);
+        staged.time = summary.end_time;
+        staged.state.clone_from(&summary.state);
+        let (work, dissipated, drift) = (summary.work, summary.dissipated, summary.energy_drift);
+        staged.booked = Some(Booked { start: summary.energy_start, work, dissipated, drift });
+        event.clone_from(&summary.stopped_by);
+        let goes_on = match &event {
+            Some(name) => !staged.due(Some(name)).is_empty(),
+            None => !summary.interrupted && summary.end_time < end * (1.0 - ROUNDING),
+        };
+        if !goes_on {
+            return Ok(Summary { interrupted: summary.interrupted, ..summary });
+        }
+        total = Some(Summary { stopped_by: None, ..summary });
+    }
+}
+
+/// The summary of a run and of the one that goes on from it.
+fn joined(total: Option<Summary>, happened: Vec<Occurrence>, done: Summary) -> Summary {
+    let Some(mut total) = total else {
+        let events = happened.into_iter().chain(done.events).collect();
+        return Summary { events, ..done };
+    };
+    total.events.extend(happened);
+    total.events.extend(done.events.iter().cloned());
+    for method in &done.integrators {
+        if total.integrators.last() != Some(method) {
+            total.integrators.push(*method);
+        }
+    }
+    total.statistics.add(&done.statistics);
+    let choice = done.choice.clone().or(total.choice);
+    Summary {
+        events: total.events,
+        integrators: total.integrators,
+        statistics: total.statistics,
+        energy_start: total.energy_start,
+        constraint_error: total.constraint_error.max(done.constraint_error),
+        impacts: total.impacts + done.impacts,
+        capture_steps: total.capture_steps + done.capture_steps,
+        samples: total.samples + done.samples,
+        wall: total.wall + done.wall,
+        choice,
+        ..done
+    }
+}
