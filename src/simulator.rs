@@ -83,6 +83,9 @@ impl Simulator {
     /// # Errors
     /// As [`simulate::run`].
     pub fn advance(&mut self, until: f64, go_on: &dyn Fn() -> bool) -> Result<(), RunError> {
+        if self.model.stages.is_some() {
+            return Err(RunError::Stages("a simulator that is stepped has one structure; `run` goes through all"));
+        }
         let duration = until - self.now.time;
         let done = self.run(duration, &mut Fanout::new(), &mut || go_on())?;
         self.now = Snapshot {

@@ -75,7 +75,7 @@ impl Asked {
         let scene = simulate::scene(&self.model);
         let run = |outcome: String| Run::new(py, scene, self.text.clone(), outcome, columns);
         match done {
-            Ok(summary) => run(stillpoint::cli::run_answer(&self.model, &self.name, &summary).to_string()),
+            Ok(summary) => run(stillpoint::cli::run_answer(&self.name, &summary).to_string()),
             Err(error) => {
                 let message = error.to_string();
                 let outcome = py.import("json")?.call_method1("dumps", ([("error", &message)].into_py_dict(py)?,))?;

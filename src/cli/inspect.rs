@@ -16,6 +16,8 @@ use std::path::PathBuf;
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    structure: scene::Structure,
     /// Look at the pose, velocities and inputs of this file, as `statics --save` writes it
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
@@ -23,7 +25,7 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (scenario, model) = match scene::load_at(common, arguments.start.as_deref())? {
+    let (scenario, model) = match scene::load_structure(common, &arguments.structure, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };

@@ -229,7 +229,9 @@ fn event(event: &Occurrence) -> Value {
     event
 }
 
-pub(super) fn run(model: &Arc<Model>, scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
+/// The end of a run, in the model that it ends with.
+pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summary) -> Value {
+    let model = &summary.model;
     let State { position, velocity } = &summary.state;
     let integrators: Vec<&str> = summary.integrators.iter().map(|method| method.name()).collect();
     let counters = &summary.statistics;

@@ -20,6 +20,8 @@ use std::sync::Arc;
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    structure: scene::Structure,
     /// What pushes: a motor, a drive (by the acceleration of its target), `crank.force` of a hinge or `push.force[0]` of a
     /// load; may be repeated. Default: all motors of type `input`
     #[arg(long, value_name = "ADDRESS")]
@@ -53,10 +55,11 @@ fn positive(text: &str) -> Result<f64, String> {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
-        Ok(loaded) => loaded,
-        Err(exit) => return Ok(exit),
-    };
+    let (mut scenario, mut model) =
+        match scene::load_structure(common, &arguments.structure, arguments.start.as_deref())? {
+            Ok(loaded) => loaded,
+            Err(exit) => return Ok(exit),
+        };
     let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     arguments.out.iter().chain(&arguments.bode).try_for_each(|written| read.spare(written))?;
     let format = arguments.out.as_deref().map(files::Format::of).transpose()?;

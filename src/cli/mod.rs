@@ -222,8 +222,8 @@ pub fn statics_answer(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
 }
 
 /// What `run --json` prints of a run of this scenario that is not on disk.
-pub fn run_answer(model: &Arc<Model>, scenario: &str, summary: &Summary) -> serde_json::Value {
-    json::run(model, scenario, "", serde_json::Value::Null, summary)
+pub fn run_answer(scenario: &str, summary: &Summary) -> serde_json::Value {
+    json::run(scenario, "", serde_json::Value::Null, summary)
 }
 
 /// The equations about an equilibrium, as `linearize` has them: from inputs by their addresses (all motors of type `input` without) to

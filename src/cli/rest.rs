@@ -15,6 +15,8 @@ use std::path::PathBuf;
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    structure: scene::Structure,
     /// Prove it for the pose and inputs of this file, as `statics --save` writes it
     #[arg(long, value_name = "START.toml")]
     start: Option<PathBuf>,
@@ -29,10 +31,11 @@ pub(super) struct Arguments {
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
     let interrupt = Interrupt::install()?;
-    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
-        Ok(loaded) => loaded,
-        Err(exit) => return Ok(exit),
-    };
+    let (mut scenario, mut model) =
+        match scene::load_structure(common, &arguments.structure, arguments.start.as_deref())? {
+            Ok(loaded) => loaded,
+            Err(exit) => return Ok(exit),
+        };
     if arguments.start.is_some() && model.start_velocity.iter().any(|v| *v != 0.0) {
         anyhow::bail!("the start file gives velocities that are not zero: what moves is not at rest");
     }
@@ -52,6 +55,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
         return Ok(Exit::No);
     }
+    let model = model.before_stages();
     let still = simulate::scene(&model);
     let statics_text = statics.to_string();
     let opening = Opening { scene: &still, scenario: &scenario.text, statics: Some(&statics_text) };

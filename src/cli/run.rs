@@ -186,7 +186,7 @@ impl Run<'_> {
                 return Ok(Exit::No);
             }
         };
-        let mut result = json::run(&summary.model, &self.scenario.name, &path, found, &summary);
+        let mut result = json::run(&self.scenario.name, &path, found, &summary);
         if let Some(from) = self.from {
             result["start_file"] = json!(from.display().to_string());
         }

@@ -6,8 +6,10 @@ use crate::dynamics::System;
 use crate::model::problem::number;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
+use crate::simulate::at_stage;
 use crate::statics::residual;
 use anyhow::{Context, anyhow, bail};
+use clap::Args;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -65,10 +67,48 @@ fn assemble(common: &Common, model: Arc<Model>) -> anyhow::Result<Arc<Model>> {
 
 /// A scenario with its model at the start that a file gives, or the exit code after its problems were printed.
 pub(super) fn load_at(common: &Common, start: Option<&Path>) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
-    let (mut scenario, model) = match load(common)? {
+    Ok(match load(common)? {
+        Ok(loaded) => start_at(common, start, loaded)?,
+        Err(exit) => Err(exit),
+    })
+}
+
+/// What a command asks of one structure of a scene.
+#[derive(Debug, Args)]
+pub(super) struct Structure {
+    /// Of a scene with `[[stage]]`s: as it is after this one and those before it in the file, in the positions given; without it
+    /// as it is before the first
+    #[arg(long, value_name = "NAME")]
+    stage: Option<String>,
+}
+
+/// One structure of a scenario with its model at the start that a file gives, or the exit code after its problems were printed.
+pub(super) fn load_structure(
+    common: &Common,
+    structure: &Structure,
+    start: Option<&Path>,
+) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
+    let (mut scenario, mut model) = match load(common)? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(Err(exit)),
     };
+    if let Some(stage) = &structure.stage {
+        if !scenario.unknown.is_empty() || scenario.path.is_some() {
+            bail!("{}: `--stage` goes without `[statics] unknown` and `[statics.path]`", scenario.name);
+        }
+        let whole = &scenario.description;
+        scenario.description = at_stage(whole, stage).map_err(|why| anyhow!("{}: {why}", scenario.name))?;
+        model = assemble(common, Model::build(&scenario.description).map_err(listed)?)?;
+    }
+    start_at(common, start, (scenario, model))
+}
+
+/// Puts a scene at the start that a file gives.
+fn start_at(
+    common: &Common,
+    start: Option<&Path>,
+    (mut scenario, model): (Scenario, Arc<Model>),
+) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
     let Some(path) = start else { return Ok(Ok((scenario, model))) };
     let started = match load_start(path, &scenario.description) {
         Ok(started) => started,

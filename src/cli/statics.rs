@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 pub(super) struct Arguments {
     #[command(flatten)]
     common: Common,
+    #[command(flatten)]
+    structure: scene::Structure,
     /// How to find it, whatever the file says
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Method::ALL.map(Method::name)))]
     method: Option<String>,
@@ -62,10 +64,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if let Some(change) = &arguments.over {
         return baselines::over(common, change, arguments.out.as_deref());
     }
-    let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
-        Ok(loaded) => loaded,
-        Err(exit) => return Ok(exit),
-    };
+    let (mut scenario, mut model) =
+        match scene::load_structure(common, &arguments.structure, arguments.start.as_deref())? {
+            Ok(loaded) => loaded,
+            Err(exit) => return Ok(exit),
+        };
     if let Some(why) = arguments.ignored().filter(|_| standing::is_for(&model)) {
         anyhow::bail!(
             "{}: `{why}` knows neither contact nor dry friction: leave it out, or take them out",

@@ -28,6 +28,7 @@ pub mod prescribed;
 pub mod problem;
 pub mod shape;
 pub mod stage;
+pub mod structure;
 mod tree;
 pub mod watch;
 
@@ -193,10 +194,14 @@ impl Model {
     /// Every problem that was found, each with the element and the field it belongs to.
     pub fn build(description: &Description) -> Result<Arc<Self>, Vec<Problem>> {
         let model = Self::build_loosely(description)?;
-        if model.stages.is_some() {
-            return Ok(model);
-        }
-        match point_mass::problems(description, &model) {
+        let problems = match model.stages {
+            None => point_mass::problems(description, &model),
+            Some(_) => structure::each(description, |scene| {
+                let model = build::build(scene)?;
+                Ok(point_mass::problems(scene, &model))
+            })?,
+        };
+        match problems {
             problems if problems.is_empty() => Ok(model),
             problems => Err(problems),
         }
@@ -208,7 +213,7 @@ impl Model {
         if description.stages.is_empty() {
             return build::build(description).map(Arc::new);
         }
-        stage::build(description, build::build).map(Arc::new)
+        structure::build(description, build::build).map(Arc::new)
     }
 
     /// The model that starts in a state; what follows from the given positions stays.
@@ -217,6 +222,14 @@ impl Model {
         model.start_position.copy_from_slice(position);
         model.start_velocity.copy_from_slice(velocity);
         Arc::new(model)
+    }
+
+    /// The model as it is before its first stage, which does not come.
+    pub fn before_stages(self: &Arc<Self>) -> Arc<Self> {
+        match &self.stages {
+            None => Arc::clone(self),
+            Some(_) => Arc::new(Self { stages: None, ..Self::clone(self) }),
+        }
     }
 
     /// The model that starts at `position`.

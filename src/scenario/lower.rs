@@ -61,53 +61,45 @@ pub(super) fn lower<'a>(
             spans.loops.push(index);
         }
     }
-    for (index, table) in scenario.tables("drive").iter().enumerate() {
-        if let Some(drive) = drive(table, index, &parameters) {
-            description.drives.push(drive);
-            spans.drives.push(index);
-        }
-    }
-    for (index, table) in scenario.tables("gear").iter().enumerate() {
-        if let Some(gear) = gear(table, index) {
-            description.gears.push(gear);
-            spans.gears.push(index);
-        }
-    }
-    for (index, table) in scenario.tables("motor").iter().enumerate() {
-        if let Some(motor) = motor(table, index, &parameters) {
-            description.motors.push(motor);
-            spans.motors.push(index);
-        }
-    }
+    each(&scenario, "drive", &mut description.drives, &mut spans.drives, |table, index| {
+        drive(table, index, &parameters)
+    });
+    each(&scenario, "gear", &mut description.gears, &mut spans.gears, gear);
+    each(&scenario, "motor", &mut description.motors, &mut spans.motors, |table, index| {
+        motor(table, index, &parameters)
+    });
     for (index, table) in scenario.tables("event").iter().enumerate() {
         if let Some(event) = event(table, index, &names) {
             description.events.push(event);
             spans.add_event(index);
         }
     }
-    for (index, table) in scenario.tables("stage").iter().enumerate() {
-        if let Some(stage) = stage(table, index) {
-            description.stages.push(stage);
-            spans.stages.push(index);
-        }
-    }
-    for (index, table) in scenario.tables("contact").iter().enumerate() {
-        if let Some(contact) = contact(table, index) {
-            description.contacts.push(contact);
-            spans.contacts.push(index);
-        }
-    }
+    each(&scenario, "stage", &mut description.stages, &mut spans.stages, stage);
+    each(&scenario, "contact", &mut description.contacts, &mut spans.contacts, contact);
     outputs(&scenario, &names, &parameters, &mut description.outputs, &mut spans);
     description.beams.truncate(first);
     description.beams.extend(closed);
-    for (index, table) in scenario.tables("controller").iter().enumerate() {
-        if let Some(controller) = controller(table, index, &parameters) {
-            description.controllers.push(controller);
-            spans.controllers.push(index);
-        }
-    }
+    each(&scenario, "controller", &mut description.controllers, &mut spans.controllers, |table, index| {
+        controller(table, index, &parameters)
+    });
     find_parts(&scenario, &mut description);
     (description, spans)
+}
+
+/// Reads all tables of one name, and keeps the places of those that could be read.
+fn each<'r, T>(
+    scenario: &Reader<'r>,
+    name: &str,
+    list: &mut Vec<T>,
+    places: &mut Vec<usize>,
+    read: impl Fn(&Reader<'r>, usize) -> Option<T>,
+) {
+    for (index, table) in scenario.tables(name).iter().enumerate() {
+        if let Some(one) = read(table, index) {
+            list.push(one);
+            places.push(index);
+        }
+    }
 }
 
 /// The cables among the beams, after the others, without their ends; and their tables.

@@ -89,8 +89,10 @@ impl fmt::Display for Occurrence {
             };
         }
         match kind {
+            Kind::Stage if *value == 0.0 => write!(f, "stage `{name}`"),
+            Kind::Stage if *value < 0.0 => write!(f, "stage `{name}`, which puts in {:.6} J", -value),
+            Kind::Stage => write!(f, "stage `{name}`, which takes out {value:.6} J"),
             Kind::Switch => write!(f, "`{name}` takes over after a step of {value:.3e} s"),
-            Kind::Stage => write!(f, "stage `{name}`: {value:.6} J go out of the mechanics"),
             Kind::Slip | Kind::Stick => write!(f, "`{name}` {} at {value:.6}", kind.name()),
             _ => write!(f, "{} of `{name}` at {value:.6}, speed {speed:.6}", kind.name()),
         }

@@ -162,6 +162,11 @@ pub fn precision(
             "integrators are compared on one smooth motion, and the controller `{name}` sets its inputs at instants: take it out"
         )));
     }
+    if model.stages.is_some() {
+        return Err(RunError::Stages(
+            "integrators are compared on one smooth motion; `run --verify` compares two runs",
+        ));
+    }
     if let Some(rule) = model.contacts.first() {
         let why =
             "no method has anything to do in a scene at rest, and in one that moves each begins anew at every event"

@@ -7,8 +7,8 @@
 //! the direction that runs away fastest, and the growth that is observed is compared with the eigenvalue that predicts it.
 
 use super::control::check_steady;
+use super::entry::run;
 use super::error::RunError;
-use super::run::run;
 use super::settings::Settings;
 use super::state::State;
 use crate::model::Model;
@@ -76,6 +76,7 @@ pub fn rest(
     recorder: &mut dyn Recorder,
     go_on: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Rest, RunError> {
+    let model = &Model::before_stages(model);
     // What controllers hold does not run away, whatever the verdict on the scene alone is.
     let pushed = if model.controllers.is_empty() { Push::of(model, equilibrium) } else { None };
     if !model.controllers.is_empty() {

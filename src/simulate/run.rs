@@ -1,4 +1,4 @@
-//! The time loop.
+//! The time loop of one structure.
 
 mod instants;
 mod stepper;
@@ -19,7 +19,6 @@ use super::resting;
 use super::sampler::Sampler;
 use super::search::Search;
 use super::settings::{Integrator, Resume, Settings};
-use super::staged;
 use super::state::State;
 use super::stiffness::fastest;
 use super::timetable::Timetable;
@@ -97,67 +96,11 @@ pub struct Summary {
     pub wall: Duration,
 }
 
-/// Steps from `start` to the end of the run, hands samples to `recorder` at `rate` per second, and asks `go_on` with the time
-/// reached after every step and now and then between samples.
-///
-/// # Errors
-/// Where a step cannot be made or a sample cannot be kept; what was recorded until then stays.
-pub fn run(
-    model: &Arc<Model>,
-    settings: &Settings,
-    rate: f64,
-    start: &State,
-    recorder: &mut dyn Recorder,
-    go_on: &mut dyn FnMut(f64, &State) -> bool,
-) -> Result<Summary, RunError> {
-    run_with(model, settings, rate, start, recorder, go_on, Search::RUN, None)
-}
-
-/// As [`run`], with a function that sets the inputs at instants of its own.
-///
-/// # Errors
-/// As [`run`], and what the function says.
-pub fn run_controlled(
-    model: &Arc<Model>,
-    settings: &Settings,
-    rate: f64,
-    start: &State,
-    recorder: &mut dyn Recorder,
-    go_on: &mut dyn FnMut(f64, &State) -> bool,
-    function: Function<'_>,
-) -> Result<Summary, RunError> {
-    run_with(model, settings, rate, start, recorder, go_on, Search::RUN, Some(function))
-}
-
-/// As [`run`], with events looked for in another way, and a function as a controller.
-///
-/// # Errors
-/// As [`run`].
-#[expect(clippy::too_many_arguments, reason = "those of the two functions above")]
-pub(super) fn run_with(
-    model: &Arc<Model>,
-    settings: &Settings,
-    rate: f64,
-    start: &State,
-    recorder: &mut dyn Recorder,
-    go_on: &mut dyn FnMut(f64, &State) -> bool,
-    search: Search,
-    function: Option<Function<'_>>,
-) -> Result<Summary, RunError> {
-    match &model.stages {
-        None => run_one(model, settings, rate, start, recorder, go_on, search, function, None),
-        Some(whole) => {
-            staged::refuse(whole, settings, function.is_some())?;
-            staged::run(whole, model, settings, rate, start, recorder, go_on, search)
-        }
-    }
-}
-
 /// A run of one structure. If it goes on where the run of another one ended, `booked` is what that one's ledger has.
 ///
 /// # Errors
-/// As [`run`].
-#[expect(clippy::too_many_arguments, reason = "those of the functions above")]
+/// As [`super::run`].
+#[expect(clippy::too_many_arguments, reason = "those of a run, and what it goes on from")]
 pub(super) fn run_one(
     model: &Arc<Model>,
     settings: &Settings,

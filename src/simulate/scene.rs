@@ -16,14 +16,6 @@ const THIN: f64 = 0.01;
 const POINT: f64 = 0.004;
 const CABLE_POINT: f64 = 0.002;
 
-/// What a picture of this model needs to know.
-pub fn scene(model: &Arc<Model>) -> Scene {
-    match &model.stages {
-        None => of_structure(model),
-        Some(whole) => super::staged::scene(whole, model),
-    }
-}
-
 /// The still part of a recording whose structure does not change.
 pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     let mut by_position: Vec<&Body> = model.bodies.iter().collect();

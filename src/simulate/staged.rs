@@ -11,7 +11,7 @@
 //! It never gains energy unless a drive of a moving coordinate does work in it. A spring of a hinge that opens keeps its energy:
 //! (2) has it among what goes out.
 //!
-//! A scene without stages does not come here: `run_with` asks once whether there are any.
+//! A scene without stages does not come here: [`super::entry`] asks once whether there are any.
 
 mod relay;
 
@@ -29,7 +29,7 @@ use super::state::State;
 use crate::constraint::assemble;
 use crate::dynamics::System;
 use crate::model::description::{Description, When};
-use crate::model::stage::Structure;
+use crate::model::structure::Structure;
 use crate::model::{Model, Problem};
 use crate::record::{Event, Recorder};
 use crate::spatial::Pose;
@@ -40,6 +40,9 @@ use std::sync::Arc;
 
 /// Times that differ by less than this part are one.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// A change of energy below this part of the energies is their rounding.
+const ROUND_OFF: f64 = 1e-13;
 
 /// What closes may be open by this part of the scene's length: what the search for events leaves, many times over.
 const OPEN: f64 = 1e-9;
@@ -223,7 +226,11 @@ impl Staged<'_> {
         let freed: Vec<usize> = self.structure.freed.keys().filter(fresh).copied().collect();
         let mut state = carried(&now, velocity, &next, &freed);
         let next = next.starting_in(&state.position, &state.velocity);
-        let (next, assembly) = assemble(next).map_err(listed)?;
+        let apart = |problems: Vec<Problem>| {
+            let why: Vec<String> = problems.iter().map(ToString::to_string).collect();
+            stop(format!("{}; let the parts meet before it closes", why.join("; ")))
+        };
+        let (next, assembly) = assemble(next).map_err(apart)?;
         let (gap, allowed) = (assembly.given_gap, OPEN * next.length_scale());
         if gap > allowed {
             let why = format!(
@@ -239,7 +246,9 @@ impl Staged<'_> {
             *(if lost > 0.0 { &mut booked.dissipated } else { &mut booked.work }) += lost.abs();
         }
         (self.model, self.state) = (next, state);
-        let happened = Occurrence { time, kind: Kind::Stage, name, value: lost, speed: 0.0, between: None };
+        let size = energy.kinetic.abs() + energy.potential.abs() + after.kinetic.abs() + after.potential.abs();
+        let value = if lost.abs() <= ROUND_OFF * size { 0.0 } else { lost };
+        let happened = Occurrence { time, kind: Kind::Stage, name, value, speed: 0.0, between: None };
         recorder.event(&Event { time, name: happened.name.clone(), text: happened.to_string() })?;
         self.happened.push(happened);
         Ok(())

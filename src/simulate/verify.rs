@@ -9,9 +9,10 @@
 //! each stop and each watched number is compared in order; and between the events of the second run its dense output is
 //! scanned for states beyond a rigid stop, by nothing but their coordinates.
 
+use super::entry::run_with;
 use super::error::RunError;
 use super::events::{Kind, Occurrence};
-use super::run::{Summary, run_with};
+use super::run::Summary;
 use super::search::Search;
 use super::settings::{Integrator, Settings};
 use super::state::State;
@@ -102,7 +103,7 @@ pub fn verify(
     let watched = !model.stops.is_empty() || !model.events.is_empty() || !model.contacts.is_empty();
     let states = if watched { (STATES * first.statistics.steps as f64).clamp(1.0, MOST_STATES) } else { 1.0 };
     let rate = states / settings.duration;
-    let mut scan = Scan { stops: if model.stages.is_none() { &model.stops } else { &[] }, scanned: 0, beyond: 0.0 };
+    let mut scan = Scan { stops: &model.stops, scans: model.stages.is_none(), scanned: 0, beyond: 0.0 };
     let most = FREE_STEPS + MOST_STEPS * first.statistics.steps;
     let (mut steps, mut too_long) = (0, false);
     let mut go_on = |time: f64, _: &State| {
@@ -131,9 +132,10 @@ pub fn verify(
             VerifiedEvents { events, same, apart, differ_from, scanned: scan.scanned, beyond: scan.beyond }
         }),
     };
-    if first.state.position.len() == second.state.position.len() {
-        compare(&first.model, &first.state, &second.state, &mut found);
+    if first.state.position.len() != second.state.position.len() {
+        return Err(RunError::Stages("a second run, with a tighter tolerance, ends in another structure"));
     }
+    compare(&first.model, &first.state, &second.state, &mut found);
     Ok(Some(found))
 }
 
@@ -149,12 +151,17 @@ fn gives_up(method: Method, tolerance: f64, steps: u64, time: f64) -> String {
 /// Looks at the coordinates of samples, and keeps none.
 struct Scan<'m> {
     stops: &'m [Stop],
+    /// Columns of a scene with stages are not those of its first structure.
+    scans: bool,
     scanned: usize,
     beyond: f64,
 }
 
 impl Recorder for Scan<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), RecordError> {
+        if !self.scans {
+            return Ok(());
+        }
         self.scanned += 1;
         for stop in self.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
             let value = sample.positions[stop.position];
@@ -173,7 +180,9 @@ fn compare_events(first: &[Occurrence], second: &[Occurrence]) -> VerifiedEvents
     let told = |all: &[Occurrence]| {
         let mut of = BTreeMap::<(String, u64), Vec<(f64, Kind, bool)>>::new();
         for event in all.iter().filter(|event| event.kind != Kind::Switch) {
-            of.entry((event.name.clone(), event.value.to_bits())).or_default().push((
+            // The energy that a stage takes is a result.
+            let value = if event.kind == Kind::Stage { 0.0 } else { event.value };
+            of.entry((event.name.clone(), value.to_bits())).or_default().push((
                 event.time,
                 event.kind,
                 event.speed > 0.0,

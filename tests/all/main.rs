@@ -59,6 +59,7 @@ mod scenarios;
 mod screws;
 mod sensitivity;
 mod settle;
+mod stages;
 mod statics;
 #[cfg(feature = "friction")]
 mod support;

@@ -163,7 +163,7 @@ impl Material {
                 return Ok(());
             }
         };
-        self.outcome = json::run(model, &scenario.name, "", Value::Null, &summary);
+        self.outcome = json::run(&scenario.name, "", Value::Null, &summary);
         if verified && !summary.interrupted {
             let mut progress = shown();
             let mut go_on = |time: f64| {

@@ -37,6 +37,9 @@ pub(in crate::cli) fn verified(verified: &Verified) -> String {
         if let Some(time) = differ_from {
             let _ = write!(out, "; they differ from {} s on", number(*time));
         }
+        if *scanned == 0 {
+            return out + "\n               rigid stops are not looked at where stages change the hinges";
+        }
         let passed = if *beyond > 0.0 { format!("by {} at most", small(*beyond)) } else { "nowhere".to_owned() };
         let _ = write!(out, "\n               rigid stops passed {passed} in {}", count(*scanned, "state", "states"));
     }
@@ -94,6 +97,7 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
         let what = match event.kind {
             _ if event.between.is_some() => event.to_string(),
             Kind::Slip | Kind::Stick => format!("`{name}` {kind} at {value}"),
+            Kind::Stage => event.to_string(),
             _ => format!("{kind} of `{name}` at {value}, speed {}", number(event.speed)),
         };
         let _ = writeln!(out, "  {head:<12} {time} s: {what}");

@@ -8,7 +8,7 @@ use crate::dynamics::System;
 use crate::hinge::HingeKind;
 use crate::model::Model;
 use crate::model::description::Description;
-use crate::model::stage::Structure;
+use crate::model::structure::Structure;
 use crate::record::scene::{Channel, Scene};
 use crate::record::{ContactPush, Event, Outcome, RecordError, Recorder, Sample};
 use crate::spatial::Pose;

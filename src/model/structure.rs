@@ -1,0 +1,380 @@
+//! Structures of a scene with stages: what is closed, open and locked, and the scene that follows from it.
+//!
+//! Every structure is a scene of its own: the same bodies in the same order, with other hinges and other rows. A hinge that has
+//! opened is a free hinge against the ground; what acted in its coordinates goes with it. A locked hinge has a drive that
+//! stands still for each of its coordinates.
+
+use super::Model;
+use super::couplings::{CoordinateName, DriveDescription, MotionDescription};
+use super::description::{Description, HingeDescription, HingeKind, WatchedDescription};
+use super::problem::{Element, Problem};
+use super::stage::{StageDescription, Verb, When};
+use crate::spatial::Pose;
+use crate::suggest;
+use nalgebra::UnitQuaternion;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What stages change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// The hinge of this body.
+    Hinge(usize),
+    /// Index into `Description::loops`.
+    Loop(usize),
+    /// Index into `Description::contacts`.
+    Contact(usize),
+    /// Index into `Description::drives`.
+    Drive(usize),
+    /// Index into `Description::gears`.
+    Gear(usize),
+    /// Index into `Description::motors`.
+    Motor(usize),
+}
+
+/// Everything that has a name which stages may use.
+fn parts(description: &Description) -> impl Iterator<Item = (Part, &str)> {
+    fn list<T>(all: &[T], part: fn(usize) -> Part, name: fn(&T) -> &str) -> impl Iterator<Item = (Part, &str)> {
+        all.iter().enumerate().map(move |(index, one)| (part(index), name(one)))
+    }
+    list(&description.bodies, Part::Hinge, |one| &one.name)
+        .chain(list(&description.loops, Part::Loop, |one| &one.name))
+        .chain(list(&description.contacts, Part::Contact, |one| &one.name))
+        .chain(list(&description.drives, Part::Drive, |one| &one.name))
+        .chain(list(&description.gears, Part::Gear, |one| &one.name))
+        .chain(list(&description.motors, Part::Motor, |one| &one.name))
+}
+
+/// What a verb and a name mean. A loop (or anything else that is no hinge) is locked by closing it, released by opening it.
+fn meant(description: &Description, verb: Verb, name: &str) -> Option<(Verb, Part)> {
+    let (part, _) = parts(description).find(|(_, known)| *known == name)?;
+    Some(match (part, verb) {
+        (Part::Hinge(_), verb) => (verb, part),
+        (_, Verb::Lock) => (Verb::Close, part),
+        (_, Verb::Release) => (Verb::Open, part),
+        (_, verb) => (verb, part),
+    })
+}
+
+/// What is open, locked and free at a time of a run.
+#[derive(Debug, Clone, Default)]
+pub struct Structure {
+    /// Loops, contacts, drives, gears and motors that are open.
+    absent: BTreeSet<Part>,
+    /// Bodies whose hinges have opened, with the poses of their root markers then.
+    pub freed: BTreeMap<usize, Pose>,
+    /// Bodies whose hinges are locked, with the coordinates that they are held at; `None`: as given.
+    pub locked: BTreeMap<usize, Option<Vec<f64>>>,
+    /// Turns of the loops' frames in their second bodies.
+    pub frames: BTreeMap<usize, UnitQuaternion<f64>>,
+    /// Stages that have come.
+    done: BTreeSet<usize>,
+}
+
+/// A change that contradicts what is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contradiction {
+    /// The list that names it.
+    pub verb: Verb,
+    /// The place in the list.
+    pub index: usize,
+    /// What is wrong.
+    pub why: String,
+}
+
+impl Structure {
+    /// Before the first stage: what is opened or released first is closed, what is closed or locked first is open.
+    pub fn first(description: &Description) -> Self {
+        let mut structure = Self::default();
+        let mut seen = BTreeSet::new();
+        for (verb, _, name) in description.stages.iter().flat_map(StageDescription::named) {
+            match meant(description, verb, name) {
+                Some((_, part)) if !seen.insert(part) => {}
+                Some((Verb::Release, Part::Hinge(body))) => drop(structure.locked.insert(body, None)),
+                Some((Verb::Close, part)) => drop(structure.absent.insert(part)),
+                _ => {}
+            }
+        }
+        structure
+    }
+
+    /// Changes what a stage says. Poses, coordinates and frames of what changes are the caller's.
+    ///
+    /// # Errors
+    /// If it opens what is open, closes what is closed, and so on; nothing is changed then.
+    pub fn apply(&mut self, description: &Description, stage: usize) -> Result<(), Contradiction> {
+        let mut next = self.clone();
+        for (verb, index, name) in description.stages[stage].named() {
+            let Some((meant, part)) = meant(description, verb, name) else { continue };
+            let why = match (meant, part) {
+                (Verb::Open | Verb::Lock | Verb::Release, Part::Hinge(body)) if next.freed.contains_key(&body) => {
+                    Some("has opened before")
+                }
+                (Verb::Open, Part::Hinge(body)) => {
+                    next.locked.remove(&body);
+                    next.freed.insert(body, Pose::identity());
+                    None
+                }
+                (Verb::Close, Part::Hinge(_)) => Some("cannot close"),
+                (Verb::Lock, Part::Hinge(body)) => next.locked.insert(body, None).map(|_| "is locked already"),
+                (Verb::Release, Part::Hinge(body)) => next.locked.remove(&body).is_none().then_some("is not locked"),
+                (Verb::Open | Verb::Release, part) => (!next.absent.insert(part)).then_some("is open already"),
+                (Verb::Close | Verb::Lock, part) => (!next.absent.remove(&part)).then_some("is closed already"),
+            };
+            if let Some(why) = why {
+                return Err(Contradiction { verb, index, why: format!("`{name}` {why}") });
+            }
+        }
+        next.done.insert(stage);
+        *self = next;
+        Ok(())
+    }
+
+    /// Whether a stage has come.
+    pub fn has_come(&self, stage: usize) -> bool {
+        self.done.contains(&stage)
+    }
+
+    /// Whether a loop is closed.
+    pub fn is_closed(&self, index: usize) -> bool {
+        !self.absent.contains(&Part::Loop(index))
+    }
+
+    /// Everything that is ever there, closed: what a recording has columns for.
+    pub fn everything(description: &Description) -> Self {
+        let locks = description.stages.iter().flat_map(|stage| stage.lock.iter().chain(&stage.release));
+        let locked = locks.filter_map(|name| match meant(description, Verb::Lock, name)? {
+            (_, Part::Hinge(body)) => Some((body, None)),
+            _ => None,
+        });
+        Self { locked: locked.collect(), ..Self::default() }
+    }
+
+    /// The bodies whose hinges open at one time or other.
+    pub fn ever_freed(description: &Description) -> BTreeSet<usize> {
+        let opened = description.stages.iter().flat_map(|stage| &stage.open);
+        let hinge = |name: &String| match meant(description, Verb::Open, name)? {
+            (_, Part::Hinge(body)) => Some(body),
+            _ => None,
+        };
+        opened.filter_map(hinge).collect()
+    }
+
+    /// The scene of this structure: without stages, and with runs that end at the events of those that have not come.
+    pub fn describe(&self, whole: &Description) -> Description {
+        fn keep<T>(list: &mut Vec<T>, keeps: impl Fn(usize, &T) -> bool) {
+            let mut index = 0;
+            list.retain(|one| {
+                index += 1;
+                keeps(index - 1, one)
+            });
+        }
+        let mut scene = Description { stages: Vec::new(), ..whole.clone() };
+        let is_freed = |name: &str| self.freed.keys().any(|body| whole.bodies[*body].name == name);
+        for (body, pose) in &self.freed {
+            let turn = pose.rotation;
+            let at = pose.translation.vector;
+            scene.bodies[*body].hinge = HingeDescription {
+                position: vec![at.x, at.y, at.z, turn.w, turn.i, turn.j, turn.k],
+                ..HingeDescription::new(HingeKind::Free)
+            };
+        }
+        for (index, frame) in &self.frames {
+            scene.loops[*index].second_frame = Some(*frame);
+        }
+        let stays = |part: Part| !self.absent.contains(&part);
+        keep(&mut scene.loops, |index, _| stays(Part::Loop(index)));
+        keep(&mut scene.contacts, |index, _| stays(Part::Contact(index)));
+        keep(&mut scene.drives, |index, one| stays(Part::Drive(index)) && !is_freed(&one.coordinate.body));
+        keep(&mut scene.gears, |index, one| {
+            stays(Part::Gear(index)) && !one.between.iter().any(|one| is_freed(&one.body))
+        });
+        keep(&mut scene.motors, |index, one| stays(Part::Motor(index)) && !is_freed(&one.coordinate.body));
+        scene.events.retain(|event| !matches!(&event.of, WatchedDescription::Hinge { body, .. } if is_freed(body)));
+        for (body, held) in &self.locked {
+            scene.drives.extend(locks(whole, *body, held.as_deref()));
+        }
+        for (index, stage) in whole.stages.iter().enumerate() {
+            let When::Event(name) = &stage.when else { continue };
+            let awaited = scene.events.iter_mut().filter(|event| event.name == *name && !self.has_come(index));
+            awaited.for_each(|event| event.stops = true);
+        }
+        scene
+    }
+}
+
+/// Drives that hold the coordinates of a hinge. They do not touch the given positions, from which ramps and gears begin.
+fn locks(whole: &Description, body: usize, held: Option<&[f64]>) -> Vec<DriveDescription> {
+    let (name, hinge) = (&whole.bodies[body].name, &whole.bodies[body].hinge);
+    let count = hinge.kind.plain_coordinates();
+    let drive = |index: usize| {
+        let motion = match held.and_then(|held| held.get(index)) {
+            None => MotionDescription::Hold,
+            // It has ended before every run begins.
+            Some(to) => MotionDescription::Ramp { to: *to, begin: -2.0, duration: 1.0 },
+        };
+        let label = if count == 1 { format!("{name}.lock") } else { format!("{name}.lock[{index}]") };
+        DriveDescription { name: label, coordinate: CoordinateName { body: name.clone(), index }, motion }
+    };
+    (0..count).map(drive).collect()
+}
+
+/// The model before the first stage, which knows the whole scene.
+pub(super) fn build(
+    whole: &Description,
+    build: impl Fn(&Description) -> Result<Model, Vec<Problem>>,
+) -> Result<Model, Vec<Problem>> {
+    // What is wrong without regard to stages is said at its own place.
+    build(&Description { stages: Vec::new(), ..whole.clone() })?;
+    let problems = check(whole);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let mut first = None;
+    each(whole, |scene| {
+        let model = build(scene)?;
+        first.get_or_insert(model);
+        Ok(Vec::new())
+    })?;
+    let mut model = first.expect("the structure before the first stage");
+    model.stages = Some(std::sync::Arc::new(whole.clone()));
+    Ok(model)
+}
+
+/// What is wrong with the scenes of all structures: that before the first stage, and those that the stages leave in the order of the
+/// file.
+///
+/// # Errors
+/// The first scene that cannot be asked, or stages that contradict each other.
+pub(super) fn each(
+    whole: &Description,
+    mut ask: impl FnMut(&Description) -> Result<Vec<Problem>, Vec<Problem>>,
+) -> Result<Vec<Problem>, Vec<Problem>> {
+    let mut structure = Structure::first(whole);
+    let mut of = |structure: &Structure, stage: Option<usize>| match ask(&structure.describe(whole)) {
+        Ok(found) => Ok(said(whole, stage, found)),
+        Err(problems) => Err(said(whole, stage, problems)),
+    };
+    let mut found = of(&structure, None)?;
+    for stage in 0..whole.stages.len() {
+        let told = |wrong: Contradiction| {
+            let Contradiction { verb, index, why } = wrong;
+            let message = format!("stage `{}`: {why}", whole.stages[stage].name);
+            let help = "stages are gone through in the order of the file here; each may come once".to_owned();
+            vec![Problem {
+                element: Element::Stage(stage),
+                field: format!("{}[{index}]", verb.key()),
+                message,
+                help: Some(help),
+            }]
+        };
+        structure.apply(whole, stage).map_err(told)?;
+        found.extend(of(&structure, Some(stage))?);
+    }
+    Ok(found)
+}
+
+/// Problems of the scene that a stage leaves, at the stage: the elements of that scene have no places in a file.
+fn said(whole: &Description, stage: Option<usize>, problems: Vec<Problem>) -> Vec<Problem> {
+    let (element, when) = match stage {
+        Some(stage) => (Element::Stage(stage), format!("after stage `{}`", whole.stages[stage].name)),
+        None => (Element::Stage(0), "before the first stage".to_owned()),
+    };
+    let at_stage = |Problem { message, help, .. }| Problem {
+        element,
+        field: String::new(),
+        message: format!("{when}: {message}"),
+        help,
+    };
+    problems.into_iter().map(at_stage).collect()
+}
+
+/// What is wrong with stages by themselves.
+fn check(description: &Description) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    for (index, stage) in description.stages.iter().enumerate() {
+        let name = &stage.name;
+        let mut add = |field: String, message: String, help: Option<String>| {
+            problems.push(Problem { element: Element::Stage(index), field, message, help });
+        };
+        if description.stages[..index].iter().any(|other| other.name == *name) {
+            add("name".to_owned(), format!("two stages are called `{name}`"), Some("names must be unique".to_owned()));
+        }
+        check_when(description, stage, &mut add);
+        let mut seen: BTreeMap<&str, Verb> = BTreeMap::new();
+        for (verb, place, of) in stage.named() {
+            let field = format!("{}[{place}]", verb.key());
+            if let Some(first) = seen.insert(of, verb) {
+                let message = format!("stage `{name}` names `{of}` in `{}` and in `{}`", first.key(), verb.key());
+                add(field, message, Some("it does one of them at one instant; make two stages".to_owned()));
+                continue;
+            }
+            if let Some((message, help)) = wrong_name(description, verb, of) {
+                add(field, format!("stage `{name}`: {message}"), help);
+            }
+        }
+        if stage.named().next().is_none() {
+            let help = "give `open`, `close`, `lock` or `release`";
+            add(String::new(), format!("stage `{name}` changes nothing"), Some(help.to_owned()));
+        }
+    }
+    if let Some(one) = description.controllers.first().filter(|_| !description.stages.is_empty()) {
+        let message = format!("a scene with the controller `{}` has no stages", one.name);
+        let help = Some("motors follow their laws through all stages".to_owned());
+        problems.push(Problem { element: Element::Stage(0), field: String::new(), message, help });
+    }
+    problems
+}
+
+fn check_when(
+    description: &Description,
+    stage: &StageDescription,
+    add: &mut dyn FnMut(String, String, Option<String>),
+) {
+    let name = &stage.name;
+    match &stage.when {
+        When::Time(time) if !(*time >= 0.0 && time.is_finite()) => {
+            add("when.time".to_owned(), format!("stage `{name}` comes at {time} s"), Some("allowed: ≥ 0 s".to_owned()));
+        }
+        When::Time(_) => {}
+        When::Event(event) => match description.events.iter().find(|one| one.name == *event) {
+            None => {
+                let near = suggest::closest(event, description.events.iter().map(|one| one.name.as_str()));
+                let help = near.map(|near| format!("did you mean `{near}`?"));
+                add("when.event".to_owned(), format!("stage `{name}`: there is no event `{event}`"), help);
+            }
+            Some(one) if one.stops => {
+                let message = format!("stage `{name}` never comes: the run ends at its event `{event}`");
+                add("when.event".to_owned(), message, Some("take `action = \"stop\"` off the event".to_owned()));
+            }
+            Some(_) => {}
+        },
+    }
+}
+
+/// What is wrong with a name in a list.
+fn wrong_name(description: &Description, verb: Verb, name: &str) -> Option<(String, Option<String>)> {
+    let known = || parts(description).filter(|(_, known)| *known == name);
+    let Some((_, part)) = meant(description, verb, name) else {
+        let near = suggest::closest(name, parts(description).map(|(_, name)| name));
+        let message = format!("there is no hinge, loop, contact, drive, gear or motor `{name}`");
+        return Some((message, near.map(|near| format!("did you mean `{near}`?"))));
+    };
+    if known().count() > 1 {
+        let help = "give one of them another name".to_owned();
+        return Some((format!("`{name}` is the name of a body and of something else"), Some(help)));
+    }
+    let Part::Hinge(body) = part else { return None };
+    let kind = &description.bodies[body].hinge.kind;
+    let (all, plain) = (kind.counts().0, kind.plain_coordinates());
+    match verb {
+        Verb::Close => {
+            let help = "let the body be free at first, and close a `[[loop]]` of this type".to_owned();
+            Some((format!("the hinge of `{name}` cannot close"), Some(help)))
+        }
+        Verb::Lock | Verb::Release if all == 0 || plain < all => {
+            let help = "a `[[loop]]` of `type = \"fixed\"` holds two bodies as they stand when it closes".to_owned();
+            Some((format!("the {} hinge of `{name}` has no coordinates that a lock holds", kind.name()), Some(help)))
+        }
+        _ => None,
+    }
+}

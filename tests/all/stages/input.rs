@@ -1,0 +1,77 @@
+//! Stages that cannot be: told with their line, or at their instant.
+
+use stillpoint::model::Model;
+use stillpoint::record::Fanout;
+use stillpoint::scenario::parse;
+use stillpoint::simulate::{self, State};
+
+const ARM: &str = "[simulate]\nstart = \"given\"\nduration = 1.0\n[[body]]\nname = \"arm\"\nmass = 1.0\ninertia = [0.1, 0.1, 0.1]\n\
+    center = [0.5, 0, 0]\nhinge = { type = \"revolute\", axis = [0, 1, 0] }\n[[body]]\nname = \"bob\"\nmass = 0.5\ninertia = [0.1, 0.1, 0.1]\n\
+    hinge = { parent = \"arm\", type = \"spherical\" }\n";
+
+/// What is said of a scene with these stages, and the line at which it is said.
+fn said(stages: &str) -> String {
+    let problem = parse("scene.toml", &format!("{ARM}{stages}"), &[]).expect_err("a scene that cannot be");
+    problem.render(false)
+}
+
+#[test]
+fn stages_that_cannot_be_are_told_with_their_line() {
+    let stage = |rest: &str| format!("[[stage]]\nname = \"s\"\n{rest}\n");
+    let cases = [
+        (stage("when = { time = 0.5 }\nopen = [\"amr\"]"), "did you mean `arm`?", "| open = [\"amr\"]"),
+        (stage("when = { time = -0.5 }\nopen = [\"arm\"]"), "time", "| when"),
+        (stage("when = { event = \"never\" }\nopen = [\"arm\"]"), "there is no event `never`", "| when"),
+        (stage("when = { }\nopen = [\"arm\"]"), "exactly one of `time` and `event`", "| when"),
+        (stage("when = { time = 1, event = \"x\" }\nopen = [\"arm\"]"), "exactly one of `time` and `event`", "| when"),
+        (stage("when = { time = 0.5 }"), "changes nothing", "| [[stage]]"),
+        (stage("open = [\"arm\"]"), "when", "| [[stage]]"),
+        (stage("when = { time = 0.5 }\nopen = [\"arm\"]\nlock = [\"arm\"]"), "in `open` and in `lock`", "| lock"),
+        (stage("when = { time = 0.5 }\nclose = [\"arm\"]"), "cannot close", "| close"),
+        (stage("when = { time = 0.5 }\nlock = [\"bob\"]"), "no coordinates that a lock holds", "| lock"),
+        (
+            stage("when = { time = 0.5 }\nopen = [\"arm\"]") + "[[stage]]\nwhen = { time = 0.6 }\nlock = [\"arm\"]\n",
+            "`arm` has opened before",
+            "| lock",
+        ),
+        (
+            stage("when = { time = 0.5 }\nopen = [\"arm\"]") + &stage("when = { time = 0.6 }\nlock = [\"bob\"]"),
+            "two stages are called `s`",
+            "| name",
+        ),
+        // A point mass that would turn about itself.
+        (
+            "[[body]]\nname = \"dot\"\nmass = 1.0\nhinge = { type = \"prismatic\", axis = [0, 0, 1] }\n".to_owned()
+                + &stage("when = { time = 0.5 }\nopen = [\"dot\"]"),
+            "after stage `s`: `dot` has no inertia",
+            "| [[stage]]",
+        ),
+        (
+            "[[event]]\nname = \"low\"\nhinge = \"arm\"\nvalue = 1.0\naction = \"stop\"\n".to_owned()
+                + &stage("when = { event = \"low\" }\nopen = [\"arm\"]"),
+            "never comes: the run ends at its event `low`",
+            "| when",
+        ),
+    ];
+    for (stages, words, place) in cases {
+        let text = said(&stages);
+        assert!(text.contains(words) && text.contains(place), "{words} at {place}:\n{text}");
+    }
+}
+
+/// What closes while it is open by more than rounding ends the run, with time, stage and gap.
+#[test]
+fn a_loop_that_does_not_meet_is_told_at_its_instant() {
+    let text = ARM.to_owned()
+        + "[[loop]]\nname = \"hook\"\ntype = \"spherical\"\nbetween = [{ body = \"arm\", at = [1, 0, 0] }, \"ground\"]\n\
+           [[stage]]\nname = \"catch\"\nwhen = { time = 0.25 }\nclose = [\"hook\"]\n";
+    let scenario = parse("scene.toml", &text, &[]).unwrap_or_else(|problem| panic!("{}", problem.render(false)));
+    let model = Model::build(&scenario.description).expect("a sound scene");
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let failed = simulate::run(&model, &scenario.simulate, 1.0, &start, &mut Fanout::new(), &mut |_, _| true);
+    let words = failed.expect_err("a hook that hangs in the air").to_string();
+    assert!(
+        words.contains("at t = 0.25 s stage `catch` cannot come") && words.contains("let the parts meet"),
+        "{words}"
+    );
+}
