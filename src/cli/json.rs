@@ -217,12 +217,16 @@ pub(super) fn verified(verified: &Verified) -> Value {
     })
 }
 
-fn event(event: &Occurrence) -> Value {
+fn event(event: &Occurrence, told: &[(String, String, f64)]) -> Value {
     let Occurrence { time, kind, name, value, speed, between } = event;
     let mut event = json!({ "time": time, "kind": kind.name(), "name": name, "value": value, "speed": speed });
     match kind {
         Kind::Force(_) => event["force"] = json!(name),
         Kind::Crossing | Kind::Switch => {}
+        Kind::Stage => {
+            let of_stage = told.iter().filter(|(stage, ..)| stage == name);
+            event["outputs"] = of_stage.map(|(_, label, value)| (label.clone(), json!(value))).collect();
+        }
         _ if between.is_some() => event["between"] = json!(between),
         _ => event["hinge"] = json!(name),
     }
@@ -257,7 +261,7 @@ pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summa
         "energy_drift": summary.energy_drift,
         "constraint_error": summary.constraint_error,
         "quaternion_error": quaternion_error(model, &summary.state),
-        "events": summary.events.iter().map(event).collect::<Vec<_>>(),
+        "events": summary.events.iter().map(|one| event(one, &summary.told)).collect::<Vec<_>>(),
         "impacts": summary.impacts,
         "capture_steps": summary.capture_steps,
         "stopped_by": summary.stopped_by,

@@ -5,7 +5,7 @@ use super::output::{Interrupt, Progress};
 use super::{Common, Exit, json, output, recording, scene, statics, text};
 use crate::model::Model;
 use crate::record::{Fanout, Opening, Outcome, Recorder};
-use crate::simulate::rest::{Largest, Rest, TOLERANCE, rest};
+use crate::simulate::rest::{Disturbance, Largest, Rest, TOLERANCE, rest};
 use crate::simulate::{self, RunError};
 use clap::Args;
 use serde_json::{Value, json};
@@ -106,7 +106,7 @@ fn to_json(proof: &Rest, statics: Value) -> Value {
         "max_speed": largest(&proof.speed),
         "tolerance": TOLERANCE,
         "growth": proof.growth.as_ref().map(|g| json!({ "hinge": g.hinge, "predicted": g.predicted, "observed": g.observed })),
-        "disturbed_by": proof.disturbed.as_ref().map(|(drive, time)| json!({ "drive": drive, "time": time })),
+        "disturbed_by": proof.disturbed.as_ref().map(|one| json!({ one.by: one.name, "time": one.time })),
         "statics": statics,
     })
 }
@@ -131,8 +131,8 @@ fn to_text(model: &Model, proof: &Rest, moves: bool) -> String {
     let Some(growth) = &proof.growth else {
         let answer = if proof.rested { "at rest" } else { "not at rest" };
         let until = match &proof.disturbed {
-            Some((drive, time)) if *time > 0.0 => format!(", until the drive `{drive}` moves otherwise,"),
-            Some((drive, _)) => format!(", in which the drive `{drive}` moves,"),
+            Some(Disturbance { by, name, time }) if *time > 0.0 => format!(", until the {by} `{name}` changes,"),
+            Some(Disturbance { by, name, .. }) => format!(", in which the {by} `{name}` changes,"),
             None => String::new(),
         };
         return format!(

@@ -43,6 +43,12 @@ impl Scene {
 /// If there is no equilibrium: the residual, and what statics says of it.
 pub fn at_start(scene: &Scene) -> Result<(Arc<Model>, State), FmuError> {
     let Scene { scenario, model } = scene;
+    if model.stages.is_some() {
+        return Err(FmuError::Scene(format!(
+            "{}: an FMU has one structure: a scene with stages cannot be one",
+            scenario.name
+        )));
+    }
     if scenario.simulate.start == Start::Given {
         let (position, velocity) = (model.start_position.clone(), model.start_velocity.clone());
         return Ok((Arc::clone(model), State { position, velocity }));

@@ -191,6 +191,13 @@ impl Act for LoadLaw {
         Magnitude { force, noise: force, moment, ..Magnitude::default() }
     }
 
+    fn steady_until(&self) -> f64 {
+        let Some(OverTime { timeline, values }) = self.over_time.as_deref() else { return f64::INFINITY };
+        let first = timeline.at(0.0).mix(values);
+        let other = (0..values.len()).find(|row| timeline.times[*row] > 0.0 && values[*row] != first);
+        other.map_or(f64::INFINITY, |row| timeline.times[row.saturating_sub(1)].max(0.0))
+    }
+
     fn times(&self) -> &[f64] {
         self.over_time.as_ref().map_or(&[], |over_time| &over_time.timeline.times)
     }

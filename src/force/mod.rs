@@ -156,6 +156,10 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.cross(boundary),)+ }
             }
 
+            fn steady_until(&self) -> f64 {
+                match self { $(Self::$kind(law) => law.steady_until(),)+ }
+            }
+
             fn times(&self) -> &[f64] {
                 match self { $(Self::$kind(law) => law.times(),)+ }
             }

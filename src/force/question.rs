@@ -109,6 +109,11 @@ pub trait Act {
     /// Keeps the law on the other side of a boundary from now on.
     fn cross(&mut self, _boundary: usize) {}
 
+    /// Until when it acts as at t = 0 (s).
+    fn steady_until(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// The times at which it begins to follow another rule (s); empty for what does not depend on time.
     fn times(&self) -> &[f64] {
         &[]

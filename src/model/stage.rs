@@ -17,6 +17,8 @@ pub struct StageDescription {
     pub lock: Vec<String>,
     /// Locked hinges that move from then on.
     pub release: Vec<String>,
+    /// Outputs that are told with it, as they are before it.
+    pub outputs: Vec<String>,
 }
 
 /// When a stage comes.
@@ -57,7 +59,15 @@ impl StageDescription {
     /// A stage that changes nothing yet.
     pub fn new(name: &str, when: When) -> Self {
         let none = Vec::new;
-        Self { name: name.to_owned(), when, open: none(), close: none(), lock: none(), release: none() }
+        Self {
+            name: name.to_owned(),
+            when,
+            open: none(),
+            close: none(),
+            lock: none(),
+            release: none(),
+            outputs: none(),
+        }
     }
 
     /// What it names, with the place in the list of its verb.

@@ -7,6 +7,7 @@
 use super::Model;
 use super::couplings::{CoordinateName, DriveDescription, MotionDescription};
 use super::description::{Description, HingeDescription, HingeKind, WatchedDescription};
+use super::output::Output;
 use super::problem::{Element, Problem};
 use super::stage::{StageDescription, Verb, When};
 use crate::spatial::Pose;
@@ -229,15 +230,36 @@ pub(super) fn build(
     if !problems.is_empty() {
         return Err(problems);
     }
-    let mut first = None;
-    each(whole, |scene| {
+    let mut first: Option<Model> = None;
+    let problems = each(whole, |scene| {
         let model = build(scene)?;
-        first.get_or_insert(model);
-        Ok(Vec::new())
+        let Some(first) = &first else {
+            first = Some(model);
+            return Ok(Vec::new());
+        };
+        let is_other = |(one, other): &(&Output, &Output)| one.units != other.units;
+        let other = first.outputs.iter().zip(&model.outputs).find(is_other);
+        Ok(other.map(|(output, _)| changed(&output.name)).into_iter().collect())
     })?;
+    if !problems.is_empty() {
+        return Err(problems);
+    }
     let mut model = first.expect("the structure before the first stage");
     model.stages = Some(std::sync::Arc::new(whole.clone()));
     Ok(model)
+}
+
+/// An output whose numbers are others in another structure.
+fn changed(name: &str) -> Problem {
+    Problem {
+        element: Element::Scene,
+        field: String::new(),
+        message: format!("the output `{name}` is of other numbers than before"),
+        help: Some(
+            "of a body whose hinge opens ask for `position`, `velocity`, `orientation` in place of its coordinates"
+                .to_owned(),
+        ),
+    }
 }
 
 /// What is wrong with the scenes of all structures: that before the first stage, and those that the stages leave in the order of the
@@ -310,6 +332,13 @@ fn check(description: &Description) -> Vec<Problem> {
             }
             if let Some((message, help)) = wrong_name(description, verb, of) {
                 add(field, format!("stage `{name}`: {message}"), help);
+            }
+        }
+        for (place, output) in stage.outputs.iter().enumerate() {
+            if !description.outputs.iter().any(|one| one.name == *output) {
+                let near = suggest::closest(output, description.outputs.iter().map(|one| one.name.as_str()));
+                let help = near.map(|near| format!("did you mean `{near}`?"));
+                add(format!("outputs[{place}]"), format!("stage `{name}`: there is no output `{output}`"), help);
             }
         }
         if stage.named().next().is_none() {

@@ -26,5 +26,6 @@ pub(super) fn stage(table: &Reader<'_>, index: usize) -> Option<StageDescription
         items.iter().map(|item| item.get_ref().as_str().map(str::to_owned)).collect()
     };
     let (open, close, lock, release) = (names("open")?, names("close")?, names("lock")?, names("release")?);
-    Some(StageDescription { name, when, open, close, lock, release })
+    let outputs = names("outputs")?;
+    Some(StageDescription { name, when, open, close, lock, release, outputs })
 }

@@ -11,6 +11,7 @@ use super::entry::run;
 use super::error::RunError;
 use super::settings::Settings;
 use super::state::State;
+use crate::force::Act;
 use crate::model::Model;
 use crate::record::Recorder;
 use crate::statics::{Equilibrium, Verdict, outputs};
@@ -58,8 +59,8 @@ pub struct Rest {
     pub speed: Largest,
     /// Present at an unstable equilibrium.
     pub growth: Option<Growth>,
-    /// The drive that moved otherwise before the time was over, and from when on (s).
-    pub disturbed: Option<(String, f64)>,
+    /// What changed before the time was over.
+    pub disturbed: Option<Disturbance>,
     /// Whether it was stopped from outside.
     pub interrupted: bool,
 }
@@ -89,7 +90,7 @@ pub fn rest(
     };
     let disturbed = disturbance(model, settings.duration);
     // A drive that moves from the start on is part of what is shown.
-    let undisturbed = disturbed.as_ref().map_or(settings.duration, |(_, time)| *time);
+    let undisturbed = disturbed.as_ref().map_or(settings.duration, |by| by.time);
     let undisturbed = if undisturbed > 0.0 { undisturbed } else { settings.duration };
     let duration = pushed.as_ref().map_or(undisturbed, |push| push.duration().min(undisturbed));
     let settings = Settings {
@@ -123,10 +124,23 @@ pub fn rest(
     })
 }
 
-/// The first drive that does not go on as it starts.
-fn disturbance(model: &Model, duration: f64) -> Option<(String, f64)> {
-    let each = model.drives.iter().map(|drive| (drive.name.clone(), drive.motion.steady_until(duration)));
-    each.filter(|(_, time)| *time < duration).min_by(|a, b| a.1.total_cmp(&b.1))
+/// What does not go on as it starts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Disturbance {
+    /// `drive` or `load`.
+    pub by: &'static str,
+    /// Its name.
+    pub name: String,
+    /// When (s).
+    pub time: f64,
+}
+
+/// The first drive or load that does not go on as it starts.
+fn disturbance(model: &Model, duration: f64) -> Option<Disturbance> {
+    let by = |by: &'static str, name: &String, time: f64| Disturbance { by, name: name.clone(), time };
+    let drives = model.drives.iter().map(|drive| by("drive", &drive.name, drive.motion.steady_until(duration)));
+    let loads = model.forces.iter().map(|force| by("load", &force.name, force.law.steady_until()));
+    drives.chain(loads).filter(|one| one.time < duration).min_by(|a, b| a.time.total_cmp(&b.time))
 }
 
 /// A push along the direction that runs away fastest.

@@ -70,6 +70,8 @@ pub struct Summary {
     pub energy_drift: f64,
     /// Widest gap of loops, gears and drives at the ends of steps (m; rad times the scene's length).
     pub constraint_error: f64,
+    /// Outputs that were told with stages: which stage, the name of the number, the number.
+    pub told: Vec<(String, String, f64)>,
     /// The last state, of this model.
     pub state: State,
     /// The model at the end: after changes of structure another one than at the start.
@@ -255,6 +257,7 @@ impl Run<'_, '_> {
             constraint_error: self.gap,
             state: self.state,
             model: Arc::clone(self.model),
+            told: Vec::new(),
             resume,
             poses,
             tolerance: settings.tolerance,

@@ -181,6 +181,9 @@ struct Staged<'a> {
     time: f64,
     booked: Option<Booked>,
     happened: Vec<Occurrence>,
+    /// Outputs at the end of the last run, before whatever changes then; empty before the first.
+    outputs: Vec<f64>,
+    told: Vec<(String, String, f64)>,
 }
 
 impl Staged<'_> {
@@ -214,6 +217,12 @@ impl Staged<'_> {
         let listed =
             |problems: Vec<Problem>| stop(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
         let fault = |fault| RunError::Sample { time, fault };
+        let labels = self.model.outputs.iter().flat_map(|output| output.labels().map(|label| (&output.name, label)));
+        for ((output, label), value) in labels.zip(&self.outputs) {
+            if self.whole.stages[stage].outputs.contains(output) {
+                self.told.push((name.clone(), label, *value));
+            }
+        }
         let State { position, velocity } = &self.state;
         let mut old = Motion::new(&self.model);
         let energy = old.energies(time, position, velocity);
@@ -292,6 +301,8 @@ pub(super) fn run(
         time: settings.begin(),
         booked: None,
         happened: Vec::new(),
+        outputs: Vec::new(),
+        told: Vec::new(),
     };
     let end = settings.begin() + settings.duration;
     let mut total: Option<Summary> = None;
@@ -320,6 +331,7 @@ pub(super) fn run(
         let summary = joined(total, happened, done);
         staged.time = summary.end_time;
         staged.state.clone_from(&summary.state);
+        staged.outputs.clone_from(&summary.outputs);
         let (work, dissipated, drift) = (summary.work, summary.dissipated, summary.energy_drift);
         staged.booked = Some(Booked { start: summary.energy_start, work, dissipated, drift });
         event.clone_from(&summary.stopped_by);
@@ -328,7 +340,7 @@ pub(super) fn run(
             None => !summary.interrupted && summary.end_time < end * (1.0 - ROUNDING),
         };
         if !goes_on {
-            return Ok(Summary { interrupted: summary.interrupted, ..summary });
+            return Ok(Summary { told: staged.told, ..summary });
         }
         total = Some(Summary { stopped_by: None, ..summary });
     }

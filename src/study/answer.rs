@@ -7,6 +7,8 @@ use super::column::{Cell, Column, Kind};
 use crate::dynamics::System;
 use crate::force::Act;
 use crate::model::Model;
+use crate::model::description::StageDescription;
+use crate::model::output::Output;
 use crate::scenario::Scenario;
 use crate::simulate::Summary;
 use crate::simulate::events;
@@ -266,11 +268,28 @@ impl<'a> Listing<'a, '_> {
         self.whole("events", run.map(|run| run.events.len() as u64));
         self.word("stopped_by", run.and_then(|run| run.stopped_by.clone()));
         self.number("J", &|| "energy_drift".to_owned(), run.map(|run| run.energy_drift));
+        for (stage, output) in told(model) {
+            for (label, unit) in output.labels().zip(&output.units) {
+                let is_it = |one: &&(String, String, f64)| one.0 == stage.name && one.1 == label;
+                let value = run.and_then(|run| run.told.iter().find(is_it)).map(|(.., value)| *value);
+                let name = || format!("{}.{label}", stage.name);
+                (self.take)(&|| Column::new(name(), Kind::Number, unit.clone()), value.into());
+            }
+        }
         // Of a scene with stages these are other coordinates at the end: its outputs say what is asked.
         if model.stages.is_none() {
             self.positions(model, "final ", run.map(|run| &run.state.position[..]));
         }
     }
+}
+
+/// The stages of a scene, each with the outputs that are told with it.
+fn told(model: &Model) -> impl Iterator<Item = (&StageDescription, &Output)> {
+    let stages = model.stages.iter().flat_map(|whole| &whole.stages);
+    stages.flat_map(|stage| {
+        let of_it = model.outputs.iter().filter(|output| stage.outputs.contains(&output.name));
+        of_it.map(move |output| (stage, output))
+    })
 }
 
 /// A velocity coordinate in the heading of a column: the body's name, with its index if the hinge has several.

@@ -87,7 +87,12 @@ fn every_scenario_loads_without_warnings_and_keeps_its_energy() {
         assert!(!model.title.is_empty() && !scenario.text.starts_with("title"), "{name}: no title or no story");
         let (summary, samples) = simulated(&scenario, &model);
         assert_eq!(summary.end_time, 2.0, "{name}");
-        assert_eq!(samples.len(), 1 + (2.0 * scenario.record.rate) as usize, "{name}");
+        // A stage has a sample just before and one just after it, beside those that are due.
+        let mut times: Vec<f64> = samples.iter().map(|sample| sample.time).collect();
+        times.dedup();
+        let due = |time: f64| (time * scenario.record.rate - (time * scenario.record.rate).round()).abs() < 1e-9;
+        times.retain(|time| model.stages.is_none() || due(*time));
+        assert_eq!(times.len(), 1 + (2.0 * scenario.record.rate) as usize, "{name}");
         // The tolerances of the files are 1e-9 and smaller per step of error; some hundred steps add up.
         let kinetic = samples.iter().map(|sample| sample.energy.kinetic).fold(0.0, f64::max);
         let size = summary.energy_start.abs().max(model.total_mass() * G * model.length_scale()).max(kinetic);

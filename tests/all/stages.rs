@@ -18,6 +18,7 @@ use stillpoint::simulate::events::Kind;
 use stillpoint::simulate::{self, Integrator, Settings, State, Summary};
 
 mod input;
+mod launcher;
 
 const OPTIONS: Options = Options { bodies: 5, springs: false, welds: true };
 

@@ -5,7 +5,7 @@ use super::super::output::bold;
 use super::{MOST_LINES, count, duration, more, number, small, times, without_noise};
 use crate::model::Model;
 use crate::simulate::Summary;
-use crate::simulate::events::Kind;
+use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::verify::{Verified, VerifiedEvents};
 use std::fmt::Write;
 
@@ -73,6 +73,13 @@ fn energies(model: &Model, summary: &Summary) -> String {
     )
 }
 
+/// The outputs that are told with a stage.
+fn told(summary: &Summary, stage: &str) -> String {
+    let of_stage = summary.told.iter().filter(|(name, ..)| name == stage);
+    let each: Vec<String> = of_stage.map(|(_, label, value)| format!("{label} {}", number(*value))).collect();
+    if each.is_empty() { String::new() } else { format!(": {}", each.join(", ")) }
+}
+
 /// The end of a run.
 pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> String {
     let mut out = String::new();
@@ -89,20 +96,29 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
         times(speed),
         if methods.is_empty() { "at rest".to_owned() } else { format!("with {}", methods.join(", then ")) }
     );
-    // Changes of the integrator are told of with the method.
-    let events: Vec<_> = summary.events.iter().filter(|event| event.kind != Kind::Switch).collect();
-    for (line, event) in events.iter().take(MOST_LINES).enumerate() {
+    // Changes of the integrator are told of with the method, what a stage waits for with the stage.
+    let begins = |time: f64| summary.events.iter().any(|event| event.kind == Kind::Stage && event.time == time);
+    let is_told = |event: &&Occurrence| match event.kind {
+        Kind::Switch => false,
+        Kind::Crossing => !begins(event.time),
+        _ => true,
+    };
+    let (stages, others): (Vec<_>, Vec<_>) =
+        summary.events.iter().filter(is_told).partition(|event| event.kind == Kind::Stage);
+    let mut events: Vec<_> = stages.into_iter().chain(others.iter().take(MOST_LINES).copied()).collect();
+    events.sort_by(|a, b| a.time.total_cmp(&b.time));
+    for (line, event) in events.into_iter().enumerate() {
         let head = if line == 0 { "events" } else { "" };
         let (time, name, kind, value) = (number(event.time), &event.name, event.kind.name(), number(event.value));
         let what = match event.kind {
             _ if event.between.is_some() => event.to_string(),
             Kind::Slip | Kind::Stick => format!("`{name}` {kind} at {value}"),
-            Kind::Stage => event.to_string(),
+            Kind::Stage => event.to_string() + &told(summary, name),
             _ => format!("{kind} of `{name}` at {value}, speed {}", number(event.speed)),
         };
         let _ = writeln!(out, "  {head:<12} {time} s: {what}");
     }
-    more(&mut out, events.len());
+    more(&mut out, others.len());
     if let Some(event) = &summary.stopped_by {
         let _ = writeln!(out, "  ended        by the event `{event}`");
     }

@@ -36,6 +36,8 @@ pub const STAGE: Table = Table {
         Key::new("close", NAMES, "Loops, contacts, drives, gears and motors that come.").example("[\"port\"]"),
         Key::new("lock", NAMES, "Hinges that are held where they are from then on; of anything else the same as `close`.")
             .example("[\"boom\"]"),
+        Key::new("outputs", NAMES, "Outputs that are told with it, as they are before it.")
+            .example("[\"elevation\", \"pitch_rate\"]"),
         Key::new("release", NAMES, "Locked hinges that are let go; of anything else the same as `open`.")
             .example("[\"panel\"]"),
     ],
