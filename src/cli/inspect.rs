@@ -128,7 +128,7 @@ fn table(model: &Model, accelerations: &[f64]) -> String {
         }
     };
     let mut rows = vec![["body", "hinge", "parent", "position", "velocity", "acceleration"].map(str::to_owned)];
-    for body in model.bodies.iter().filter(|body| !body.is_element) {
+    for body in model.bodies.iter().filter(|body| !body.is_inner) {
         let hinge = &body.hinge;
         let (positions, velocities) = hinge.kind.counts();
         let rates = hinge.velocity..hinge.velocity + velocities;

@@ -85,7 +85,7 @@ pub(super) fn poses(model: &Model, poses: &[Pose]) -> Value {
         let (p, q) = (pose.translation.vector, pose.rotation);
         (body.name.clone(), json!({ "position": [p.x, p.y, p.z], "quaternion": [q.w, q.i, q.j, q.k] }))
     };
-    let mut all: Map<_, _> = model.bodies.iter().zip(poses).filter(|(body, _)| !body.is_element).map(of_body).collect();
+    let mut all: Map<_, _> = model.bodies.iter().zip(poses).filter(|(body, _)| !body.is_inner).map(of_body).collect();
     for beam in &model.beams {
         // A beam's name stands for its tip.
         if let Some(last) = beam.elements.last() {
@@ -101,7 +101,7 @@ fn reactions(model: &Model, reactions: &[Wrench]) -> Value {
         let (f, m) = (wrench.force, wrench.moment);
         (body.name.clone(), json!({ "force": [f.x, f.y, f.z], "moment": [m.x, m.y, m.z] }))
     };
-    let bodies = model.bodies.iter().zip(reactions).filter(|(body, _)| !body.is_element);
+    let bodies = model.bodies.iter().zip(reactions).filter(|(body, _)| !body.is_inner);
     Value::Object(bodies.map(of_body).collect())
 }
 

@@ -18,13 +18,29 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What is drawn against the parameter: a hinge coordinate.
+/// What is drawn against the parameter: a hinge coordinate, or where a beam ends.
 #[derive(Debug, Clone)]
 struct Coordinate {
-    /// Index into positions.
-    at: usize,
+    at: Place,
     name: String,
     unit: &'static str,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// Index into positions.
+    Position(usize),
+    /// x, y or z of a body.
+    Of { body: usize, axis: usize },
+}
+
+impl Place {
+    fn of(self, point: &PathPoint) -> f64 {
+        match self {
+            Self::Position(at) => point.position.get(at).copied().unwrap_or(0.0),
+            Self::Of { body, axis } => point.poses.get(body).map_or(0.0, |pose| pose.translation.vector[axis]),
+        }
+    }
 }
 
 /// A path, and where its files are.
@@ -75,32 +91,41 @@ pub(super) fn main(
     Ok(followed)
 }
 
-/// The coordinate that was asked for, else the one that moves most.
+/// The coordinate that was asked for, else what moves most among hinge coordinates and the tips of beams.
 fn coordinate(settings: &Settings, model: &Model, path: &Path) -> Coordinate {
     let positions = |body: &crate::model::Body| {
         let one = |(i, (name, unit)): (usize, &(&str, &'static str))| Coordinate {
-            at: body.hinge.position + i,
+            at: Place::Position(body.hinge.position + i),
             name: format!("{}.{name}", body.name),
             unit,
         };
         body.hinge.kind.positions().iter().enumerate().map(one).collect::<Vec<_>>()
     };
-    let all: Vec<Coordinate> = model.bodies.iter().flat_map(positions).collect();
+    let tips = |beam: &crate::model::Beam| {
+        let body = beam.elements.last().map_or(beam.root, |last| last.body);
+        let one = |axis: usize| {
+            let name = format!("{}.tip {}", beam.name, ["x", "y", "z"][axis]);
+            Coordinate { at: Place::Of { body, axis }, name, unit: "m" }
+        };
+        (0..3).map(one).collect::<Vec<_>>()
+    };
+    let all: Vec<Coordinate> =
+        model.bodies.iter().flat_map(positions).chain(model.beams.iter().flat_map(tips)).collect();
     if let Some(asked) = &settings.coordinate
         && let crate::model::Element::Body(body) = asked.element
     {
         let at = model.bodies[body].hinge.position + asked.component();
-        if let Some(found) = all.iter().find(|one| one.at == at) {
+        if let Some(found) = all.iter().find(|one| one.at == Place::Position(at)) {
             return found.clone();
         }
     }
     let length = model.length_scale();
     let extent = |one: &Coordinate| {
-        let values = path.branches.iter().flat_map(|branch| branch.points.iter().map(|point| point.position[one.at]));
+        let values = path.branches.iter().flat_map(|branch| branch.points.iter().map(|point| one.at.of(point)));
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         (high - low) / if one.unit == "m" { length } else { 1.0 }
     };
-    let none = Coordinate { at: 0, name: String::new(), unit: "" };
+    let none = Coordinate { at: Place::Position(0), name: String::new(), unit: "" };
     all.into_iter().max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(none)
 }
 
@@ -110,7 +135,7 @@ impl Followed {
     }
 
     fn drawn(&self, point: &PathPoint) -> f64 {
-        point.position.get(self.coordinate.at).copied().unwrap_or(0.0)
+        self.coordinate.at.of(point)
     }
 
     /// One line per point, branch by branch.

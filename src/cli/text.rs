@@ -43,7 +43,7 @@ pub(super) fn heading(model: &Model, name: &str) -> String {
     format!(
         "{}\n  {}, {}, {} kg",
         bold(title),
-        count(model.bodies.iter().filter(|body| !body.is_element).count(), "body", "bodies"),
+        count(model.bodies.iter().filter(|body| !body.is_inner).count(), "body", "bodies"),
         count(model.degrees_of_freedom(), "degree of freedom", "degrees of freedom"),
         number(model.total_mass())
     )

@@ -100,9 +100,17 @@ impl RodMotion {
     }
 
     fn own(&self, rod: &Rod, k: usize, second: &[f64], rate: &Vector6<f64>, by: &RodDirection<'_>) -> Own {
-        let local = self.local(rod, k, second);
-        let twist = &self.stations[k].twist;
         let [mut phi, mut first, mut twice] = [Vector6::zeros(); 3];
+        if !self.moves && second.iter().all(|x| *x == 0.0) {
+            // At rest Ż and Z̈ vanish, and so do the twist and its rate: Z is known.
+            let sum = |by: &[f64]| self.subspace(k).iter().zip(by).map(|(z, x)| *x * z).sum();
+            return Own { phi: sum(by.position), twist: sum(by.velocity), rate: sum(by.acceleration) };
+        }
+        let twist = &self.stations[k].twist;
+        if [by.position, by.velocity, by.acceleration].iter().all(|by| by.iter().all(|x| *x == 0.0)) {
+            return Own { phi, twist: first, rate: twice };
+        }
+        let local = self.local(rod, k, second);
         for i in 0..rod.count() {
             let [z, zd, zdd] = self.columns(&local, k, i);
             if let Some(x) = by.position.get(i) {

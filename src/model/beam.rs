@@ -12,8 +12,10 @@ pub(super) use check::check;
 pub(super) use expand::{Bodies, Expanded, expand};
 
 use super::description::{Attachment, HingeDescription};
+use crate::element::guide::{Guide, GuideCurve, GuideFlaw};
 pub use crate::element::section::{Material, Section};
-use nalgebra::{Matrix6, Vector3, Vector6};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use std::sync::Arc;
 
 /// A flexible beam on a hinge: it runs along the x axis of its root.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,7 +72,7 @@ pub struct FarEnd {
 }
 
 /// The centre line of a beam without strain.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum BeamShape {
     /// Along x.
     Straight {
@@ -93,6 +95,8 @@ pub enum BeamShape {
         /// Number of turns.
         turns: f64,
     },
+    /// Through points in the axes of its root, see [`BeamShape::through`].
+    Points(Arc<Guide>),
 }
 
 /// Which strains of a beam are free; the others keep what they have without load.
@@ -124,6 +128,8 @@ pub struct Beam {
     pub name: String,
     /// The body on its root hinge.
     pub root: usize,
+    /// The body where its first element begins: that one, or one that is welded to it.
+    pub begin: usize,
     /// Its elements from the root to the tip.
     pub elements: Vec<BeamElement>,
     /// Unstrained (m).
@@ -161,30 +167,87 @@ impl FreeStrains {
 }
 
 impl BeamShape {
+    /// The spline of degree 5 through points in the axes of the root (m); sections turn with the tangent and not about it,
+    /// from the shortest turn of the root's axes on.
+    ///
+    /// # Errors
+    /// What is wrong with the points: fewer than two, two in succession at one place, ends that meet, corners.
+    pub fn through(points: Vec<Vector3<f64>>) -> Result<Self, GuideFlaw> {
+        Ok(Self::Points(Arc::new(Guide::new(&GuideCurve::Points { points }, true)?)))
+    }
+
     /// Length of the centre line (m).
     pub fn length(&self) -> f64 {
-        match *self {
-            Self::Straight { length } => length,
+        match self {
+            Self::Straight { length } => *length,
             Self::Arc { radius, angle } => radius * angle.abs(),
             Self::Helix { radius, pitch, turns } => {
                 let round = std::f64::consts::TAU * radius;
-                turns * round.hypot(pitch)
+                turns * round.hypot(*pitch)
+            }
+            Self::Points(guide) => {
+                let [from, to] = guide.range();
+                to - from
             }
         }
     }
 
-    /// Curvature and torsion as a strain, constant along the beam.
-    pub(super) fn strain(&self, twist_rate: f64) -> Vector6<f64> {
-        let (torsion, curvature) = match *self {
-            Self::Straight { .. } => (0.0, 0.0),
-            Self::Arc { radius, angle } => (0.0, angle.signum() / radius),
+    /// Where it begins in the axes of the root: turn and place.
+    pub(super) fn begin(&self) -> (Matrix3<f64>, Vector3<f64>) {
+        match self {
+            Self::Points(guide) => {
+                let at = guide.at(guide.range()[0]);
+                (at.turn, at.place)
+            }
+            _ => (Matrix3::identity(), Vector3::zeros()),
+        }
+    }
+
+    /// Curvature and torsion as a strain, at a distance from the root (m).
+    pub(super) fn strain(&self, s: f64, twist_rate: f64) -> Vector6<f64> {
+        let (torsion, [about_y, about_z]) = match self {
+            Self::Straight { .. } => (0.0, [0.0; 2]),
+            Self::Arc { radius, angle } => (0.0, [0.0, angle.signum() / radius]),
             Self::Helix { radius, pitch, .. } => {
                 let rise = pitch / std::f64::consts::TAU;
                 let square = radius * radius + rise * rise;
-                (rise / square, radius / square)
+                (rise / square, [0.0, radius / square])
+            }
+            Self::Points(guide) => {
+                let bent = guide.at(guide.range()[0] + s).subspaces[0];
+                (0.0, [bent[4], bent[5]])
             }
         };
-        Vector6::new(1.0, 0.0, 0.0, torsion + twist_rate, 0.0, curvature)
+        // The centre line stays what it is; sections that are twisted see its curvature in their axes.
+        let (sin, cos) = (twist_rate * s).sin_cos();
+        let (y, z) = (cos * about_y + sin * about_z, cos * about_z - sin * about_y);
+        Vector6::new(1.0, 0.0, 0.0, torsion + twist_rate, y, z)
+    }
+
+    /// The same as polynomials over an element: Legendre coefficients, as [`crate::element::Rod::new`] takes them.
+    pub(super) fn reference(&self, [from, to]: [f64; 2], twist_rate: f64) -> Vec<Vector6<f64>> {
+        let is_even = match self {
+            Self::Straight { .. } => true,
+            Self::Arc { .. } | Self::Helix { .. } => twist_rate == 0.0,
+            Self::Points(_) => false,
+        };
+        if is_even {
+            return vec![self.strain(from, twist_rate)];
+        }
+        let mut coefficients = vec![Vector6::zeros(); 3];
+        for (t, w) in crate::element::quadrature() {
+            let (x, strain) = (2.0 * t - 1.0, self.strain(from + t * (to - from), twist_rate));
+            for (degree, p) in [1.0, x, 0.5 * (3.0 * x * x - 1.0)].into_iter().enumerate() {
+                coefficients[degree] += w * (2 * degree + 1) as f64 * p * strain;
+            }
+        }
+        coefficients
+    }
+
+    /// How far the beam turns between two distances from the root (rad).
+    pub(super) fn turn(&self, [from, to]: [f64; 2], twist_rate: f64) -> f64 {
+        let rate = |s: f64| self.strain(s, twist_rate).fixed_rows::<3>(3).norm();
+        crate::element::quadrature().map(|(t, w)| w * (to - from) * rate(from + t * (to - from))).sum()
     }
 }
 
@@ -285,6 +348,14 @@ impl BeamDescription {
     /// Sets a force per length (N/m).
     pub fn load(self, force: impl Into<Vector3<f64>>, follows: bool) -> Self {
         Self { load: Some(LineLoad { force: force.into(), follows }), ..self }
+    }
+
+    /// The most that one of its elements turns by without strain, if all are of one length (rad).
+    pub(crate) fn most_turn(&self) -> f64 {
+        let (length, count) = (self.shape.length(), self.elements.max(1));
+        let end = |i: usize| length * i as f64 / count as f64;
+        let turns = (0..count).map(|i| self.shape.turn([end(i), end(i + 1)], self.twist / length));
+        turns.fold(0.0, f64::max)
     }
 
     /// The section at a distance from the root (m).

@@ -229,9 +229,11 @@ fn hinge_points(
         if parents[index].is_none() && body.hinge.parent != GROUND {
             return (None, Vector3::zeros());
         }
-        // An element's own hinge is at the root of a beam.
-        let is_element = whole.is_some_and(|whole| whole.rods.contains_key(&index));
-        let on_beam = whole.filter(|_| !is_element).and_then(|whole| whole.place(&body.hinge.parent, &body.hinge.at));
+        // An element's own hinge is at the root of a beam, and so is the weld of one that does not begin along x.
+        let is_own = whole.is_some_and(|whole| {
+            whole.rods.contains_key(&index) || whole.beams.iter().any(|beam| beam.is_welded(index))
+        });
+        let on_beam = whole.filter(|_| !is_own).and_then(|whole| whole.place(&body.hinge.parent, &body.hinge.at));
         if let Some((parent, at)) = on_beam {
             return (Some(parent), at);
         }

@@ -130,8 +130,10 @@ pub struct Body {
     pub link: usize,
     /// Where its root marker stands on that link.
     pub link_from_body: Pose,
-    /// Whether it is the tip of an element of a beam, which no description names.
+    /// Whether it is the tip of an element of a beam.
     pub is_element: bool,
+    /// Whether no description names it: the tip of an element, or where a beam begins that is welded to the body on its hinge.
+    pub is_inner: bool,
     /// Mass, centre and inertia, body axes.
     pub mass: MassProperties,
     /// Named points, body axes.

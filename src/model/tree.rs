@@ -95,6 +95,8 @@ impl<'a> Tree<'a> {
             link,
             link_from_body,
             is_element: rod.is_some(),
+            is_inner: rod.is_some()
+                || self.whole.is_some_and(|whole| whole.beams.iter().any(|beam| beam.is_welded(index))),
             mass: given.mass,
             markers: given.markers.clone(),
             shapes: given.shapes.clone(),
@@ -315,6 +317,7 @@ impl Tree<'_> {
         let beam = |of: &Bodies| Beam {
             name: of.name.clone(),
             root: of.root,
+            begin: of.begin,
             elements: of.tips.iter().filter_map(element).collect(),
             length: of.length,
             is_cable: of.is_cable,

@@ -8,7 +8,7 @@ use super::reader::{Reader, numbers, rows};
 use crate::model::description::{
     BeamDescription, BeamShape, FarEnd, FreeStrains, GROUND, HingeDescription, LineLoad, Material, Section,
 };
-use nalgebra::{Matrix6, Vector6};
+use nalgebra::{Matrix6, Vector3, Vector6};
 
 /// Reads a `[[beam]]`; without a readable name there is nothing that others could refer to.
 pub(super) fn beam(table: &Reader<'_>) -> Option<BeamDescription> {
@@ -93,10 +93,19 @@ fn shape(table: &Reader<'_>, name: &str) -> Option<BeamShape> {
         return Some(BeamShape::Straight { length: table.number("length")? });
     }
     let curve = table.table("curve")?;
-    if curve.has("points") {
-        return None;
-    }
-    match only(&curve, &format!("curve of beam `{name}`"), &["arc", "helix"])? {
+    match only(&curve, &format!("curve of beam `{name}`"), &["arc", "helix", "points"])? {
+        "points" => {
+            let value = curve.value("points")?;
+            let points = rows(value.get_ref())?.iter().map(|point| Vector3::from_column_slice(point)).collect();
+            match BeamShape::through(points) {
+                Ok(shape) => Some(shape),
+                Err(flaw) => {
+                    let message = format!("curve of beam `{name}` {}", flaw.message);
+                    curve.findings.push_value(Finding::error(value.span(), message).help(flaw.help));
+                    None
+                }
+            }
+        }
         "arc" => match curve.numbers("arc")?[..] {
             [radius, angle] => Some(BeamShape::Arc { radius, angle }),
             _ => None,
@@ -150,15 +159,11 @@ fn free(table: &Reader<'_>) -> Option<FreeStrains> {
 const MUCH: f64 = 1.5;
 
 fn warn_of_turns(table: &Reader<'_>, beam: &BeamDescription) {
-    let turns = match beam.shape {
-        BeamShape::Straight { .. } => beam.twist,
-        BeamShape::Arc { angle, .. } => angle.hypot(beam.twist),
-        BeamShape::Helix { turns, .. } => std::f64::consts::TAU * turns + beam.twist.abs(),
-    };
-    let each = turns.abs() / beam.elements.max(1) as f64;
+    // Numbers that no beam can have are errors of their own.
+    let each = if (1..=100_000).contains(&beam.elements) { beam.most_turn() } else { 0.0 };
     if each > MUCH && each.is_finite() {
         let message = format!("beam `{}` turns by {each:.2} rad in an element", beam.name);
-        let needed = (turns.abs() / MUCH).ceil();
+        let needed = (each * beam.elements as f64 / MUCH).ceil();
         let help = format!("{needed} elements turn by no more than {MUCH} rad each");
         table.findings.push(Finding::warning(table.span_of("elements"), message).help(help));
     }

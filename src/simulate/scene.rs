@@ -61,7 +61,7 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
             quaternion: [1.0, 0.0, 0.0, 0.0],
             color: None,
         };
-        for body in std::iter::once(beam.root).chain(beam.elements.iter().map(|element| element.body)) {
+        for body in std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body)) {
             pictures[body].shapes = vec![point.clone()];
         }
     }
@@ -70,7 +70,7 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
 
 /// A beam is drawn through the ends of its elements, a cable as ropes are.
 fn beam(beam: &Beam) -> LinePicture {
-    let bodies = std::iter::once(beam.root).chain(beam.elements.iter().map(|element| element.body));
+    let bodies = std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body));
     let ends = bodies.map(|body| (Some(body), [0.0; 3])).collect();
     LinePicture { name: beam.name.clone(), ends, spring: None, pulls_only: beam.is_cable }
 }

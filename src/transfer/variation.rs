@@ -188,14 +188,18 @@ impl Variation {
                 force: delta.force - varied.turn.cross(&f.force),
                 moment: delta.moment - varied.turn.cross(&f.moment),
             };
-            let local = at.local(given, k, second);
-            let own = station.turn.transpose();
-            let (force, moment) = (own * f.force, own * f.moment);
-            let gradient = local.gradient(&joined(&force, &moment));
-            for (i, out) in rows.iter_mut().enumerate() {
-                *out += row(&at.subspace(k)[i], &turned);
-                for (j, step) in direction.position.iter().enumerate().filter(|(_, step)| **step != 0.0) {
-                    *out += local.curvature(&gradient, i, j) * step;
+            for (out, z) in rows.iter_mut().zip(at.subspace(k)) {
+                *out += row(z, &turned);
+            }
+            if direction.position.iter().any(|step| *step != 0.0) {
+                let local = at.local(given, k, second);
+                let own = station.turn.transpose();
+                let (force, moment) = (own * f.force, own * f.moment);
+                let gradient = local.gradient(&joined(&force, &moment));
+                for (i, out) in rows.iter_mut().enumerate() {
+                    for (j, step) in direction.position.iter().enumerate().filter(|(_, step)| **step != 0.0) {
+                        *out += local.curvature(&gradient, i, j) * step;
+                    }
                 }
             }
             delta = delta.shifted(station.arm);

@@ -2,6 +2,7 @@
 
 mod cables;
 mod closed;
+mod reference;
 mod scenes;
 mod standing;
 mod statics;

@@ -80,6 +80,7 @@ fn check_name(found: &mut Findings<'_>, description: &Description, index: usize,
 fn check_shape(found: &mut Findings<'_>, beam: &BeamDescription) -> bool {
     let name = &beam.name;
     let positive = match beam.shape {
+        BeamShape::Points(_) => true,
         BeamShape::Straight { length } => found.positive("length", &format!("the length of `{name}`"), length, "m"),
         BeamShape::Arc { radius, angle } => {
             let sound = found.positive("curve.arc", &format!("the radius of the arc of `{name}`"), radius, "m");
@@ -254,8 +255,7 @@ fn check_rest(found: &mut Findings<'_>, beam: &BeamDescription) {
 }
 
 fn check_turn(found: &mut Findings<'_>, beam: &BeamDescription) {
-    let length = beam.shape.length();
-    let per_element = beam.shape.strain(beam.twist / length).fixed_rows::<3>(3).norm() * length / beam.elements as f64;
+    let per_element = beam.most_turn();
     if per_element > MOST_TURN {
         let needed = (per_element * beam.elements as f64 / 1.5).ceil();
         let message = format!("`{}` turns by {} rad in an element", beam.name, number(per_element));

@@ -6,7 +6,7 @@ use crate::element::{Rod, RodSection};
 use crate::force::load::LoadAxes;
 use crate::force::{Attachment, ForceDescription, Load};
 use crate::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties, Point};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 
 /// A description with the bodies of its beams, and what else these are.
@@ -31,6 +31,8 @@ pub(in crate::model) struct Bodies {
     pub(in crate::model) is_cable: bool,
     /// On the beam's hinge.
     pub(in crate::model) root: usize,
+    /// Where its first element begins: that one, or one welded to it.
+    pub(in crate::model) begin: usize,
     /// At the tips of the elements, with the distance of the element's root and of its tip from the beam's root (m).
     pub(in crate::model) tips: Vec<(usize, [f64; 2])>,
     markers: Vec<(String, f64)>,
@@ -39,21 +41,32 @@ pub(in crate::model) struct Bodies {
 /// Distances nearer than this part of the length are one.
 const SAME: f64 = 1e-9;
 
+impl Bodies {
+    /// Whether a body is where its first element begins, welded to the one on its hinge.
+    pub(in crate::model) fn is_welded(&self, body: usize) -> bool {
+        body == self.begin && body != self.root
+    }
+}
+
 impl Expanded {
     /// The body and the point of it that a point of a beam is; `None` for other bodies and unknown markers.
     pub(in crate::model) fn place(&self, body: &str, point: &Point) -> Option<(usize, Vector3<f64>)> {
         let Some(beam) = self.beams.iter().find(|beam| beam.name == body) else {
-            let tips = || self.beams.iter().flat_map(|beam| &beam.tips);
+            // A beam puts its own loads on bodies that no description names.
+            let inner = |beam: &Bodies| {
+                std::iter::once(beam.begin).chain(beam.tips.iter().map(|(tip, _)| *tip)).collect::<Vec<_>>()
+            };
+            let mut all = self.beams.iter().flat_map(inner);
             let is_root = *point == Point::Marker("root".to_owned());
-            let of = tips().find(|(tip, _)| is_root && self.description.bodies[*tip].name == body)?;
-            return Some((of.0, Vector3::zeros()));
+            let of = all.find(|tip| is_root && self.description.bodies[*tip].name == body)?;
+            return Some((of, Vector3::zeros()));
         };
         let name = match point {
             Point::At(at) => return Some((beam.tips.last()?.0, *at)),
             Point::Marker(name) => name,
         };
         if name == "root" {
-            return Some((beam.root, Vector3::zeros()));
+            return Some((beam.begin, Vector3::zeros()));
         }
         let at = match name.as_str() {
             "tip" => beam.length,
@@ -103,15 +116,24 @@ fn ends(beam: &BeamDescription) -> Vec<f64> {
 fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
     let (length, free) = (beam.shape.length(), beam.free.indices());
     let ends = ends(beam);
-    let reference = [beam.shape.strain(beam.twist / length)];
     let bodies = &mut expanded.description.bodies;
     let root = bodies.len();
     bodies.push(body(&beam.name, beam.hinge.clone()));
+    let (mut turn, mut place) = beam.shape.begin();
+    let begin = if (turn, place) == (Matrix3::identity(), Vector3::zeros()) {
+        root
+    } else {
+        let mut weld = HingeDescription::fixed().on(&beam.name, Point::At(place));
+        weld.frame = UnitQuaternion::from_matrix(&turn);
+        bodies.push(body(&format!("{}/0", beam.name), weld));
+        root + 1
+    };
     let mut tips = Vec::with_capacity(ends.len());
     let mut given = [&beam.strains, &beam.strain_rates].map(|list| list.iter().copied());
-    let (mut turn, mut place) = (Matrix3::identity(), Vector3::zeros());
     for (index, ends) in ends.windows(2).enumerate() {
         let section = |s: f64| -> RodSection { beam.section_per_length(ends[0] + s) };
+        let ends = [ends[0], ends[1]];
+        let reference = beam.shape.reference(ends, beam.twist / length);
         let mut rod = Rod::new(ends[1] - ends[0], beam.degree, &free, &reference, section);
         rod.damping = beam.damping;
         if let Some(load) = &beam.load {
@@ -150,7 +172,7 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
     }
     expanded.description.bodies[root].markers.push(("tip".to_owned(), place));
     let (name, markers, is_cable) = (beam.name.clone(), beam.markers.clone(), beam.far.is_some());
-    expanded.beams.push(Bodies { name, length, is_cable, root, tips, markers });
+    expanded.beams.push(Bodies { name, length, is_cable, root, begin, tips, markers });
 }
 
 impl BeamDescription {

@@ -145,7 +145,7 @@ const STRAINS: &[(&str, &str)] = &[
 /// The `curve` of a beam.
 pub const BEAM_CURVE: Table = Table {
     name: "curve of a beam",
-    doc: "A centre line that starts along x: exactly one of `arc` and `helix`.",
+    doc: "A centre line: exactly one of `arc` and `helix`, which start along x, and `points`.",
     types: &[],
     keys: &[
         Key::new("arc", Kind::List(&NUMBER, &[2]), "Radius (m) and angle (rad) of an arc towards y.")
@@ -158,9 +158,12 @@ pub const BEAM_CURVE: Table = Table {
         .example("[0.05, 0.03, 5.0]"),
         Key::new(
             "points",
-            Kind::Refused("curves through points are not there yet: give `arc` or `helix`"),
-            "Through points.",
-        ),
+            Kind::List(&VECTOR, &[]),
+            "Points in the axes of the root, from there on: the spline of degree 5 through them, with four continuous derivatives. \
+             Sections turn with the tangent and not about it, from the shortest turn of the root's axes on.",
+        )
+        .unit("m")
+        .example("[[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [2.0, 0.5, 0.0]]"),
     ],
 };
 

@@ -151,8 +151,10 @@ fn named(model: &Model, free: &[usize], root: c64, shape: [Vec<f64>; 2], momenta
     }
 }
 
+/// Slow ones first, by `|s|`: what decays within a thousandth of a second is not what one looks for.
 fn sort(modes: &mut [DampedMode]) {
-    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz).then(a.decay_rate.total_cmp(&b.decay_rate)));
+    let size = |mode: &DampedMode| mode.decay_rate.hypot(std::f64::consts::TAU * mode.frequency_hz);
+    modes.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.decay_rate.total_cmp(&b.decay_rate)));
 }
 
 /// Motions that grow faster than this part of their `|s|` run away: what is less is the round-off of a double root.

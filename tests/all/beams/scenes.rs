@@ -1,7 +1,9 @@
 //! Beams as they are written in files, and beside what they cannot be combined with.
 
 use crate::common::build;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::PI;
+use stillpoint::dynamics::System;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::{self, Scenario};
 use stillpoint::simulate::{Start, State, run};
@@ -25,6 +27,43 @@ fn elements_end_where_the_section_changes() {
         // Lobatto's rule is exact for squares of linear laws.
         assert!((mass / expected - 1.0).abs() < 1e-12, "{elements} elements: {mass} kg and not {expected}");
     }
+}
+
+/// A beam through points ends at the last of them, whatever its hinge is turned by, and where an arc would if they are on one;
+/// sections that are twisted leave the centre line where it is.
+#[test]
+fn a_centre_line_goes_through_its_points() {
+    let tip = |curve: &str, rest: &str| {
+        let text = format!(
+            "[[beam]]\nname = \"b\"\nhinge = {{ type = \"fixed\", at = [1.0, 2.0, 3.0], rpy = [0.3, -0.2, 0.5] }}\n\
+             curve = {{ {curve} }}\nelements = 16\nsection = {{ circle = 0.01 }}\nmaterial = {{ young = 70e9, density = 2700.0 }}\n{rest}"
+        );
+        let model = build(&read(&text).description);
+        let mut system = System::new(&model);
+        let rest = vec![0.0; model.velocity_count()];
+        let mut poses = Vec::new();
+        system.at(0.0, &model.start_position, &rest).poses(&mut poses);
+        let pose = poses[model.beams[0].elements.last().expect("elements").body];
+        (pose, model.total_mass())
+    };
+    let root =
+        Isometry3::from_parts(Translation3::new(1.0, 2.0, 3.0), UnitQuaternion::from_euler_angles(0.3, -0.2, 0.5));
+    let (at, _) = tip("points = [[0, 0, 0], [0.2, 0.1, 0.4], [0.1, 0.5, 0.9], [-0.3, 0.8, 1.0]]", "");
+    let expected = root * Point3::new(-0.3, 0.8, 1.0);
+    assert!((at * Point3::origin() - expected).norm() < 1e-5, "{at} {expected}");
+
+    let on_arc = |i: f64| format!("[{:?}, {:?}, 0]", (0.1 * i).sin(), 1.0 - (0.1 * i).cos());
+    let list = (0..=10).map(|i| on_arc(f64::from(i))).collect::<Vec<_>>().join(", ");
+    let (through, mass) = tip(&format!("points = [{list}]"), "");
+    let (arc, mass_of_arc) = tip("arc = [1.0, 1.0]", "");
+    assert!((through.translation.vector - arc.translation.vector).norm() < 1e-6, "{through} {arc}");
+    assert!(through.rotation.angle_to(&arc.rotation) < 1e-4, "{through} {arc}");
+    assert!((mass / mass_of_arc - 1.0).abs() < 1e-6);
+
+    let (twisted, _) = tip("arc = [1.0, 1.0]", "twist = 0.7\n");
+    assert!((twisted.translation.vector - arc.translation.vector).norm() < 1e-8, "{twisted} {arc}");
+    let about = arc.rotation * UnitQuaternion::from_scaled_axis(Vector3::x() * 0.7);
+    assert!(twisted.rotation.angle_to(&about) < 1e-8, "{twisted} {arc}");
 }
 
 /// What Kelvin–Voigt damping takes out is in the account of the energy.

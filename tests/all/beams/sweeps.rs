@@ -36,9 +36,13 @@ fn section(random: &mut Random) -> Section {
 }
 
 fn shape(random: &mut Random) -> BeamShape {
-    match random.below(3) {
+    match random.below(4) {
         0 => BeamShape::Straight { length: 0.9 },
         1 => BeamShape::Arc { radius: 0.8, angle: 1.1 },
+        2 => {
+            let points = (0..4).map(|i| Vector3::x() * (0.2 * f64::from(i)) + random.vector(0.05)).collect();
+            BeamShape::through(points).expect("four points in a row")
+        }
         _ => BeamShape::Helix { radius: 0.4, pitch: 0.3, turns: 0.25 },
     }
 }
