@@ -52,11 +52,13 @@ fn derivatives(c: &Stumpff) -> [[f64; 4]; 2] {
 }
 
 /// The two halves of a twist.
+#[inline(always)]
 pub(crate) fn halves(x: &Vector6<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (x.fixed_rows::<3>(0).into_owned(), x.fixed_rows::<3>(3).into_owned())
 }
 
 /// A twist or wrench of two halves.
+#[inline(always)]
 pub(crate) fn joined(linear: &Vector3<f64>, angular: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }

@@ -28,7 +28,8 @@ impl Footage {
         Ok(Self { recording, notes })
     }
 
-    /// The sample whose time is nearest to `at` (s), the first without; `None` of a recording without samples.
+    /// The sample whose time is nearest to `at` (s), of two at one time the later, the first without; `None` of a recording
+    /// without samples.
     ///
     /// # Errors
     /// If the samples cannot be read.
@@ -37,8 +38,11 @@ impl Footage {
         let mut nearest: Option<OwnedSample> = None;
         for sample in self.recording.samples()? {
             let sample = sample?;
+            // A stage has two samples at one time: the later one is what goes on.
             match &nearest {
-                Some(before) if (before.time - at).abs() <= (sample.time - at).abs() => break,
+                Some(before) if before.time < sample.time && (before.time - at).abs() <= (sample.time - at).abs() => {
+                    break;
+                }
                 _ => nearest = Some(sample),
             }
         }
@@ -56,6 +60,12 @@ impl Footage {
             let sample = sample?;
             let part = parts.iter_mut().find(|part| part.from <= sample.time && sample.time < part.to);
             if let Some(Part { clip, .. }) = part {
+                // Times of a film increase, in single precision: of two samples at one, as a stage has, the later one stays.
+                let since = |time: f64| (time - clip.times.first().copied().unwrap_or(time)) as f32;
+                if clip.times.last().is_some_and(|last| since(sample.time) <= since(*last)) {
+                    clip.times.pop();
+                    clip.poses.pop();
+                }
                 clip.times.push(sample.time);
                 clip.poses.push(sample.bodies);
             }
