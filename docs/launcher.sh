@@ -23,4 +23,4 @@ plot jacks 'jack front left' 'jack front right' 'jack rear left' 'jack rear righ
 plot oil rod.distance
 plot flight rocket_1.position.z rocket_4.position.z rocket_8.position.z rocket_12.position.z
 plot energy kinetic work dissipated
-stillpoint video "$salvo" --quiet --size 480x320 --rate 12 --camera=-60,15 -o "$to/salvo.gif"
+stillpoint video "$salvo" --quiet --size 480x320 --rate 12 --camera=-60,15 --around 'carrier,wheel*,tubes' -o "$to/salvo.gif"

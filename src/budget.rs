@@ -19,6 +19,9 @@ pub const XML_ENTITY_BYTES: usize = 1 << 20;
 /// The largest number of a scene, in SI units: the squares of larger ones overflow.
 pub const LARGEST: f64 = 1e154;
 
+/// Coordinates of a body in a recording, at most: those of an element of a beam, six strains of degree 2.
+pub const COORDINATES: usize = 18;
+
 /// Bodies of a scenario with all copies, and of a recording.
 pub const BODIES: usize = 1_000_000;
 

@@ -2,9 +2,11 @@
 
 use super::inputs::Inputs;
 use super::{Exit, output, pixels, samples};
+use crate::model::contact::fits;
 use crate::record::drawing::{Drawing, Extras};
 use crate::record::picture::{Eye, Frame, svg};
 use crate::record::{ContactPush, Footage, OwnedSample};
+use crate::suggest::closest;
 use anyhow::{bail, ensure};
 use clap::Args;
 use serde_json::json;
@@ -45,6 +47,10 @@ pub(super) struct Looks {
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "1200x800", value_parser = size)]
     size: [u32; 2],
+    /// Frame these bodies and what is between them; others may leave the picture. Names with commas between them, `*` stands
+    /// for anything
+    #[arg(long, value_name = "BODIES", value_delimiter = ',')]
+    around: Vec<String>,
     /// Draw constant loads as arrows
     #[arg(long)]
     loads: bool,
@@ -79,13 +85,24 @@ impl Looks {
     }
 
     /// What is drawn; what cannot be is said.
-    pub(super) fn drawing(&self, footage: &Footage, first: &OwnedSample, quiet: bool) -> Drawing {
+    pub(super) fn drawing(&self, footage: &Footage, first: &OwnedSample, quiet: bool) -> anyhow::Result<Drawing> {
         let extras = Extras { loads: self.loads, hinges: self.hinges };
-        let drawing = footage.drawing(&first.bodies, extras);
+        let mut drawing = footage.drawing(&first.bodies, extras);
+        if !self.around.is_empty() {
+            let names: Vec<&str> = footage.recording.scene.bodies.iter().map(|body| body.name.as_str()).collect();
+            if let Some(none) = self.around.iter().find(|pattern| !names.iter().any(|name| fits(pattern, name))) {
+                let near = closest(none, names.iter().copied())
+                    .map_or(String::new(), |near| format!(": did you mean `{near}`?"));
+                bail!("`--around {none}`: no body of `{}` is called so{near}", footage.recording.path.display());
+            }
+            let framed = |name: &&str| self.around.iter().any(|pattern| fits(pattern, name));
+            let framed: Vec<bool> = names.iter().map(framed).collect();
+            drawing.frame_only(&framed);
+        }
         if !quiet {
             drawing.notes.iter().for_each(|note| output::warning(note));
         }
-        drawing
+        Ok(drawing)
     }
 
     pub(super) fn camera(&self) -> Eye {
@@ -113,7 +130,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let shown = sample(&footage, arguments.at)?;
-    let mut drawing = arguments.looks.drawing(&footage, &shown, arguments.quiet);
+    let mut drawing = arguments.looks.drawing(&footage, &shown, arguments.quiet)?;
     if arguments.reactions {
         drawing = drawing.with_reactions(&shown.bodies, &shown.reactions);
     }

@@ -59,7 +59,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let interrupt = Interrupt::install()?;
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let first = picture::sample(&footage, None)?;
-    let drawing = arguments.looks.drawing(&footage, &first, arguments.quiet);
+    let drawing = arguments.looks.drawing(&footage, &first, arguments.quiet)?;
     let clips = footage.clips()?;
     let poses = clips.iter().flat_map(|clip| &clip.poses).map(Vec::as_slice);
     let frame = Frame::new(&drawing, poses, arguments.looks.camera(), arguments.looks.size());

@@ -319,7 +319,10 @@ impl<'t> Parser<'t> {
     }
 
     fn unknown<'n>(&self, name: &str, span: Range<usize>, known: impl Iterator<Item = &'n str>) -> FormulaError {
-        let variables: Vec<String> = self.variables.iter().map(|name| format!("`{name}`")).collect();
+        // One of several numbers goes without saying: `tip` stands for `tip[0]` …
+        let is_part = |name: &str| name.split_once('[').is_some_and(|(whole, _)| self.variables.contains(&whole));
+        let whole = self.variables.iter().filter(|name| !is_part(name));
+        let variables: Vec<String> = whole.map(|name| format!("`{name}`")).collect();
         let knows = match variables.is_empty() {
             true => vocabulary(),
             false => format!("{}, {}", variables.join(", "), vocabulary()),

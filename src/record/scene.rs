@@ -146,8 +146,8 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
     let bodies = scene.bodies.len();
     let most = [
         ("bodies", bodies, budget::BODIES),
-        ("hinge coordinates", scene.positions.len(), 7 * bodies),
-        ("hinge velocities", scene.velocities.len(), 6 * bodies),
+        ("hinge coordinates", scene.positions.len(), budget::COORDINATES * bodies),
+        ("hinge velocities", scene.velocities.len(), budget::COORDINATES * bodies),
         ("couplings", scene.couplings.len(), budget::BODIES),
         ("outputs", scene.outputs.len(), budget::BODIES),
         ("lines", scene.lines.len(), budget::BODIES),

@@ -82,6 +82,20 @@ impl Drawing {
         self
     }
 
+    /// Frames hold the bodies for which this is true, by their indices, and what is between them; the others may leave the picture.
+    pub fn frame_only(&mut self, framed: &[bool]) {
+        for part in &mut self.parts {
+            let leaves = part.bodies().any(|body| !framed[body]);
+            part.unbounded |= leaves;
+        }
+        self.outlines
+            .iter_mut()
+            .zip(framed)
+            .filter(|(_, framed)| !**framed)
+            .for_each(|(outline, _)| *outline = Outline::new(&[]));
+        self.scene.lines.retain(|line| line.ends.iter().all(|(body, _)| body.is_none_or(|body| framed[body])));
+    }
+
     pub(super) fn body_name(&self, body: usize) -> &str {
         self.scene.bodies.get(body).map_or("", |body| body.name.as_str())
     }

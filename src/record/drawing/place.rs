@@ -61,6 +61,16 @@ impl Part {
         }
     }
 
+    /// The bodies that it moves with.
+    pub(super) fn bodies(&self) -> impl Iterator<Item = usize> {
+        let ends = match &self.place {
+            Place::Body { body, .. } => [*body, None],
+            Place::Point { at, .. } => [at.0, None],
+            Place::Span { ends, .. } => ends.map(|end| end.0),
+        };
+        ends.into_iter().flatten()
+    }
+
     /// The body that it moves with as one piece, and its place in that body's axes; `None` if it moves otherwise. Of the ground the
     /// body is `None`.
     pub fn rigid(&self) -> Option<(Option<usize>, Placement)> {

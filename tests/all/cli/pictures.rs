@@ -110,6 +110,50 @@ fn pictures_of_random_scenes_hold_all_that_is_drawn() {
     }
 }
 
+/// Elements of beams have more coordinates than any hinge: what is recorded of them can be read.
+#[test]
+fn recordings_of_beams_with_all_strains_are_read() {
+    let bench = Bench::new();
+    let scene = shipped("beams/bathe_bend");
+    let all = ["--set", "simulate.duration=0.05", "--set", "arc.degree=2", "--out", "run.mcap", "--quiet"];
+    bench.call(&[&["run", &scene][..], &all].concat()).code(0);
+    bench.call(&["picture", "run.mcap", "-o", "a.svg", "--at", "0.03"]).code(0);
+    bench.call(&["export", "run.mcap", "--csv", "run.csv"]).code(0);
+}
+
+/// A stage has two samples at one time: pictures after it are of their own instant, and times of a film increase. What flies away
+/// need not be framed.
+#[test]
+fn pictures_go_on_after_a_stage() {
+    let bench = Bench::new();
+    bench.call(&["run", &shipped("stages/trapdoor"), "--out", "run.mcap", "--quiet"]).code(0);
+    let recording = Recording::open(&bench.path().join("run.mcap")).expect("a recording");
+    let times: Vec<f64> = recording.samples().expect("samples").map(|sample| sample.expect("a sample").time).collect();
+    assert!(times.windows(2).any(|pair| pair[0] == pair[1]), "no stage");
+    for at in [0.2, 0.77, times[times.len() - 1]] {
+        let answer = bench.call(&["picture", "run.mcap", "-o", "a.svg", "--at", &at.to_string(), "--json"]).code(0);
+        let shown = answer.json()["time"].as_f64().expect("a time");
+        let nearest = times.iter().map(|time| (time - at).abs()).fold(f64::INFINITY, f64::min);
+        assert!((shown - at).abs() <= nearest, "{shown} s in place of {at} s");
+    }
+    bench.call(&["view", "run.mcap", "--save", "run.glb"]).code(0);
+    let bytes = std::fs::read(bench.path().join("run.glb")).expect("a file");
+    let file = gltf::Gltf::from_slice(&bytes).expect("glTF");
+    for animation in file.animations() {
+        for (name, _, times, _) in keys(&animation, file.blob.as_deref().expect("a blob")) {
+            assert!(times.windows(2).all(|pair| pair[0] < pair[1]), "{name}: times that do not increase");
+        }
+    }
+
+    let scale = |more: &[&str]| {
+        bench.call(&[&["picture", "run.mcap", "-o", "a.svg", "--at", "0.9"], more].concat()).code(0);
+        std::fs::read_to_string(bench.path().join("a.svg")).expect("a picture")
+    };
+    assert_ne!(scale(&[]), scale(&["--around", "flap"]));
+    let wrong = bench.call(&["picture", "run.mcap", "-o", "a.svg", "--around", "flapp"]).code(2);
+    assert!(wrong.err.contains("did you mean `flap`"), "{wrong:#?}");
+}
+
 #[test]
 fn a_picture_is_asked_for_in_words_that_are_checked() {
     let bench = recorded(1);
