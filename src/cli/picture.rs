@@ -86,8 +86,7 @@ impl Looks {
 
     /// What is drawn; what cannot be is said.
     pub(super) fn drawing(&self, footage: &Footage, first: &OwnedSample, quiet: bool) -> anyhow::Result<Drawing> {
-        let extras = Extras { loads: self.loads, hinges: self.hinges };
-        let mut drawing = footage.drawing(&first.bodies, extras);
+        let mut extras = Extras { loads: self.loads, hinges: self.hinges, ..Extras::default() };
         if !self.around.is_empty() {
             let names: Vec<&str> = footage.recording.scene.bodies.iter().map(|body| body.name.as_str()).collect();
             if let Some(none) = self.around.iter().find(|pattern| !names.iter().any(|name| fits(pattern, name))) {
@@ -96,9 +95,9 @@ impl Looks {
                 bail!("`--around {none}`: no body of `{}` is called so{near}", footage.recording.path.display());
             }
             let framed = |name: &&str| self.around.iter().any(|pattern| fits(pattern, name));
-            let framed: Vec<bool> = names.iter().map(framed).collect();
-            drawing.frame_only(&framed);
+            extras.framed = names.iter().map(framed).collect();
         }
+        let drawing = footage.drawing(&first.bodies, extras);
         if !quiet {
             drawing.notes.iter().for_each(|note| output::warning(note));
         }

@@ -224,7 +224,7 @@ impl BeamShape {
         Vector6::new(1.0, 0.0, 0.0, torsion + twist_rate, y, z)
     }
 
-    /// The same as polynomials over an element: Legendre coefficients, as [`crate::element::Rod::new`] takes them.
+    /// Its polynomials over an element: Legendre coefficients, as [`crate::element::Rod::new`] takes them.
     pub(super) fn reference(&self, [from, to]: [f64; 2], twist_rate: f64) -> Vec<Vector6<f64>> {
         let is_even = match self {
             Self::Straight { .. } => true,

@@ -34,7 +34,7 @@ pub mod watch;
 
 pub use crate::force::{End, Force};
 pub use crate::hinge::Joint;
-pub use beam::Beam;
+pub use beam::{Beam, BeamElement};
 pub use burn::Burn;
 pub use contact::{ContactRule, HingeFriction};
 pub use controller::Controller;

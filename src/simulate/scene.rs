@@ -4,7 +4,7 @@ use crate::force::{Act, Picture};
 use crate::hinge::{HingeKind, Names};
 use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Beam, Body, End, Loop, Model, Output};
+use crate::model::{Beam, BeamElement, Body, End, Loop, Model, Output};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -55,7 +55,7 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
     for beam in &model.beams {
         let point = ShapePicture {
             kind: "sphere".to_owned(),
-            size: vec![if beam.is_cable { CABLE_POINT } else { POINT } * beam.length],
+            size: vec![if beam.is_cable { CABLE_POINT } else { POINT } * beam.length / (1.0 + turns(model, beam))],
             file: None,
             position: [0.0; 3],
             quaternion: [1.0, 0.0, 0.0, 0.0],
@@ -66,6 +66,15 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
         }
     }
     pictures
+}
+
+/// How often a beam goes around without strain: one that is wound up is that much smaller than it is long.
+fn turns(model: &Model, beam: &Beam) -> f64 {
+    let turned = |element: &BeamElement| {
+        let rod = &model.rods[element.rod];
+        rod.turned(&vec![0.0; rod.count()])[1]
+    };
+    beam.elements.iter().map(turned).sum::<f64>() / std::f64::consts::TAU
 }
 
 /// A beam is drawn through the ends of its elements, a cable as ropes are.

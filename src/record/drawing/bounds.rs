@@ -36,13 +36,16 @@ impl Bounds {
 
     /// Grows to hold the bodies' solids at one instant.
     pub(in crate::record) fn include_bodies(&mut self, outlines: &[Outline], poses: &[Pose]) {
-        for (outline, pose) in outlines.iter().zip(poses) {
-            for (point, radius) in &outline.points {
-                self.include(&(pose * point).coords, *radius);
-            }
-            for (center, axis, radius) in &outline.discs {
-                self.include_disc(&(pose * center).coords, &(pose * axis), *radius);
-            }
+        outlines.iter().zip(poses).for_each(|(outline, pose)| self.include_body(outline, pose));
+    }
+
+    /// Grows to hold a body at one instant.
+    pub(in crate::record) fn include_body(&mut self, outline: &Outline, pose: &Pose) {
+        for (point, radius) in &outline.points {
+            self.include(&(pose * point).coords, *radius);
+        }
+        for (center, axis, radius) in &outline.discs {
+            self.include_disc(&(pose * center).coords, &(pose * axis), *radius);
         }
     }
 

@@ -20,19 +20,22 @@ pub use place::{Part, Placement};
 pub use triangles::Triangles;
 
 use super::contact::ContactPush;
-use super::scene::Scene;
+use super::scene::{LinePicture, Scene};
 use super::solids::{Form, Solid, solids};
 use crate::spatial::{Pose, Wrench};
 use bounds::{Bounds, Outline};
 use nalgebra::Point3;
 
 /// What is drawn beside bodies and lines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Extras {
     /// Constant loads as arrows.
     pub loads: bool,
     /// Axes of the hinges as arrows.
     pub hinges: bool,
+    /// Frames hold the bodies for which this is true, by their indices, and what is between them; others may leave the picture.
+    /// Empty: all.
+    pub framed: Vec<bool>,
 }
 
 /// Everything that is drawn of a scene.
@@ -43,6 +46,8 @@ pub struct Drawing {
     /// What cannot be drawn, in words.
     pub notes: Vec<String>,
     outlines: Vec<Outline>,
+    /// See [`Extras::framed`].
+    framed: Vec<bool>,
     scene: Scene,
     /// Extent of the scene (m).
     size: f64,
@@ -54,7 +59,14 @@ impl Drawing {
         let mut solids = solids(scene);
         drop_stand_ins(scene, &mut solids);
         let outlines: Vec<Outline> = solids.iter().map(|solids| Outline::new(solids)).collect();
-        let mut drawing = Self { parts: Vec::new(), notes: Vec::new(), outlines, scene: scene.clone(), size: 1.0 };
+        let mut drawing = Self {
+            parts: Vec::new(),
+            notes: Vec::new(),
+            outlines,
+            framed: extras.framed,
+            scene: scene.clone(),
+            size: 1.0,
+        };
         drawing.measure(start);
         drawing.add_bodies(&solids);
         // Meshes are known now.
@@ -67,7 +79,12 @@ impl Drawing {
         if extras.hinges {
             drawing.add_hinges();
         }
-        drawing
+        let mut parts = std::mem::take(&mut drawing.parts);
+        for part in &mut parts {
+            let is_left_out = part.bodies().any(|body| !drawing.frames(Some(body)));
+            part.unbounded |= is_left_out;
+        }
+        Self { parts, ..drawing }
     }
 
     /// Adds what the hinges pass to the bodies at one instant, as arrows that stay where they are.
@@ -82,20 +99,6 @@ impl Drawing {
         self
     }
 
-    /// Frames hold the bodies for which this is true, by their indices, and what is between them; the others may leave the picture.
-    pub fn frame_only(&mut self, framed: &[bool]) {
-        for part in &mut self.parts {
-            let leaves = part.bodies().any(|body| !framed[body]);
-            part.unbounded |= leaves;
-        }
-        self.outlines
-            .iter_mut()
-            .zip(framed)
-            .filter(|(_, framed)| !**framed)
-            .for_each(|(outline, _)| *outline = Outline::new(&[]));
-        self.scene.lines.retain(|line| line.ends.iter().all(|(body, _)| body.is_none_or(|body| framed[body])));
-    }
-
     pub(super) fn body_name(&self, body: usize) -> &str {
         self.scene.bodies.get(body).map_or("", |body| body.name.as_str())
     }
@@ -103,14 +106,25 @@ impl Drawing {
     pub(super) fn bounds<'p>(&self, poses: impl IntoIterator<Item = &'p [Pose]>) -> Bounds {
         let mut bounds = Bounds::default();
         for poses in poses {
-            bounds.include_bodies(&self.outlines, poses);
-            bounds.include_lines(&self.scene.lines, poses);
+            let outlines = self.outlines.iter().zip(poses).enumerate().filter(|(body, _)| self.frames(Some(*body)));
+            outlines.for_each(|(_, (outline, pose))| bounds.include_body(outline, pose));
+            let within = |line: &&LinePicture| line.ends.iter().all(|(body, _)| self.frames(*body));
+            self.scene
+                .lines
+                .iter()
+                .filter(within)
+                .for_each(|line| bounds.include_lines(std::slice::from_ref(line), poses));
         }
         // If nothing has a size, the places of hinges have.
         if bounds.is_empty() || !(bounds.size().max() > 0.0) {
             self.scene.bodies.iter().for_each(|body| bounds.include(&body.hinge_at.into(), 0.5));
         }
         bounds
+    }
+
+    /// Whether frames hold a body; they hold the ground.
+    fn frames(&self, body: Option<usize>) -> bool {
+        body.and_then(|body| self.framed.get(body)).copied().unwrap_or(true)
     }
 
     fn measure(&mut self, start: &[Pose]) {

@@ -140,6 +140,13 @@ impl Frame {
         Vector3::new(self.right.dot(point), self.up.dot(point), self.back.dot(point))
     }
 
+    /// Whether a polygon in axes of the eye may be seen: not all of it is beyond one edge of the picture.
+    pub(super) fn shows(&self, points: &[Vector3<f64>]) -> bool {
+        let places: Vec<[f64; 2]> = points.iter().map(|point| self.place(point)).collect();
+        let beyond = |k: usize, size: f64| places.iter().all(|at| at[k] < 0.0) || places.iter().all(|at| at[k] > size);
+        !(beyond(0, f64::from(self.size[0])) || beyond(1, f64::from(self.size[1])))
+    }
+
     /// Place in the picture of a point in axes of the eye (pixels, from the upper left corner).
     pub(super) fn place(&self, turned: &Vector3<f64>) -> [f64; 2] {
         let [width, height] = self.size.map(f64::from);

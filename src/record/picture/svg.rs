@@ -23,7 +23,9 @@ pub fn svg(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> String {
     );
     floor(&mut out, drawing, poses, frame);
     let extent = f64::from(width.max(height)) / frame.scale;
-    paint(&mut out, &back_to_front(faces(drawing, poses, frame), TOLERANCE * extent), frame);
+    let mut shown = faces(drawing, poses, frame);
+    shown.retain(|face| frame.shows(&face.points));
+    paint(&mut out, &back_to_front(shown, TOLERANCE * extent), frame);
     scale_bar(&mut out, frame);
     out.push_str("</svg>\n");
     out
@@ -53,8 +55,8 @@ fn floor(out: &mut String, drawing: &Drawing, poses: &[Pose], frame: &Frame) {
         return;
     }
     let mut outlines = String::new();
-    for outline in shadows(drawing, poses, frame) {
-        polygon(&mut outlines, &outline, frame);
+    for outline in shadows(drawing, poses, frame).iter().filter(|outline| frame.shows(outline)) {
+        polygon(&mut outlines, outline, frame);
     }
     if !outlines.is_empty() {
         let _ = writeln!(out, "<path d=\"{outlines}\" fill=\"#26313f\" fill-opacity=\"0.13\" fill-rule=\"nonzero\"/>");
