@@ -252,6 +252,9 @@ impl BeamShape {
 }
 
 impl BeamDescription {
+    /// Elements whose ends are further from a centre line through points than this part of its length are not that line.
+    pub(crate) const MOST_STRAY: f64 = 0.02;
+
     /// A straight beam of 1 m with eight elements of degree 1, whose section has still to be given.
     pub fn new(name: &str, hinge: HingeDescription) -> Self {
         Self {

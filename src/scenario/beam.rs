@@ -158,6 +158,9 @@ fn free(table: &Reader<'_>) -> Option<FreeStrains> {
 /// An element that turns by more than this without strain is worth another one (rad): the error grows with the fifth power.
 const MUCH: f64 = 1.5;
 
+/// Elements that are further from their points than this part of the length are worth a word.
+const STRAY: f64 = 1e-3;
+
 fn warn_of_turns(table: &Reader<'_>, beam: &BeamDescription) {
     // Numbers that no beam can have are errors of their own.
     let each = if (1..=100_000).contains(&beam.elements) { beam.most_turn() } else { 0.0 };
@@ -165,6 +168,14 @@ fn warn_of_turns(table: &Reader<'_>, beam: &BeamDescription) {
         let message = format!("beam `{}` turns by {each:.2} rad in an element", beam.name);
         let needed = (each * beam.elements as f64 / MUCH).ceil();
         let help = format!("{needed} elements turn by no more than {MUCH} rad each");
+        table.findings.push(Finding::warning(table.span_of("elements"), message).help(help));
+        return;
+    }
+    // Beyond what is an error of the model.
+    let (strays, length) = (if each > 0.0 { beam.strays() } else { 0.0 }, beam.shape.length());
+    if strays > STRAY * length && strays <= BeamDescription::MOST_STRAY * length {
+        let message = format!("the elements of beam `{}` stray from its points by {strays:.2e} m", beam.name);
+        let help = "more elements follow them more closely";
         table.findings.push(Finding::warning(table.span_of("elements"), message).help(help));
     }
 }

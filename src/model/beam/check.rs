@@ -260,5 +260,11 @@ fn check_turn(found: &mut Findings<'_>, beam: &BeamDescription) {
         let needed = (per_element * beam.elements as f64 / 1.5).ceil();
         let message = format!("`{}` turns by {} rad in an element", beam.name, number(per_element));
         found.add("elements", message, &format!("allowed: up to π, advised: 1.5; {needed} elements give that"));
+        return;
+    }
+    let (strays, length) = (beam.strays(), beam.shape.length());
+    if strays > BeamDescription::MOST_STRAY * length {
+        let message = format!("the elements of `{}` stray from its points by {} m", beam.name, number(strays));
+        found.add("curve.points", message, "more elements, or points without such bends");
     }
 }

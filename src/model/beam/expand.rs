@@ -1,12 +1,12 @@
 //! A beam as bodies: one on its hinge, one at the tip of every element.
 
-use super::BeamDescription;
 use super::cable::Shape;
+use super::{BeamDescription, BeamShape};
 use crate::element::{Rod, RodSection};
 use crate::force::load::LoadAxes;
 use crate::force::{Attachment, ForceDescription, Load};
 use crate::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties, Point};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 
 /// A description with the bodies of its beams, and what else these are.
@@ -176,6 +176,23 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
 }
 
 impl BeamDescription {
+    /// How far the ends of its elements are from a centre line through points, at most, without strain (m).
+    pub(crate) fn strays(&self) -> f64 {
+        let BeamShape::Points(guide) = &self.shape else { return 0.0 };
+        let twist_rate = self.twist / self.shape.length();
+        let none = RodSection { stiffness: Matrix6::identity(), mass: 0.0, rotary: Vector3::zeros() };
+        let (mut turn, mut place) = self.shape.begin();
+        let mut most = 0.0_f64;
+        for ends in ends(self).windows(2) {
+            let reference = self.shape.reference([ends[0], ends[1]], twist_rate);
+            let rod = Rod::new(ends[1] - ends[0], 0, &[0], &reference, |_| none);
+            let (r, p) = rod.pose_at(rod.length, &[0.0]);
+            (turn, place) = (turn * r, place + turn * p);
+            most = most.max((guide.at(guide.range()[0] + ends[1]).place - place).norm());
+        }
+        most
+    }
+
     /// How many coordinates its elements have.
     pub(in crate::model) fn strain_count(&self) -> usize {
         (ends(self).len() - 1) * (self.degree + 1) * self.free.indices().len()

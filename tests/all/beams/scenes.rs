@@ -66,6 +66,24 @@ fn a_centre_line_goes_through_its_points() {
     assert!(twisted.rotation.angle_to(&about) < 1e-8, "{twisted} {arc}");
 }
 
+/// Elements that cannot follow the points are an error, those that hardly can a warning: a hairpin is no gentle bend.
+#[test]
+fn elements_that_stray_from_their_points_are_told() {
+    let read = |points: &str, elements: usize| {
+        let text = format!(
+            "[[beam]]\nname = \"b\"\nhinge = {{ type = \"fixed\" }}\ncurve = {{ points = {points} }}\nelements = {elements}\n\
+             section = {{ circle = 0.01 }}\nmaterial = {{ young = 70e9, density = 2700.0 }}\n"
+        );
+        scenario::parse("beam.toml", &text, &[])
+    };
+    let error = read("[[0, 0, 0], [1, 0, 0], [0.5, 0.001, 0]]", 8).expect_err("a hairpin").to_string();
+    assert!(error.contains("stray from its points by") && error.contains("more elements"), "{error}");
+    let bend = "[[0, 0, 0], [0.5, 0.1, 0.2], [1.0, 0, 0.1], [1.4, -0.3, 0.3]]";
+    assert!(read(bend, 16).expect("a bend").warnings.is_empty());
+    let coarse = read(bend, 2).expect("a bend").warnings.to_string();
+    assert!(coarse.contains("stray") || coarse.contains("turns by"), "{coarse}");
+}
+
 /// What Kelvin–Voigt damping takes out is in the account of the energy.
 #[test]
 fn damping_is_accounted_for() {

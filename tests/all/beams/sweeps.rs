@@ -40,7 +40,7 @@ fn shape(random: &mut Random) -> BeamShape {
         0 => BeamShape::Straight { length: 0.9 },
         1 => BeamShape::Arc { radius: 0.8, angle: 1.1 },
         2 => {
-            let points = (0..4).map(|i| Vector3::x() * (0.2 * f64::from(i)) + random.vector(0.03)).collect();
+            let points = (0..4).map(|i| Vector3::x() * (0.2 * f64::from(i)) + random.vector(0.02)).collect();
             BeamShape::through(points).expect("four points in a row")
         }
         _ => BeamShape::Helix { radius: 0.4, pitch: 0.3, turns: 0.25 },
