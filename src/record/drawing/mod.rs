@@ -106,8 +106,11 @@ impl Drawing {
     pub(super) fn bounds<'p>(&self, poses: impl IntoIterator<Item = &'p [Pose]>) -> Bounds {
         let mut bounds = Bounds::default();
         for poses in poses {
-            let outlines = self.outlines.iter().zip(poses).enumerate().filter(|(body, _)| self.frames(Some(*body)));
-            outlines.for_each(|(_, (outline, pose))| bounds.include_body(outline, pose));
+            if self.framed.is_empty() {
+                bounds.include_bodies(&self.outlines, poses);
+            }
+            let framed = self.outlines.iter().zip(poses).zip(&self.framed).filter(|(_, framed)| **framed);
+            framed.for_each(|((outline, pose), _)| bounds.include_body(outline, pose));
             let within = |line: &&LinePicture| line.ends.iter().all(|(body, _)| self.frames(*body));
             self.scene
                 .lines
