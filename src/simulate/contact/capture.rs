@@ -17,10 +17,10 @@ use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::{self, Frame, along};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
-use crate::contact::pairs::{Key, restitution};
+use crate::contact::pairs::Key;
+use crate::dynamics::applied::Rubbing;
 use crate::dynamics::{Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
-use crate::simulate::nonsmooth::Rubbing;
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
 use crate::spatial::Wrench;
@@ -206,9 +206,6 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     fn free(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
         self.system.pressed().fill(Wrench::ZERO);
         self.system.at(time, q, v).accelerations(a).map(|_| ())
     }
@@ -216,9 +213,7 @@ impl Motion {
     /// Lets go of everything that stops and dry friction hold: captured steps bear it from now on.
     pub(in crate::simulate) fn let_go(&mut self, time: f64, state: &State) -> Result<(), Fault> {
         self.hold(time, state, &[])?;
-        if let Some(nonsmooth) = &mut self.nonsmooth {
-            nonsmooth.phase.rubbing.fill(Rubbing::Sticks);
-        }
+        self.system.phase_mut().rubbing.fill(Rubbing::Sticks);
         Ok(())
     }
 }
@@ -323,8 +318,8 @@ impl Contacts {
     /// The part of a speed that a blow on a support gives back.
     fn restitution(&self, support: &Support) -> f64 {
         match support.id {
-            Id::Contact(key) => restitution(self.law(key.couple).law),
-            Id::Stop(stop, _) => restitution(self.model.stops[stop].law),
+            Id::Contact(key) => self.law(key.couple).law.restitution(),
+            Id::Stop(stop, _) => self.model.stops[stop].law.restitution(),
             Id::Friction(_) => 0.0,
         }
     }

@@ -12,7 +12,6 @@
 use super::{Contacts, Trouble};
 use crate::contact::cone::{Answer, Law};
 use crate::contact::frame::{Frame, problem, responses};
-use crate::contact::pairs::restitution;
 use crate::dynamics::System;
 use crate::simulate::state::State;
 use nalgebra::Vector3;
@@ -56,7 +55,7 @@ impl Contacts {
         let mut done = Blows::default();
         let answers = responses(system, &state.position, &state.velocity, frames);
         let mut speeds: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.speed).collect();
-        let bounces = |frame: &Frame| restitution(self.law(frame.key.couple).law) > 0.0;
+        let bounces = |frame: &Frame| self.law(frame.key.couple).law.restitution() > 0.0;
         let mut couples: Vec<usize> = frames.iter().map(|frame| frame.key.couple).collect();
         couples.dedup();
         let in_turn = couples.len() > 1 && frames.iter().any(|frame| self.approaches(frame) && bounces(frame));
@@ -123,7 +122,7 @@ impl Contacts {
                 .map(|i| {
                     let mut rate = speeds[*i];
                     if rate.x < -self.rest {
-                        rate.x *= 1.0 + part * share * restitution(self.law(frames[*i].key.couple).law);
+                        rate.x *= 1.0 + part * share * self.law(frames[*i].key.couple).law.restitution();
                     }
                     rate
                 })
