@@ -214,12 +214,18 @@ impl System {
         &self.model
     }
 
-    /// What follows from positions and velocities at a time (s), with everything of the model acting and no stop touched.
-    /// Positions are `position_count` numbers, velocities `velocity_count`. Costs one outward sweep.
+    /// What follows from positions and velocities at a time (s), with everything of the model acting; stops and sliding friction of
+    /// hinges push in the phase of a run alone, at first none does. Positions are `position_count` numbers, velocities `velocity_count`. Costs one outward sweep.
     pub fn at<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
         self.set_time(time);
         self.motion.update(&self.model, q, v);
         Evaluated { system: self, q, v }
+    }
+
+    /// [`System::at`] without what contacts pushed with so far.
+    pub(crate) fn at_without_contact<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
+        self.pressed.fill(Wrench::ZERO);
+        self.at(time, q, v)
     }
 
     /// What motors and curves push with in the last balance, in the order of [`Model::pushed`].

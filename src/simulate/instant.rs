@@ -190,7 +190,7 @@ impl Instant<'_> {
         Ok(())
     }
 
-    /// Accelerations as nothing holds.
+    /// Accelerations as no stop and no friction holds; contacts push as they did last.
     pub(super) fn accelerate(&mut self, a: &mut [f64]) -> Result<(), Fault> {
         let State { position, velocity } = &*self.state;
         self.motion.system.at(self.time, position, velocity).accelerations(a).map(drop)

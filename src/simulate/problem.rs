@@ -123,11 +123,11 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        self.system.pressed().fill(Wrench::ZERO);
         if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
+            self.system.pressed().fill(Wrench::ZERO);
             passage.accelerations(&mut self.system, time, q, v, a)?;
         } else {
-            let mut at = self.system.at(time, q, v);
+            let mut at = self.system.at_without_contact(time, q, v);
             let mut mass = at.accelerations(a)?;
             if let Some(nonsmooth) = &mut self.nonsmooth {
                 nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));

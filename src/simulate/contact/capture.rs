@@ -23,7 +23,6 @@ use crate::dynamics::{Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
-use crate::spatial::Wrench;
 use nalgebra::{Matrix3, Vector3};
 
 /// Steps are at most this part of the scene's time, and at least that.
@@ -201,15 +200,6 @@ impl Stepper<Motion> for Capture {
 }
 
 impl Motion {
-    /// `a ← q̈(t, q, v)` without contact, with the factorization that belongs to it.
-    ///
-    /// # Errors
-    /// As [`Evaluated::accelerations`].
-    fn free(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        self.system.pressed().fill(Wrench::ZERO);
-        self.system.at(time, q, v).accelerations(a).map(|_| ())
-    }
-
     /// Lets go of everything that stops and dry friction hold: captured steps bear it from now on.
     pub(in crate::simulate) fn let_go(&mut self, time: f64, state: &State) -> Result<(), Fault> {
         self.hold(time, state, &[])?;
@@ -357,7 +347,7 @@ fn moreau(
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
     System::displace(motion.model(), &mut position, &half(v));
     let mut velocity = vec![0.0; v.len()];
-    motion.free(time + 0.5 * h, &position, v, &mut velocity)?;
+    motion.system.at_without_contact(time + 0.5 * h, &position, v).accelerations(&mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
     let Motion { contacts: Some(contacts), system, .. } = motion else {
         return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, raised: 0.0, found: true });

@@ -103,9 +103,8 @@ impl Contacts {
 
     /// All that touches, the system being factorized there.
     fn meet(&mut self, system: &mut System, time: f64, state: &State) -> Result<Vec<Frame>, Fault> {
-        system.pressed().fill(crate::spatial::Wrench::ZERO);
         let mut a = vec![0.0; state.velocity.len()];
-        system.at(time, &state.position, &state.velocity).accelerations(&mut a)?;
+        system.at_without_contact(time, &state.position, &state.velocity).accelerations(&mut a)?;
         Ok(self.touching(system, time, state))
     }
 
