@@ -6,10 +6,10 @@
 //! ```
 //!
 //! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`crate::contact::cone`].) All pairs that might meet within the step
-//! are in (2), with the way that is left to them: nothing sinks but by half a step's way at a blow, of which a part is taken back with
+//! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back with
 //! every step, and steps may be halved. Coordinates of trees are put back on their rigid limits. Dry friction of hinges
 //! is bounded in (2). The method has order 1; a step and its two
-//! halves are compared in positions, as velocities jump at blows, and the halves are kept.
+//! halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
 use super::Contacts;
 use super::blocks::Blocks;
@@ -305,7 +305,7 @@ impl Contacts {
         all
     }
 
-    /// The part of a speed that a blow on a support gives back.
+    /// The part of a speed that an impact on a support gives back.
     fn restitution(&self, support: &Support) -> f64 {
         match support.id {
             Id::Contact(key) => self.law(key.couple).law.restitution(),
