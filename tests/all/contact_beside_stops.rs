@@ -63,17 +63,17 @@ fn what_an_impact_stops_does_not_slip_by_the_damper_of_before() {
          {stiffness:?}, damping = {damping:?} }} }}\n"
     );
     let summary = exact(&text, 0.01);
-    let time = ((1.0 + 2.0 * G * height).sqrt() - 1.0) / G;
+    let time = (f64::sqrt(1.0 + 2.0 * G * height) - 1.0) / G;
     // x = l + a e^{rt} + b e^{st} from x = 0 and ẋ = −1.
-    let root = (damping * damping - 4.0 * stiffness * mass).sqrt();
+    let root = f64::sqrt(damping * damping - 4.0 * stiffness * mass);
     let [r, s] = [1.0, -1.0].map(|sign| (sign * root - damping) / (2.0 * mass));
     let a = (-1.0 + s * low) / (r - s);
     let b = -low - a;
-    let speed = a * r * (r * time).exp() + b * s * (s * time).exp();
+    let speed: f64 = a * r * f64::exp(r * time) + b * s * f64::exp(s * time);
     let bound: f64 = friction * (cart + mass) * G;
     assert!(stiffness * 2.0 * low < bound && damping * speed.abs() > bound && speed.abs() * mass < bound / G);
     assert_eq!(kinds(&summary), ["strikes"], "{:?}", summary.events);
-    let expected = low + a * (r * time).exp() + b * (s * time).exp();
+    let expected = low + a * f64::exp(r * time) + b * f64::exp(s * time);
     assert!((summary.state.position[1] - expected).abs() < TOLERANCE, "{:?} {expected}", summary.state);
     assert_eq!(summary.state.velocity, [0.0; 2]);
 }
