@@ -7,7 +7,7 @@ use super::super::{Exit, number::exact};
 use super::Arguments;
 use crate::scenario::{LoadError, Override, load_with};
 use crate::study::fit::table::Table;
-use crate::study::fit::{Adjusted, Fit, Fitted, Question, Trouble, fit};
+use crate::study::fit::{Adjusted, Fit, Fitted, Question, Trouble, deviation, fit};
 use crate::text_file;
 use anyhow::{anyhow, bail};
 use clap::Args;
@@ -46,16 +46,6 @@ pub(super) struct Options {
     out: Option<PathBuf>,
 }
 
-fn deviation(text: &str) -> Result<(String, f64), String> {
-    let wrong = || "write a column and its deviation, as `travel=0.2e-3` or `travel=0.2 mm`".to_owned();
-    let (name, value) = text.rsplit_once('=').ok_or_else(wrong)?;
-    let value = crate::quantity::Quantity::parse(value.trim()).map_err(|_| wrong())?.value;
-    match value > 0.0 && value.is_finite() {
-        true => Ok((name.trim().to_owned(), value)),
-        false => Err(format!("a deviation is a finite number > 0, not {value}")),
-    }
-}
-
 pub(super) fn main(arguments: &Arguments, data: &Path) -> anyhow::Result<Exit> {
     let options = &arguments.fit;
     let set = options.set.iter().map(|text| Override::parse(text)).collect::<Result<Vec<_>, _>>()?;
@@ -87,7 +77,7 @@ pub(super) fn main(arguments: &Arguments, data: &Path) -> anyhow::Result<Exit> {
             return Ok(Exit::Interrupted);
         }
         Err(Trouble::Problems(problems)) => return Ok(refused(&problems)),
-        Err(Trouble::Wrong(why)) => bail!("{}: {why}", data.display()),
+        Err(Trouble::Wrong(why)) => bail!("{why}"),
     };
     if let Some(out) = &options.out {
         output::save(out, beside(&table, &found)?.as_bytes())?;

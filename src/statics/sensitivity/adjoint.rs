@@ -96,11 +96,11 @@ impl Adjoint {
             };
             let x = found.value[row] + sum(&|x, i| x * found.value[i]);
             let error = found.error[row] + sum(&|x, i| (x * found.error[i]).abs());
-            let zero = ZERO * study.units[row] / unit;
-            if !(error <= (KNOWN * x.abs()).max(zero)) {
+            let round_off = ZERO * study.units[row] / unit;
+            if !(error <= (KNOWN * x.abs()).max(round_off)) {
                 return None;
             }
-            column.push(Some(if x.abs() <= zero { 0.0 } else { x }));
+            column.push(Some(if x.abs() <= round_off { 0.0 } else { x }));
         }
         Some(column)
     }

@@ -436,7 +436,9 @@ impl<'a> Study<'a> {
         let mut column = Vec::with_capacity(count);
         for row in 0..count {
             let (x, error) = (found.value[row], found.error[row]);
-            let why = match (found.kinks[row], error <= KNOWN * x.abs().max(sizes[row])) {
+            // Within its error of zero, and that far below all that counts.
+            let zero = x.abs() <= (ZERO * self.units[row] / unit).max(error) && error <= KNOWN * self.units[row] / unit;
+            let why = match (found.kinks[row], zero || error <= KNOWN * x.abs().max(sizes[row])) {
                 (false, true) => None,
                 (true, _) => Some("it has a kink here"),
                 (false, false) => Some("differences do not settle"),
@@ -444,7 +446,6 @@ impl<'a> Study<'a> {
             if let Some(why) = why {
                 self.notes.push(format!("no derivative of `{}` by `{}`: {why}", self.names[row], one.address));
             }
-            let zero = x.abs() <= ZERO * self.units[row] / unit;
             column.push(why.is_none().then_some(if zero { 0.0 } else { x }));
         }
         Ok(column)

@@ -103,6 +103,20 @@ impl Adjusted {
     }
 }
 
+/// Reads `column=deviation`: a measured column and its standard deviation, in SI units or with a unit.
+///
+/// # Errors
+/// What is wrong with it.
+pub fn deviation(text: &str) -> Result<(String, f64), String> {
+    let wrong = || "write a column and its deviation, as `travel=0.2e-3` or `travel=0.2 mm`".to_owned();
+    let (name, value) = text.rsplit_once('=').ok_or_else(wrong)?;
+    let value = Quantity::parse(value.trim()).map_err(|_| wrong())?.value;
+    match value > 0.0 && value.is_finite() {
+        true => Ok((name.trim().to_owned(), value)),
+        false => Err(format!("a deviation is a finite number > 0, not {value}")),
+    }
+}
+
 /// What is asked of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question {
@@ -287,11 +301,13 @@ fn started(one: &Adjusted, scenario: &Scenario) -> Result<f64, Trouble> {
     let start = match Parameter::find(&scenario.description, &one.address) {
         Ok(found) => found[0].value(&scenario.description),
         Err(unknown) => {
-            let help = unknown.help.map_or_else(String::new, |help| format!("; {help}"));
-            return Err(Trouble::Wrong(format!(
-                "{}{help}; of a number that only reading the file sets say the start: `{}=…`",
-                unknown.message, one.address
-            )));
+            return Err(Trouble::Wrong(match unknown.help {
+                Some(near) if near.starts_with("did you mean") => format!("{}; {near}", unknown.message),
+                _ => format!(
+                    "{}: of a number that only reading the file sets say the start, `{}=…`",
+                    unknown.message, one.address
+                ),
+            }));
         }
     };
     let [low, high] = one.range;

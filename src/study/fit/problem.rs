@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 /// Half the distance of central differences between equilibria, as a part of a number's size: the third root of what a search leaves
 /// open.
 const AT_REST: f64 = 3e-5;
-/// The same between runs is the third root of their tolerance, within these.
+/// Between runs it is the third root of their tolerance, within these.
 const OVER_TIME: [f64; 2] = [1e-5, 3e-3];
 
 /// Rows whose numbers were set alike: one equilibrium, or one run.
@@ -146,12 +146,11 @@ impl<'p> Problem<'p> {
     /// What an experiment answers to these parameters.
     fn observe(&self, experiment: &Experiment, x: &[f64]) -> Result<Observed, Stop> {
         let values: Vec<f64> = experiment.settings.iter().chain(x).copied().collect();
-        let scenario = self.scenes.at(&values).map_err(Stop::No)?;
         let go_on = &|| (self.go_on)();
-        let observed = match self.run {
+        let observed = self.scenes.at(&values).map_err(Stop::No).and_then(|scenario| match self.run {
             true => over_time(&scenario, &self.measures, &experiment.times, go_on),
             false => at_rest(&scenario, &self.measures, go_on),
-        };
+        });
         observed.map_err(|stop| match stop {
             Stop::No(why) => Stop::No(format!("{}: {why}", self.called(experiment))),
             ended => ended,

@@ -85,11 +85,16 @@ impl<'s> Scenes<'s> {
             // What is wrong with numbers that make no scene is said by who reads them.
             Some(numbers) => match self.set_directly(numbers, values) {
                 Ok(scenario) if Model::build(&scenario.description).is_ok() => Ok(scenario),
-                _ => self.read(values).map_err(|problems| problems.summary()),
+                _ => self.read(values).map_err(|problems| first(&problems)),
             },
-            None => self.read(values).map_err(|problems| problems.summary()),
+            None => self.read(values).map_err(|problems| first(&problems)),
         }
     }
+}
+
+/// The first problem, in one line.
+fn first(problems: &Diagnostics) -> String {
+    problems.iter().next().map_or_else(String::new, |first| first.message.clone())
 }
 
 /// As written after `--set`.
