@@ -39,7 +39,7 @@ pub(super) const STUDY: &str = "\
 Examples:
   stillpoint study mounts
   stillpoint study mounts --of machine.z --svg machine_z.svg
-  stillpoint study scenarios/test_rig.toml --fit scenarios/data/test_rig_static.csv --parameter arm.stiffness arm.rest";
+  stillpoint study scenarios/fits/test_rig.toml --fit scenarios/fits/test_rig_static.csv --parameter arm.stiffness arm.rest";
 
 pub(super) const INSPECT: &str = "\
 Examples:

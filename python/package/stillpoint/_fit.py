@@ -56,10 +56,10 @@ class Fit:
         for one in json.loads(self._text)["parameters"]:
             error = one["standard_error"]
             spread = "at its bound" if one["held"] else "not determined" if error is None else f"± {error:.2g}"
-            yield one["address"], f"{one['value']:.6g}", f"{spread} {one['unit']}".strip()
+            yield one["address"], f"{one['value']:.6g}", spread, one["unit"]
 
     def __repr__(self):
-        shown = ", ".join(" ".join(line) for line in self._lines())
+        shown = ", ".join(" ".join(line).strip() for line in self._lines())
         return f"<Fit: {shown}>" if self.converged else f"<Fit, not converged: {shown}>"
 
     def _repr_html_(self):
