@@ -1,5 +1,6 @@
 //! A step of an element at a state, in the axes of the station where it ends: eqs. (2) to (6), or what a curve has there.
 
+use super::sixth::Sixth;
 use super::{Rod, Step};
 use crate::element::exponential::{bracket, exponential, tangent_gradient};
 use crate::element::guide::Guided;
@@ -11,6 +12,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 pub enum Local<'a> {
     /// Of a flexible element.
     Strained(Strained<'a>),
+    /// Of one of degree 2.
+    Sixth(Sixth<'a>),
     /// Of a guide.
     Guided(Guiding),
 }
@@ -33,6 +36,7 @@ impl<'a> Local<'a> {
     pub fn pose(&self) -> (Matrix3<f64>, Vector3<f64>) {
         match self {
             Self::Strained(step) => exponential(&step.twist),
+            Self::Sixth(step) => exponential(&step.twist),
             Self::Guided(step) => (step.at.turn, step.at.place),
         }
     }
@@ -41,6 +45,7 @@ impl<'a> Local<'a> {
     pub fn subspace(&self, i: usize) -> Vector6<f64> {
         match self {
             Self::Strained(step) => step.subspace(i),
+            Self::Sixth(step) => step.subspace(i),
             Self::Guided(step) => step.columns[0],
         }
     }
@@ -49,6 +54,7 @@ impl<'a> Local<'a> {
     pub fn subspaces(&self, i: usize) -> [Vector6<f64>; 3] {
         match self {
             Self::Strained(step) => step.subspaces(i),
+            Self::Sixth(step) => step.subspaces(i),
             Self::Guided(step) => step.columns,
         }
     }
@@ -57,6 +63,7 @@ impl<'a> Local<'a> {
     pub fn rates(&self) -> [Vector6<f64>; 2] {
         match self {
             Self::Strained(step) => step.rates(),
+            Self::Sixth(step) => step.rates(),
             Self::Guided(step) => [step.columns[0] * step.rate, step.at.subspaces[1] * (step.rate * step.rate)],
         }
     }
@@ -65,6 +72,7 @@ impl<'a> Local<'a> {
     pub fn gradient(&self, f: &Vector6<f64>) -> (Vector6<f64>, Matrix6<f64>) {
         match self {
             Self::Strained(step) => step.gradient(f),
+            Self::Sixth(step) => step.gradient(f),
             Self::Guided(_) => (*f, Matrix6::zeros()),
         }
     }
@@ -73,6 +81,7 @@ impl<'a> Local<'a> {
     pub fn curvature(&self, gradient: &(Vector6<f64>, Matrix6<f64>), i: usize, j: usize) -> f64 {
         match self {
             Self::Strained(step) => step.curvature(gradient, i, j),
+            Self::Sixth(step) => step.curvature(gradient, i, j),
             Self::Guided(step) => step.at.subspaces[1].dot(&gradient.0),
         }
     }

@@ -153,6 +153,29 @@ fn circle_and_bend() {
     assert!((Vector3::from_column_slice(&tip) - Vector3::from_column_slice(&value)).norm() < 5e-4, "{tip:?}");
 }
 
+/// The elastica of rigid links, and of elements: order two against four, and what that means.
+#[test]
+fn links_or_elements() {
+    let (value, _) = expected(&case("elastica_tip_force"), 3);
+    let off = |name: &str, changes: &[&str]| {
+        let tip = output(name, changes, "tip");
+        (tip[0] - 1.0 + value[0]).hypot(tip[2] + value[1])
+    };
+    let links = |n: usize| {
+        let last = format!("link[{}].end", n - 1);
+        let counts = [format!("parameters.n={n}"), format!("link.repeat={n}")];
+        let ends = [format!("pull.on=\"{last}\""), format!("tip.of=\"{last}\"")];
+        off("beams/elastica_of_links", &[&counts[0], &counts[1], &ends[0], &ends[1]])
+    };
+    let elements = |n: usize| off("beams/elastica", &[&format!("rod.elements={n}")]);
+    let of_links = [8, 16, 32].map(links);
+    let of_elements = [2, 4, 8].map(elements);
+    assert!((order(&of_links) - 2.0).abs() < 0.2, "{of_links:?}");
+    assert!((order(&of_elements) - 4.0).abs() < 0.4, "{of_elements:?}");
+    // Eight coordinates each: 4 elements of two in the plane, 8 links.
+    assert!(of_elements[1] < of_links[0] / 50.0, "{of_elements:?} {of_links:?}");
+}
+
 /// A rod that is kicked and flies on: its centre of mass is where that of a point would be, whatever it does about it, and its ends
 /// are near those that another program extrapolates.
 #[test]
