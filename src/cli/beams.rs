@@ -97,7 +97,7 @@ fn stress_text(s: f64, stress: &Stress) -> String {
     let [y, z] = stress.at.map(|x| number(without_noise(x * 1e3, stress.at[0].hypot(stress.at[1]) * 1e3)));
     let parts = match stress.shear.abs() > 1e-3 * stress.von_mises {
         true => format!(": normal {}, shear {}", number(stress.normal * 1e-6), number(stress.shear * 1e-6)),
-        false => format!(", {}", if stress.normal < 0.0 { "pressed" } else { "drawn" }),
+        false => format!(", {}", if stress.normal < 0.0 { "compression" } else { "tension" }),
     };
     format!("{} MPa at s = {} m, y = {y} mm, z = {z} mm{parts}", number(stress.von_mises * 1e-6), number(s))
 }

@@ -13,8 +13,8 @@
 //! `g' = g ξ`. The derivatives of (2) and (3) are by the rule of products, those by time in lists of a value, its rate and its second
 //! rate.
 
-use super::{Rod, Step};
-use crate::element::exponential::{bracket, tangent, tangent_gradient, tangents};
+use super::{MOST_COORDINATES, Rod, Step};
+use crate::element::exponential::{bracket, halves, joined, tangent, tangent_gradient, tangents};
 use nalgebra::{Matrix6, Vector6};
 
 /// A value and its derivatives by time, `N` of them in all.
@@ -23,17 +23,38 @@ type Jet<const N: usize> = [Vector6<f64>; N];
 const BINOMIALS: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]];
 
 fn product<const N: usize>(a: &Jet<N>, b: &Jet<N>) -> Jet<N> {
-    std::array::from_fn(|k| (0..=k).map(|j| BINOMIALS[k][j] * bracket(&a[j], &b[k - j])).sum())
+    let mut out = [Vector6::zeros(); N];
+    for k in 0..N {
+        for j in 0..=k {
+            out[k] += BINOMIALS[k][j] * bracket(&a[j], &b[k - j]);
+        }
+    }
+    out
 }
 
-fn sum<const N: usize, const M: usize>(parts: [(f64, &Jet<N>); M]) -> Jet<N> {
-    std::array::from_fn(|k| parts.iter().map(|(factor, jet)| *factor * jet[k]).sum())
+/// The product with a constant.
+fn times<const N: usize>(a: &Vector6<f64>, b: &Jet<N>) -> Jet<N> {
+    b.each_ref().map(|b| bracket(a, b))
 }
 
-/// Eqs. (1) to (3), or their variation in one direction.
+/// A sum of two, each with a factor.
+fn sum<const N: usize>(f: f64, a: &Jet<N>, g: f64, b: &Jet<N>) -> Jet<N> {
+    std::array::from_fn(|k| f * a[k] + g * b[k])
+}
+
+/// Eqs. (1) to (3).
 #[derive(Debug, Clone, Copy)]
 struct Magnus<const N: usize> {
     alpha: [Jet<N>; 3],
+    c1: Jet<N>,
+    x: Jet<N>,
+    y: Jet<N>,
+    omega: Jet<N>,
+}
+
+/// Their variation in a direction that does not change.
+#[derive(Debug, Clone, Copy)]
+struct Varied<const N: usize> {
     c1: Jet<N>,
     x: Jet<N>,
     y: Jet<N>,
@@ -44,47 +65,67 @@ impl<const N: usize> Magnus<N> {
     fn new(alpha: [Jet<N>; 3]) -> Self {
         let [a1, a2, a3] = &alpha;
         let c1 = product(a2, a1);
-        let c2 = product(a1, &sum([(2.0, a3), (1.0, &c1)]));
-        let x = sum([(1.0, &c1), (-20.0, a1), (-1.0, a3)]);
-        let y = sum([(1.0, a2), (1.0 / 60.0, &c2)]);
-        let omega = sum([(1.0, a1), (1.0 / 12.0, a3), (-1.0 / 240.0, &product(&x, &y))]);
+        let c2 = product(a1, &sum(2.0, a3, 1.0, &c1));
+        let x = sum(1.0, &sum(1.0, &c1, -20.0, a1), -1.0, a3);
+        let y = sum(1.0, a2, 1.0 / 60.0, &c2);
+        let omega = sum(1.0, &sum(1.0, a1, 1.0 / 12.0, a3), -1.0 / 240.0, &product(&x, &y));
         Self { alpha, c1, x, y, omega }
     }
 
     /// The variation for one of `α`.
-    fn varied(&self, by: [Jet<N>; 3]) -> Self {
-        let ([a1, a2, a3], [b1, b2, b3]) = (&self.alpha, &by);
-        let c1 = sum([(1.0, &product(b2, a1)), (1.0, &product(a2, b1))]);
-        let first = product(b1, &sum([(2.0, a3), (1.0, &self.c1)]));
-        let second = product(a1, &sum([(2.0, b3), (1.0, &c1)]));
-        let x = sum([(1.0, &c1), (-20.0, b1), (-1.0, b3)]);
-        let y = sum([(1.0, b2), (1.0 / 60.0, &first), (1.0 / 60.0, &second)]);
-        let products = [product(&x, &self.y), product(&self.x, &y)];
-        let omega = sum([(1.0, b1), (1.0 / 12.0, b3), (-1.0 / 240.0, &products[0]), (-1.0 / 240.0, &products[1])]);
-        Self { alpha: by, c1, x, y, omega }
+    fn varied(&self, [b1, b2, b3]: &[Vector6<f64>; 3]) -> Varied<N> {
+        let [a1, a2, a3] = &self.alpha;
+        let c1 = sum(1.0, &times(b2, a1), -1.0, &times(b1, a2));
+        let mut inner = c1;
+        inner[0] += 2.0 * b3;
+        let c2 = sum(1.0, &times(b1, &sum(2.0, a3, 1.0, &self.c1)), 1.0, &product(a1, &inner));
+        let (mut x, mut y) = (c1, c2.map(|c2| c2 / 60.0));
+        x[0] -= 20.0 * b1 + b3;
+        y[0] += b2;
+        let mut omega = sum(-1.0 / 240.0, &product(&x, &self.y), -1.0 / 240.0, &product(&self.x, &y));
+        omega[0] += b1 + b3 / 12.0;
+        Varied { c1, x, y, omega }
     }
 
     /// The value alone.
     fn still(&self) -> Magnus<1> {
+        let value = |jet: &Jet<N>| [jet[0]];
         Magnus {
-            alpha: self.alpha.map(|jet| [jet[0]]),
-            c1: [self.c1[0]],
-            x: [self.x[0]],
-            y: [self.y[0]],
-            omega: [self.omega[0]],
+            alpha: self.alpha.each_ref().map(value),
+            c1: value(&self.c1),
+            x: value(&self.x),
+            y: value(&self.y),
+            omega: value(&self.omega),
         }
     }
 }
 
-impl Magnus<1> {
-    /// The second variation of `Ω` for two variations of `α`.
-    fn twice(&self, one: &Self, other: &Self) -> Vector6<f64> {
-        let second = |a: &Self, b: &Self| bracket(&a.alpha[1][0], &b.alpha[0][0]);
-        let c1 = second(one, other) + second(other, one);
-        let half = |a: &Self, b: &Self| bracket(&a.alpha[0][0], &(2.0 * b.alpha[2][0] + b.c1[0]));
-        let y = (half(one, other) + half(other, one) + bracket(&self.alpha[0][0], &c1)) / 60.0;
-        let mixed = bracket(&one.x[0], &other.y[0]) + bracket(&other.x[0], &one.y[0]);
-        -(bracket(&c1, &self.y[0]) + mixed + bracket(&self.x[0], &y)) / 240.0
+/// The covector of which the product with `v` is `p · [u, v]`.
+fn against(p: &Vector6<f64>, u: &Vector6<f64>) -> Vector6<f64> {
+    let ((force, moment), (v, w)) = (halves(p), halves(u));
+    joined(&force.cross(&w), &(force.cross(&v) + moment.cross(&w)))
+}
+
+/// What of eq. (6) of [`crate::element`] belongs to one coordinate: `Γ` is a sum of products of these with those of the other.
+#[derive(Debug, Clone, Copy)]
+struct Half {
+    /// `E`, and it times the derivative of `Bᵀ f`.
+    column: [Vector6<f64>; 2],
+    /// Pairs whose products with the other coordinate's are the parts of the second variation of `Ω`.
+    pairs: [[Vector6<f64>; 2]; 3],
+}
+
+/// All of `Γ` of a step that does not depend on pairs of coordinates.
+#[derive(Debug)]
+pub struct Halves([Half; MOST_COORDINATES]);
+
+impl Halves {
+    /// An entry of `Γ`.
+    pub(super) fn entry(&self, i: usize, j: usize) -> f64 {
+        let (a, b) = (&self.0[i], &self.0[j]);
+        let pairs = a.pairs.iter().zip(&b.pairs);
+        let twice: f64 = pairs.map(|([g, x], [h, y])| g.dot(y) + h.dot(x)).sum();
+        a.column[0].dot(&b.column[1]) - twice / 240.0
     }
 }
 
@@ -137,26 +178,21 @@ impl<'a> Sixth<'a> {
     }
 
     /// What a unit of a coordinate adds to `α`.
-    fn direction<const N: usize>(&self, i: usize) -> [Jet<N>; 3] {
+    fn direction(&self, i: usize) -> [Vector6<f64>; 3] {
         let (strain, degree) = (self.rod.strain_of(i), i / self.rod.free.len());
         let weights = alphas(self.step.per_degree.map(|of| of[degree]), self.step.length);
-        weights.map(|weight| std::array::from_fn(|k| Vector6::ith(strain, if k == 0 { weight } else { 0.0 })))
-    }
-
-    /// A column of `E`.
-    fn column(&self, i: usize) -> Magnus<1> {
-        self.magnus.still().varied(self.direction(i))
+        weights.map(|weight| Vector6::ith(strain, weight))
     }
 
     pub(super) fn subspace(&self, i: usize) -> Vector6<f64> {
-        self.b[0] * self.column(i).omega[0]
+        self.b[0] * self.magnus.still().varied(&self.direction(i)).omega[0]
     }
 
     pub(super) fn subspaces(&self, i: usize) -> [Vector6<f64>; 3] {
         if !self.moves {
             return [self.subspace(i), Vector6::zeros(), Vector6::zeros()];
         }
-        let [e, first, second] = self.magnus.varied(self.direction(i)).omega;
+        let [e, first, second] = self.magnus.varied(&self.direction(i)).omega;
         let [b, rate, twice] = &self.b;
         [b * e, rate * e + b * first, twice * e + 2.0 * rate * first + b * second]
     }
@@ -167,13 +203,31 @@ impl<'a> Sixth<'a> {
         [self.b[0] * first, self.b[1] * first + self.b[0] * second]
     }
 
-    pub(super) fn gradient(&self, f: &Vector6<f64>) -> (Vector6<f64>, Matrix6<f64>) {
-        (self.b[0].tr_mul(f), tangent_gradient(&self.twist, f))
-    }
-
-    pub(super) fn curvature(&self, (pulled, gradient): &(Vector6<f64>, Matrix6<f64>), i: usize, j: usize) -> f64 {
-        let (one, other) = (self.column(i), self.column(j));
-        let twice = self.magnus.still().twice(&one, &other);
-        pulled.dot(&twice) + one.omega[0].dot(&(gradient * other.omega[0]))
+    /// What `Γ` is made of. With `p = Bᵀ f`, `w = 2 α₃ + C₁` and two variations, of (2) and (3):
+    ///
+    /// ```text
+    /// −240 p·δδ'Ω = p·[δX, δ'Y] + p·[δ'X, δY] + q·[δα₁, δ'w] + q·[δ'α₁, δw] + r·[δα₂, δ'α₁] + r·[δ'α₂, δα₁]
+    /// q·u = p·[X, u]/60,   r·u = p·[u, Y] + q·[α₁, u]
+    /// ```
+    pub(super) fn halves(&self, f: &Vector6<f64>) -> Halves {
+        let magnus = self.magnus.still();
+        let (pulled, gradient) = (self.b[0].tr_mul(f), tangent_gradient(&self.twist, f));
+        // q and r.
+        let second = against(&pulled, &magnus.x[0]) / 60.0;
+        let first = against(&second, &magnus.alpha[0][0]) - against(&pulled, &magnus.y[0]);
+        let none = Vector6::zeros();
+        let mut halves = [Half { column: [none; 2], pairs: [[none; 2]; 3] }; MOST_COORDINATES];
+        for (i, half) in halves.iter_mut().enumerate().take(self.rod.count()) {
+            let by @ [b1, b2, b3] = self.direction(i);
+            let varied = magnus.varied(&by);
+            let e = varied.omega[0];
+            half.column = [e, gradient * e];
+            half.pairs = [
+                [against(&pulled, &varied.x[0]), varied.y[0]],
+                [against(&second, &b1), 2.0 * b3 + varied.c1[0]],
+                [against(&first, &b2), b1],
+            ];
+        }
+        Halves(halves)
     }
 }
