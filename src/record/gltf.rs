@@ -75,6 +75,8 @@ struct Writer<'a> {
     meshes: Vec<Value>,
     materials: Vec<Value>,
     skins: Vec<Value>,
+    /// Further roots.
+    roots: Vec<usize>,
     /// Accessors of positions, normals and corners, by the address of the triangles that the parts of the drawing share.
     known: HashMap<*const Triangles, [usize; 3]>,
     /// Numbers of meshes and materials, by their text.
@@ -178,7 +180,8 @@ impl Writer<'_> {
         let generator = concat!("stillpoint ", env!("CARGO_PKG_VERSION"));
         root.insert("asset".into(), json!({ "version": "2.0", "generator": generator }));
         root.insert("scene".into(), json!(0));
-        root.insert("scenes".into(), json!([{ "name": title, "nodes": [0] }]));
+        let roots: Vec<usize> = std::iter::once(0).chain(self.roots).collect();
+        root.insert("scenes".into(), json!([{ "name": title, "nodes": roots }]));
         root.insert("nodes".into(), json!(self.nodes));
         let animation = |(clip, (_, channels, samplers)): (&usize, &(usize, Vec<Value>, Vec<Value>))| json!({ "name": self.clips[*clip].name, "channels": channels, "samplers": samplers });
         let animations: Vec<Value> = self.animations.iter().map(animation).collect();

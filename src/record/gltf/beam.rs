@@ -5,7 +5,7 @@ use super::{Writer, linear, material, number_of};
 use crate::record::drawing::shades::shade;
 use crate::record::drawing::sweep::Sweep;
 use crate::record::drawing::{Drawing, Part, Placement};
-use serde_json::json;
+use serde_json::{Map, json};
 
 impl Writer<'_> {
     /// The most that each cross section bears in all frames, in the order of their poses; empty if that is not known.
@@ -63,8 +63,12 @@ impl Writer<'_> {
         let mesh = json!({ "primitives": [{ "attributes": attributes, "indices": indices, "material": material }] });
         let mesh = number_of(&mut self.meshes, &mut self.numbers, mesh);
         self.skins.push(json!({ "joints": joints, "inverseBindMatrices": inverse }));
-        let node = self.node(&part.name, 0, &Placement { pose: Default::default(), scale: [1.0; 3] });
-        self.nodes[node].insert("mesh".into(), json!(mesh));
-        self.nodes[node].insert("skin".into(), json!(self.skins.len() - 1));
+        // A root of its own: what is above a skin does not move it, its joints do.
+        let mut node = Map::new();
+        node.insert("name".into(), json!(part.name));
+        node.insert("mesh".into(), json!(mesh));
+        node.insert("skin".into(), json!(self.skins.len() - 1));
+        self.nodes.push(node);
+        self.roots.push(self.nodes.len() - 1);
     }
 }

@@ -13,10 +13,12 @@ pub(super) enum Purpose {
     Weights,
     /// The nodes of these.
     Bones,
+    /// Where those nodes are without motion.
+    Bindings,
 }
 
 /// How many purposes there are.
-const PURPOSES: usize = 5;
+const PURPOSES: usize = 6;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
@@ -53,8 +55,8 @@ impl Bytes {
 
     /// Matrices of four rows and columns, column by column.
     pub(super) fn matrices(&mut self, values: &[f32]) -> usize {
-        let accessor = self.accessor(Purpose::Keys, FLOAT, "MAT4", values.len() / 16);
-        self.views[Purpose::Keys as usize].extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        let accessor = self.accessor(Purpose::Bindings, FLOAT, "MAT4", values.len() / 16);
+        self.views[Purpose::Bindings as usize].extend(values.iter().flat_map(|value| value.to_le_bytes()));
         self.push(accessor)
     }
 
