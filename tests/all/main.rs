@@ -22,6 +22,7 @@ mod events;
 mod examples;
 mod faults;
 mod firing;
+mod fits;
 mod fmu;
 mod formulas;
 mod friction;
