@@ -15,7 +15,7 @@ mod reactions;
 mod sparse;
 mod tangent;
 
-pub use beams::{BeamState, SectionForces};
+pub use beams::{BeamState, DiagramPoint, Discretization, SectionForces};
 pub use constrained::Settled;
 pub use dense::{Dense, DenseTangent};
 pub use evaluated::{Balanced, Evaluated, Factorized};
@@ -121,7 +121,10 @@ pub enum Fault {
         method: &'static str,
     },
     /// Something that knows rigid bodies only.
-    #[error("`{method}` knows no flexible beams and no hinges along curves")]
+    #[error(
+        "`{method}` has a pose of its own for every body, and beams and curves have coordinates between bodies: it knows neither; \
+         `relaxation` does"
+    )]
     Flexible {
         /// Its name.
         method: &'static str,

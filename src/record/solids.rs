@@ -73,6 +73,15 @@ pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
     scene.bodies.iter().zip(&points).enumerate().map(of_body).collect()
 }
 
+/// Takes out what stands for the bodies of beams, whose surfaces are drawn.
+pub(super) fn drop_of_beams(scene: &Scene, solids: &mut [Vec<Solid>]) {
+    for beam in &scene.beams {
+        for body in beam.elements.iter().map(|element| element.body).chain([beam.begin]) {
+            solids[body].clear();
+        }
+    }
+}
+
 fn from_shape(shape: &ShapePicture, color: [f64; 4]) -> Option<Solid> {
     let form = match (shape.kind.as_str(), shape.size.as_slice()) {
         ("box" | "plane", &[x, y, z]) => Form::Box([x, y, z]),
