@@ -419,7 +419,9 @@ mod tests {
     /// Columns of Z, Ż and Z̈ are derivatives of the pose along the motion.
     #[test]
     fn subspaces_are_derivatives() {
-        [1, 2].map(|degree| columns_are_derivatives(&rod(0.7, degree)));
+        for degree in [1, 2] {
+            columns_are_derivatives(&rod(0.7, degree));
+        }
     }
 
     fn columns_are_derivatives(rod: &Rod) {
@@ -455,7 +457,9 @@ mod tests {
 
     #[test]
     fn the_curvature_is_the_derivative_of_the_row() {
-        [1, 2].map(|degree| curvature_is_the_derivative_of_the_row(&rod(0.7, degree)));
+        for degree in [1, 2] {
+            curvature_is_the_derivative_of_the_row(&rod(0.7, degree));
+        }
     }
 
     fn curvature_is_the_derivative_of_the_row(rod: &Rod) {
