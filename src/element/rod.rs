@@ -5,28 +5,13 @@ mod sixth;
 
 use super::exponential::{bracket, exponential, tangent, tangents};
 use super::guide::Guide;
+use super::quadrature::GAUSS;
 use crate::spatial::Sym3;
 pub use local::Local;
 use local::Strained;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 use sixth::Sixth;
 use std::sync::Arc;
-
-/// Nodes and weights of the Gauss–Legendre quadrature of six points on [−1, 1], exact to degree 11: the integrals of eqs.
-/// (2) and (7) have degree 6 at most with constant sections.
-pub(super) const GAUSS: [(f64, f64); 6] = [
-    (-0.932_469_514_203_152, 0.171_324_492_379_170_36),
-    (-0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
-    (-0.238_619_186_083_196_9, 0.467_913_934_572_691_04),
-    (0.238_619_186_083_196_9, 0.467_913_934_572_691_04),
-    (0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
-    (0.932_469_514_203_152, 0.171_324_492_379_170_36),
-];
-
-/// Nodes in 0 … 1 and weights of a quadrature that is exact to degree 11.
-pub(crate) fn quadrature() -> impl Iterator<Item = (f64, f64)> {
-    GAUSS.into_iter().map(|(t, w)| (0.5 * (1.0 + t), 0.5 * w))
-}
 
 /// Legendre polynomials `P₀ … P₂`.
 fn legendre(t: f64) -> [f64; 3] {
@@ -434,7 +419,9 @@ mod tests {
     /// Columns of Z, Ż and Z̈ are derivatives of the pose along the motion.
     #[test]
     fn subspaces_are_derivatives() {
-        [1, 2].map(|degree| columns_are_derivatives(&rod(0.7, degree)));
+        for degree in [1, 2] {
+            columns_are_derivatives(&rod(0.7, degree));
+        }
     }
 
     fn columns_are_derivatives(rod: &Rod) {
@@ -470,7 +457,9 @@ mod tests {
 
     #[test]
     fn the_curvature_is_the_derivative_of_the_row() {
-        [1, 2].map(|degree| curvature_is_the_derivative_of_the_row(&rod(0.7, degree)));
+        for degree in [1, 2] {
+            curvature_is_the_derivative_of_the_row(&rod(0.7, degree));
+        }
     }
 
     fn curvature_is_the_derivative_of_the_row(rod: &Rod) {

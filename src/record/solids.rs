@@ -34,7 +34,7 @@ pub(super) enum Form {
     Mesh { file: String, contents: Vec<u8>, media_type: &'static str, scale: [f64; 3] },
 }
 
-/// Quiet colours that can be told apart on dark and on light ground.
+/// Quiet colours that can be distinguished on dark and on light ground.
 const PALETTE: [[f64; 3]; 8] = [
     [0.42, 0.60, 0.78],
     [0.87, 0.62, 0.36],

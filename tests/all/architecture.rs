@@ -133,7 +133,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "record",
             "scenario",
             "simulate",
+            // `simulator` and `suggest` for fits: runs from one measured time to the next, names of columns.
+            "simulator",
             "statics",
+            "suggest",
             "whole_file",
         ],
     ),
