@@ -415,7 +415,7 @@ fn joined(model: &Model, stops: &[Stop], set: &Set) -> f64 {
         let both = &model.coordinates[stop.velocity];
         let own = both.stiffness - stiffness;
         // `k (rest − limit) = k' (rest' − limit)`
-        let preload = both.stiffness * (both.rest - stop.range[usize::from(*side > 0)]);
+        let preload = both.stiffness * (both.rest - stop.limit(f64::from(*side)));
         if *side == 0 || own <= 0.0 { 0.0 } else { 0.5 * preload * preload * stiffness / (own * both.stiffness) }
     };
     stops.iter().zip(set).map(of).sum()

@@ -11,6 +11,7 @@ mod building;
 mod cli;
 mod closed_forms;
 mod common;
+mod contact_beside_stops;
 mod contact_in_motion;
 mod control;
 mod creep;
