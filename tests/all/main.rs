@@ -31,6 +31,7 @@ mod identities;
 mod import;
 mod instructions;
 mod integrators;
+mod ledger;
 mod light;
 mod linear;
 mod lint;
@@ -64,5 +65,6 @@ mod statics;
 #[cfg(feature = "friction")]
 mod support;
 mod touch;
+mod undetermined;
 mod units;
 mod verify;
