@@ -44,7 +44,7 @@ pub(crate) fn stream<'py>(py: Python<'py>, columns: Vec<Column<'py>>, empty: boo
     let batch = RecordBatch::try_new(Arc::clone(&schema), arrays).map_err(wrong)?;
     let batches = RecordBatchIterator::new([Ok::<_, ArrowError>(batch)], schema);
     let reader: Box<dyn RecordBatchReader + Send> = Box::new(batches);
-    PyCapsule::new(py, FFI_ArrowArrayStream::new(reader), Some(c"arrow_array_stream".to_owned()))
+    PyCapsule::new_with_value(py, FFI_ArrowArrayStream::new(reader), c"arrow_array_stream")
 }
 
 /// A column of numbers, whole numbers, words or flags, as Arrow has it.

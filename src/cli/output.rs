@@ -187,7 +187,8 @@ const INTERRUPTED: i32 = 130;
 pub(super) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// The one of this program: installed by the first call, the same for all later ones.
+    /// The one of this program: installed by the first call, the same for all later ones. To be called after the inputs are
+    /// read: until then a signal ends the program at once, whatever pipe it waits for.
     pub(super) fn install() -> anyhow::Result<Self> {
         static INSTALLED: Mutex<Option<Interrupt>> = Mutex::new(None);
         let mut installed = INSTALLED.lock().unwrap_or_else(PoisonError::into_inner);

@@ -39,11 +39,11 @@ fn positive(text: &str) -> Result<f64, String> {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let interrupt = Interrupt::install()?;
     let (mut scenario, mut model) = match scene::load(common)? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
     };
+    let interrupt = Interrupt::install()?;
     if !common.json && !common.quiet {
         output::print(&text::heading(&model, &scenario.name))?;
     }

@@ -48,8 +48,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         bail!("`{}`: the name of a report ends in .html", arguments.out.display());
     }
     Inputs::new([arguments.source.as_path()]).spare(&arguments.out)?;
-    let interrupt = Interrupt::install()?;
-    let material = match arguments.gather(&interrupt)? {
+    let material = match arguments.gather()? {
         Ok(material) => material,
         Err(exit) => return Ok(exit),
     };
@@ -66,7 +65,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         let verdict = words::verdict(&material).text;
         output::print(&format!("{file}: {verdict} ({:.0} kB)", page.text.len() as f64 / 1e3))?;
     }
-    Ok(if interrupt.requested() { Exit::Interrupted } else { material.exit })
+    Ok(if Interrupt::install()?.requested() { Exit::Interrupted } else { material.exit })
 }
 
 /// Writes the page whole or not at all.
@@ -77,7 +76,7 @@ pub(super) fn write(material: &Material, file: &Path) -> anyhow::Result<page::Pa
 }
 
 impl Arguments {
-    fn gather(&self, interrupt: &Interrupt) -> anyhow::Result<Result<Material, Exit>> {
+    fn gather(&self) -> anyhow::Result<Result<Material, Exit>> {
         let is_recording =
             |path: &Path| path.extension().is_some_and(|extension| extension == "mcap" || extension == "partial");
         if is_recording(&self.source) {
@@ -91,6 +90,6 @@ impl Arguments {
         }
         let common =
             Common { scenario: self.source.clone(), set: self.set.clone(), json: self.json, quiet: self.quiet };
-        Material::of_scenario(&common, self.statics, self.verify, interrupt)
+        Material::of_scenario(&common, self.statics, self.verify)
     }
 }

@@ -30,7 +30,6 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let interrupt = Interrupt::install()?;
     let (mut scenario, mut model) =
         match scene::load_structure(common, &arguments.structure, arguments.start.as_deref())? {
             Ok(loaded) => loaded,
@@ -39,6 +38,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if arguments.start.is_some() && model.start_velocity.iter().any(|v| *v != 0.0) {
         anyhow::bail!("the start file gives velocities that are not zero: what moves is not at rest");
     }
+    let interrupt = Interrupt::install()?;
     let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     arguments.out.iter().try_for_each(|out| inputs.spare(out))?;
     let file = arguments.out.as_deref().map(|out| recording::recording_file(out, common.quiet)).transpose()?;

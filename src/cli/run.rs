@@ -41,7 +41,6 @@ pub(super) struct Arguments {
 
 pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let common = &arguments.common;
-    let interrupt = Interrupt::install()?;
     let (mut scenario, mut model) = match scene::load_at(common, arguments.start.as_deref())? {
         Ok(loaded) => loaded,
         Err(exit) => return Ok(exit),
@@ -58,6 +57,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
             scenario.name
         );
     }
+    let interrupt = Interrupt::install()?;
     let path = recording_path(arguments.out.as_deref(), &common.scenario);
     let inputs = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
     inputs.spare(&path)?;

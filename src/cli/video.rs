@@ -56,11 +56,11 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         bail!("`--speed {}`: a film has a positive speed", arguments.speed);
     }
     Inputs::new([arguments.recording.as_path()]).spare(&arguments.out)?;
-    let interrupt = Interrupt::install()?;
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let first = picture::sample(&footage, None)?;
     let drawing = arguments.looks.drawing(&footage, &first, arguments.quiet)?;
     let clips = footage.clips()?;
+    let interrupt = Interrupt::install()?;
     let poses = clips.iter().flat_map(|clip| &clip.poses).map(Vec::as_slice);
     let frame = Frame::new(&drawing, poses, arguments.looks.camera(), arguments.looks.size());
     let shown = moments(&clips, arguments)?;

@@ -9,7 +9,7 @@ use super::{Common, Exit, output};
 use anyhow::bail;
 use clap::Args;
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -45,17 +45,17 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if arguments.scenario.as_os_str() == "-" {
         bail!("standard input cannot be watched: name a file");
     }
-    let interrupt = Interrupt::install()?;
     let common =
         Common { scenario: arguments.scenario.clone(), set: arguments.set.clone(), json: true, quiet: arguments.quiet };
     let mut before: Option<Material> = None;
     let mut left = arguments.times;
     loop {
+        refuse_pipe(&arguments.scenario)?;
         // Files that are saved while this goes on are seen afterwards.
         let alone = Inputs::new([arguments.scenario.as_path()]);
         let mut inputs = before.as_ref().map_or(&alone, |material| &material.inputs);
         let mut stamps = inputs.stamps();
-        let exit = match Material::of_scenario(&common, !arguments.run, false, &interrupt) {
+        let exit = match Material::of_scenario(&common, !arguments.run, false) {
             Ok(Ok(material)) => {
                 tell(&material, before.as_ref())?;
                 if let Some(file) = &arguments.report {
@@ -82,12 +82,23 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         if !arguments.quiet {
             output::note(&format!("watching `{}`; Ctrl-C ends it", arguments.scenario.display()));
         }
+        let interrupt = Interrupt::install()?;
         while inputs.stamps() == stamps {
             if interrupt.requested() {
                 return Ok(Exit::Done);
             }
             sleep(PERIOD);
         }
+    }
+}
+
+/// A pipe or a device has no time of its last change, and may be waited for without end.
+fn refuse_pipe(scenario: &Path) -> anyhow::Result<()> {
+    match std::fs::metadata(scenario) {
+        Ok(about) if !about.is_file() && !about.is_dir() => {
+            bail!("`{}` cannot be watched: it is a device or a pipe", scenario.display())
+        }
+        _ => Ok(()),
     }
 }
 

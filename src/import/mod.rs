@@ -104,13 +104,13 @@ pub struct Imported {
     pub efforts: Vec<(String, String)>,
 }
 
-/// Turns a file into a scenario, by its root element.
+/// Turns a regular file into a scenario, by its root element.
 ///
 /// # Errors
 /// If the file cannot be read or is not a model that is known, and if something in it makes no sense: then with
 /// all problems at once.
 pub fn import(path: &Path, options: &Options) -> Result<Imported, Refused> {
-    let text = text_file::read(path, "model")?;
+    let text = text_file::read_regular(path, "model")?;
     import_text(path, text, options)
 }
 

@@ -1,7 +1,8 @@
 //! Inverse dynamics: the hinge forces that given accelerations would need, and the reactions that go with them.
 
 use super::flexible::RodBalance;
-use super::{LinkAcceleration, accelerate, inboard};
+use super::plan::has_light_links;
+use super::{LinkAcceleration, accelerate, inboard, lever};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
 use crate::pages::Pages;
@@ -17,6 +18,8 @@ pub struct Balance {
     pub reactions: Pages<Wrench>,
     /// What the stations of flexible elements do and pass on.
     pub rods: Vec<RodBalance>,
+    /// Whether some links carry bodies that are far heavier.
+    is_light: bool,
 }
 
 impl Balance {
@@ -27,6 +30,7 @@ impl Balance {
             accelerations: Pages::filled(LinkAcceleration::default(), n),
             reactions: Pages::filled(Wrench::ZERO, n),
             rods: model.rods.iter().map(RodBalance::new).collect(),
+            is_light: has_light_links(model),
         }
     }
 
@@ -103,7 +107,10 @@ impl Balance {
                     (force, moment) = (Quad::of(&passed.force), Quad::of(&passed.moment));
                 }
             }
-            carried = (force, Quad::of(&at.arm).cross_add(force, moment));
+            carried = match self.is_light {
+                false => (force, Quad::of(&at.arm).cross_add(force, moment)),
+                true => (force, moment + Quad::of(&lever(&at.arm, &force.vector()))),
+            };
             if link.parent + 1 != index {
                 self.reactions[link.parent] += wrench(carried.0, carried.1);
                 carried = (Quad::default(), Quad::default());

@@ -76,6 +76,13 @@ fn inboard(link: &LinkMotion, parent: &LinkAcceleration, with_bias: bool) -> Lin
     }
 }
 
+/// `d × f`, exactly across `d`: a light link that a heavy body hangs on passes a force of that weight nearly along its arm,
+/// and the round-off of the product would turn the link about it.
+fn lever(d: &Vector3<f64>, f: &Vector3<f64>) -> Vector3<f64> {
+    let (moment, square) = (d.cross(f), d.norm_squared());
+    if square == 0.0 { moment } else { moment - d * (d.dot(&moment) / square) }
+}
+
 /// Adds `H q̈`.
 #[inline(always)]
 fn accelerate(link: &Link, at: &LinkMotion, rods: &[RodMotion], hinge: &[f64], a: &mut LinkAcceleration) {

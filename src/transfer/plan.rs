@@ -94,6 +94,11 @@ fn least_pivots(model: &Model) -> Vec<f64> {
     least
 }
 
+/// Whether links carry bodies so much heavier that pivots may lose five digits or more.
+pub(super) fn has_light_links(model: &Model) -> bool {
+    least_pivots(model).iter().any(|least| *least > 0.0)
+}
+
 /// Of a hinge of several links it is the last one's body.
 fn is_delicate(model: &Model, index: usize) -> bool {
     let of_hinge = model.links[index..].iter().take_while(|link| link.body == model.links[index].body);

@@ -136,7 +136,7 @@ impl Reduction {
     /// Factorizes and solves for the accelerations of the hinges: eqs. (5) to (8) with weight and velocity terms.
     ///
     /// # Errors
-    /// A hinge that nothing with inertia resists, or a number that is not finite.
+    /// A hinge that nothing with inertia resists, or whose inertia is round-off of what it carries; a number that is not finite.
     #[inline(always)]
     pub fn accelerations(
         &mut self,
@@ -148,7 +148,7 @@ impl Reduction {
         let lost = self.factorize(model, motion, load)?;
         self.outward::<true>(model, motion, hinge);
         if lost != Lost::None {
-            self.refine(model, motion, load, hinge, lost);
+            self.refine(model, motion, load, hinge, lost)?;
         }
         Ok(())
     }

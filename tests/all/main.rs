@@ -33,6 +33,7 @@ mod identities;
 mod import;
 mod instructions;
 mod integrators;
+mod ledger;
 mod light;
 mod linear;
 mod lint;
@@ -66,5 +67,6 @@ mod statics;
 #[cfg(feature = "friction")]
 mod support;
 mod touch;
+mod undetermined;
 mod units;
 mod verify;

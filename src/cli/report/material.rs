@@ -89,12 +89,12 @@ impl Material {
         common: &Common,
         only_statics: bool,
         verified: bool,
-        interrupt: &Interrupt,
     ) -> anyhow::Result<Result<Self, Exit>> {
         let (mut scenario, mut model) = match scene::load(common)? {
             Ok(loaded) => loaded,
             Err(exit) => return Ok(Err(exit)),
         };
+        let interrupt = Interrupt::install()?;
         let given = scenario.simulate.start == Start::Given && !only_statics;
         let found = if given { None } else { Some(statics::find(&mut scenario, &mut model)?) };
         let told = found.as_ref().map(|(found, wall)| statics::told(&scenario, &model, found, *wall)).transpose()?;
@@ -124,7 +124,7 @@ impl Material {
             exit: if state.is_some() { Exit::Done } else { Exit::No },
         };
         match state {
-            Some(state) if !only_statics => material.run(common, &scenario, &model, &state, verified, interrupt)?,
+            Some(state) if !only_statics => material.run(common, &scenario, &model, &state, verified, &interrupt)?,
             _ => {
                 let q = found.as_ref().map_or(&model.start_position, |(found, _)| &found.position);
                 let reactions =

@@ -200,22 +200,18 @@ fn text(fit: &Fit, table: &Table, data: &Path, level: f64) -> String {
         }
     );
     let width = fit.parameters.iter().map(|one| one.address.chars().count()).max().unwrap_or(0).max(9);
-    let _ = writeln!(
-        out,
-        "  {:width$}  {:<12} {:<14} {:<12}",
-        "parameter",
-        "value",
-        format!("± {} %", small(100.0 * level)),
-        "start"
-    );
+    let mut row = |[name, value, half, start, unit]: [&str; 5]| {
+        let line = format!("  {name:width$}  {value:<12} {half:<14} {start:<12} {unit}");
+        let _ = writeln!(out, "{}", line.trim_end());
+    };
+    row(["parameter", "value", &format!("± {} %", small(100.0 * level)), "start", ""]);
     for one in &fit.parameters {
         let half = match (one.is_held, one.interval) {
             (true, _) => "at its bound".to_owned(),
             (false, Some(interval)) => format!("± {}", small(0.5 * (interval[1] - interval[0]))),
             (false, None) => "not determined".to_owned(),
         };
-        let (value, start) = (number(one.value), number(one.start));
-        let _ = writeln!(out, "  {:width$}  {value:<12} {half:<14} {start:<12} {}", one.address, one.unit);
+        row([&one.address, &number(one.value), &half, &number(one.start), one.unit]);
     }
     for column in &fit.columns {
         let unit = if column.unit == "1" { "" } else { &column.unit };

@@ -15,6 +15,7 @@ use crate::integrate::{
     step::error::{Limit, StepError},
     step::norm::Measured,
     step::progress::Progress,
+    step::stages::StepStages,
     step::stepper::Stepper,
 };
 
@@ -38,6 +39,11 @@ pub(crate) trait Implicit {
     /// Gives up tangents of an earlier step, or takes more of them where the step cannot be shortened; false if that would
     /// not help any more.
     fn discard_old(&mut self) -> bool;
+
+    /// The stages of the last step, as [`Stepper::stages`] has them.
+    fn step_stages(&self) -> Option<StepStages<'_>> {
+        None
+    }
 }
 
 impl<P: ImplicitProblem, M: Implicit> Stepper<P> for M {
@@ -51,6 +57,10 @@ impl<P: ImplicitProblem, M: Implicit> Stepper<P> for M {
 
     fn next_step(&mut self) -> Option<f64> {
         Some(self.parts().1.step())
+    }
+
+    fn stages(&self) -> Option<StepStages<'_>> {
+        self.step_stages()
     }
 }
 

@@ -41,6 +41,7 @@ use crate::integrate::{
     step::error::Limit,
     step::norm::{ErrorNorm, largest_difference},
     step::rates::{combine, require_finite},
+    step::stages::StepStages,
     step::statistics::Statistics,
 };
 
@@ -200,6 +201,12 @@ impl Stages {
         self.stiff = self.stiff.and_then(|steps| steps.checked_sub(1));
         self.careful = false;
         self.tangent.advance();
+    }
+
+    /// The stages as last solved, the states `position_count` coordinates and their velocities.
+    pub(crate) fn of_step(&self, position_count: usize) -> StepStages<'_> {
+        let Collocation { nodes, weights, nested, .. } = &self.method;
+        StepStages { nodes, states: &self.states, weights, nested, position_count }
     }
 
     /// Gives up the tangent where it is old; false if it is of this very step.

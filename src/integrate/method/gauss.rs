@@ -38,6 +38,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{require_finite, settle},
+    step::stages::StepStages,
     step::start::Begun,
     step::stepper::Stepper,
 };
@@ -132,5 +133,9 @@ impl<P: ImplicitProblem> Stepper<P> for Gauss {
 
     fn progress(&self) -> &Progress {
         &self.progress
+    }
+
+    fn stages(&self) -> Option<StepStages<'_>> {
+        Some(self.stages.of_step(self.progress.position_count))
     }
 }

@@ -56,6 +56,7 @@ use crate::integrate::{
     step::progress::Progress,
     step::rates::{settle, state_rate},
     step::reach::Reach,
+    step::stages::StepStages,
     step::start::Begun,
 };
 
@@ -218,5 +219,9 @@ impl Implicit for Radau {
 
     fn discard_old(&mut self) -> bool {
         self.stages.discard_old() || (self.control.is_fixed() && self.stages.take_care())
+    }
+
+    fn step_stages(&self) -> Option<StepStages<'_>> {
+        Some(self.stages.of_step(self.progress.position_count))
     }
 }

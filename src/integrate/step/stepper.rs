@@ -2,7 +2,7 @@
 
 use crate::integrate::{
     problem::Problem,
-    step::{error::Component, error::StepError, progress::Progress, statistics::Statistics},
+    step::{error::Component, error::StepError, progress::Progress, stages::StepStages, statistics::Statistics},
 };
 
 /// A method at work on one run.
@@ -71,6 +71,12 @@ pub trait Stepper<P: Problem> {
     fn interpolate(&mut self, problem: &mut P, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<(), StepError> {
         self.progress().interpolate(problem, time, q, v);
         Ok(())
+    }
+
+    /// The stages of the last step, where the method is of the kind that integrates better with them than with
+    /// [`interpolate`](Self::interpolate): one of implicit stages.
+    fn stages(&self) -> Option<StepStages<'_>> {
+        None
     }
 
     /// What the run has cost so far.

@@ -6,8 +6,8 @@ use crate::model::parameter::Field;
 use crate::model::{Model, Parameter};
 use crate::scenario::{Diagnostics, Override, Scenario, parse};
 
-/// The option that names a fitted number, as messages have it.
-const OPTION: &str = "--parameter";
+/// Where a number comes from, as messages have it: from the data, or from the search.
+const OPTION: &str = "fit:";
 /// Scenes that are read and scenes whose numbers are set are compared at this part beside the start.
 const BESIDE: f64 = 1.0 + 1.0 / 64.0;
 

@@ -260,6 +260,11 @@ impl Ball {
         self.u.dot(&self.u.component_mul(&self.factors.inverse))
     }
 
+    /// The smallest pivot (kg m²).
+    pub(super) fn least_pivot(&self) -> f64 {
+        1.0 / self.factors.inverse.max()
+    }
+
     /// The moments of inertia it sees about the link's axes.
     pub(super) fn inertia(&self, at: &LinkMotion) -> [f64; 3] {
         [0, 1, 2].map(|i| {

@@ -13,13 +13,13 @@
 //! Without it: forces at the centres of mass, where a fast turn about a line through a mass cancels before it is multiplied,
 //! and moments in the axes in which bodies are given, where it meets the small moment of inertia alone.
 
-use super::{Load, Lost, Reduction};
+use super::{Load, Lost, Reduction, Singular};
 use crate::model::{Body, Joint, Model};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::{Sym3, Wrench};
 use crate::transfer::element::gyroscopic;
 use crate::transfer::flexible::RodBalance;
-use crate::transfer::{LinkAcceleration, accelerate, along, inboard};
+use crate::transfer::{LinkAcceleration, accelerate, along, inboard, lever};
 use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Accelerations are wrong by about a third of a unit in the last place over this part, and by no more than 10⁻¹¹ of
@@ -33,6 +33,13 @@ const SMALL: f64 = 1e-12;
 /// Of a hinge with a pivot just above round-off few digits are right: a round may gain no more than one or two.
 const MOST_ROUNDS: usize = 8;
 
+/// If the last correction is above this part of the accelerations, there may be one that nothing determines: a pivot that is
+/// nothing but round-off leaves its row as unbalanced as it was in every round. (So does round-off where nothing accelerates.)
+const DOUBTFUL: f64 = 1e-6;
+
+/// Accelerations of a trial, in those of the scene.
+const FAR: f64 = 1e6;
+
 /// Scratch of [`Reduction::refine`].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Refinement {
@@ -41,6 +48,8 @@ pub(super) struct Refinement {
     /// Residual hinge forces, and what they accelerate; one per velocity.
     left: Vec<f64>,
     step: Vec<f64>,
+    /// Those of a trial.
+    force: Vec<f64>,
     /// Of flexible elements.
     rods: Vec<RodBalance>,
 }
@@ -61,7 +70,7 @@ impl Refinement {
         bodies.sort_by_key(|body| model.bodies[*body].link);
         let count = model.velocity_count();
         let rods = model.rods.iter().map(RodBalance::new).collect();
-        Self { bodies, left: vec![0.0; count], step: vec![0.0; count], rods }
+        Self { bodies, left: vec![0.0; count], step: vec![0.0; count], force: vec![0.0; count], rods }
     }
 }
 
@@ -89,11 +98,21 @@ impl Rigid {
 
 impl Reduction {
     /// Corrects the accelerations of the last factorization by what they leave unbalanced.
+    ///
+    /// # Errors
+    /// A hinge whose pivot is round-off: nothing determines its acceleration.
     #[cold]
     #[inline(never)]
-    pub(super) fn refine(&mut self, model: &Model, motion: &Motion, load: &Load<'_>, hinge: &mut [f64], lost: Lost) {
+    pub(super) fn refine(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        load: &Load<'_>,
+        hinge: &mut [f64],
+        lost: Lost,
+    ) -> Result<(), Singular> {
         if lost == Lost::Perhaps && !self.is_soft(model) {
-            return;
+            return Ok(());
         }
         let mut refinement = std::mem::take(&mut self.refinement);
         let largest = |list: &[f64]| list.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
@@ -104,13 +123,51 @@ impl Reduction {
             self.solve(model, motion, &Load { applied: &[], tau: left }, step);
             hinge.iter_mut().zip(&*step).for_each(|(hinge, step)| *hinge += step);
             let now = largest(step);
-            if !(now * now > SMALL * before * largest(hinge) && now < 0.5 * before) {
+            let goes_on = now * now > SMALL * before * largest(hinge) && now < 0.5 * before;
+            before = now;
+            if !goes_on {
                 break;
             }
-            before = now;
         }
+        let outcome = match before > DOUBTFUL * largest(hinge) {
+            true => self.determined(model, motion, &mut refinement),
+            false => Ok(()),
+        };
         self.follow(model, motion, hinge);
         self.refinement = refinement;
+        outcome
+    }
+
+    /// Whether the coordinate that the last correction moved most has a pivot that is more than round-off: what the pivot says that
+    /// a force on it alone accelerates needs that force, and not another.
+    fn determined(&mut self, model: &Model, motion: &Motion, refinement: &mut Refinement) -> Result<(), Singular> {
+        let moved = |k: &usize| refinement.step[*k].abs();
+        let Some(at) = (0..refinement.step.len()).max_by(|a, b| moved(a).total_cmp(&moved(b))) else { return Ok(()) };
+        let Some(link) = model.links.iter().position(|link| {
+            let own = link.velocity..link.velocity + link.joint.counts().1;
+            own.contains(&at)
+        }) else {
+            return Ok(());
+        };
+        let pivot = match model.links[link].joint {
+            Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => 1.0 / self.hinges[link].inverse,
+            Joint::Ball { .. } => self.balls[self.plan[link].ball as usize].least_pivot(),
+            Joint::None | Joint::Flex { .. } | Joint::Along { .. } => return Ok(()),
+        };
+        // Far beyond what weight and turns do, whose round-off is then none beside it.
+        let turning = motion.links.iter().fold(0.0_f64, |most, at| most.max(at.angular_velocity.norm_squared()));
+        let force = FAR * pivot * (model.time_scale().powi(-2) + turning);
+        let (mut tau, mut hinge) = (std::mem::take(&mut refinement.force), std::mem::take(&mut refinement.step));
+        tau.fill(0.0);
+        hinge.fill(0.0);
+        self.unbalanced(model, motion, &Load { applied: &[], tau: &tau }, &hinge, refinement);
+        let rest = refinement.left[at];
+        tau[at] = force;
+        self.solve(model, motion, &Load { applied: &[], tau: &tau }, &mut hinge);
+        self.unbalanced(model, motion, &Load { applied: &[], tau: &tau }, &hinge, refinement);
+        let wrong = refinement.left[at] - rest;
+        (refinement.force, refinement.step) = (tau, hinge);
+        if wrong.abs() < 0.5 * force { Ok(()) } else { Err(Singular { link, pivot }) }
     }
 
     /// Whether the last solution moves links in a way that hardly anything resists: `q̈ᵀ M q̈`, but for velocities the sum of
@@ -192,15 +249,8 @@ impl Reduction {
                 continue;
             }
             let whole = passed + Wrench { force: own.force, moment: at.turn * own.moment };
-            let lever = moment_of(&at.arm, &whole.force);
+            let lever = lever(&at.arm, &whole.force);
             e[link.parent] += Wrench { force: whole.force, moment: whole.moment + lever };
         }
     }
-}
-
-/// `d × f`, exactly across `d`: a light link that a heavy body hangs on passes a force of that weight nearly along its arm,
-/// and the round-off of the product would turn the link about it.
-fn moment_of(d: &Vector3<f64>, f: &Vector3<f64>) -> Vector3<f64> {
-    let (moment, square) = (d.cross(f), d.norm_squared());
-    if square == 0.0 { moment } else { moment - d * (d.dot(&moment) / square) }
 }

@@ -99,3 +99,54 @@ fn a_cut_recording_is_shown_as_far_as_it_goes() {
     let kept = Recording::open(&bench.path().join("cut.mcap")).expect("readable");
     assert!(!kept.complete);
 }
+
+/// Ends a command that waits for what nobody writes; how long that took.
+#[cfg(unix)]
+fn ended(mut child: Child) -> Duration {
+    std::thread::sleep(Duration::from_millis(150));
+    assert!(child.try_wait().expect("asked").is_none(), "it was to wait");
+    let before = Instant::now();
+    Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kill");
+    child.wait().expect("an end");
+    before.elapsed()
+}
+
+#[cfg(unix)]
+#[test]
+fn what_waits_for_a_pipe_ends_when_it_is_told_to() {
+    let bench = Bench::new();
+    Command::new("mkfifo").arg(bench.path().join("pipe")).status().expect("mkfifo");
+    std::fs::copy(shipped("pendulum"), bench.path().join("s.toml")).expect("copied");
+    let waiting: [&[&str]; 9] = [
+        &["run", "pipe"],
+        &["run", "-"],
+        &["run", "s.toml", "--start", "pipe"],
+        &["rest", "pipe"],
+        &["statics", "pipe"],
+        &["precision", "pipe"],
+        &["report", "pipe", "-o", "x.html"],
+        &["sweep", "s.toml", "--vary", "rod.mass=normal(1, 0.1)", "--correlate", "pipe"],
+        &["convert", "pipe"],
+    ];
+    for arguments in waiting {
+        let child = Command::new(env!("CARGO_BIN_EXE_stillpoint"))
+            .args(arguments)
+            .current_dir(bench.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn();
+        let took = ended(child.expect("the program starts"));
+        assert!(took < Duration::from_secs(1), "{arguments:?} took {took:?} to end");
+    }
+    // What is written into a pipe is read; what another file names, or what is watched, is no pipe.
+    let (text, pipe) = (std::fs::read(shipped("pendulum")).expect("text"), bench.path().join("pipe"));
+    let writer = std::thread::spawn(move || std::fs::write(pipe, text));
+    bench.call(&["statics", "pipe"]).code(0);
+    writer.join().expect("a thread").expect("written");
+    bench.write("m.toml", "model = \"pipe\"\n");
+    for arguments in [&["check", "m.toml"][..], &["watch", "pipe", "--times", "1"]] {
+        let answer = bench.call(arguments).code(2);
+        assert!(answer.err.contains("a device or a pipe"), "{answer:#?}");
+    }
+}
