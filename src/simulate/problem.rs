@@ -1,12 +1,12 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
-use super::bordered::Bordered;
 use super::contact::Contacts;
 use super::error::RunError;
+use super::newton::Tangent;
 use super::passage::Passage;
 use super::state::State;
-use crate::dynamics::{Coefficients, DenseTangent, Energies, Evaluated, Fault, Powers, System, TangentSolver};
-use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
+use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
+use crate::integrate::{Failure, Problem};
 use crate::model::{End, Model, StopLaw};
 use crate::simulate::nonsmooth::{Held, Nonsmooth, Phase, Side, within};
 use crate::spatial::Wrench;
@@ -40,23 +40,23 @@ use std::sync::Arc;
 /// [`simulate::run`](super::run)'s.
 pub struct Motion {
     pub(super) system: System,
-    runs: Vec<Run>,
+    pub(super) runs: Vec<Run>,
     position_scales: Vec<f64>,
-    velocity_scales: Vec<f64>,
-    tangent: Tangent,
+    pub(super) velocity_scales: Vec<f64>,
+    pub(super) tangent: Tangent,
     /// `None` for a model without stops and dry friction.
     pub(super) nonsmooth: Option<Nonsmooth>,
     /// What touches; `None` for a model without contact, and one that contact holds at rest.
     pub(super) contacts: Option<Box<Contacts>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
-    passage: Option<Passage>,
+    pub(super) passage: Option<Passage>,
     /// Scratch for residuals near those.
-    allowed: Vec<f64>,
-    balance: Vec<f64>,
+    pub(super) allowed: Vec<f64>,
+    pub(super) balance: Vec<f64>,
 }
 
 /// Coordinates one after the other.
-enum Run {
+pub(super) enum Run {
     /// Of turns and slides, whose rates are the velocities.
     Plain { positions: Range<usize>, velocities: Range<usize> },
     /// The numbers of a quaternion and the angular velocities, from these places on.
@@ -83,18 +83,6 @@ fn runs(model: &Model) -> Vec<Run> {
         }
     }
     runs
-}
-
-/// The factorized tangent of an implicit step.
-enum Tangent {
-    /// Not asked for yet.
-    None,
-    /// In O(n), by sweeps.
-    Sweep(Box<TangentSolver>),
-    /// Dense: where more forces reach across the tree than it has coordinates.
-    Dense(Box<DenseTangent>),
-    /// With loops, drives or gears: bordered by their rows.
-    Bordered(Box<Bordered>),
 }
 
 impl From<Fault> for Failure {
@@ -176,6 +164,9 @@ impl Motion {
     pub fn energies(&mut self, time: f64, q: &[f64], v: &[f64]) -> Energies {
         let mut energies = self.at(time, q, v).energies();
         energies.potential += self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.potential(q));
+        if let Some(contacts) = &mut self.contacts {
+            energies.potential += contacts.potential(&self.system);
+        }
         energies
     }
 
@@ -375,7 +366,7 @@ const SLOW: f64 = 100.0;
 const ON_THE_LIMIT: f64 = 1e-12;
 
 /// `½ p ∘ (0, ω)`: the rate of a quaternion from the angular velocity in the axes it leads from.
-fn half_product(p: &[f64], w: &[f64]) -> [f64; 4] {
+pub(super) fn half_product(p: &[f64], w: &[f64]) -> [f64; 4] {
     [
         0.5 * (-p[1] * w[0] - p[2] * w[1] - p[3] * w[2]),
         0.5 * (p[0] * w[0] + p[2] * w[2] - p[3] * w[1]),
@@ -437,109 +428,5 @@ impl Problem for Motion {
 
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.position_scales, &self.velocity_scales)
-    }
-}
-
-impl ImplicitProblem for Motion {
-    fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
-        for run in &self.runs {
-            match run {
-                Run::Plain { positions, velocities } => {
-                    let known = start[positions.clone()].iter().zip(&v[velocities.clone()]);
-                    q[positions.clone()].iter_mut().zip(known).for_each(|(q, (start, v))| *q = start + step * v);
-                }
-                Run::Ball(at, from) => {
-                    let (at, from) = (*at, *from);
-                    // (1 − ½ h Ω) p = p*, with Ω skew and Ω² = −|ω|²: p = (p* + ½ h Ω p*) / (1 + ¼ h² |ω|²)
-                    let (p, w) = (&start[at..at + 4], &v[from..from + 3]);
-                    let turned = half_product(p, w);
-                    let scale = 1.0 + 0.25 * step * step * w.iter().map(|w| w * w).sum::<f64>();
-                    for i in 0..4 {
-                        q[at + i] = (p[i] + step * turned[i]) / scale;
-                    }
-                }
-            }
-        }
-    }
-
-    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
-        q.copy_from_slice(from);
-        System::displace(self.system.model(), q, by);
-    }
-
-    fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
-        match &mut self.passage {
-            // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
-            Some(passage) if passage.is_near() => {
-                passage.accelerations(&mut self.system, time, q, v, r)?;
-                self.allowed.copy_from_slice(r);
-                let mut at = self.system.at(time, q, v);
-                at.residual(&self.allowed, &mut self.balance)?;
-                at.residual(a, r)?;
-                r.iter_mut().zip(&self.balance).for_each(|(r, allowed)| *r -= allowed);
-            }
-            // The multipliers of this state, see `bordered`.
-            Some(_) => {
-                let mut at = self.system.at(time, q, v);
-                at.accelerations(r)?;
-                at.residual(a, r)?;
-            }
-            None => {
-                self.system.at(time, q, v).residual(a, r)?;
-            }
-        }
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.balance(r);
-        }
-        Ok(())
-    }
-
-    fn reserve(&mut self) {
-        let model = self.system.model();
-        if matches!(self.tangent, Tangent::None) {
-            self.tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
-                (true, _) => Tangent::Bordered(Box::new(Bordered::new(&self.system))),
-                (false, false) => Tangent::Sweep(Box::new(TangentSolver::new(model))),
-                (false, true) => Tangent::Dense(Box::new(DenseTangent::new(model))),
-            };
-        }
-    }
-
-    fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
-        let Point { time, q, v, a } = at;
-        let system = &mut self.system;
-        // Compliant stops push, as they do on the residual.
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, system.outside());
-        }
-        let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(v, c1));
-        let regular = match &mut self.tangent {
-            Tangent::None => false,
-            Tangent::Sweep(solver) => {
-                let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
-                system.at(time, q, v).factorize_tangent(solver, a, &with)?
-            }
-            Tangent::Dense(factors) => system.at(time, q, v).factorize_dense(factors, a, [c1, c2], shift)?,
-            Tangent::Bordered(factors) => {
-                let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
-                factors.factorize(system, at, [c1, c2], shift, weak)?
-            }
-        };
-        match regular {
-            true => Ok(()),
-            false => Err(Failure { message: "the tangent of the implicit step is singular".to_owned() }),
-        }
-    }
-
-    fn solve(&mut self, rhs: &mut [f64]) {
-        match &mut self.tangent {
-            Tangent::None => {}
-            Tangent::Sweep(solver) => solver.solve(rhs),
-            Tangent::Dense(factors) => factors.solve(rhs),
-            Tangent::Bordered(factors) => factors.solve(&mut self.system, rhs),
-        }
     }
 }
