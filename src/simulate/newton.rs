@@ -3,7 +3,7 @@
 use super::bordered::Bordered;
 use super::differenced::{Differenced, Displaced};
 use super::passage::Passage;
-use super::problem::{Motion, Run, half_product};
+use super::problem::Motion;
 use crate::dynamics::{Coefficients, DenseTangent, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point};
 
@@ -44,24 +44,7 @@ impl Motion {
 
 impl ImplicitProblem for Motion {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
-        for run in &self.runs {
-            match run {
-                Run::Plain { positions, velocities } => {
-                    let known = start[positions.clone()].iter().zip(&v[velocities.clone()]);
-                    q[positions.clone()].iter_mut().zip(known).for_each(|(q, (start, v))| *q = start + step * v);
-                }
-                Run::Ball(at, from) => {
-                    let (at, from) = (*at, *from);
-                    // (1 − ½ h Ω) p = p*, with Ω skew and Ω² = −|ω|²: p = (p* + ½ h Ω p*) / (1 + ¼ h² |ω|²)
-                    let (p, w) = (&start[at..at + 4], &v[from..from + 3]);
-                    let turned = half_product(p, w);
-                    let scale = 1.0 + 0.25 * step * step * w.iter().map(|w| w * w).sum::<f64>();
-                    for i in 0..4 {
-                        q[at + i] = (p[i] + step * turned[i]) / scale;
-                    }
-                }
-            }
-        }
+        self.coordinates.implicit(start, step, v, q);
     }
 
     fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
@@ -74,9 +57,6 @@ impl ImplicitProblem for Motion {
             self.accelerations(time, q, v, r)?;
             r.iter_mut().zip(a).for_each(|(r, a)| *r = a - *r);
             return Ok(());
-        }
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
         }
         match &mut self.passage {
             // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
@@ -124,11 +104,8 @@ impl ImplicitProblem for Motion {
             return self.factorize_differenced(at, c1, c2);
         }
         let system = &mut self.system;
-        // Compliant stops push, as they do on the residual.
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, system.outside());
-        }
-        let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(v, c1));
+        let phase = system.phase();
+        let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(phase, v, c1));
         let regular = match &mut self.tangent {
             Tangent::None | Tangent::Differenced(_) => false,
             Tangent::Sweep(solver) => {

@@ -1,17 +1,17 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
 use super::contact::Contacts;
+use super::coordinates::Coordinates;
 use super::error::RunError;
 use super::newton::Tangent;
 use super::passage::Passage;
 use super::state::State;
 use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
-use crate::model::{End, Model, StopLaw};
-use crate::simulate::nonsmooth::{Held, Nonsmooth, Phase, Side, within};
+use crate::model::{End, Model, Side};
+use crate::simulate::nonsmooth::{Held, Nonsmooth, within};
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// [`System`] with what integrators ask for: this and a [`Method`](crate::integrate::Method) step a model by hand.
@@ -40,7 +40,7 @@ use std::sync::Arc;
 /// [`simulate::run`](super::run)'s.
 pub struct Motion {
     pub(super) system: System,
-    pub(super) runs: Vec<Run>,
+    pub(super) coordinates: Coordinates,
     position_scales: Vec<f64>,
     pub(super) velocity_scales: Vec<f64>,
     pub(super) tangent: Tangent,
@@ -53,36 +53,6 @@ pub struct Motion {
     /// Scratch for residuals near those.
     pub(super) allowed: Vec<f64>,
     pub(super) balance: Vec<f64>,
-}
-
-/// Coordinates one after the other.
-pub(super) enum Run {
-    /// Of turns and slides, whose rates are the velocities.
-    Plain { positions: Range<usize>, velocities: Range<usize> },
-    /// The numbers of a quaternion and the angular velocities, from these places on.
-    Ball(usize, usize),
-}
-
-/// The coordinates of a model; a long chain of turns is one run.
-fn runs(model: &Model) -> Vec<Run> {
-    let mut runs = Vec::new();
-    for link in &model.links {
-        let (at, from) = (link.position, link.velocity);
-        if link.joint.is_flex() {
-            let count = link.joint.counts().0;
-            runs.push(Run::Plain { positions: at..at + count, velocities: from..from + count });
-            continue;
-        }
-        match (link.joint.counts().0, runs.last_mut()) {
-            (0, _) => {}
-            (4, _) => runs.push(Run::Ball(at, from)),
-            (_, Some(Run::Plain { positions, velocities })) if positions.end == at && velocities.end == from => {
-                (positions.end, velocities.end) = (at + 1, from + 1);
-            }
-            _ => runs.push(Run::Plain { positions: at..at + 1, velocities: from..from + 1 }),
-        }
-    }
-    runs
 }
 
 impl From<Fault> for Failure {
@@ -110,9 +80,20 @@ impl Motion {
         let nonsmooth = Nonsmooth::new(model);
         let room = |wanted: bool| vec![0.0; if wanted { model.velocity_count() } else { 0 }];
         let (allowed, balance) = (room(passage.is_some()), room(passage.is_some()));
-        let runs = runs(model);
         let contacts = None;
-        Self { system, runs, position_scales, velocity_scales, tangent, nonsmooth, contacts, passage, allowed, balance }
+        let coordinates = Coordinates::new(model);
+        Self {
+            system,
+            coordinates,
+            position_scales,
+            velocity_scales,
+            tangent,
+            nonsmooth,
+            contacts,
+            passage,
+            allowed,
+            balance,
+        }
     }
 
     /// The system at a time (s) and a state, for what is recorded between steps.
@@ -130,14 +111,11 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
-        self.system.pressed().fill(Wrench::ZERO);
         if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
+            self.system.pressed().fill(Wrench::ZERO);
             passage.accelerations(&mut self.system, time, q, v, a)?;
         } else {
-            let mut at = self.system.at(time, q, v);
+            let mut at = self.system.at_without_contact(time, q, v);
             let mut mass = at.accelerations(a)?;
             if let Some(nonsmooth) = &mut self.nonsmooth {
                 nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
@@ -172,38 +150,20 @@ impl Motion {
 
     /// Powers that no potential stands for, stops included.
     pub fn powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
-        // What drives push with depends on what stops push with.
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
         // What drives push with depends on what contacts push with.
         if self.contacts.is_some() && self.accelerations(time, q, v, &mut vec![0.0; v.len()]).is_err() {
             return Powers { input: f64::NAN, dissipated: f64::NAN };
         }
         let mut powers = self.system.at(time, q, v).powers();
         powers.dissipated += self.contacts.as_ref().map_or(0.0, |contacts| contacts.dissipated());
-        powers.dissipated += self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.dissipated(q, v));
+        powers.dissipated +=
+            self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.dissipated(self.system.phase(), q, v));
         powers
     }
 
-    /// What is discrete; `None` for a model without stops and dry friction.
-    pub(super) fn phase(&self) -> Option<&Phase> {
-        self.nonsmooth.as_ref().map(|nonsmooth| &nonsmooth.phase)
-    }
-
-    /// Whether a compliant stop pushes.
-    pub(super) fn pushes(&self, side: Side) -> bool {
-        self.phase().is_some_and(|phase| phase.pushing.contains(&side))
-    }
-
-    /// Lets a compliant stop push from now on, or no longer.
-    pub(super) fn push(&mut self, side: Side, pushes: bool) {
-        if let Some(nonsmooth) = &mut self.nonsmooth {
-            nonsmooth.phase.pushing.retain(|other| *other != side);
-            if pushes {
-                nonsmooth.phase.pushing.push(side);
-            }
-        }
+    /// What stops and dry friction hold at rest.
+    pub(super) fn held(&self) -> &[Held] {
+        self.nonsmooth.as_ref().map_or(&[], |nonsmooth| &nonsmooth.held)
     }
 
     /// Holds these coordinates from now on and no others; with loops, drives and gears those whose rows are linearly
@@ -218,7 +178,7 @@ impl Motion {
         let State { position, velocity } = state;
         let rows = nonsmooth.rows(held, position);
         let mut counts = self.system.at(time, position, velocity).hold(&rows)?.into_iter();
-        nonsmooth.phase.held.retain(|_| counts.next() == Some(true));
+        nonsmooth.held.retain(|_| counts.next() == Some(true));
         passage.start(&mut self.system, time, position, velocity);
         // It has other rows now.
         self.tangent = Tangent::None;
@@ -252,12 +212,10 @@ impl Motion {
         let evaluated = self.accelerations(time, &state.position, &state.velocity, a).is_ok();
         reserves.clear();
         let Some(nonsmooth) = &self.nonsmooth else { return };
-        reserves.extend(nonsmooth.phase.held.iter().enumerate().map(|(index, held)| {
-            match (&self.passage, evaluated) {
-                (_, false) => f64::NAN,
-                (None, true) => nonsmooth.reserve(index) + held.slack,
-                (Some(_), true) => within(held, self.system.held_force(held.velocity)) + held.slack,
-            }
+        reserves.extend(nonsmooth.held.iter().enumerate().map(|(index, held)| match (&self.passage, evaluated) {
+            (_, false) => f64::NAN,
+            (None, true) => nonsmooth.reserve(index) + held.slack,
+            (Some(_), true) => within(held, self.system.held_force(held.velocity)) + held.slack,
         }));
         if !evaluated {
             a.fill(f64::NAN);
@@ -265,15 +223,15 @@ impl Motion {
     }
 
     /// `out` ← what stops push each velocity coordinate with at a state, whose accelerations were the last ones (N or N m). A
-    /// coordinate that rests on a stop and has dry friction is held by both: that is not told apart.
+    /// coordinate that rests on a stop and has dry friction is held by both: the sum is not split.
     pub(super) fn stop_forces(&self, q: &[f64], v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let Some(nonsmooth) = &self.nonsmooth else { return };
-        for side in &nonsmooth.phase.pushing {
+        for side in &self.system.phase().pushing {
             let stop = &nonsmooth.model.stops[side.stop];
             out[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
         }
-        for (index, held) in nonsmooth.phase.held.iter().enumerate().filter(|(_, held)| held.stop.is_some()) {
+        for (index, held) in nonsmooth.held.iter().enumerate().filter(|(_, held)| held.stop.is_some()) {
             out[held.velocity] += match self.passage {
                 None => nonsmooth.held_force(index),
                 Some(_) => self.system.held_force(held.velocity).first().copied().unwrap_or(0.0),
@@ -293,7 +251,7 @@ impl Motion {
                 // What a coordinate moves by in the rounding of time.
                 let rounding = TIMES * f64::EPSILON * time.abs() * state.velocity[stop.velocity].abs();
                 let beyond = !(stop.depth(sign, &state.position) <= self.passing(side).max(rounding));
-                if beyond && matches!(stop.law, StopLaw::Rigid { .. }) {
+                if beyond && stop.is_rigid() {
                     let hinge = self.model().bodies[stop.body].name.clone();
                     let (value, limit) = (state.position[stop.position], stop.limit(sign));
                     return Err(RunError::Passed { time, hinge, value, limit });
@@ -325,10 +283,7 @@ impl Motion {
 
     /// From which speed on spherical hinges slide in the direction of their own angular velocity.
     pub(super) fn set_tolerance(&mut self, tolerance: f64) {
-        let slow = SLOW * REST_SPEEDS * tolerance / self.model().time_scale();
-        if let Some(nonsmooth) = &mut self.nonsmooth {
-            nonsmooth.slow = slow;
-        }
+        self.system.phase_mut().slow = SLOW * REST_SPEEDS * tolerance / self.model().time_scale();
     }
 
     /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
@@ -352,8 +307,6 @@ impl Motion {
     }
 }
 
-/// The square of a quaternion's norm is one up to the rounding of its four numbers.
-const UNIT: f64 = 8.0 * f64::EPSILON;
 /// A rigid stop that is passed by more than this part of its coordinate is passed.
 const PASSED: f64 = 1e-9;
 /// The time of an event is known to so many of its roundings.
@@ -364,16 +317,6 @@ pub(super) const REST_SPEEDS: f64 = 10.0;
 const SLOW: f64 = 100.0;
 /// A coordinate on its limit is known to this part.
 const ON_THE_LIMIT: f64 = 1e-12;
-
-/// `½ p ∘ (0, ω)`: the rate of a quaternion from the angular velocity in the axes it leads from.
-pub(super) fn half_product(p: &[f64], w: &[f64]) -> [f64; 4] {
-    [
-        0.5 * (-p[1] * w[0] - p[2] * w[1] - p[3] * w[2]),
-        0.5 * (p[0] * w[0] + p[2] * w[2] - p[3] * w[1]),
-        0.5 * (p[0] * w[1] + p[3] * w[0] - p[1] * w[2]),
-        0.5 * (p[0] * w[2] + p[1] * w[1] - p[2] * w[0]),
-    ]
-}
 
 impl Problem for Motion {
     fn position_count(&self) -> usize {
@@ -389,28 +332,11 @@ impl Problem for Motion {
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
-        for run in &self.runs {
-            match run {
-                Run::Plain { positions, velocities } => rate[positions.clone()].copy_from_slice(&v[velocities.clone()]),
-                Run::Ball(at, from) => {
-                    rate[*at..at + 4].copy_from_slice(&half_product(&q[*at..at + 4], &v[*from..from + 3]));
-                }
-            }
-        }
+        self.coordinates.rate(q, v, rate);
     }
 
     fn normalize(&self, q: &mut [f64]) {
-        for run in &self.runs {
-            if let Run::Ball(at, _) = run {
-                let p = &mut q[*at..at + 4];
-                let square = p.iter().map(|x| x * x).sum::<f64>();
-                // What has been normalised stays, so that a state is the same whoever takes it up again.
-                if (square - 1.0).abs() > UNIT {
-                    let norm = square.sqrt();
-                    p.iter_mut().for_each(|x| *x /= norm);
-                }
-            }
-        }
+        self.coordinates.normalize(q);
     }
 
     fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {

@@ -18,7 +18,7 @@ use super::problem::Motion;
 use super::settings::Settings;
 use super::state::State;
 use crate::integrate::{Progress, Start, StepError, Stepper};
-use crate::model::{Model, StopLaw};
+use crate::model::Model;
 use crate::record::ContactPush;
 use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap, with_contacts};
 use std::sync::Arc;
@@ -47,7 +47,7 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
     let Some(rule) = model.contacts.first() else { return Ok(None) };
     let refuse = |why: String| RunError::Contact { name: rule.name.clone(), why };
     // What is compliant moves into what bears it.
-    let compliant = model.contacts.iter().any(|rule| matches!(rule.law, StopLaw::Compliant { .. }));
+    let compliant = model.contacts.iter().any(|rule| !rule.law.is_rigid());
     let moves = compliant || state.velocity.iter().any(|v| *v != 0.0) || !is_steady(model);
     let found = match moves {
         true => overlap(model, settings.gap, &state.position).map(|()| None),
