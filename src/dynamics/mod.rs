@@ -123,7 +123,7 @@ pub enum Fault {
         method: &'static str,
     },
     /// Something that knows rigid bodies only.
-    #[error("`{method}` knows no flexible beams and no hinges along curves")]
+    #[error("`{method}` knows no flexible beams, no modal bodies and no hinges along curves")]
     Flexible {
         /// Its name.
         method: &'static str,

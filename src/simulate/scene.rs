@@ -4,7 +4,7 @@ use crate::force::{Act, Picture};
 use crate::hinge::{HingeKind, Names};
 use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Beam, BeamElement, Body, End, Loop, Model, Output};
+use crate::model::{Beam, BeamElement, Body, End, Loop, ModalBody, Model, Output};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -28,7 +28,7 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
                 name: (*name).to_owned(),
                 unit: (*unit).to_owned(),
             });
-            of_hinge.chain(strains(model, body, units)).collect::<Vec<_>>()
+            of_hinge.chain(strains(model, body, units)).chain(modal(model, body, units)).collect::<Vec<_>>()
         };
         by_position.iter().flat_map(of_body).collect()
     };
@@ -37,7 +37,11 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     Scene {
         title: model.title.clone(),
         bodies: bodies(model),
-        lines: springs.chain(rods).chain(model.beams.iter().map(beam)).collect(),
+        lines: springs
+            .chain(rods)
+            .chain(model.beams.iter().map(beam))
+            .chain(model.modals.iter().flat_map(arms))
+            .collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(HingeKind::positions, ["m", "rad"]),
         velocities: channels(HingeKind::velocities, ["m/s", "rad/s"]),
@@ -82,6 +86,28 @@ fn beam(beam: &Beam) -> LinePicture {
     let bodies = std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body));
     let ends = bodies.map(|body| (Some(body), [0.0; 3])).collect();
     LinePicture { name: beam.name.clone(), ends, spring: None, pulls_only: beam.is_cable }
+}
+
+/// A modal body is drawn as lines from its root to its other interfaces.
+fn arms(modal: &ModalBody) -> impl Iterator<Item = LinePicture> + '_ {
+    modal.tips.iter().zip(&modal.modal.tips).map(|(body, tip)| LinePicture {
+        name: format!("{}.{}", modal.name, tip.name),
+        ends: vec![(Some(modal.root), [0.0; 3]), (Some(*body), [0.0; 3])],
+        spring: None,
+        pulls_only: false,
+    })
+}
+
+/// The channels of the coordinates of a modal body, if a body has those: displacements and turns of its interfaces, amplitudes of
+/// its modes.
+fn modal(model: &Model, body: &Body, [length, angle]: [&str; 2]) -> Vec<Channel> {
+    let Some(modal) = model.links[body.link].joint.modal().filter(|_| body.is_element) else { return Vec::new() };
+    let channel = |(name, is_length): &(String, bool)| Channel {
+        body: body.name.clone(),
+        name: name.clone(),
+        unit: if *is_length { length } else { angle }.to_owned(),
+    };
+    model.modals[modal].modal.coordinates.iter().map(channel).collect()
 }
 
 /// One channel for each coordinate of the flexible element that ends at a body, if one does: `bend_y_0` is the mean, `bend_y_1`
