@@ -208,7 +208,8 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("clap_complete", &["cli"]),
     ("clap_mangen", &["cli"]),
     ("plotters", &["cli"]),
-    ("zip", &["cli"]),
+    // `fem` for archives of NumPy arrays.
+    ("zip", &["cli", "fem"]),
     ("gif", &["cli"]),
     ("resvg", &["record"]),
     ("allocator_api2", &["pages"]),
