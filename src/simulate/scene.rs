@@ -15,6 +15,8 @@ const THIN: f64 = 0.01;
 /// The ends of a beam's and of a cable's elements are drawn as balls of this part of its length.
 const POINT: f64 = 0.004;
 const CABLE_POINT: f64 = 0.002;
+/// And the interfaces of a modal body of this part of the distance of the furthest one from its root.
+const MODAL_POINT: f64 = 0.01;
 
 /// The still part of a recording whose structure does not change.
 pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
@@ -53,23 +55,37 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     }
 }
 
-/// All bodies; those of a beam are points of its line.
+/// All bodies; those of a beam are points of its line, those of a modal body its interfaces.
 fn bodies(model: &Model) -> Vec<BodyPicture> {
     let mut pictures: Vec<_> = model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect();
+    for modal in &model.modals {
+        let length = modal.modal.tips.iter().map(|tip| tip.place.norm()).fold(modal.modal.center().norm(), f64::max);
+        // What is drawn of the root is its shapes, if it has some: rods to its markers would show where the interfaces were.
+        let is_bare = |body: &&usize| pictures[**body].shapes.is_empty();
+        let bodies = [modal.root, modal.inner];
+        let all: Vec<usize> = bodies.iter().chain(&modal.tips).filter(is_bare).copied().collect();
+        all.into_iter().for_each(|body| pictures[body].shapes = vec![ball(MODAL_POINT * length)]);
+    }
     for beam in &model.beams {
-        let point = ShapePicture {
-            kind: "sphere".to_owned(),
-            size: vec![if beam.is_cable { CABLE_POINT } else { POINT } * beam.length / (1.0 + turns(model, beam))],
-            file: None,
-            position: [0.0; 3],
-            quaternion: [1.0, 0.0, 0.0, 0.0],
-            color: None,
-        };
+        let size = if beam.is_cable { CABLE_POINT } else { POINT } * beam.length / (1.0 + turns(model, beam));
+        let point = ball(size);
         for body in std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body)) {
             pictures[body].shapes = vec![point.clone()];
         }
     }
     pictures
+}
+
+/// A ball about the root marker of its body.
+fn ball(radius: f64) -> ShapePicture {
+    ShapePicture {
+        kind: "sphere".to_owned(),
+        size: vec![radius],
+        file: None,
+        position: [0.0; 3],
+        quaternion: [1.0, 0.0, 0.0, 0.0],
+        color: None,
+    }
 }
 
 /// How often a beam goes around without strain: one that is wound up is that much smaller than it is long.

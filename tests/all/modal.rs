@@ -2,6 +2,8 @@
 
 mod reading;
 mod reduction;
+#[cfg(feature = "import")]
+mod scene;
 mod spinning;
 mod sweeps;
 
