@@ -5,25 +5,26 @@ mod stepper;
 mod touching;
 mod turning;
 
+use super::asked::Asked;
 use super::choice::Choice;
-use super::control::{Control, Function};
+use super::control::Control;
 use super::dead_centre;
 use super::error::{RunError, component_name, named};
 use super::events::{Events, Hit, Kind, Occurrence};
 use super::finite;
-use super::instant::{self, sides};
+use super::instant;
 use super::ledger::{Booked, Ledger, interpolate};
 use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
 use super::resting;
 use super::sampler::Sampler;
-use super::search::Search;
 use super::settings::{Integrator, Resume, Settings};
 use super::state::State;
 use super::stiffness::fastest;
 use super::timetable::Timetable;
 use crate::integrate::{Method, Statistics, Stepper};
-use crate::model::{Model, StopLaw};
+use crate::model::Model;
+use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
 use crate::spatial::Pose;
 use std::sync::Arc;
@@ -88,7 +89,7 @@ pub struct Summary {
     pub inputs: Vec<f64>,
     /// What the controllers remember at the end, in the order of the model.
     pub memories: Vec<Vec<f64>>,
-    /// Blows between bodies.
+    /// Impacts between bodies.
     pub impacts: usize,
     /// Steps that captured contacts instead of following their events.
     pub capture_steps: usize,
@@ -102,18 +103,13 @@ pub struct Summary {
 ///
 /// # Errors
 /// As [`super::run`].
-#[expect(clippy::too_many_arguments, reason = "those of a run, and what it goes on from")]
 pub(super) fn run_one(
     model: &Arc<Model>,
-    settings: &Settings,
-    rate: f64,
     start: &State,
-    recorder: &mut dyn Recorder,
-    go_on: &mut dyn FnMut(f64, &State) -> bool,
-    search: Search,
-    function: Option<Function<'_>>,
+    asked: Asked<'_, '_>,
     booked: Option<&Booked>,
 ) -> Result<Summary, RunError> {
+    let Asked { settings, rate, recorder, go_on, search, function } = asked;
     let given = model;
     let (begin, end) = (settings.begin(), end(model, settings));
     let mut motion = Motion::new(model);
@@ -165,7 +161,9 @@ pub(super) fn run_one(
         choice: None,
         statistics: Statistics::default(),
         events,
-        turns: Turns::new(sides(&motion).len() + model.hinge_friction.len() + motion.system.boundaries().count()),
+        turns: Turns::new(
+            sides(&model.stops).count() + model.hinge_friction.len() + motion.system.boundaries().count(),
+        ),
         happened: Vec::new(),
         stopped_by: None,
         timetable: Timetable::new(model, [begin, end]),
@@ -464,7 +462,7 @@ fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
         let value = start.position[stop.position];
         let slack = ON_THE_LIMIT * value.abs().max(1.0);
         let beyond = value < stop.range[0] - slack || value > stop.range[1] + slack;
-        if beyond && matches!(stop.law, StopLaw::Rigid { .. }) {
+        if beyond && stop.is_rigid() {
             let hinge = model.bodies[stop.body].name.clone();
             return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] });
         }

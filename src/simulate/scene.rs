@@ -2,9 +2,11 @@
 
 use crate::force::{Act, Picture};
 use crate::hinge::{HingeKind, Names};
+use crate::model::beam::Section;
 use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
 use crate::model::{Beam, BeamElement, Body, End, Loop, ModalBody, Model, Output};
+use crate::record::beam::{BeamPicture, ElementPicture, SectionPicture};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -39,11 +41,8 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     Scene {
         title: model.title.clone(),
         bodies: bodies(model),
-        lines: springs
-            .chain(rods)
-            .chain(model.beams.iter().map(beam))
-            .chain(model.modals.iter().flat_map(arms))
-            .collect(),
+        lines: springs.chain(rods).chain(model.modals.iter().flat_map(arms)).collect(),
+        beams: model.beams.iter().map(|one| beam(model, one)).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(HingeKind::positions, ["m", "rad"]),
         velocities: channels(HingeKind::velocities, ["m/s", "rad/s"]),
@@ -55,7 +54,8 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     }
 }
 
-/// All bodies; those of a beam are points of its line, those of a modal body its interfaces.
+/// All bodies; those of a beam are points of its centre line, for viewers that know no beams, those of a modal body its
+/// interfaces.
 fn bodies(model: &Model) -> Vec<BodyPicture> {
     let mut pictures: Vec<_> = model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect();
     for modal in &model.modals {
@@ -67,8 +67,7 @@ fn bodies(model: &Model) -> Vec<BodyPicture> {
         all.into_iter().for_each(|body| pictures[body].shapes = vec![ball(MODAL_POINT * length)]);
     }
     for beam in &model.beams {
-        let size = if beam.is_cable { CABLE_POINT } else { POINT } * beam.length / (1.0 + turns(model, beam));
-        let point = ball(size);
+        let point = ball(thickness(model, beam));
         for body in std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body)) {
             pictures[body].shapes = vec![point.clone()];
         }
@@ -97,11 +96,40 @@ fn turns(model: &Model, beam: &Beam) -> f64 {
     beam.elements.iter().map(turned).sum::<f64>() / std::f64::consts::TAU
 }
 
-/// A beam is drawn through the ends of its elements, a cable as ropes are.
-fn beam(beam: &Beam) -> LinePicture {
-    let bodies = std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body));
-    let ends = bodies.map(|body| (Some(body), [0.0; 3])).collect();
-    LinePicture { name: beam.name.clone(), ends, spring: None, pulls_only: beam.is_cable }
+/// A beam is drawn by its sections; one without a size as a wire.
+fn beam(model: &Model, beam: &Beam) -> BeamPicture {
+    let element = |element: &BeamElement| {
+        let rod = &model.rods[element.rod];
+        ElementPicture {
+            body: element.body,
+            from: element.from,
+            length: rod.length,
+            degree: beam.degree,
+            free: rod.free_strains().collect(),
+            reference: rod.reference().iter().map(|of| (*of).into()).collect(),
+        }
+    };
+    let section = |(at, section): &(f64, Section)| {
+        let (kind, size) = match *section {
+            Section::Circle { radius } => ("circle", vec![radius]),
+            Section::Tube { outer, inner } => ("tube", vec![outer, inner]),
+            Section::Rectangle { width, height } => ("rectangle", vec![width, height]),
+            Section::Stiffness(_) => ("wire", vec![thickness(model, beam)]),
+        };
+        SectionPicture { at: *at, kind: kind.to_owned(), size }
+    };
+    BeamPicture {
+        name: beam.name.clone(),
+        begin: beam.begin,
+        elements: beam.elements.iter().map(element).collect(),
+        sections: beam.sections.iter().map(section).collect(),
+    }
+}
+
+/// The radius that a beam without a size is drawn with (m).
+fn thickness(model: &Model, beam: &Beam) -> f64 {
+    let part = if beam.is_cable { CABLE_POINT } else { POINT };
+    part * beam.length / (1.0 + turns(model, beam))
 }
 
 /// A modal body is drawn as lines from its root to its other interfaces.

@@ -18,6 +18,8 @@
 #[cfg(not(feature = "view"))]
 mod absent;
 #[cfg(feature = "view")]
+mod beams;
+#[cfg(feature = "view")]
 mod bounds;
 #[cfg(feature = "view")]
 mod camera;
