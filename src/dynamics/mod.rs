@@ -122,7 +122,7 @@ pub enum Fault {
     },
     /// Something that knows rigid bodies only.
     #[error(
-        "`{method}` has a pose of its own for every body, and beams and curves have coordinates between bodies: it knows neither; \
+        "`{method}` has a pose of its own for every body, and beams, modal bodies and curves have coordinates between bodies: it knows none of them; \
          `relaxation` does"
     )]
     Flexible {

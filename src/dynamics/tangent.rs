@@ -5,7 +5,7 @@ use super::border::{Border, PER_LINK};
 use super::sparse::Sparse;
 use super::{Evaluated, Fault, System};
 use crate::force::Act;
-use crate::model::{End, Model};
+use crate::model::{End, Joint, Model};
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::sparse::SparseRows;
@@ -68,6 +68,11 @@ struct Reach {
     far: Option<usize>,
 }
 
+/// Whether a link is the frame or an interface of a modal body.
+fn is_of_modal(joint: &Joint) -> bool {
+    joint.modal().is_some() || joint.interface().is_some()
+}
+
 impl Reach {
     fn of(ends: &[End]) -> Self {
         let mut links = Vec::new();
@@ -87,6 +92,8 @@ impl Reach {
             [] | [_] => true,
             // The tip of an element is coupled to its root through stations.
             [a, b] if [a, b].iter().any(|link| model.links[*link].joint.rod().is_some()) => false,
+            // An interface is coupled to the frame through coordinates that other interfaces share.
+            [a, b] if [a, b].iter().any(|link| is_of_modal(&model.links[*link].joint)) => false,
             [a, b] => parent(a) == b || parent(b) == a,
             _ => false,
         }
@@ -169,7 +176,7 @@ impl TangentSolver {
     /// has no flexible elements.
     pub fn is_sparse(model: &Model) -> bool {
         let (n, sides) = (model.velocity_count(), bordering_sides(model));
-        if n <= SMALL || sides == 0 || !model.rods.is_empty() {
+        if n <= SMALL || sides == 0 || !model.rods.is_empty() || !model.modals.is_empty() {
             return false;
         }
         let pairs: Vec<Pair> = reaches(model).flat_map(|element| element.pairs().collect::<Vec<_>>()).collect();

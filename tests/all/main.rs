@@ -43,6 +43,7 @@ mod loops;
 mod measures;
 mod mesh_contact;
 mod mjcf;
+mod modal;
 mod named;
 mod nets;
 mod no_allocation;

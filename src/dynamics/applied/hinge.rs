@@ -6,6 +6,7 @@
 //! ```
 
 use crate::element::Rod;
+use crate::element::modal::Modal;
 use crate::model::{Coordinate, Link, Model};
 use crate::motion::unit_quaternion;
 use crate::spatial::rotation::{rotation_vector, torsion_spring};
@@ -23,6 +24,12 @@ pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
         for i in 0..rod.count() {
             let damped = if rod.damping == 0.0 { 0.0 } else { rod.damping * rod.elastic(i, velocity) };
             tau[link.velocity + i] -= rod.elastic(i, position) + damped;
+        }
+    });
+    modals(model, |first, modal| {
+        for i in 0..modal.count() {
+            let to = first.velocity + i;
+            tau[to] -= modal.elastic(i, &q[first.position..]) + modal.damped(i, &v[first.velocity..]);
         }
     });
     if !springs {
@@ -49,6 +56,13 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
         for i in 0..rod.count() {
             let damped = if rod.damping == 0.0 || dv.is_empty() { 0.0 } else { rod.damping * part(dv, i) };
             out[link.velocity + i] -= damped + if dq.is_empty() { 0.0 } else { part(dq, i) };
+        }
+    });
+    modals(model, |first, modal| {
+        for i in 0..modal.count() {
+            let to = first.velocity + i;
+            out[to] -= dv.get(first.velocity..).map_or(0.0, |own| modal.damped(i, own));
+            out[to] -= dq.get(first.velocity..).map_or(0.0, |own| modal.elastic(i, own));
         }
     });
     if dq.is_empty() {
@@ -91,6 +105,7 @@ pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
         let own = &q[link.position..link.position + rod.count()];
         sum += own.iter().enumerate().map(|(i, x)| 0.5 * x * rod.elastic(i, own)).sum::<f64>();
     });
+    modals(model, |first, modal| sum += modal.elastic_energy(&q[first.position..first.position + modal.count()]));
     for link in &model.links {
         if link.joint.is_scalar() {
             sum -= model.coordinates[link.velocity].force * q[link.position];
@@ -105,6 +120,7 @@ pub(super) fn dissipated(model: &Model, v: &[f64]) -> f64 {
         let own = &v[link.velocity..link.velocity + rod.count()];
         sum += rod.damping * own.iter().enumerate().map(|(i, x)| x * rod.elastic(i, own)).sum::<f64>();
     });
+    modals(model, |first, modal| sum += modal.dissipated(&v[first.velocity..first.velocity + modal.count()]));
     sum
 }
 
@@ -126,6 +142,11 @@ fn rods(model: &Model, mut each: impl FnMut(&Link, &Rod)) {
             each(link, &model.rods[rod]);
         }
     }
+}
+
+/// The modal bodies with the links of their coordinates.
+fn modals(model: &Model, mut each: impl FnMut(&Link, &Modal)) {
+    model.modals.iter().for_each(|body| each(&model.links[body.link], &body.modal));
 }
 
 fn for_springs(model: &Model, mut each: impl FnMut(&Link, &[Coordinate])) {
