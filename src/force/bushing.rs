@@ -137,9 +137,28 @@ impl Act for BushingLaw {
     }
 
     fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        let [on_a, on_b] = State::of(self, links).vary(links, by);
+        let state = State::of(self, links);
+        let [on_a, on_b] = state.vary(&state.elastic(), links, by);
         give(0, on_a);
         give(1, on_b);
+    }
+
+    fn vary_each(
+        &self,
+        links: &[LinkMotion],
+        by: &mut [LinkVariation],
+        (link, variations): (usize, &[LinkVariation]),
+        give: &mut impl FnMut(usize, usize, Wrench),
+    ) {
+        let state = State::of(self, links);
+        let elastic = state.elastic();
+        for (index, variation) in variations.iter().enumerate() {
+            by[link] = *variation;
+            let [on_a, on_b] = state.vary(&elastic, links, by);
+            give(index, 0, on_a);
+            give(index, 1, on_b);
+        }
+        by[link] = LinkVariation::default();
     }
 
     fn potential(&self, links: &[LinkMotion]) -> f64 {
@@ -161,6 +180,13 @@ impl Act for BushingLaw {
     fn picture(&self) -> Picture<'_> {
         Picture::Line { through: &self.ends, spring: None, pulls_only: false }
     }
+}
+
+/// Its force on B, the torque of its torsion spring there, and the tangent of that spring in the axes of B.
+struct Elastic {
+    force: Vector3<f64>,
+    torque: Vector3<f64>,
+    tangent: Matrix3<f64>,
 }
 
 /// A bushing at one instant.
@@ -230,7 +256,13 @@ impl<'a> State<'a> {
         ]
     }
 
-    fn vary(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [Wrench; 2] {
+    /// What every variation needs of it.
+    fn elastic(&self) -> Elastic {
+        let (spring, tangent) = torsion_spring(&self.relative, self.law.turn_stiffness, self.law.turn_preload);
+        Elastic { force: self.force(), torque: self.axes[1] * spring, tangent }
+    }
+
+    fn vary(&self, elastic: &Elastic, links: &[LinkMotion], by: &[LinkVariation]) -> [Wrench; 2] {
         let ends = [self.law.ends[0].link, self.law.ends[1].link];
         let [a, b] = [0, 1].map(|i| self.points[i].vary(&links[ends[i]], &by[ends[i]]));
         let (turn_a, turn_b) = (by[ends[0]].turn, by[ends[1]].turn);
@@ -242,18 +274,16 @@ impl<'a> State<'a> {
         let spin = by[ends[1]].angular_velocity - by[ends[0]].angular_velocity;
         // In axes that turn with A: δ(F diag Fᵀ y) = δθ × (F diag Fᵀ y) + F diag Fᵀ (δy − δθ × y)
         let seen = |y: &Vector3<f64>, delta: &Vector3<f64>| delta - turn_a.cross(y);
-        let total = self.force();
-        let force = turn_a.cross(&total)
+        let Elastic { force: total, torque: spring, tangent } = elastic;
+        let force = turn_a.cross(total)
             - self.in_axes(&self.law.stiffness, &seen(&self.between, &between))
             - self.in_axes(&self.law.damping, &seen(&self.slip, &slip));
-        let (spring, tangent) = torsion_spring(&self.relative, self.law.turn_stiffness, self.law.turn_preload);
-        let elastic = self.axes[1] * spring;
         let damper = -self.in_axes(&self.law.turn_damping, &self.spin);
-        let torque = turn_b.cross(&elastic)
+        let torque = turn_b.cross(spring)
             + self.axes[1] * (tangent * self.axes[1].tr_mul(&(turn_b - turn_a)))
             + turn_a.cross(&damper)
             - self.in_axes(&self.law.turn_damping, &seen(&self.spin, &spin));
-        self.pair(force, torque, -(a.arm + between).cross(&total), b.arm.cross(&total))
+        self.pair(force, torque, -(a.arm + between).cross(total), b.arm.cross(total))
     }
 
     fn magnitude(&self) -> Magnitude {

@@ -6,6 +6,7 @@
 //! files is declared in [`crate::scenario::format`].
 
 pub mod end;
+pub mod lanes;
 pub mod question;
 mod segment;
 pub mod table;
@@ -98,6 +99,16 @@ macro_rules! kinds {
 
             fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
                 match self { $(Self::$kind(law) => law.vary(links, by, give),)+ }
+            }
+
+            fn vary_each(
+                &self,
+                links: &[LinkMotion],
+                by: &mut [LinkVariation],
+                moved: (usize, &[LinkVariation]),
+                give: &mut impl FnMut(usize, usize, Wrench),
+            ) {
+                match self { $(Self::$kind(law) => law.vary_each(links, by, moved, give),)+ }
             }
 
             fn potential(&self, links: &[LinkMotion]) -> f64 {

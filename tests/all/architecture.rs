@@ -132,6 +132,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "record",
             "scenario",
             "simulate",
+            // `spatial` for how many cases go side by side.
+            "spatial",
             "statics",
             "whole_file",
         ],

@@ -17,6 +17,7 @@ mod creep;
 mod derivatives;
 mod diagnostics;
 mod documents;
+mod ensembles;
 mod events;
 mod examples;
 mod faults;
