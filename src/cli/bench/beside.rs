@@ -60,7 +60,9 @@ impl Beside {
             for (lane, (stepper, motion)) in steppers.iter_mut().zip(&mut *motions).enumerate() {
                 let Ok(asked) = stepper.ask(motion) else { return false };
                 time[lane] = asked;
-                q.iter_mut().chain(&mut *v).zip(stepper.asked()).for_each(|(to, x)| to[lane] = *x);
+                let (at, rates) = stepper.asked().split_at(q.len());
+                q.iter_mut().zip(at).for_each(|(to, x)| to[lane] = *x);
+                v.iter_mut().zip(rates).for_each(|(to, x)| to[lane] = *x);
             }
             if ensemble.accelerations(&[true; WIDTH], time, (q, v), a).is_err() {
                 return false;

@@ -73,8 +73,9 @@ pub fn run_together(
                     continue;
                 }
             }
-            let asked = own.stepper.asked();
-            q.iter_mut().chain(&mut v).zip(asked).for_each(|(to, x)| to[lane] = *x);
+            let (at, rates) = own.stepper.asked().split_at(q.len());
+            q.iter_mut().zip(at).for_each(|(to, x)| to[lane] = *x);
+            v.iter_mut().zip(rates).for_each(|(to, x)| to[lane] = *x);
         }
         let asked = lanes.each_ref().map(Option::is_some);
         if asked == [false; WIDTH] {
