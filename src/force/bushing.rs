@@ -38,7 +38,7 @@ pub struct Bushing {
 pub struct BushingLaw {
     ends: [End; 2],
     /// The bushing's axes in both links: `link_from_bushing`.
-    frames: [UnitQuaternion<f64>; 2],
+    frames: [Matrix3<f64>; 2],
     /// Along (N/m).
     stiffness: Vector3<f64>,
     /// About (N m/rad).
@@ -93,9 +93,10 @@ impl Describe for Bushing {
     fn compile(&self, carriers: &[Carrier]) -> BushingLaw {
         let along = |six: &[f64; 6]| Vector3::new(six[0], six[1], six[2]);
         let about = |six: &[f64; 6]| Vector3::new(six[3], six[4], six[5]);
+        let frame = |carrier: &Carrier| *(carrier.turn * self.frame).to_rotation_matrix().matrix();
         BushingLaw {
             ends: [carriers[0].end, carriers[1].end],
-            frames: [carriers[0].turn * self.frame, carriers[1].turn * self.frame],
+            frames: [frame(&carriers[0]), frame(&carriers[1])],
             stiffness: along(&self.stiffness),
             turn_stiffness: about(&self.stiffness),
             damping: along(&self.damping),
@@ -209,7 +210,7 @@ impl<'a> State<'a> {
         let ends = &law.ends;
         let points = [Anchor::of(&ends[0], links), Anchor::of(&ends[1], links)];
         let links = [&links[ends[0].link], &links[ends[1].link]];
-        let axes = [0, 1].map(|i| links[i].turn * law.frames[i].to_rotation_matrix().matrix());
+        let axes = [links[0].turn * law.frames[0], links[1].turn * law.frames[1]];
         let between = points[1].position - points[0].position;
         let carrier_spin = links[0].angular_velocity;
         Self {
@@ -264,7 +265,8 @@ impl<'a> State<'a> {
 
     fn vary(&self, elastic: &Elastic, links: &[LinkMotion], by: &[LinkVariation]) -> [Wrench; 2] {
         let ends = [self.law.ends[0].link, self.law.ends[1].link];
-        let [a, b] = [0, 1].map(|i| self.points[i].vary(&links[ends[i]], &by[ends[i]]));
+        let a = self.points[0].vary(&links[ends[0]], &by[ends[0]]);
+        let b = self.points[1].vary(&links[ends[1]], &by[ends[1]]);
         let (turn_a, turn_b) = (by[ends[0]].turn, by[ends[1]].turn);
         let between = b.position - a.position;
         let slip = b.velocity
