@@ -7,7 +7,6 @@ use crate::spatial::lanes::{
     LaneVector, LaneWrench, Lanes, LinkLanes, WIDTH, all, cross, cross_add, difference, dot, each, each_vector, fma,
     scale_add, scaled, sum, times,
 };
-use nalgebra::Vector3;
 
 /// A point on a link.
 #[derive(Debug, Clone, Copy)]
@@ -87,8 +86,7 @@ impl LoadLanes {
     /// One load of every system; `None` if they are on different links, in different axes or follow a table over time.
     pub fn of(laws: [&LoadLaw; WIDTH]) -> Option<Self> {
         let numbers = laws.map(LoadLaw::numbers);
-        let all_steady: Option<Vec<(End, [Vector3<f64>; 2], bool)>> = numbers.into_iter().collect();
-        let numbers = all_steady?;
+        let numbers = numbers.into_iter().collect::<Option<Vec<_>>>()?;
         let follows = numbers[0].2;
         let on = Point::of(std::array::from_fn(|lane| &numbers[lane].0))?;
         let part = |i: usize| each_vector(|lane| numbers[lane].1[i]);
