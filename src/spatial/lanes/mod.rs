@@ -41,7 +41,7 @@ pub struct LaneWrench {
     pub moment: LaneVector,
 }
 
-/// The same number in every lane.
+/// One number in every lane.
 #[inline(always)]
 pub fn all(x: f64) -> Lanes {
     Lanes::splat(x)

@@ -1,4 +1,4 @@
-//! The same sweeps for several trees at once: models of one structure that differ in their numbers, one in each lane of the registers.
+//! Sweeps over several trees at once: models of one structure that differ in their numbers, one in each lane of the registers.
 //!
 //! Read [`plain`](super::plain) beside it: the equations are those of [`super`], and every number of theirs is one of each model
 //! ([`crate::spatial::lanes`]). Nothing is shared but the structure: masses, arms, axes, springs and gravity are each model's own.
