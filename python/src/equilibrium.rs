@@ -68,6 +68,28 @@ impl Equilibrium {
         text
     }
 
+    fn listed(&self) -> Vec<Mode> {
+        let Some(stability) = &self.held.found.stability else { return Vec::new() };
+        if stability.damped.is_empty() {
+            let undamped = stability.modes.iter();
+            return undamped
+                .map(|mode| Mode {
+                    frequency: if mode.growth_rate == 0.0 { mode.frequency_hz } else { 0.0 },
+                    damping_ratio: 0.0,
+                    decay_rate: -mode.growth_rate,
+                })
+                .collect();
+        }
+        let damped = stability.damped.iter();
+        damped
+            .map(|mode| Mode {
+                frequency: mode.frequency_hz,
+                damping_ratio: mode.damping_ratio,
+                decay_rate: mode.decay_rate,
+            })
+            .collect()
+    }
+
     fn text(&self) -> &str {
         self.json.get_or_init(|| {
             stillpoint::cli::statics_answer(&self.held.model, &self.held.found, self.wall.as_secs_f64()).to_string()
@@ -95,28 +117,10 @@ impl Equilibrium {
         self.held.found.stability.as_ref().map(|stability| stability.verdict.name())
     }
 
-    /// Small motions, slowest first: damped ones where there is damping.
+    /// Small motions, slowest first: damped ones where there is damping. A list that is a table, too.
     #[getter]
-    fn modes(&self) -> Vec<Mode> {
-        let Some(stability) = &self.held.found.stability else { return Vec::new() };
-        if stability.damped.is_empty() {
-            let undamped = stability.modes.iter();
-            return undamped
-                .map(|mode| Mode {
-                    frequency: if mode.growth_rate == 0.0 { mode.frequency_hz } else { 0.0 },
-                    damping_ratio: 0.0,
-                    decay_rate: -mode.growth_rate,
-                })
-                .collect();
-        }
-        let damped = stability.damped.iter();
-        damped
-            .map(|mode| Mode {
-                frequency: mode.frequency_hz,
-                damping_ratio: mode.damping_ratio,
-                decay_rate: mode.decay_rate,
-            })
-            .collect()
+    fn modes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("stillpoint._table")?.call_method1("Modes", (self.listed(),))
     }
 
     /// Undamped frequencies (Hz), ascending.

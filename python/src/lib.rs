@@ -1,10 +1,12 @@
 //! stillpoint from Python. Scenes are immutable and shared, results are arrays that nothing else writes to, and everything
 //! that takes time lets other Python threads run and heeds Ctrl-C.
 
+mod arrow;
 mod batch;
 mod control;
 mod dynamics;
 mod equilibrium;
+mod fit;
 mod interrupt;
 mod linear;
 mod path;
@@ -59,5 +61,6 @@ fn _stillpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scene::load, module)?)?;
     module.add_function(wrap_pyfunction!(scene::parse, module)?)?;
     module.add_function(wrap_pyfunction!(run::open, module)?)?;
+    module.add_function(wrap_pyfunction!(arrow::arrow_stream, module)?)?;
     module.add_function(wrap_pyfunction!(program, module)?)
 }

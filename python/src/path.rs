@@ -1,11 +1,12 @@
 //! Paths of equilibria.
 
+use crate::arrow::arrow_stream;
 use crate::interrupt::Interrupt;
 use crate::scene::frozen;
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::{PyKeyError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyCapsule, PyDict, PyList};
 use stillpoint::scenario::Scenario;
 use stillpoint::statics::path;
 use stillpoint::suggest::closest;
@@ -157,6 +158,33 @@ impl Branch {
 
     fn __len__(&self) -> usize {
         self.branch().points.len()
+    }
+
+    /// Names of outputs and coordinates.
+    fn keys(&self) -> Vec<String> {
+        let of = self.of.get();
+        of.outputs.iter().chain(&of.coordinates).cloned().collect()
+    }
+
+    /// What moves, outputs, coordinates, potential energy and verdicts as a table, for programs that speak Arrow.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        let _ = requested_schema;
+        let of = self.of.get();
+        let mut columns = vec![(of.parameter.clone(), self.parameter(py)?.into_any())];
+        for name in self.keys() {
+            if !columns.iter().any(|(other, _)| *other == name) {
+                let numbers = self.__getitem__(py, &name)?.into_any();
+                columns.push((name, numbers));
+            }
+        }
+        columns.push(("potential".to_owned(), self.potential(py)?.into_any()));
+        columns.push(("verdict".to_owned(), PyList::new(py, self.verdicts())?.into_any()));
+        arrow_stream(py, columns)
     }
 
     fn __repr__(&self) -> String {

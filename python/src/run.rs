@@ -1,13 +1,14 @@
 //! Runs as arrays, and the recordings that they become.
 
 use crate::RunError;
+use crate::arrow::{self, Column};
 use crate::control::{Controller, Failed};
 use crate::interrupt::Interrupt;
 use crate::recorder::{self, Columns};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::{PyKeyError, PyMemoryError, PyOSError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyList};
+use pyo3::types::{IntoPyDict, PyBytes, PyCapsule, PyDict, PyList};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -235,6 +236,27 @@ impl Run {
 
     fn keys(&self) -> Vec<&str> {
         self.columns()
+    }
+
+    /// The samples as a table, the time first, for programs that speak Arrow: `polars.DataFrame(run)`. Nothing is copied.
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        let _ = requested_schema;
+        let column = |(name, unit): (&str, &str), values: &Py<PyArray1<f64>>| Column {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            values: values.bind(py).clone().into_any(),
+        };
+        let rest = self
+            .names
+            .iter()
+            .zip(&self.columns)
+            .map(|((name, unit), values)| column((name.as_str(), unit.as_str()), values));
+        arrow::stream(py, [column(("time", "s"), &self.time)].into_iter().chain(rest).collect(), false)
     }
 
     /// Everything that `stillpoint run --json` prints; of a recording what its run printed.

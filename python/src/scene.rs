@@ -4,6 +4,7 @@ use crate::batch;
 use crate::control::Controller;
 use crate::dynamics::{self, Dynamics};
 use crate::equilibrium::Equilibrium;
+use crate::fit;
 use crate::interrupt::Interrupt;
 use crate::path;
 use crate::run::{Asked, Done, Run, run};
@@ -286,11 +287,31 @@ impl Scene {
         run: bool,
         time_limit: Option<f64>,
         threads: Option<usize>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         let plan = batch::plan(over, vary, cases, seed, sample)?;
         let limit = positive("time_limit", time_limit)?.unwrap_or(f64::INFINITY);
         let this = slf.get();
-        batch::sweep(slf.py(), &this.scenario, overrides(&this.set)?, plan, (run, limit), threads)
+        let columns = batch::sweep(slf.py(), &this.scenario, overrides(&this.set)?, plan, (run, limit), threads)?;
+        slf.py().import("stillpoint._table")?.call_method1("Table", (columns,))
+    }
+
+    /// Numbers of the scene that bring it closest to measurements, with their standard errors. `data` is a table (mapping, data frame
+    /// or CSV file): columns named after outputs were measured, columns named by addresses were set. `parameters` is a list of
+    /// `"address=start,low..high"`, or a dictionary of addresses with `None`, a start, or `(start, low, high)`. With `run` the
+    /// measurements are of a run, at the times of the column `time`.
+    #[pyo3(signature = (data, parameters, *, run = false, deviations = None, ignore = None, confidence = 0.95))]
+    fn fit<'py>(
+        slf: &Bound<'py, Self>,
+        data: &Bound<'py, PyAny>,
+        parameters: &Bound<'py, PyAny>,
+        run: bool,
+        deviations: Option<&Bound<'py, PyDict>>,
+        ignore: Option<Vec<String>>,
+        confidence: f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let this = slf.get();
+        let asked = fit::Asked { parameters, run, deviations, ignore, confidence };
+        fit::of_scene(slf, (&this.scenario, &overrides(&this.set)?), data, &asked)
     }
 
     /// The equilibrium followed while a number of the scene moves from one value to another, around folds and into side branches.

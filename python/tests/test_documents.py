@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def snippets():
-    for page in ("docs/guide/python.md", "README.md"):
+    for page in ("docs/guide/python.md", "docs/guide/notebook.md", "README.md"):
         for number, code in enumerate(re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)):
             yield pytest.param(code, id=f"{page}-{number}")
 

@@ -1,7 +1,10 @@
-//! What beams bear, as text and as JSON.
+//! What beams bear, as text, as JSON and as diagrams.
 
-use super::text::{number, without_noise};
-use crate::dynamics::{BeamState, Fault, SectionForces, System};
+pub(super) mod diagram;
+
+use super::text::{count, number, small, without_noise};
+use crate::dynamics::{BeamState, Discretization, Fault, SectionForces, System};
+use crate::element::stress::Stress;
 use crate::model::Model;
 use crate::statics::{self, Equilibrium};
 use serde_json::{Map, Value, json};
@@ -20,18 +23,30 @@ pub(super) fn moving(model: &Arc<Model>, q: &[f64], v: &[f64]) -> Result<Vec<Bea
     Ok(at.residual(&a, &mut residual)?.beams())
 }
 
+/// Section forces whose error is this part of the largest are good enough for most uses.
+const ENOUGH: f64 = 1e-3;
+
 /// By their names.
 pub(super) fn json(beams: &[BeamState]) -> Value {
     let section = |one: &SectionForces| {
         let f = &one.forces;
-        json!({ "s": one.s, "n": f[0], "qy": f[1], "qz": f[2], "t": f[3], "my": f[4], "mz": f[5] })
+        let mut value = json!({ "s": one.s, "n": f[0], "qy": f[1], "qz": f[2], "t": f[3], "my": f[4], "mz": f[5] });
+        if let Some(stress) = &one.stress {
+            value["stress"] = stress.von_mises.into();
+        }
+        value
     };
+    let stress = |(s, stress): &(f64, Stress)| json!({ "max": stress.von_mises, "s": s, "at": stress.at, "normal": stress.normal, "shear": stress.shear });
     let beam = |beam: &BeamState| {
         let (p, q) = (beam.tip.translation.vector, beam.tip.rotation);
         let value = json!({
             "tip": { "position": [p.x, p.y, p.z], "quaternion": [q.w, q.i, q.j, q.k] },
             "sections": beam.sections.iter().map(section).collect::<Vec<_>>(),
-            "discretization_error": beam.discretization_error,
+            "stress": beam.stress.as_ref().map(stress),
+            "discretization_error": beam.error.forces,
+            "deflection_error": beam.error.deflections,
+            "elements": beam.error.elements,
+            "elements_advised": beam.error.elements_for(ENOUGH),
             "strains": beam.strains,
         });
         (beam.name.clone(), value)
@@ -45,7 +60,8 @@ pub(super) fn found(model: &Arc<Model>, found: &Equilibrium) -> Result<Option<St
     Ok((!beams.is_empty()).then(|| text(&beams, model.length_scale())))
 }
 
-/// Of a beam its tip and the largest moment, of a cable its tensions; and the discretization error. `length` is that of the scene (m).
+/// Of a beam its tip and the largest moment, of a cable its tensions; the largest stress, and the discretization error. `length` is that
+/// of the scene (m).
 fn text(beams: &[BeamState], length: f64) -> String {
     let mut lines = Vec::new();
     for beam in beams {
@@ -68,8 +84,36 @@ fn text(beams: &[BeamState], length: f64) -> String {
                 line("moment", format!("{} N m at s = {} m", number(moment(most)), number(most.s)));
             }
         }
-        let error = number(beam.discretization_error);
-        line("error", format!("{error} of the section forces (discretization)"));
+        if let Some((s, stress)) = &beam.stress {
+            line("stress", stress_text(*s, stress));
+        }
+        line("error", error_text(&beam.error));
     }
     lines.join("\n")
+}
+
+/// Von Mises' stress, where it is and what it consists of.
+fn stress_text(s: f64, stress: &Stress) -> String {
+    let [y, z] = stress.at.map(|x| number(without_noise(x * 1e3, stress.at[0].hypot(stress.at[1]) * 1e3)));
+    let parts = match stress.shear.abs() > 1e-3 * stress.von_mises {
+        true => format!(": normal {}, shear {}", number(stress.normal * 1e-6), number(stress.shear * 1e-6)),
+        false => format!(", {}", if stress.normal < 0.0 { "compression" } else { "tension" }),
+    };
+    format!("{} MPa at s = {} m, y = {y} mm, z = {z} mm{parts}", number(stress.von_mises * 1e-6), number(s))
+}
+
+/// Both errors, and how many elements are enough.
+fn error_text(error: &Discretization) -> String {
+    let elements = |n: usize| count(n, "element", "elements");
+    let advised = error.elements_for(ENOUGH);
+    let advice = match advised <= error.elements {
+        true => format!("{} would have 1e-3 of the forces", elements(advised)),
+        false => format!("{} are needed for 1e-3 of the forces", elements(advised)),
+    };
+    format!(
+        "{} of the section forces, {} of deflections, by {}; {advice}",
+        small(error.forces),
+        small(error.deflections),
+        elements(error.elements)
+    )
 }

@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The one recording
+    /// The first recording
     first: PathBuf,
-    /// The other one
+    /// The second recording
     second: PathBuf,
     /// Differences up to this are none (in each column's unit)
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = not_negative, allow_negative_numbers = true)]

@@ -35,11 +35,11 @@ Examples:
   stillpoint sweep scenarios/pendulum.toml --over rod.mass=1,2 --over rod.position=0.1:0.9:3 --json
   stillpoint sweep scenarios/machine_on_mounts.toml --vary 'machine.mass=normal(160,4)' --cases 1000 --out mounts";
 
-#[cfg(feature = "parquet")]
 pub(super) const STUDY: &str = "\
 Examples:
   stillpoint study mounts
-  stillpoint study mounts --of machine.z --svg machine_z.svg";
+  stillpoint study mounts --of machine.z --svg machine_z.svg
+  stillpoint study scenarios/fits/test_rig.toml --fit scenarios/fits/test_rig_static.csv --parameter arm.stiffness arm.rest";
 
 pub(super) const INSPECT: &str = "\
 Examples:

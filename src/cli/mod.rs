@@ -39,7 +39,6 @@ mod sensitivity;
 mod standing;
 mod statics;
 mod stopwatch;
-#[cfg(feature = "parquet")]
 mod study;
 mod sweep;
 mod text;
@@ -116,8 +115,7 @@ enum Command {
     /// Ask for the equilibrium, or a run, for many values of some numbers: one row per case
     #[command(after_help = examples::SWEEP)]
     Sweep(sweep::Arguments),
-    /// Say what a dataset of `sweep` says: quantiles, correlations, and what matters most
-    #[cfg(feature = "parquet")]
+    /// Say what a dataset of `sweep` says: quantiles, correlations, what matters most; or fit a scenario to measurements
     #[command(after_help = examples::STUDY)]
     Study(study::Arguments),
     /// Say what the model is, and its accelerations at the given state; runs nothing
@@ -226,6 +224,11 @@ pub fn run_answer(scenario: &str, summary: &Summary) -> serde_json::Value {
     json::run(scenario, "", serde_json::Value::Null, summary)
 }
 
+/// What `study --fit --json` prints of a fit, without the names of its files.
+pub fn fit_answer(fit: &crate::study::fit::Fit) -> serde_json::Value {
+    study::fit_json(fit)
+}
+
 /// The equations about an equilibrium, as `linearize` has them: from inputs by their addresses (all motors of type `input` without) to
 /// outputs by their names (all without).
 ///
@@ -269,7 +272,6 @@ pub fn main_with(arguments: impl IntoIterator<Item = OsString>, memory: Option<f
         Command::Rest(arguments) => rest::main(&arguments),
         Command::Precision(arguments) => precision::main(&arguments),
         Command::Sweep(arguments) => sweep::main(&arguments),
-        #[cfg(feature = "parquet")]
         Command::Study(arguments) => study::main(&arguments),
         Command::Inspect(arguments) => inspect::main(&arguments),
         Command::Linearize(arguments) => linearize::main(&arguments),

@@ -130,6 +130,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let footage = arguments.looks.footage(&arguments.recording, arguments.quiet)?;
     let shown = sample(&footage, arguments.at)?;
     let mut drawing = arguments.looks.drawing(&footage, &shown, arguments.quiet)?;
+    if let Some(loads) = footage.loads(&shown) {
+        let most = loads.iter().copied().fold(0.0, f64::max);
+        drawing = drawing.shaded(&loads, most);
+    }
     if arguments.reactions {
         drawing = drawing.with_reactions(&shown.bodies, &shown.reactions);
     }

@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     quiet: bool,
 }
 
-/// More lines than this cannot be told apart.
+/// More lines than this cannot be distinguished.
 const MOST_LINES: usize = 32;
 
 /// One column of one recording.
@@ -64,7 +64,10 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         lines.extend(read(recording, &names, arguments.x.as_deref(), index, before)?);
     }
     if lines.len() > MOST_LINES {
-        bail!("these are {} lines, and more than {MOST_LINES} cannot be told apart: name fewer columns", lines.len());
+        bail!(
+            "these are {} lines, and more than {MOST_LINES} cannot be distinguished: name fewer columns",
+            lines.len()
+        );
     }
     if lines.iter().all(|line| line.points.is_empty()) {
         bail!(

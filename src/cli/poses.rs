@@ -5,7 +5,7 @@ use crate::dynamics::System;
 use crate::model::Model;
 use crate::record::gltf::Clip;
 use crate::record::view::Sink;
-use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, Sample, Scene, mode_name};
+use crate::record::{Energy, Fanout, Opening, Outcome, Recorder, Sample, Scene, Tubes, mode_name};
 use crate::scenario::Scenario;
 use crate::simulate;
 use crate::statics::{Equilibrium, Mode};
@@ -179,11 +179,13 @@ fn swing(model: &Model, found: &Equilibrium, mode: &Mode) -> Vec<Frame> {
 pub(super) fn mode_clips(model: &Arc<Model>, found: &Equilibrium) -> Vec<Clip> {
     let mut system = System::new(model);
     let rest = vec![0.0; model.velocity_count()];
+    let tubes = Tubes::new(&simulate::scene(model));
     let mut clip = |(index, mode): (usize, &Mode)| {
         let mut clip = Clip { name: mode_name(index, mode.frequency_hz, mode.growth_rate), ..Clip::default() };
         for (time, q) in swing(model, found, mode) {
             let mut poses = Vec::new();
             system.at(0.0, &q, &rest).poses(&mut poses);
+            tubes.extend(&q, &mut poses);
             clip.times.push(time);
             clip.poses.push(poses);
         }

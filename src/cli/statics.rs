@@ -51,6 +51,12 @@ pub(super) struct Arguments {
     /// Record the poses of the search there, one per second, for `view`
     #[arg(long, value_name = "FILE.mcap", conflicts_with = "compare")]
     iterates: Option<PathBuf>,
+    /// Draw what the beams bear over their arc length: forces, moments and stress as a plot (.svg) or a table (.csv)
+    #[arg(long, value_name = "FILE.svg|csv", conflicts_with = "compare")]
+    diagram: Option<PathBuf>,
+    /// With `--diagram`: of these beams alone. Names with commas between them, `*` stands for anything
+    #[arg(long, value_name = "BEAMS", value_delimiter = ',', requires = "diagram")]
+    beams: Vec<String>,
     #[command(flatten)]
     viewers: recording::Viewers,
     /// Write the result there as JSON; with `--compare` table and plot, as PATH.csv, .json and .svg. If the file has
@@ -83,8 +89,8 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         return baselines::main(&scenario, &model, common, arguments.out.as_deref());
     }
     let read = Inputs::of_scenario(common, &scenario, arguments.start.as_deref());
-    let Arguments { save, modes, collapse, iterates, out, .. } = arguments;
-    let written = [save, modes, collapse, iterates, out, arguments.viewers.rrd()];
+    let Arguments { save, modes, collapse, iterates, out, diagram, .. } = arguments;
+    let written = [save, modes, collapse, iterates, out, diagram, arguments.viewers.rrd()];
     written.into_iter().flatten().try_for_each(|output| read.spare(output))?;
     let sinks = arguments.viewers.sinks();
     let watched = arguments.iterates.is_some() || !sinks.is_empty();
@@ -126,6 +132,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     if let Some(path) = &arguments.collapse {
         arguments.record_collapse(&scenario, &model, &found, path)?;
     }
+    arguments.draw_diagram(&scenario, &model, &found)?;
     arguments.save_start(&scenario, &model, &found)?;
     if common.json {
         output::print(&result.to_string())?;
@@ -164,6 +171,22 @@ impl Arguments {
                 Ok(())
             }
         }
+    }
+
+    /// The diagrams that are asked for; of what does not balance there are none.
+    fn draw_diagram(&self, scenario: &Scenario, model: &Arc<Model>, found: &Equilibrium) -> anyhow::Result<()> {
+        let Some(path) = &self.diagram else { return Ok(()) };
+        if !found.balanced {
+            output::warning(&format!("no diagram in `{}`: there is no equilibrium", path.display()));
+            return Ok(());
+        }
+        let title = if model.title.is_empty() { &scenario.name } else { &model.title };
+        let beams = super::beams::diagram::write(model, found, path, &self.beams, title)?;
+        if self.common.json || self.common.quiet {
+            return Ok(());
+        }
+        let beams = number::count(beams, "beam", "beams");
+        output::print(&format!("  diagram      {} ({beams})", path.display()))
     }
 
     /// The start file that is asked for.

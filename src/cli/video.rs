@@ -67,12 +67,13 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let mut reel = arguments.reel()?;
     let mut progress = Progress::new(1.0, arguments.quiet || arguments.json);
     let painter = Painter::default();
+    let most = clips.iter().flat_map(|clip| clip.loads.iter().flatten()).copied().fold(0.0, f64::max);
     for (number, (clip, index)) in shown.iter().enumerate() {
         if interrupt.requested() {
             return Ok(Exit::Interrupted);
         }
         progress.part(number as f64 / shown.len() as f64);
-        reel.add(&paint(&painter, &drawing, &clips[*clip], *index, &frame)?)?;
+        reel.add(&paint(&painter, &drawing, (&clips[*clip], *index), &frame, most)?)?;
     }
     drop(progress);
     let written = reel.finish()?;
@@ -85,8 +86,20 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     Ok(Exit::Done)
 }
 
-fn paint(painter: &Painter, drawing: &Drawing, clip: &Clip, index: usize, frame: &Frame) -> anyhow::Result<Pixels> {
-    painter.paint(&svg(drawing, &clip.poses[index], frame), 1).map_err(anyhow::Error::msg)
+/// One picture; `most` is what beams bear at most in all of them.
+fn paint(
+    painter: &Painter,
+    drawing: &Drawing,
+    (clip, index): (&Clip, usize),
+    frame: &Frame,
+    most: f64,
+) -> anyhow::Result<Pixels> {
+    let poses = &clip.poses[index];
+    let picture = match clip.loads.get(index) {
+        Some(loads) => svg(&drawing.clone().shaded(loads, most), poses, frame),
+        None => svg(drawing, poses, frame),
+    };
+    painter.paint(&picture, 1).map_err(anyhow::Error::msg)
 }
 
 /// For each picture the clip and its frame that is nearest in time.

@@ -76,7 +76,10 @@ fn save_gltf(arguments: &Arguments, file: &Path) -> anyhow::Result<Exit> {
     let footage = Footage::open(&arguments.recording, arguments.meshes)?;
     samples::warn_if_cut(&footage.recording, false);
     let first = picture::sample(&footage, arguments.at)?;
-    let drawing = footage.drawing(&first.bodies, Extras::default());
+    let mut drawing = footage.drawing(&first.bodies, Extras::default());
+    if let Some(loads) = footage.loads(&first) {
+        drawing = drawing.shaded(&loads, loads.iter().copied().fold(0.0, f64::max));
+    }
     let clips = if arguments.at.is_some() { Vec::new() } else { footage.clips()? };
     let content = glb(&drawing, &footage.recording.scene.title, &first.bodies, &clips);
     output::save(file, &content)?;

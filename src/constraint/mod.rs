@@ -371,12 +371,7 @@ impl Constraints {
             }
         }
         self.matrix.solve(&mut unknowns);
-        if self.is_shared {
-            self.clear_shares();
-        }
-        for (unknown, row) in unknowns.iter().zip(self.plan.rows()) {
-            self.multipliers[row] = *unknown;
-        }
+        self.set_multipliers(&unknowns);
         self.unknowns = unknowns;
     }
 

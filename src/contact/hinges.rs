@@ -3,7 +3,7 @@
 use super::cone::Law;
 use super::frame::{Column, along};
 use super::pairs::Key;
-use crate::model::{Model, StopLaw};
+use crate::model::Model;
 use nalgebra::Vector3;
 
 /// What bears.
@@ -44,7 +44,7 @@ pub(crate) fn within_limits(model: &Model, q: &mut [f64]) {
     if model.is_constrained() {
         return;
     }
-    for stop in model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+    for stop in model.stops.iter().filter(|stop| stop.is_rigid()) {
         q[stop.position] = q[stop.position].clamp(stop.range[0], stop.range[1]);
     }
 }
@@ -55,7 +55,7 @@ pub(crate) fn supports(model: &Model, q: &[f64], v: &[f64], still: f64) -> Vec<S
     let mut all = Vec::new();
     let is_free = |velocity: usize| !model.coordinates[velocity].lock;
     for (index, stop) in model.stops.iter().enumerate().filter(|(_, stop)| is_free(stop.velocity)) {
-        if !matches!(stop.law, StopLaw::Rigid { .. }) {
+        if !stop.is_rigid() {
             continue;
         }
         let at = q[stop.position];

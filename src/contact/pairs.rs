@@ -3,7 +3,7 @@
 use super::geometry::feature::{Boundary, Feature, Meeting, Standing, meeting, pairs};
 use super::geometry::{Core, Placed, Solid, touch};
 use crate::model::shape::{Geometry, Hull, Shape};
-use crate::model::{ContactRule, Model, StopLaw};
+use crate::model::{ContactRule, Model};
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Pose;
 use nalgebra::{Isometry3, Vector3};
@@ -274,14 +274,6 @@ impl Pairs {
     pub(crate) fn meeting(&self, key: &Key) -> Option<Meeting> {
         let [a, b] = self.couples[key.couple].pieces;
         meeting(&self.standing(a), &self.standing(b), key.features)
-    }
-}
-
-/// The part of a speed that a blow gives back.
-pub(crate) fn restitution(law: StopLaw) -> f64 {
-    match law {
-        StopLaw::Rigid { restitution } => restitution,
-        StopLaw::Compliant { .. } => 0.0,
     }
 }
 

@@ -1,12 +1,16 @@
-//! What flexible beams bear: section forces along them, from the balance and from their strains.
+//! What flexible beams bear: section forces along them, from the balance and from their strains, and the stress that they make.
+
+mod diagram;
+mod section;
+
+pub use diagram::DiagramPoint;
 
 use super::evaluated::Balanced;
-use crate::element::{Rod, RodMotion, joined, quadrature};
+use crate::element::stress::Stress;
 use crate::model::Beam;
 use crate::model::beam::BeamElement;
-use crate::spatial::{Pose, Wrench};
-use crate::transfer::flexible::RodBalance;
-use nalgebra::{Vector3, Vector6};
+use crate::spatial::Pose;
+use nalgebra::{DMatrix, DVector, Matrix6, Vector6};
 
 /// The forces in one section, in its axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +20,8 @@ pub struct SectionForces {
     /// What the part beyond exerts on the part before: normal force (tension > 0), shear forces along y and z (N), torque
     /// about x, bending moments about y and z (N m). From the balance of all that is beyond.
     pub forces: Vector6<f64>,
+    /// The largest stress in the section; `None` of a section without a size.
+    pub stress: Option<Stress>,
 }
 
 /// A beam at one state.
@@ -29,62 +35,61 @@ pub struct BeamState {
     pub tip: Pose,
     /// At all stations from the root to the tip.
     pub sections: Vec<SectionForces>,
-    /// How far the section forces of the free strains are from those of the balance at most, over the largest: an estimate of
-    /// the error of the strains.
-    pub discretization_error: f64,
+    /// The largest stress of the beam: where von Mises' is largest along it, and its distance from the root (m); `None` if its
+    /// sections have no size.
+    pub stress: Option<(f64, Stress)>,
+    /// How far the beam is from the exact solution for its loads.
+    pub error: Discretization,
     /// The coordinates of its elements: lengths (m) and angles (rad) over one element.
     pub strains: Vec<Vec<f64>>,
+}
+
+/// What the two ways of computing section forces say about the elements of a beam: those that follow from the free strains, and those
+/// that balance all that is beyond.
+///
+/// Both errors are parts of one. With `C` the stiffness of the free strains, `F` the forces of the balance and `G` their distance from
+/// those of the strains,
+///
+/// ```text
+/// (1)  forces = max |G| / max |F|                        ~ h^(p + 1)      forces by the length of the beam are moments
+/// (2)  deflections = ∫ Gᵀ C⁻¹ G ds / ∫ Fᵀ C⁻¹ F ds        ~ h^(2 p + 2)
+/// ```
+///
+/// For small deflections the error of the work of the loads is (2) exactly, if `F` is: strains that are compatible and forces that
+/// balance are apart by the sum of both errors (Prager and Synge, 1947).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Discretization {
+    /// Of the section forces: (1).
+    pub forces: f64,
+    /// Of deflections under the loads: (2).
+    pub deflections: f64,
+    /// Number of elements.
+    pub elements: usize,
+    /// Degree of their strains.
+    pub degree: usize,
+}
+
+impl Discretization {
+    /// How many elements have an error of the section forces of a given size, if it falls as (1) says.
+    pub fn elements_for(&self, forces: f64) -> usize {
+        let factor = (self.forces / forces).powf(1.0 / (self.degree + 1) as f64);
+        ((self.elements as f64 * factor).ceil() as usize).max(1)
+    }
+}
+
+/// Sums over the sections of a beam.
+#[derive(Default)]
+struct Gaps {
+    /// The largest gaps of forces and of moments (N, N m).
+    most: [f64; 2],
+    /// The integrals of eq. (2).
+    energies: [f64; 2],
 }
 
 impl Balanced<'_> {
     /// All beams, for the accelerations of the balance.
     pub fn beams(&self) -> Vec<BeamState> {
         self.system.model.beams.iter().map(|beam| self.beam(beam)).collect()
-    }
-
-    /// What a beam bears at a distance from its root (m).
-    pub(crate) fn section(&self, beam: usize, s: f64) -> Vector6<f64> {
-        let elements = &self.system.model.beams[beam].elements;
-        let element = elements.iter().rev().find(|element| element.from <= s).or(elements.first());
-        element.map_or(Vector6::zeros(), |element| self.section_of(element, s - element.from))
-    }
-
-    /// What an element bears at a distance from its root: what the tip bears and the loads on the way to it, interpolated
-    /// between the stations by the polynomial through them. If its integral differs from the sum of the stations at the root, the difference is shared out along the element: at both ends it bears what the balance says.
-    fn section_of(&self, element: &BeamElement, s: f64) -> Vector6<f64> {
-        let system = self.system;
-        let (rod, at) = (&system.model.rods[element.rod], &system.motion.rods[element.rod]);
-        let (felt, gravity) = (&system.balance.rods[element.rod], &system.model.gravity);
-        let (last, root) = (rod.steps(), &at.stations[0].link);
-        let place = |s: f64| {
-            let (turn, place) = rod.pose_at(s, &at.q);
-            (root.turn * turn, root.turn * place)
-        };
-        let per_length = |k: usize| own(rod, at, felt, k, gravity).times(1.0 / rod.slices[k].length);
-        let of_stations: Vec<Wrench> = (0..=last).map(per_length).collect();
-        let part = |k: usize, s: f64| {
-            let others = (0..=last).filter(|j| *j != k);
-            others.map(|j| (s - rod.slices[j].at) / (rod.slices[k].at - rod.slices[j].at)).product::<f64>()
-        };
-        // The slice at the tip belongs to the link there.
-        let mut end = felt.forces[last];
-        end.add_times(-1.0, &own(rod, at, felt, last, gravity));
-        let beyond = |s: f64| {
-            let here = place(s).1;
-            let mut sum = end.shifted(place(rod.length).1 - here);
-            for (node, weight) in quadrature() {
-                let there = s + node * (rod.length - s);
-                let mut load = Wrench::ZERO;
-                of_stations.iter().enumerate().for_each(|(k, own)| load.add_times(part(k, there), own));
-                sum.add_times(weight * (rod.length - s), &load.shifted(place(there).1 - here));
-            }
-            sum
-        };
-        let mut missed = felt.forces[0] + own(rod, at, felt, 0, gravity);
-        missed.add_times(-1.0, &beyond(0.0));
-        let (mut sum, turn) = (beyond(s), place(s).0);
-        sum.add_times(1.0 - s / rod.length, &missed);
-        -joined(&turn.tr_mul(&sum.force), &turn.tr_mul(&sum.moment))
     }
 
     /// How long the centre line of a beam is now (m).
@@ -98,19 +103,21 @@ impl Balanced<'_> {
 
     fn beam(&self, beam: &Beam) -> BeamState {
         let system = self.system;
-        let (mut sections, mut gaps) = (Vec::new(), [0.0_f64; 2]);
+        let (mut sections, mut gaps) = (Vec::new(), Gaps::default());
         for (index, element) in beam.elements.iter().enumerate() {
             let (rod, at) = (&system.model.rods[element.rod], &system.motion.rods[element.rod]);
-            // A tip that is the root of the next element has been told with it.
-            for k in usize::from(index > 0)..=rod.steps() {
-                let forces = self.section_of(element, rod.slices[k].at);
-                sections.push(SectionForces { s: element.from + rod.slices[k].at, forces });
-                let strained = rod.sections[k] * rod.strained(rod.slices[k].at, &at.q);
-                for strain in rod.free_strains() {
-                    let gap = (strained[strain] - forces[strain]).abs();
-                    let of = usize::from(strain >= 3);
-                    gaps[of] = gaps[of].max(gap);
+            let free: Vec<usize> = rod.free_strains().collect();
+            for k in 0..=rod.steps() {
+                let slice = &rod.slices[k];
+                let forces = self.section_of(element, slice.at);
+                // A tip that is the root of the next element has been told with it.
+                if index == 0 || k > 0 {
+                    let s = element.from + slice.at;
+                    let stress = beam.section_at(s).stress(&forces);
+                    sections.push(SectionForces { s, forces, stress });
                 }
+                let gap = rod.sections[k] * rod.strained(slice.at, &at.q) - forces;
+                gaps.add(&rod.sections[k], &free, [&gap, &forces], slice.length);
             }
         }
         let largest = |from: usize| {
@@ -119,19 +126,34 @@ impl Balanced<'_> {
         };
         // Forces and moments by one measure: a force over the length of the beam is a moment.
         let size = largest(3).max(beam.length * largest(0));
-        let discretization_error = if size > 0.0 { gaps[1].max(beam.length * gaps[0]) / size } else { 0.0 };
+        let part = |of: f64, whole: f64| if whole > 0.0 { of / whole } else { 0.0 };
+        let error = Discretization {
+            forces: part(gaps.most[1].max(beam.length * gaps.most[0]), size),
+            deflections: part(gaps.energies[0], gaps.energies[1]),
+            elements: beam.elements.len(),
+            degree: beam.degree,
+        };
         let tip = beam.elements.last().map_or(Pose::identity(), |last| system.motion.links[last.link].pose());
         let strains = beam.elements.iter().map(|element| system.motion.rods[element.rod].q.clone()).collect();
-        BeamState { name: beam.name.clone(), is_cable: beam.is_cable, tip, sections, discretization_error, strains }
+        let stress = self.largest_stress(beam, &sections);
+        BeamState { name: beam.name.clone(), is_cable: beam.is_cable, tip, sections, stress, error, strains }
     }
 }
 
-/// What a slice needs: its inertia with its weight, less the load on it.
-fn own(rod: &Rod, at: &RodMotion, felt: &RodBalance, k: usize, gravity: &Vector3<f64>) -> Wrench {
-    let (slice, link, a) = (&rod.slices[k], &at.stations[k].link, &felt.accelerations[k]);
-    let w = link.angular_velocity;
-    Wrench {
-        force: slice.mass * (a.linear - gravity) - rod.load_at(k, &link.turn),
-        moment: link.inertia * a.angular + w.cross(&(link.inertia * w)),
+impl Gaps {
+    /// Adds a station with a weight (m): the gap and the forces there, as far as strains are free.
+    fn add(&mut self, stiffness: &Matrix6<f64>, free: &[usize], of: [&Vector6<f64>; 2], weight: f64) {
+        for strain in free {
+            let most = &mut self.most[usize::from(*strain >= 3)];
+            *most = most.max(of[0][*strain].abs());
+        }
+        // Bending without stiffness bears nothing.
+        let stiff: Vec<usize> = free.iter().copied().filter(|i| stiffness[(*i, *i)] > 0.0).collect();
+        let inner = DMatrix::from_fn(stiff.len(), stiff.len(), |i, j| stiffness[(stiff[i], stiff[j])]);
+        let Some(inner) = inner.cholesky() else { return };
+        for (sum, of) in self.energies.iter_mut().zip(of) {
+            let forces = DVector::from_iterator(stiff.len(), stiff.iter().map(|i| of[*i]));
+            *sum += weight * forces.dot(&inner.solve(&forces));
+        }
     }
 }

@@ -51,8 +51,7 @@ impl Evaluated<'_> {
 
     /// Wrenches of the force elements and hinge forces.
     fn gather(&mut self) {
-        let System { model, laws, motion, applied, tau, outside, pressed, pushes, time, constraints, .. } =
-            &mut *self.system;
+        let System { model, laws, motion, applied, tau, pressed, pushes, time, constraints, .. } = &mut *self.system;
         if !model.forces.is_empty() || constraints.is_some() || !pressed.is_empty() {
             applied::apply(laws, motion, applied);
         }
@@ -62,7 +61,7 @@ impl Evaluated<'_> {
             applied::motor::pushes(model, laws, *time, self.q, self.v, pushes);
             applied::motor::apply(model, pushes, tau);
         }
-        tau.iter_mut().zip(outside).for_each(|(tau, outside)| *tau += *outside);
+        laws.phase.apply(model, self.q, self.v, tau);
     }
 
     /// `a ← q̈(t, q, v)`, in O(n); with the factorization that gave it.
@@ -81,6 +80,11 @@ impl Evaluated<'_> {
         }
         self.system.check_finite("the acceleration", a, self.q, self.v)?;
         Ok(Factorized { system: self.system, q: self.q, v: self.v })
+    }
+
+    /// The factorization that [`Evaluated::accelerations`] has left; for what has asked for them at this place.
+    pub(super) fn factorized(&mut self) -> Factorized<'_> {
+        Factorized { system: self.system, q: self.q, v: self.v }
     }
 
     /// `residual ← M(q) a + b(q, v) − τ(t, q, v)` with the multipliers that are in the system, in O(n).

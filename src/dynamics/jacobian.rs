@@ -113,7 +113,7 @@ impl Evaluated<'_> {
             for j in 0..matrix.ncols() {
                 let column = matrix.col_as_slice_mut(j);
                 column.iter_mut().for_each(|x| *x = -*x);
-                self.system.factorized(self.q, self.v).solve_mass(column, &mut out.residual);
+                self.factorized().solve_mass(column, &mut out.residual);
                 column.copy_from_slice(&out.residual);
             }
         }
@@ -127,7 +127,7 @@ impl Evaluated<'_> {
         self.constraint_gradient(&mut gradient);
         let mut responses = gradient.clone();
         for (row, response) in gradient.chunks_exact(n).zip(responses.chunks_exact_mut(n)) {
-            self.system.factorized(self.q, self.v).solve_mass(row, response);
+            self.factorized().solve_mass(row, response);
         }
         let product = |row: &[f64], x: &[f64]| row.iter().zip(x).map(|(g, x)| g * x).sum::<f64>();
         let mut small = Dense::new(m);

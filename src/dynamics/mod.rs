@@ -16,7 +16,7 @@ mod reactions;
 mod sparse;
 mod tangent;
 
-pub use beams::{BeamState, SectionForces};
+pub use beams::{BeamState, DiagramPoint, Discretization, SectionForces};
 pub use constrained::Settled;
 pub use dense::{Dense, DenseTangent};
 pub use ensemble::Ensemble;
@@ -38,7 +38,7 @@ pub use crate::transfer::mass::MassAction;
 use crate::transfer::reduce::{Reduction, Singular};
 use crate::transfer::variation::Variation;
 pub use applied::Boundary;
-use applied::Laws;
+use applied::{Laws, Phase};
 use constrained::Constrained;
 use std::sync::Arc;
 
@@ -58,8 +58,6 @@ pub struct System {
     /// Hinge forces, and scratch of the same length.
     tau: Vec<f64>,
     scratch: Vec<f64>,
-    /// Hinge forces from outside of the model; empty where none can come.
-    outside: Vec<f64>,
     /// What contacts push links with, at their root markers; empty without contact.
     pressed: Vec<Wrench>,
     /// What motors and curves push with, in the order of [`Model::pushed`].
@@ -95,9 +93,9 @@ pub enum Fault {
         /// Gap (m; rad times the scene's length).
         gap: f64,
     },
-    /// A row that followed from others at the start and no longer does.
+    /// A row that depended linearly on others at the start and no longer does.
     #[error(
-        "{element} opens by {gap:.3e} m in a condition that followed from others at the start: the mechanism has fewer ways to move here (axes or points given with few digits, or of a special start?)"
+        "{element} opens by {gap:.3e} m in a condition that depended on others at the start: the mechanism has fewer ways to move here (axes or points given with few digits, or of a special start?)"
     )]
     Independent {
         /// Which.
@@ -125,7 +123,10 @@ pub enum Fault {
         method: &'static str,
     },
     /// Something that knows rigid bodies only.
-    #[error("`{method}` knows no flexible beams and no hinges along curves")]
+    #[error(
+        "`{method}` has a pose of its own for every body, and beams and curves have coordinates between bodies: it knows neither; \
+         `relaxation` does"
+    )]
     Flexible {
         /// Its name.
         method: &'static str,
@@ -190,7 +191,6 @@ impl System {
 
     fn with(model: &Arc<Model>, constraints: Option<Box<Constrained>>) -> Self {
         let n = model.links.len();
-        let smooth = model.stops.is_empty() && model.hinge_friction.is_empty();
         let mut system = Self {
             model: Arc::clone(model),
             laws: Laws::new(model),
@@ -201,7 +201,6 @@ impl System {
             applied: vec![Wrench::ZERO; n],
             tau: vec![0.0; model.velocity_count()],
             scratch: vec![0.0; model.velocity_count()],
-            outside: vec![0.0; if smooth { 0 } else { model.velocity_count() }],
             pressed: vec![Wrench::ZERO; if model.contacts.is_empty() { 0 } else { n }],
             pushes: vec![Push::default(); model.pushed().count()],
             time: 0.0,
@@ -220,12 +219,18 @@ impl System {
         &self.model
     }
 
-    /// What follows from positions and velocities at a time (s), with everything of the model acting and no stop touched.
-    /// Positions are `position_count` numbers, velocities `velocity_count`. Costs one outward sweep.
+    /// What follows from positions and velocities at a time (s), with everything of the model acting; stops and sliding friction of
+    /// hinges push in the phase of a run alone, at first none does. Positions are `position_count` numbers, velocities `velocity_count`. Costs one outward sweep.
     pub fn at<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
         self.set_time(time);
         self.motion.update(&self.model, q, v);
         Evaluated { system: self, q, v }
+    }
+
+    /// [`System::at`] without what contacts pushed with so far.
+    pub(crate) fn at_without_contact<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {
+        self.pressed.fill(Wrench::ZERO);
+        self.at(time, q, v)
     }
 
     /// What motors and curves push with in the last balance, in the order of [`Model::pushed`].
@@ -262,10 +267,14 @@ impl System {
         }
     }
 
-    /// Hinge forces (N, N m) that evaluations take in from now on: what compliant stops push with. Empty for a model
-    /// without stops.
-    pub(crate) fn outside(&mut self) -> &mut [f64] {
-        &mut self.outside
+    /// Which compliant stops push and what dry friction does, in every evaluation.
+    pub(crate) fn phase(&self) -> &Phase {
+        &self.laws.phase
+    }
+
+    /// [`System::phase`], to be changed at an event.
+    pub(crate) fn phase_mut(&mut self) -> &mut Phase {
+        &mut self.laws.phase
     }
 
     /// Wrenches on links at their root markers that evaluations take in from now on: what contacts push with. Empty for a model
@@ -284,7 +293,8 @@ impl System {
         self.time
     }
 
-    /// The factorization of the last accelerations, which were at `q` and `v`.
+    /// The factorization of the last accelerations, which were at `q` and `v`. For contact alone: others keep what
+    /// [`Evaluated::accelerations`] gives, which proves it.
     pub(crate) fn factorized<'a>(&'a mut self, q: &'a [f64], v: &'a [f64]) -> Factorized<'a> {
         Factorized { system: self, q, v }
     }

@@ -1,30 +1,17 @@
 //! The element: what of eqs. (1) to (7) does not change.
 
 mod local;
+mod sixth;
 
 use super::exponential::{bracket, exponential, tangent, tangents};
 use super::guide::Guide;
+use super::quadrature::GAUSS;
 use crate::spatial::Sym3;
 pub use local::Local;
 use local::Strained;
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use sixth::Sixth;
 use std::sync::Arc;
-
-/// Nodes and weights of the Gauss–Legendre quadrature of six points on [−1, 1], exact to degree 11: the integrals of eqs.
-/// (2) and (7) have degree 6 at most with constant sections.
-pub(super) const GAUSS: [(f64, f64); 6] = [
-    (-0.932_469_514_203_152, 0.171_324_492_379_170_36),
-    (-0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
-    (-0.238_619_186_083_196_9, 0.467_913_934_572_691_04),
-    (0.238_619_186_083_196_9, 0.467_913_934_572_691_04),
-    (0.661_209_386_466_264_5, 0.360_761_573_048_138_6),
-    (0.932_469_514_203_152, 0.171_324_492_379_170_36),
-];
-
-/// Nodes in 0 … 1 and weights of a quadrature that is exact to degree 11.
-pub(crate) fn quadrature() -> impl Iterator<Item = (f64, f64)> {
-    GAUSS.into_iter().map(|(t, w)| (0.5 * (1.0 + t), 0.5 * w))
-}
 
 /// Legendre polynomials `P₀ … P₂`.
 fn legendre(t: f64) -> [f64; 3] {
@@ -72,10 +59,10 @@ pub struct Slice {
 #[derive(Debug, Clone, PartialEq)]
 struct Step {
     length: f64,
-    /// `I₀` and `I₁` of the reference strain.
-    reference: [Vector6<f64>; 2],
+    /// `I₀`, `I₁` and `I₂` of the reference strain.
+    reference: [Vector6<f64>; 3],
     /// What a unit of a coordinate of each degree adds to them.
-    per_degree: [[f64; 3]; 2],
+    per_degree: [[f64; 3]; 3],
 }
 
 /// A flexible element, or a guide: an element of one coordinate and one step without mass or stiffness, whose step is a
@@ -204,6 +191,11 @@ impl Rod {
         self.free[coordinate % self.free.len()]
     }
 
+    /// The strain without load by Legendre coefficients, constant part first.
+    pub fn reference(&self) -> &[Vector6<f64>] {
+        &self.reference
+    }
+
     /// The strains that are free.
     pub fn free_strains(&self) -> impl Iterator<Item = usize> + '_ {
         self.free.iter().copied()
@@ -262,18 +254,26 @@ impl Rod {
             if s <= begin {
                 break;
             }
-            let [i0, i1] = if s >= self.slices[k + 1].at {
-                self.moments(k, q, true)
+            let twist = if s >= self.slices[k + 1].at {
+                self.twist(step, q)
             } else {
                 let ends = [begin, s].map(|s| 2.0 * s / self.length - 1.0);
-                self.moments_of(&Step::new(self.length, ends, &self.reference), q, true)
+                self.twist(&Step::new(self.length, ends, &self.reference), q)
             };
-            let length = (s - begin).min(step.length);
-            let (r, p) = exponential(&(i0 + bracket(&i0, &i1) / length));
+            let (r, p) = exponential(&twist);
             place += turn * p;
             turn *= r;
         }
         (turn, place)
+    }
+
+    /// `Ω` of a step: eq. (3), of 6th order in an element of degree 2.
+    fn twist(&self, step: &Step, q: &[f64]) -> Vector6<f64> {
+        if self.degree == 2 {
+            return sixth::twist(self.three_moments(step, q, true), step.length);
+        }
+        let [i0, i1] = self.moments_of(step, q, true);
+        i0 + bracket(&i0, &i1) / step.length
     }
 
     /// `I₀` and `I₁` of a step; without the reference of a velocity or acceleration.
@@ -282,7 +282,7 @@ impl Rod {
     }
 
     fn moments_of(&self, step: &Step, q: &[f64], with_reference: bool) -> [Vector6<f64>; 2] {
-        let mut i = if with_reference { step.reference } else { [Vector6::zeros(); 2] };
+        let mut i = if with_reference { [step.reference[0], step.reference[1]] } else { [Vector6::zeros(); 2] };
         for (index, x) in q.iter().enumerate().take(self.count()) {
             let (strain, degree) = (self.strain_of(index), index / self.free.len());
             i[0][strain] += step.per_degree[0][degree] * x;
@@ -291,10 +291,21 @@ impl Rod {
         i
     }
 
+    /// `I₀`, `I₁` and `I₂` of a step; without the reference of a velocity or acceleration.
+    fn three_moments(&self, step: &Step, q: &[f64], with_reference: bool) -> [Vector6<f64>; 3] {
+        let mut i = if with_reference { step.reference } else { [Vector6::zeros(); 3] };
+        for (index, x) in q.iter().enumerate().take(self.count()) {
+            let (strain, degree) = (self.strain_of(index), index / self.free.len());
+            i.iter_mut().zip(&step.per_degree).for_each(|(i, weights)| i[strain] += weights[degree] * x);
+        }
+        i
+    }
+
     /// A step at coordinates alone.
     pub fn still(&self, step: usize, q: &[f64]) -> Local<'_> {
         match &self.guide {
             Some(guide) => Local::guided(guide.at(q[0]), [0.0; 2]),
+            None if self.degree == 2 => Local::Sixth(Sixth::still(self, step, q)),
             None => Local::Strained(self.strained_still(step, q)),
         }
     }
@@ -320,6 +331,9 @@ impl Rod {
             let second = qdd.first().copied().unwrap_or(0.0);
             return Local::guided(guide.at(q[0]), [qd[0], second]);
         }
+        if self.degree == 2 {
+            return Local::Sixth(Sixth::moving(self, step, [q, qd, qdd]));
+        }
         let at = self.strained_still(step, q);
         let l = at.step.length;
         let first = self.moments(step, qd, false);
@@ -337,18 +351,19 @@ impl Step {
     /// Between two places on [−1, 1] of an element of this length.
     fn new(length: f64, ends: [f64; 2], reference: &[Vector6<f64>]) -> Self {
         let (middle, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
-        let mut of = [[0.0; 3]; 2];
+        let mut of = [[0.0; 3]; 3];
         for (t, w) in GAUSS {
             let (weight, offset) = (0.5 * w * half * length, 0.5 * half * t * length);
             for (degree, p) in legendre(middle + half * t).into_iter().enumerate() {
                 of[0][degree] += weight * p;
                 of[1][degree] += weight * offset * p;
+                of[2][degree] += weight * offset * offset * p;
             }
         }
         let moment = |of: &[f64; 3]| reference.iter().zip(of).map(|(strain, weight)| *weight * strain).sum();
         Self {
             length: half * length,
-            reference: [moment(&of[0]), moment(&of[1])],
+            reference: [moment(&of[0]), moment(&of[1]), moment(&of[2])],
             per_degree: of.map(|of| of.map(|x| x / length)),
         }
     }
@@ -381,11 +396,11 @@ mod tests {
         (4.0 * march(4000) - march(2000)) / 3.0
     }
 
-    /// Halving an element divides the error of its end by 32: local order 5.
+    /// Halving an element divides the error of its end by 32, of degree 2 by 128: local orders 5 and 7.
     #[test]
-    fn steps_are_of_fourth_order() {
-        for degree in [1, 2] {
-            let errors: Vec<f64> = [0.4, 0.2, 0.1]
+    fn steps_are_of_fourth_and_sixth_order() {
+        for (degree, lengths, local) in [(1, [0.4, 0.2, 0.1], 5.0), (2, [0.8, 0.4, 0.2], 7.0)] {
+            let errors: Vec<f64> = lengths
                 .into_iter()
                 .map(|h| {
                     let rod = rod(h, degree);
@@ -396,7 +411,7 @@ mod tests {
                 .collect();
             for pair in errors.windows(2) {
                 let order = (pair[0] / pair[1]).log2();
-                assert!((order - 5.0).abs() < 0.4, "degree {degree}: errors {errors:?}");
+                assert!((order - local).abs() < 0.4, "degree {degree}: errors {errors:?}");
             }
         }
     }
@@ -404,7 +419,12 @@ mod tests {
     /// Columns of Z, Ż and Z̈ are derivatives of the pose along the motion.
     #[test]
     fn subspaces_are_derivatives() {
-        let rod = rod(0.7, 1);
+        for degree in [1, 2] {
+            columns_are_derivatives(&rod(0.7, degree));
+        }
+    }
+
+    fn columns_are_derivatives(rod: &Rod) {
         let wave = |a: f64| (0..rod.count()).map(|i| 0.3 * (a + 1.7 * i as f64).sin()).collect::<Vec<f64>>();
         let (q, qd, qdd) = (wave(0.0), wave(1.0), wave(2.0));
         let at = |t: f64| -> Vec<f64> { (0..q.len()).map(|i| q[i] + t * qd[i] + 0.5 * t * t * qdd[i]).collect() };
@@ -437,7 +457,12 @@ mod tests {
 
     #[test]
     fn the_curvature_is_the_derivative_of_the_row() {
-        let rod = rod(0.7, 2);
+        for degree in [1, 2] {
+            curvature_is_the_derivative_of_the_row(&rod(0.7, degree));
+        }
+    }
+
+    fn curvature_is_the_derivative_of_the_row(rod: &Rod) {
         let q: Vec<f64> = (0..rod.count()).map(|i| 0.3 * (1.0 + 1.7 * i as f64).sin()).collect();
         let f = Vector6::new(0.9, -1.2, 0.4, 0.3, 0.8, -0.6);
         for step in 0..rod.steps() {

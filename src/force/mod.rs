@@ -5,6 +5,7 @@
 //! any kind and pass each question on. What they do in a scene as a whole is in [`crate::dynamics::applied`]; how they are written in
 //! files is declared in [`crate::scenario::format`].
 
+mod elastic;
 pub mod end;
 pub mod lanes;
 pub mod question;

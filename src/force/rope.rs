@@ -13,6 +13,7 @@
 //! (2) is continuous: a damped rope that is pulled out fast begins to pull shortly before its path is as long as it is.
 //! A segment without length has no direction: then the force is not a number, which stops whoever asked.
 
+use super::elastic;
 use super::end::Anchor;
 use super::segment::Segment;
 use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report, Switch};
@@ -107,18 +108,11 @@ impl Describe for Rope {
     }
 
     fn numbers(&self, key: &str) -> Vec<(f64, &'static str)> {
-        match key {
-            "stiffness" => vec![(self.stiffness, "N/m")],
-            "length" => vec![(self.length, "m")],
-            _ => Vec::new(),
-        }
+        elastic::numbers(self.stiffness, self.length, key)
     }
 
     fn set(&mut self, key: &str, _index: usize, value: f64) {
-        match key {
-            "stiffness" => self.stiffness = value,
-            _ => self.length = value,
-        }
+        elastic::set(&mut self.stiffness, &mut self.length, key, value);
     }
 }
 

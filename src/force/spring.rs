@@ -9,6 +9,7 @@
 //! A spring with L₀ = 0 is regular at L = 0 (force k x). With L₀ > 0 the direction is undefined there and the force is
 //! not a number, which stops whoever asked.
 
+use super::elastic;
 use super::segment::Segment;
 use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report};
 use crate::spatial::Wrench;
@@ -72,18 +73,11 @@ impl Describe for Spring {
     }
 
     fn numbers(&self, key: &str) -> Vec<(f64, &'static str)> {
-        match key {
-            "stiffness" => vec![(self.stiffness, "N/m")],
-            "length" => vec![(self.length, "m")],
-            _ => Vec::new(),
-        }
+        elastic::numbers(self.stiffness, self.length, key)
     }
 
     fn set(&mut self, key: &str, _index: usize, value: f64) {
-        match key {
-            "stiffness" => self.stiffness = value,
-            _ => self.length = value,
-        }
+        elastic::set(&mut self.stiffness, &mut self.length, key, value);
     }
 }
 

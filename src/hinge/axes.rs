@@ -1,7 +1,9 @@
 //! Axes that hinges are given: their checks, and unit vectors across them.
 
-use super::question::Say;
 use nalgebra::{Matrix3, Vector3};
+
+/// Takes a key, what is wrong with it, and what is allowed.
+pub type Say<'s> = &'s mut dyn FnMut(&'static str, String, &'static str);
 
 /// Says so if the one axis of a hinge has no direction.
 pub(super) fn check_axis(axis: &Vector3<f64>, owner: &str, say: Say<'_>) {

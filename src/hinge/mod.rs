@@ -10,9 +10,10 @@ pub mod joint;
 pub mod question;
 
 pub use along::AlongTurn;
+pub use axes::Say;
 pub use declared::{Declared, Which, count, names};
 pub use joint::Joint;
-pub use question::{Condition, Freedom, Keys, Names, Say};
+pub use question::{Condition, Freedom, Keys, Names};
 
 use nalgebra::{UnitQuaternion, Vector3};
 

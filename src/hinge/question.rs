@@ -1,6 +1,6 @@
 //! What a kind of hinge answers.
 
-use super::axes::{check_axis, frame};
+use super::axes::{Say, check_axis, frame};
 use super::joint::Joint;
 use nalgebra::{UnitQuaternion, Vector3};
 
@@ -64,9 +64,6 @@ pub trait Freedom: Sized {
         self.axes()
     }
 }
-
-/// Takes a key, what is wrong with it, and what is allowed.
-pub type Say<'s> = &'s mut dyn FnMut(&'static str, String, &'static str);
 
 /// The keys of a hinge that only some kinds have. What could not be read has been said already, and a value that is
 /// allowed stands in for it.

@@ -1,8 +1,8 @@
 //! Turns about an axis and slides along it, the distance in proportion to the angle.
 
-use super::axes::{around, check_axis};
+use super::axes::{Say, around, check_axis};
 use super::joint::Joint;
-use super::question::{Condition, Freedom, Keys, Names, Say};
+use super::question::{Condition, Freedom, Keys, Names};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Turns about an axis and slides along it by `pitch` per radian.

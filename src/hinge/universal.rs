@@ -1,8 +1,8 @@
 //! Turns about a first axis, then about a second one carried by the first.
 
-use super::axes::has_no_direction;
+use super::axes::{Say, has_no_direction};
 use super::joint::Joint;
-use super::question::{Condition, Freedom, Keys, Names, Say};
+use super::question::{Condition, Freedom, Keys, Names};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// Sine of the angle between two axes below which they count as parallel.

@@ -136,6 +136,10 @@ pub struct Beam {
     pub length: f64,
     /// Whether it is a cable, closed at its far end: it begins in a shape that it is given.
     pub is_cable: bool,
+    /// Degree of the strains in an element.
+    pub degree: usize,
+    /// As in [`BeamDescription::sections`].
+    pub sections: Vec<(f64, Section)>,
 }
 
 /// An element of a compiled beam.
@@ -363,12 +367,7 @@ impl BeamDescription {
 
     /// The section at a distance from the root (m).
     pub(super) fn section_at(&self, s: f64) -> Section {
-        let after = self.sections.partition_point(|(at, _)| *at <= s);
-        match (self.sections.get(after.wrapping_sub(1)), self.sections.get(after)) {
-            (Some((from, one)), Some((to, other))) => one.between(other, (s - from) / (to - from)).unwrap_or(*one),
-            (Some((_, only)), None) | (None, Some((_, only))) => *only,
-            (None, None) => Section::Stiffness(Matrix6::zeros()),
-        }
+        section_at(&self.sections, s)
     }
 
     /// What the section has per length at a distance from the root (m). Without a rotary inertia, sections that twist
@@ -391,5 +390,22 @@ impl BeamDescription {
             of.rotary = Vector3::new(twist * (y + z), shear * y, shear * z);
         }
         of
+    }
+}
+
+impl Beam {
+    /// The section at a distance from the root (m).
+    pub fn section_at(&self, s: f64) -> Section {
+        section_at(&self.sections, s)
+    }
+}
+
+/// The section at a distance from the root (m): between two that are given one of sizes between theirs, beyond them the nearest.
+fn section_at(sections: &[(f64, Section)], s: f64) -> Section {
+    let after = sections.partition_point(|(at, _)| *at <= s);
+    match (sections.get(after.wrapping_sub(1)), sections.get(after)) {
+        (Some((from, one)), Some((to, other))) => one.between(other, (s - from) / (to - from)).unwrap_or(*one),
+        (Some((_, only)), None) | (None, Some((_, only))) => *only,
+        (None, None) => Section::Stiffness(Matrix6::zeros()),
     }
 }

@@ -38,7 +38,8 @@ pub use super::output::{
 use super::parameter::NamedNumbers;
 use super::shape::Shape;
 pub use super::stage::{StageDescription, When};
-pub use super::watch::{Direction, EventDescription, LimitDescription, StopLaw, WatchedDescription};
+pub use super::stop::{LimitDescription, StopLaw};
+pub use super::watch::{Direction, EventDescription, WatchedDescription};
 pub use crate::element::guide::GuideCurve;
 pub use crate::force::load::{LoadAxes, OverTime};
 pub use crate::force::table::Interpolation;

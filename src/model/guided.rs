@@ -1,6 +1,6 @@
 //! Ends of the curves that bodies are guided along: nothing goes beyond them. An end that a rigid stop keeps a body from is none.
 
-use super::{Link, Model, Stop, StopLaw};
+use super::{Link, Model, Stop};
 use crate::element::Rod;
 
 /// One end of a curve.
@@ -47,7 +47,7 @@ pub(super) fn ends(links: &[Link], rods: &[Rod], stops: &[Stop]) -> Vec<CurveEnd
     };
     let guarded = |end: &CurveEnd| {
         let side = |stop: &Stop| if end.sign > 0.0 { end.at - stop.range[1] } else { stop.range[0] - end.at };
-        let rigid = |stop: &&Stop| stop.position == end.position && matches!(stop.law, StopLaw::Rigid { .. });
+        let rigid = |stop: &&Stop| stop.position == end.position && stop.is_rigid();
         stops.iter().filter(rigid).any(|stop| side(stop) >= -end.slack)
     };
     links.iter().filter_map(of_link).flatten().filter(|end| !guarded(end)).collect()

@@ -28,6 +28,7 @@ pub mod prescribed;
 pub mod problem;
 pub mod shape;
 pub mod stage;
+pub mod stop;
 pub mod structure;
 mod tree;
 pub mod watch;
@@ -48,7 +49,8 @@ pub use motor::Motor;
 pub use output::{Output, Quantity};
 pub use parameter::Parameter;
 pub use problem::{Element, Problem};
-pub use watch::{Event, Stop, StopLaw, Watched};
+pub use stop::{Side, Stop, StopLaw};
+pub use watch::{Event, Watched};
 
 use crate::element::Rod;
 use crate::force::Act;

@@ -321,6 +321,8 @@ impl Tree<'_> {
             elements: of.tips.iter().filter_map(element).collect(),
             length: of.length,
             is_cable: of.is_cable,
+            degree: of.degree,
+            sections: of.sections.clone(),
         };
         self.whole.map_or(Vec::new(), |whole| whole.beams.iter().map(beam).collect())
     }

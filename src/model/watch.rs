@@ -4,39 +4,10 @@ use super::build::Place;
 use super::description::{Attachment, BodyDescription, Description};
 use super::output::{EnergyKind, Output, Quantity};
 use super::problem::{Element, Problem};
+use super::stop::{LimitDescription, Stop, StopLaw};
 use super::{Body, End, Model};
 use crate::suggest;
 use nalgebra::Vector3;
-
-/// A hinge coordinate that cannot go on for ever.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LimitDescription {
-    /// Which of the hinge's coordinates, from 0; not one of a quaternion.
-    pub coordinate: usize,
-    /// Lowest value (m or rad); −∞ for none.
-    pub low: f64,
-    /// Highest value (m or rad); ∞ for none.
-    pub high: f64,
-    /// What happens there.
-    pub law: StopLaw,
-}
-
-/// What a stop does.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum StopLaw {
-    /// Turns the speed around at once and leaves this part of it, 0…1; holds what comes to rest on it.
-    Rigid {
-        /// Coefficient of restitution.
-        restitution: f64,
-    },
-    /// Pushes back: stiffness times depth plus damping times speed, never pulling.
-    Compliant {
-        /// (N/m, N m/rad), > 0.
-        stiffness: f64,
-        /// (N s/m, N m s/rad), ≥ 0.
-        damping: f64,
-    },
-}
 
 /// Something a run takes note of, or ends with.
 #[derive(Debug, Clone, PartialEq)]
@@ -86,21 +57,6 @@ pub enum Direction {
     Down,
     /// Either.
     Both,
-}
-
-/// A stop, compiled.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stop {
-    /// Index of the body whose hinge it is.
-    pub body: usize,
-    /// Index into the position vector.
-    pub position: usize,
-    /// Index into the velocity vector.
-    pub velocity: usize,
-    /// Lowest and highest value (m or rad); infinite for none.
-    pub range: [f64; 2],
-    /// What happens there.
-    pub law: StopLaw,
 }
 
 /// An event, compiled.
@@ -211,7 +167,7 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
 /// Rigid stops on a side of a coordinate that has one already: the one behind would never be reached.
 fn second_rigid_stops(index: usize, body: &BodyDescription) -> Vec<Problem> {
     let sides = |limit: &LimitDescription| {
-        let rigid = matches!(limit.law, StopLaw::Rigid { .. });
+        let rigid = limit.law.is_rigid();
         [("low", limit.low), ("high", limit.high)]
             .map(|(side, at)| (limit.coordinate, side, at, rigid && at.is_finite()))
     };

@@ -2,7 +2,7 @@
 
 use super::drawing::{Drawing, Extras};
 use super::gltf::Clip;
-use super::{OwnedSample, RecordError, Recording, meshes};
+use super::{OwnedSample, RecordError, Recording, Tubes, meshes};
 use crate::spatial::Pose;
 use serde_json::Value;
 use std::path::Path;
@@ -14,6 +14,8 @@ pub struct Footage {
     pub recording: Recording,
     /// What is not drawn, in words.
     pub notes: Vec<String>,
+    /// Its beams. Poses of their cross sections stand behind those of the bodies in all samples and clips from here.
+    pub tubes: Tubes,
 }
 
 impl Footage {
@@ -25,7 +27,8 @@ impl Footage {
     pub fn open(path: &Path, meshes: bool) -> Result<Self, RecordError> {
         let mut recording = Recording::open(path)?;
         let notes = if meshes { Vec::new() } else { meshes::keep_own(&mut recording.scene, path) };
-        Ok(Self { recording, notes })
+        let tubes = Tubes::new(&recording.scene);
+        Ok(Self { recording, notes, tubes })
     }
 
     /// The sample whose time is nearest to `at` (s), of two at one time the later, the first without; `None` of a recording
@@ -46,6 +49,9 @@ impl Footage {
                 _ => nearest = Some(sample),
             }
         }
+        if let Some(sample) = &mut nearest {
+            self.tubes.extend(&sample.positions, &mut sample.bodies);
+        }
         Ok(nearest)
     }
 
@@ -56,8 +62,11 @@ impl Footage {
     pub fn clips(&self) -> Result<Vec<Clip>, RecordError> {
         let outcome = self.recording.outcome.as_deref();
         let mut parts = parts(outcome);
+        // In modes and iterates nothing balances: what would be borne is not known.
+        let is_poses = holds_poses(outcome);
         for sample in self.recording.samples()? {
-            let sample = sample?;
+            let mut sample = sample?;
+            self.tubes.extend(&sample.positions, &mut sample.bodies);
             let part = parts.iter_mut().find(|part| part.from <= sample.time && sample.time < part.to);
             if let Some(Part { clip, .. }) = part {
                 // Times of a film increase, in single precision: of two samples at one, as a stage has, the later one stays.
@@ -65,12 +74,22 @@ impl Footage {
                 if clip.times.last().is_some_and(|last| since(sample.time) <= since(*last)) {
                     clip.times.pop();
                     clip.poses.pop();
+                    clip.loads.pop();
                 }
                 clip.times.push(sample.time);
+                if !self.tubes.is_empty() && !is_poses {
+                    clip.loads.push(self.tubes.loads(&sample.bodies, &sample.reactions));
+                }
                 clip.poses.push(sample.bodies);
             }
         }
         Ok(parts.into_iter().map(|part| part.clip).filter(|clip| !clip.times.is_empty()).collect())
+    }
+
+    /// What the beams of a sample from here bear, in the order of their cross sections; `None` of a recording of poses alone.
+    pub fn loads(&self, sample: &OwnedSample) -> Option<Vec<f64>> {
+        let known = !self.tubes.is_empty() && !holds_poses(self.recording.outcome.as_deref());
+        known.then(|| self.tubes.loads(&sample.bodies, &sample.reactions))
     }
 
     /// What is drawn of it, sized by these poses.
@@ -85,6 +104,12 @@ pub fn mode_name(index: usize, hz: f64, growth: f64) -> String {
         true => format!("mode {}: grows {growth:.4} per second", index + 1),
         false => format!("mode {}: {hz:.4} Hz", index + 1),
     }
+}
+
+/// Whether what was recorded are poses alone, without what holds them.
+fn holds_poses(outcome: Option<&str>) -> bool {
+    let outcome: Value = outcome.and_then(|json| serde_json::from_str(json).ok()).unwrap_or_default();
+    ["modes", "iterates", "collapse"].iter().any(|key| !outcome[key].is_null())
 }
 
 /// A stretch of the recording's time.

@@ -1,8 +1,12 @@
 //! A drawing as binary glTF 2.0, with animations.
 //!
+//! Beams are skins: a joint per cross section. Colours of vertices cannot be animated in glTF: a beam has in every section those of the
+//! most that it bears in all frames.
+//!
 //! One node per body with its parts below it, one per line; the scene's root turns z up into glTF's y up. What moves is keyed at every frame,
 //! linear between them, and what stays is not keyed. Numbers are single precision: a file for looking, as all of glTF is.
 
+mod beam;
 mod bytes;
 
 use super::drawing::{Drawing, Part, Placement, Triangles};
@@ -20,8 +24,10 @@ pub struct Clip {
     pub name: String,
     /// Times of the frames (s), ascending.
     pub times: Vec<f64>,
-    /// Poses of the bodies, one list per frame.
+    /// Poses of the bodies and of the cross sections of beams, one list per frame.
     pub poses: Vec<Vec<Pose>>,
+    /// What the cross sections bear, one list per frame ([`Tubes::loads`](super::Tubes::loads)); none if that is not known.
+    pub loads: Vec<Vec<f64>>,
 }
 
 /// Half a right angle: z up becomes y up.
@@ -32,7 +38,12 @@ pub fn glb(drawing: &Drawing, title: &str, still: &[Pose], clips: &[Clip]) -> Ve
     let mut writer = Writer { still, clips, ..Writer::default() };
     writer.nodes.push(Map::new());
     let mut bodies: BTreeMap<Option<usize>, usize> = BTreeMap::new();
+    let most: Vec<f64> = writer.most();
     for part in &drawing.parts {
+        if let Some((sweep, tints)) = part.swept() {
+            writer.beam(drawing, part, sweep, tints, &most);
+            continue;
+        }
         let mesh = writer.mesh(part);
         match part.rigid() {
             Some((body, placement)) => {
@@ -63,6 +74,9 @@ struct Writer<'a> {
     nodes: Vec<Map<String, Value>>,
     meshes: Vec<Value>,
     materials: Vec<Value>,
+    skins: Vec<Value>,
+    /// Further roots.
+    roots: Vec<usize>,
     /// Accessors of positions, normals and corners, by the address of the triangles that the parts of the drawing share.
     known: HashMap<*const Triangles, [usize; 3]>,
     /// Numbers of meshes and materials, by their text.
@@ -166,12 +180,15 @@ impl Writer<'_> {
         let generator = concat!("stillpoint ", env!("CARGO_PKG_VERSION"));
         root.insert("asset".into(), json!({ "version": "2.0", "generator": generator }));
         root.insert("scene".into(), json!(0));
-        root.insert("scenes".into(), json!([{ "name": title, "nodes": [0] }]));
+        let roots: Vec<usize> = std::iter::once(0).chain(self.roots).collect();
+        root.insert("scenes".into(), json!([{ "name": title, "nodes": roots }]));
         root.insert("nodes".into(), json!(self.nodes));
         let animation = |(clip, (_, channels, samplers)): (&usize, &(usize, Vec<Value>, Vec<Value>))| json!({ "name": self.clips[*clip].name, "channels": channels, "samplers": samplers });
         let animations: Vec<Value> = self.animations.iter().map(animation).collect();
         // Lists without members are not allowed.
-        for (key, list) in [("meshes", self.meshes), ("materials", self.materials), ("animations", animations)] {
+        let lists =
+            [("meshes", self.meshes), ("materials", self.materials), ("skins", self.skins), ("animations", animations)];
+        for (key, list) in lists {
             if !list.is_empty() {
                 root.insert(key.into(), json!(list));
             }
@@ -188,11 +205,15 @@ fn number_of(list: &mut Vec<Value>, numbers: &mut HashMap<String, usize>, entry:
     })
 }
 
+/// Colours are linear in glTF (IEC 61966-2-1).
+fn linear(x: f64) -> f64 {
+    let x = x.clamp(0.0, 1.0);
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
 fn material(part: &Part) -> Value {
     let [r, g, b, opacity] = part.color;
-    // Colours are linear in glTF (IEC 61966-2-1).
-    let linear = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
-    let [r, g, b] = [r, g, b].map(|part| linear(part.clamp(0.0, 1.0)));
+    let [r, g, b] = [r, g, b].map(linear);
     let color = [r, g, b, opacity.clamp(0.0, 1.0)];
     let mut material = json!({
         "pbrMetallicRoughness": { "baseColorFactor": color, "metallicFactor": 0.0, "roughnessFactor": 0.7 }
@@ -200,7 +221,7 @@ fn material(part: &Part) -> Value {
     if opacity < 1.0 {
         material["alphaMode"] = json!("BLEND");
     }
-    if !part.triangles.closed {
+    if !part.triangles.closed && part.swept().is_none() {
         material["doubleSided"] = json!(true);
     }
     material

@@ -13,6 +13,7 @@
 //!
 //! Nothing here knows how a simulation works, and nothing outside `file` and `view` knows MCAP or Rerun.
 
+pub mod beam;
 mod contact;
 #[cfg(feature = "record")]
 mod contact_table;
@@ -38,6 +39,8 @@ mod solids;
 #[cfg(feature = "record")]
 pub mod table;
 #[cfg(feature = "record")]
+mod tubes;
+#[cfg(feature = "record")]
 pub mod view;
 
 pub use contact::ContactPush;
@@ -55,6 +58,8 @@ pub use sample::{Energy, OwnedSample, Sample};
 pub use scene::Scene;
 #[cfg(feature = "record")]
 pub use table::Table;
+#[cfg(feature = "record")]
+pub use tubes::Tubes;
 
 /// The `[record]` table.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,7 @@
 //! What a picture of a recording needs to know besides the samples. Written into the recording, so that a viewer needs
 //! nothing else.
 
+use super::beam::BeamPicture;
 #[cfg(feature = "record")]
 use crate::budget;
 #[cfg(feature = "record")]
@@ -26,6 +27,9 @@ pub struct Scene {
     pub bodies: Vec<BodyPicture>,
     /// Springs, bushings, ropes and rigid rods: drawn as lines through their points.
     pub lines: Vec<LinePicture>,
+    /// Beams and cables.
+    #[cfg_attr(feature = "record", serde(default))]
+    pub beams: Vec<BeamPicture>,
     /// Constant loads: drawn as arrows.
     #[cfg_attr(feature = "record", serde(default))]
     pub loads: Vec<LoadPicture>,
@@ -161,6 +165,9 @@ pub(super) fn parse(json: &str) -> Result<Scene, String> {
     let loads = scene.loads.iter().map(|load| load.body);
     if let Some(index) = parents.chain(ends).chain(loads).find(|index| *index >= bodies) {
         return Err(format!("body {index} of {bodies}"));
+    }
+    if let Some(fault) = super::beam::fault(&scene.beams, bodies) {
+        return Err(fault);
     }
     let mut names = HashSet::new();
     if let Some(twice) = scene.bodies.iter().find(|body| !names.insert(body.name.as_str())) {

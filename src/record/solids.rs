@@ -34,7 +34,7 @@ pub(super) enum Form {
     Mesh { file: String, contents: Vec<u8>, media_type: &'static str, scale: [f64; 3] },
 }
 
-/// Quiet colours that can be told apart on dark and on light ground.
+/// Quiet colours that can be distinguished on dark and on light ground.
 const PALETTE: [[f64; 3]; 8] = [
     [0.42, 0.60, 0.78],
     [0.87, 0.62, 0.36],
@@ -71,6 +71,15 @@ pub(super) fn solids(scene: &Scene) -> Vec<Vec<Solid>> {
         if shapes.is_empty() { stand_in(body, points, longest, color) } else { shapes }
     };
     scene.bodies.iter().zip(&points).enumerate().map(of_body).collect()
+}
+
+/// Takes out what stands for the bodies of beams, whose surfaces are drawn.
+pub(super) fn drop_of_beams(scene: &Scene, solids: &mut [Vec<Solid>]) {
+    for beam in &scene.beams {
+        for body in beam.elements.iter().map(|element| element.body).chain([beam.begin]) {
+            solids[body].clear();
+        }
+    }
 }
 
 fn from_shape(shape: &ShapePicture, color: [f64; 4]) -> Option<Solid> {

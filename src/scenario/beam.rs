@@ -4,7 +4,7 @@ use super::body::Names;
 use super::findings::Finding;
 use super::force::between;
 use super::hinge::hinge;
-use super::reader::{Reader, numbers, rows};
+use super::reader::{Reader, numbers, only, rows};
 use crate::model::description::{
     BeamDescription, BeamShape, FarEnd, FreeStrains, GROUND, HingeDescription, LineLoad, Material, Section,
 };
@@ -69,23 +69,6 @@ fn common(table: &Reader<'_>, mut beam: BeamDescription) -> Option<BeamDescripti
         Some(LineLoad { force: load.vector("force")?, follows })
     });
     Some(beam)
-}
-
-/// Exactly one of these keys; otherwise that is said, and there is none.
-pub(super) fn only<'k>(table: &Reader<'_>, what: &str, keys: &[&'k str]) -> Option<&'k str> {
-    let mut given = keys.iter().filter(|key| table.has(key));
-    match (given.next(), given.next()) {
-        (Some(one), None) => Some(one),
-        (first, _) => {
-            let list = keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
-            let (place, message) = match first {
-                Some(first) => (table.key_span(first), format!("{what}: more than one of {list}")),
-                None => (table.span.clone(), format!("{what}: one of {list} is needed")),
-            };
-            table.findings.push(Finding::error(place, message).help("keep exactly one of them"));
-            None
-        }
-    }
 }
 
 fn shape(table: &Reader<'_>, name: &str) -> Option<BeamShape> {

@@ -57,7 +57,7 @@ pub enum Kind {
     Choice(&'static [(&'static str, &'static str)]),
     /// A list of one of these lengths; no lengths for any but none.
     List(&'static Kind, &'static [usize]),
-    /// One of these, told apart by their TOML types.
+    /// One of these, distinguished by their TOML types.
     Either(&'static [Kind]),
     /// A table with declared keys.
     Table(&'static Table),

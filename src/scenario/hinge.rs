@@ -1,8 +1,7 @@
 //! Hinges, and their values per coordinate, per velocity and per copy.
 
-use super::beam::only;
 use super::findings::Finding;
-use super::reader::{Reader, number, numbers, rows};
+use super::reader::{Reader, number, numbers, only, rows};
 use crate::hinge::Keys;
 use crate::model::description::{
     DryFriction, GROUND, GuideCurve, HingeDescription, HingeKind, LimitDescription, Point, StopLaw,

@@ -3,7 +3,7 @@
 //! Every accessor answers `None` if the key is absent and where something was found wrong with its value: that has
 //! been said already, and reading goes on.
 
-use super::findings::Findings;
+use super::findings::{Finding, Findings};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::ops::Range;
 use toml::Spanned;
@@ -127,5 +127,22 @@ pub(super) fn vector(value: &DeValue<'_>) -> Option<Vector3<f64>> {
     match numbers(value)?[..] {
         [x, y, z] => Some(Vector3::new(x, y, z)),
         _ => None,
+    }
+}
+
+/// Exactly one of these keys; otherwise that is said, and there is none.
+pub(super) fn only<'k>(table: &Reader<'_>, what: &str, keys: &[&'k str]) -> Option<&'k str> {
+    let mut given = keys.iter().filter(|key| table.has(key));
+    match (given.next(), given.next()) {
+        (Some(one), None) => Some(one),
+        (first, _) => {
+            let list = keys.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", ");
+            let (place, message) = match first {
+                Some(first) => (table.key_span(first), format!("{what}: more than one of {list}")),
+                None => (table.span.clone(), format!("{what}: one of {list} is needed")),
+            };
+            table.findings.push(Finding::error(place, message).help("keep exactly one of them"));
+            None
+        }
     }
 }

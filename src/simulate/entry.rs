@@ -1,5 +1,6 @@
 //! Runs: of a scene as it is, or through the stages that change it.
 
+use super::asked::Asked;
 use super::control::Function;
 use super::error::RunError;
 use super::run::{Summary, run_one};
@@ -33,7 +34,7 @@ pub fn run(
     recorder: &mut dyn Recorder,
     go_on: &mut dyn FnMut(f64, &State) -> bool,
 ) -> Result<Summary, RunError> {
-    run_with(model, settings, rate, start, recorder, go_on, Search::RUN, None)
+    run_with(model, start, Asked { settings, rate, recorder, go_on, search: Search::RUN, function: None })
 }
 
 /// As [`run`], with a function that sets the inputs at instants of its own.
@@ -49,29 +50,19 @@ pub fn run_controlled(
     go_on: &mut dyn FnMut(f64, &State) -> bool,
     function: Function<'_>,
 ) -> Result<Summary, RunError> {
-    run_with(model, settings, rate, start, recorder, go_on, Search::RUN, Some(function))
+    run_with(model, start, Asked { settings, rate, recorder, go_on, search: Search::RUN, function: Some(function) })
 }
 
-/// As [`run`], with events looked for in another way, and a function as a controller.
+/// As [`run`], with all that a run can be asked for.
 ///
 /// # Errors
 /// As [`run`].
-#[expect(clippy::too_many_arguments, reason = "those of the two functions above")]
-pub(super) fn run_with(
-    model: &Arc<Model>,
-    settings: &Settings,
-    rate: f64,
-    start: &State,
-    recorder: &mut dyn Recorder,
-    go_on: &mut dyn FnMut(f64, &State) -> bool,
-    search: Search,
-    function: Option<Function<'_>>,
-) -> Result<Summary, RunError> {
+pub(super) fn run_with(model: &Arc<Model>, start: &State, asked: Asked<'_, '_>) -> Result<Summary, RunError> {
     match &model.stages {
-        None => run_one(model, settings, rate, start, recorder, go_on, search, function, None),
+        None => run_one(model, start, asked, None),
         Some(whole) => {
-            staged::refuse(whole, settings, function.is_some())?;
-            staged::run(whole, model, settings, rate, start, recorder, go_on, search)
+            staged::refuse(whole, asked.settings, asked.function.is_some())?;
+            staged::run(whole, model, start, asked)
         }
     }
 }

@@ -14,18 +14,18 @@ mod watched;
 
 use super::contact::Aspect;
 use super::error::RunError;
-use super::instant::sides;
 use super::ledger::interpolate;
-use super::nonsmooth::{Rubbing, Side, rate_of};
 pub use super::occurrence::{Kind, Occurrence};
 use super::outputs::StateOutputs;
 use super::problem::{Motion, TIMES};
 use super::search::Search;
 use super::state::State;
 use crate::dynamics::Boundary;
+use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::integrate::Stepper;
+use crate::model::stop::sides;
 use crate::model::watch::Direction;
-use crate::model::{Model, StopLaw, Watched};
+use crate::model::{Model, Side, StopLaw, Watched};
 use std::sync::Arc;
 
 /// The time of an event is known to this part of the scene's own, or to the rounding of time.
@@ -187,20 +187,21 @@ impl Events {
         let model = &Arc::clone(motion.model());
         // Captured steps follow rigid stops and dry friction by themselves.
         let captured = motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing);
-        let phase = motion.phase().filter(|_| !captured).cloned().unwrap_or_default();
-        let rests = |side: &Side| phase.held.iter().any(|held| held.stop == Some(*side));
-        let mut functions: Vec<Function> = (0..phase.held.len()).map(Function::Reserve).collect();
-        functions.extend(phase.rubbing.iter().enumerate().filter_map(|(index, rubbing)| match rubbing {
+        let held = if captured { &[] } else { motion.held() };
+        let rubbing = if captured { &[] } else { motion.system.phase().rubbing.as_slice() };
+        let rests = |side: &Side| held.iter().any(|held| held.stop == Some(*side));
+        let mut functions: Vec<Function> = (0..held.len()).map(Function::Reserve).collect();
+        functions.extend(rubbing.iter().enumerate().filter_map(|(index, rubbing)| match rubbing {
             Rubbing::Sticks => None,
             Rubbing::Slides(_) => Some(Function::Speed(index)),
             Rubbing::Dependent(_) => Some(Function::Breakaway(index)),
         }));
-        let follows = |side: &Side| !(captured && matches!(model.stops[side.stop].law, StopLaw::Rigid { .. }));
-        for side in sides(motion).into_iter().filter(|side| !rests(side) && follows(side)) {
-            if !motion.pushes(side) {
+        let follows = |side: &Side| !(captured && model.stops[side.stop].is_rigid());
+        for side in sides(&model.stops).filter(|side| !rests(side) && follows(side)) {
+            if !motion.system.phase().pushes(side) {
                 functions.push(Function::Depth(side));
             }
-            if matches!(model.stops[side.stop].law, StopLaw::Compliant { .. }) {
+            if !model.stops[side.stop].is_rigid() {
                 functions.push(Function::Push(side));
             }
         }
@@ -233,7 +234,7 @@ impl Events {
             };
             let positive = match function {
                 Function::Depth(_) | Function::End(_) => last[0] > band,
-                Function::Push(side) => motion.pushes(side) || last[0] > band,
+                Function::Push(side) => motion.system.phase().pushes(side) || last[0] > band,
                 Function::Speed(index) if model.hinge_friction[index].count != 1 => last[0] > 0.0,
                 Function::Reserve(_) | Function::Speed(_) => true,
                 Function::Breakaway(_) => false,
@@ -291,9 +292,7 @@ impl Events {
             if friction.count == 1 {
                 continue;
             }
-            if let Some(nonsmooth) = &mut motion.nonsmooth {
-                nonsmooth.phase.rubbing[index] = Rubbing::Slides(direction);
-            }
+            motion.system.phase_mut().rubbing[index] = Rubbing::Slides(direction);
             let function = Function::Speed(index);
             self.watches[at].last = [self.value(motion, function, time), self.rate(motion, function, time)];
         }
@@ -423,13 +422,13 @@ impl Events {
             },
             Function::Push(side) => {
                 let inside = model.stops[side.stop].depth(side.sign, &self.state.position) > 0.0;
-                match (motion.pushes(side), positive) {
+                match (motion.system.phase().pushes(side), positive) {
                     (true, true) => Some(Turn::Push(side, false)),
                     (false, false) if inside => Some(Turn::Push(side, true)),
                     _ => None,
                 }
             }
-            Function::Reserve(held) => motion.phase().map(|phase| Turn::Release(phase.held[held].velocity)),
+            Function::Reserve(held) => motion.held().get(held).map(|held| Turn::Release(held.velocity)),
             Function::Speed(index) => positive.then_some(Turn::Still(index)),
             Function::Breakaway(index) => Some(Turn::Breakaway(index)),
             Function::Law(boundary) => Some(Turn::Switch(boundary)),

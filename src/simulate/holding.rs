@@ -19,8 +19,9 @@ use super::complementarity::{ONE_SIDED, Problem, Solution};
 use super::error::RunError;
 use super::events::{Kind, Occurrence, Turn};
 use super::instant::{ANSWERED, Instant, Of};
-use super::nonsmooth::{Held, Rubbing, rate_of};
+use super::nonsmooth::Held;
 use crate::dynamics::Fault;
+use crate::dynamics::applied::{Rubbing, rate_of};
 use nalgebra::Vector3;
 
 /// A row that others hold up to this part presses with what a free one would press with.
@@ -63,9 +64,9 @@ impl Instant<'_> {
             let comes_to_rest = turn == Some(Turn::Still(index)) && slow;
             now.push(if moves && !comes_to_rest { Rubbing::Slides(rate.normalize()) } else { Rubbing::Sticks });
         }
-        let Some(nonsmooth) = &mut self.motion.nonsmooth else { return Vec::new() };
-        let before = std::mem::replace(&mut nonsmooth.phase.rubbing, now);
-        if turn.is_some() { before } else { nonsmooth.phase.rubbing.clone() }
+        let rubbing = &mut self.motion.system.phase_mut().rubbing;
+        let before = std::mem::replace(rubbing, now);
+        if turn.is_some() { before } else { rubbing.clone() }
     }
 
     /// (1): what is held from now on.
@@ -96,7 +97,7 @@ impl Instant<'_> {
         self.share(&rest, &found);
         let holding: Vec<usize> =
             rest.iter().zip(&found.active).filter(|(_, active)| **active).map(|(one, _)| one.row).collect();
-        self.stop(&holding);
+        self.stop(&holding).map_err(|fault| RunError::Sample { time: self.time, fault })?;
         Ok(self.held(&rest, &found))
     }
 
@@ -138,13 +139,11 @@ impl Instant<'_> {
     }
 
     fn rubbing(&self, friction: usize) -> Option<Rubbing> {
-        self.motion.phase().and_then(|phase| phase.rubbing.get(friction).copied())
+        self.motion.system.phase().rubbing.get(friction).copied()
     }
 
     fn set_rubbing(&mut self, friction: usize, rubbing: Rubbing) {
-        if let Some(nonsmooth) = &mut self.motion.nonsmooth {
-            nonsmooth.phase.rubbing[friction] = rubbing;
-        }
+        self.motion.system.phase_mut().rubbing[friction] = rubbing;
     }
 
     /// Rates of rows with these accelerations, and what of them is known: their round-off, and what the problem of all of them
@@ -338,19 +337,23 @@ impl Instant<'_> {
     }
 
     /// Takes the remaining speed from rows that are held from now on: a projection, which gains no energy.
-    fn stop(&mut self, rows: &[usize]) {
+    ///
+    /// # Errors
+    /// A system that cannot be evaluated.
+    fn stop(&mut self, rows: &[usize]) -> Result<(), Fault> {
         let before = self.rates(&self.state.velocity);
         let moving = |row: &usize| before[*row].abs() > self.round_off(*row, &self.state.velocity, 1.0);
         if !rows.iter().any(moving) {
-            return;
+            return Ok(());
         }
         let (matrix, free) = self.among(rows);
         let rates: Vec<f64> = rows.iter().map(|row| before[*row]).collect();
         let (tolerances, bounds) = (vec![0.0; rows.len()], vec![ONE_SIDED; rows.len()]);
         let problem = Problem { matrix: &matrix, free: &free, rates: &rates, bounds: &bounds, tolerances: &tolerances };
         let all: Vec<usize> = (0..rows.len()).collect();
-        if let Some(impulses) = problem.stationary(&all) {
-            self.apply(rows, &impulses, &before);
+        match problem.stationary(&all) {
+            Some(impulses) => self.apply(rows, &impulses, &before),
+            None => Ok(()),
         }
     }
 
@@ -370,7 +373,7 @@ impl Instant<'_> {
             self.motion.lift(self.time, self.state, &sides)?;
         }
         self.motion.hold(self.time, self.state, held)?;
-        let now: Vec<Held> = self.motion.phase().map_or_else(Vec::new, |phase| phase.held.clone());
+        let now: Vec<Held> = self.motion.held().to_vec();
         for row in 0..self.rows.len() {
             let Of::Stop(side) = self.rows[row] else { continue };
             let rests = |list: &[Held]| list.iter().any(|held| held.stop == Some(side));

@@ -23,12 +23,13 @@
 use super::complementarity::{ONE_SIDED, Problem, Solution};
 use super::error::RunError;
 use super::events::{Kind, Occurrence, Turn};
-use super::nonsmooth::{Held, Side};
+use super::nonsmooth::Held;
 use super::problem::Motion;
 use super::state::State;
 use crate::dynamics::Fault;
 use crate::integrate::Problem as _;
-use crate::model::StopLaw;
+use crate::model::stop::sides;
+use crate::model::{Side, StopLaw};
 
 /// A rebound that would rise by less than about this part of the scene's length (1 rad), some roundings of a coordinate, counts as
 /// none: a fall by rounding alone is as fast.
@@ -96,7 +97,7 @@ pub(super) fn resolve(
     turn: Option<Turn>,
 ) -> Result<Outcome, RunError> {
     let fault = |fault| RunError::Sample { time, fault };
-    let before: Vec<Held> = motion.phase().map_or_else(Vec::new, |phase| phase.held.clone());
+    let before: Vec<Held> = motion.held().to_vec();
     let rows = rows(motion, state, &before);
     let mut instant = Instant {
         motion,
@@ -137,18 +138,13 @@ fn rows(motion: &Motion, state: &State, held: &[Held]) -> Vec<Of> {
 
 /// Rigid stops that are touched, or hold.
 fn touched(motion: &Motion, state: &State, held: &[Held]) -> Vec<Side> {
-    let rigid = |side: &Side| matches!(motion.model().stops[side.stop].law, StopLaw::Rigid { .. });
+    let stops = &motion.model().stops;
+    let rigid = |side: &Side| stops[side.stop].is_rigid();
     let touches = |side: &Side| {
-        let depth = motion.model().stops[side.stop].depth(side.sign, &state.position);
+        let depth = stops[side.stop].depth(side.sign, &state.position);
         depth >= -motion.touching(*side) || held.iter().any(|held| held.stop == Some(*side))
     };
-    sides(motion).into_iter().filter(|side| rigid(side) && touches(side)).collect()
-}
-
-/// The sides of all stops.
-pub(super) fn sides(motion: &Motion) -> Vec<Side> {
-    let stops = motion.model().stops.iter().enumerate();
-    stops.flat_map(|(index, stop)| stop.signs().map(move |sign| Side { stop: index, sign })).collect()
+    sides(stops).filter(|side| rigid(side) && touches(side)).collect()
 }
 
 impl Instant<'_> {
@@ -173,37 +169,31 @@ impl Instant<'_> {
     /// How all coordinates answer to a unit push off each stop.
     fn respond(&mut self) -> Result<(), Fault> {
         let n = self.state.velocity.len();
-        let mut a = vec![0.0; n];
-        self.accelerate(&mut a)?;
-        let (mut force, mut change, m) = (vec![0.0; n], vec![0.0; n], self.rows.len());
-        self.matrix = vec![0.0; m * m];
-        self.free = vec![0.0; m];
-        self.inward = self.rates(&a).iter().map(|rate| (-rate).max(0.0)).collect();
-        for column in 0..m {
-            let (i, sign) = self.coordinate(column);
-            force[i] = -sign;
-            self.motion.system.factorized(&self.state.position, &self.state.velocity).solve_mass(&force, &mut change);
-            self.free[column] = -sign * change[i];
-            self.motion
-                .system
-                .factorized(&self.state.position, &self.state.velocity)
-                .answer_impulse(&force, &mut change);
-            for row in 0..m {
-                self.matrix[row * m + column] = self.rate(row, &change);
+        let (mut a, mut force, mut change, m) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], self.rows.len());
+        let coordinates: Vec<(usize, f64)> = (0..m).map(|row| self.coordinate(row)).collect();
+        let (mut matrix, mut free) = (vec![0.0; m * m], vec![0.0; m]);
+        let State { position, velocity } = &*self.state;
+        let mut at = self.motion.system.at(self.time, position, velocity);
+        let mut mass = at.accelerations(&mut a)?;
+        for (column, (i, sign)) in coordinates.iter().enumerate() {
+            force[*i] = -sign;
+            mass.solve_mass(&force, &mut change);
+            free[column] = -sign * change[*i];
+            mass.answer_impulse(&force, &mut change);
+            for (row, (j, sign)) in coordinates.iter().enumerate() {
+                matrix[row * m + column] = -sign * change[*j];
             }
-            force[i] = 0.0;
+            force[*i] = 0.0;
         }
+        (self.matrix, self.free) = (matrix, free);
+        self.inward = self.rates(&a).iter().map(|rate| (-rate).max(0.0)).collect();
         Ok(())
     }
 
-    /// Accelerations as nothing holds, with the factorization that belongs to the state.
+    /// Accelerations as no stop and no friction holds; contacts push as they did last.
     pub(super) fn accelerate(&mut self, a: &mut [f64]) -> Result<(), Fault> {
         let State { position, velocity } = &*self.state;
-        let system = &mut self.motion.system;
-        if let Some(nonsmooth) = &self.motion.nonsmooth {
-            nonsmooth.press(position, velocity, system.outside());
-        }
-        system.at(self.time, position, velocity).accelerations(a).map(|_| ())
+        self.motion.system.at(self.time, position, velocity).accelerations(a).map(drop)
     }
 
     /// The velocity coordinate of a row, and the side of its stop; −1 for dry friction.
@@ -252,10 +242,7 @@ impl Instant<'_> {
 
     fn restitution(&self, row: usize) -> f64 {
         let Of::Stop(side) = self.rows[row] else { return 0.0 };
-        match self.motion.model().stops[side.stop].law {
-            StopLaw::Rigid { restitution } => restitution,
-            StopLaw::Compliant { .. } => 0.0,
-        }
+        self.motion.model().stops[side.stop].law.restitution()
     }
 
     /// (1), until nothing approaches.
@@ -294,8 +281,9 @@ impl Instant<'_> {
                 // A drive that touches a stop at the speed of rounding.
                 unanswered[*row] = after < -noise[*row];
             }
-            self.note_blows(&rows, &factors, &before, &noise);
-            self.apply(&rows, &found.multipliers, &before);
+            self.note_impacts(&rows, &factors, &before, &noise);
+            self.apply(&rows, &found.multipliers, &before)
+                .map_err(|fault| RunError::Sample { time: self.time, fault })?;
         }
         Ok(())
     }
@@ -317,7 +305,7 @@ impl Instant<'_> {
     }
 
     /// Impacts of what comes back; what does not is told of once it is known whether it rests.
-    fn note_blows(&mut self, rows: &[usize], factors: &[f64], before: &[f64], noise: &[f64]) {
+    fn note_impacts(&mut self, rows: &[usize], factors: &[f64], before: &[f64], noise: &[f64]) {
         for (row, factor) in rows.iter().zip(factors) {
             if before[*row] >= -noise[*row] {
                 continue;
@@ -331,19 +319,25 @@ impl Instant<'_> {
     }
 
     /// Velocities after the impulses of rows, and (2).
-    pub(super) fn apply(&mut self, rows: &[usize], impulses: &[f64], before: &[f64]) {
+    ///
+    /// # Errors
+    /// As [`Evaluated::accelerations`](crate::dynamics::Evaluated::accelerations).
+    pub(super) fn apply(&mut self, rows: &[usize], impulses: &[f64], before: &[f64]) -> Result<(), Fault> {
         let n = self.state.velocity.len();
         let (mut impulse, mut change) = (vec![0.0; n], vec![0.0; n]);
         for (row, push) in rows.iter().zip(impulses) {
             let (i, sign) = self.coordinate(*row);
             impulse[i] -= sign * push;
         }
-        self.motion.system.factorized(&self.state.position, &self.state.velocity).answer_impulse(&impulse, &mut change);
+        let State { position, velocity } = &*self.state;
+        let mut at = self.motion.system.at(self.time, position, velocity);
+        at.accelerations(&mut vec![0.0; n])?.answer_impulse(&impulse, &mut change);
         self.outcome.work += self.motion.system.impulse_work(&change);
         self.state.velocity.iter_mut().zip(&change).for_each(|(v, change)| *v += change);
         for (row, push) in rows.iter().zip(impulses) {
             self.outcome.lost -= 0.5 * push * (self.rate(*row, &self.state.velocity) + before[*row]);
         }
+        Ok(())
     }
 
     /// Which compliant stops push after the impacts: what was found by the search, and what follows from new speeds.
@@ -352,13 +346,13 @@ impl Instant<'_> {
             StopLaw::Compliant { stiffness, .. } => Some((*side, stiffness * self.motion.touching(*side))),
             StopLaw::Rigid { .. } => None,
         };
-        let sides: Vec<(Side, f64)> = sides(self.motion).iter().filter_map(compliant).collect();
+        let sides: Vec<(Side, f64)> = sides(&self.motion.model().stops).filter_map(|side| compliant(&side)).collect();
         for (side, noise) in sides {
             let stop = &self.motion.model().stops[side.stop];
             let State { position, velocity } = &*self.state;
             let (depth, push) = (stop.depth(side.sign, position), stop.push(side.sign, position, velocity));
             let (inward, touching) = (side.sign * velocity[stop.velocity], self.motion.touching(side));
-            let now = self.motion.pushes(side);
+            let now = self.motion.system.phase().pushes(side);
             let wanted = match turn {
                 Some(Turn::Push(found, pushes)) if found == side => pushes,
                 _ if now => push >= -noise,
@@ -369,7 +363,7 @@ impl Instant<'_> {
                 continue;
             }
             let speed = velocity[stop.velocity];
-            self.motion.push(side, wanted);
+            self.motion.system.phase_mut().push(side, wanted);
             let kind = if wanted { Kind::Contact } else { Kind::Separation };
             self.note_side(side, kind, speed);
         }

@@ -1,10 +1,12 @@
 //! Runs: a model stepped through time, recorded, and checked to stay where it rests.
 
+mod asked;
 mod bordered;
 mod choice;
 mod complementarity;
 mod contact;
 pub mod control;
+mod coordinates;
 mod couplings;
 mod dead_centre;
 mod entry;

@@ -1,51 +1,31 @@
-//! Laws of hinge coordinates that are smooth in parts only, stops and dry friction: what they add to the motion of a system that
-//! knows nothing of them.
+//! What stops and dry friction of hinges hold at rest, and the energy of stops.
 //!
 //! ```text
-//! (1)  pushing     τ_i −= side · (k p + d ṗ),  p = side · (q_i − limit);  until it would pull
-//! (2)  held        a_i = 0:  a = a₀ + M⁻¹ Hᵀ λ,  (H M⁻¹ Hᵀ) λ = −H a₀;  released when λ leaves its range
-//! (3)  stored      V = ½ k max(0, p)²,  whether it pushes or not
-//! (4)  dissipated  P = d ṗ² while it pushes,  P = −k p ṗ > 0 while it does not and p > 0
-//! (5)  sliding     τ −= f_slide u,  u = v / |v|;  P = f_slide |v|
+//! (1)  held        a_i = 0:  a = a₀ + M⁻¹ Hᵀ λ,  (H M⁻¹ Hᵀ) λ = −H a₀;  released when λ leaves its range
+//! (2)  stored      V = ½ k max(0, d)²,  d the depth beyond a limit, whether the stop pushes or not
+//! (3)  dissipated  P = c ḋ² while it pushes,  P = −k d ḋ > 0 while it does not and d > 0
 //! ```
 //!
-//! By (4) a damped stop that its coordinate leaves faster than it relaxes spends what (3) still holds on its own damper:
-//! `k p + d ṗ < 0` there, and so `ṗ < 0`. A coordinate that comes back before `p = 0` meets the rest of it.
+//! By (3) a damped stop that its coordinate leaves faster than it relaxes spends what (2) still holds on its own damper:
+//! `k d + c ḋ < 0` there, and so `ḋ < 0`. A coordinate that comes back before `d = 0` meets the rest of it.
 //!
-//! The range of λ in (2): a stop pushes and never pulls, dry friction holds up to its largest force at rest (the norm of the
-//! torque, in a spherical hinge), a coordinate that rests on a stop and has friction is held by both. In (5) `v` is one
-//! coordinate, whose sign is kept within a step, or the angular velocity of a spherical hinge. Its direction turns at a rate that grows
-//! without bound as it comes to rest or lets go: below a speed `v₀` that is a matter of the tolerance
+//! The range of λ in (1): a stop pushes and never pulls, dry friction holds up to its largest force at rest (the norm of the
+//! torque, in a spherical hinge), a coordinate that rests on a stop and has friction is held by both.
 //!
-//! ```text
-//! (6)  u = v / v₀ + (1 − |v| / v₀) d,   d the direction at the end of the last step
-//! ```
-//!
-//! which is the same as long as the direction stays.
-//!
-//! Which stops push, what is held and what slides is the [`Phase`] of a run. It changes at events alone (`instant.rs`): within a
-//! step every law is smooth, so that no method has to step over a jump. `M⁻¹` of a unit force is one more right side of the
-//! factorization that gave the accelerations. A scene without stops and friction has none of this, and one whose stops are not
-//! touched pays a comparison for each.
+//! What is held is a part of the discrete state of a run, beside the [`Phase`] of its system, which has what pushes and slides. Both
+//! change at events alone (`instant.rs`): within a step every law is smooth, so that no method has to step over a jump. `M⁻¹` of
+//! a unit force is one more right side of the factorization that gave the accelerations. A scene without stops and friction
+//! has none of this, and one whose stops are not touched pays a comparison for each.
 //!
 //! **With loops, drives and gears** a coordinate that is held has a row like theirs. Those whose rows depend linearly on
 //! theirs and on others (the second of two fingers that a gear ties) bear nothing of their own and are not held.
 
 use crate::dynamics::Held as Row;
-use crate::model::contact::HingeFriction;
+use crate::dynamics::applied::{Phase, Rubbing, rate_of};
 use crate::model::prescribed::Instant;
-use crate::model::{Model, Scalar, Stop, StopLaw};
-use nalgebra::Vector3;
+use crate::model::stop::sides;
+use crate::model::{Model, Scalar, Side, StopLaw};
 use std::sync::Arc;
-
-/// Which end of a stop's range: −1 the low one, 1 the high one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Side {
-    /// Index into the model's stops.
-    pub(super) stop: usize,
-    /// −1 or 1.
-    pub(super) sign: f64,
-}
 
 /// A coordinate, or the three of a spherical hinge, at rest by what holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,33 +43,12 @@ pub(super) struct Held {
     pub(super) slack: f64,
 }
 
-/// What dry friction of a hinge does.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Rubbing {
-    /// It holds what is at rest, as a part of [`Phase::held`] says.
-    Sticks,
-    /// It opposes motion in this direction, of unit length; a turn or a slide has ±1 as the first component.
-    Slides(Vector3<f64>),
-    /// Its coordinate rests because others to which it is tied are held: it pushes with this (N or N m).
-    Dependent(f64),
-}
-
-/// The discrete state of a run, besides its positions and velocities.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Phase {
-    /// Compliant stops that push.
-    pub(super) pushing: Vec<Side>,
-    /// What is at rest.
-    pub(super) held: Vec<Held>,
-    /// What dry friction does, per hinge coordinate that has it.
-    pub(super) rubbing: Vec<Rubbing>,
-}
-
 /// The stops and the dry friction of a model, and what they do.
 #[derive(Debug)]
 pub(super) struct Nonsmooth {
     pub(super) model: Arc<Model>,
-    pub(super) phase: Phase,
+    /// What is at rest.
+    pub(super) held: Vec<Held>,
     /// Whether what is held has rows beside those of loops, drives and gears.
     tied: bool,
     /// `M⁻¹ Hᵀ` of the held coordinates, one after the other.
@@ -100,73 +59,29 @@ pub(super) struct Nonsmooth {
     /// The held coordinates, in the order of the multipliers.
     coordinates: Vec<usize>,
     force: Vec<f64>,
-    /// `v₀` of (6) (rad/s); 0 for none.
-    pub(super) slow: f64,
-}
-
-/// What dry friction opposes: a coordinate, or the angular velocity of a spherical hinge.
-pub(super) fn rate_of(friction: &HingeFriction, v: &[f64]) -> Vector3<f64> {
-    let mut rate = Vector3::zeros();
-    rate.iter_mut().zip(&v[friction.velocity..friction.velocity + friction.count]).for_each(|(to, from)| *to = *from);
-    rate
-}
-
-impl Stop {
-    /// The limit on a side.
-    pub(super) fn limit(&self, sign: f64) -> f64 {
-        self.range[usize::from(sign > 0.0)]
-    }
-
-    /// How far a coordinate is beyond the limit of a side; negative inside.
-    pub(super) fn depth(&self, sign: f64, q: &[f64]) -> f64 {
-        sign * (q[self.position] - self.limit(sign))
-    }
-
-    /// `k p + d ṗ` on a side, whatever its sign; zero for a rigid stop.
-    pub(super) fn push(&self, sign: f64, q: &[f64], v: &[f64]) -> f64 {
-        match self.law {
-            StopLaw::Rigid { .. } => 0.0,
-            StopLaw::Compliant { stiffness, damping } => {
-                stiffness * self.depth(sign, q) + damping * sign * v[self.velocity]
-            }
-        }
-    }
-
-    /// The sides that exist.
-    pub(super) fn signs(&self) -> impl Iterator<Item = f64> + use<> {
-        let range = self.range;
-        [-1.0, 1.0].into_iter().filter(move |sign| range[usize::from(*sign > 0.0)].is_finite())
-    }
 }
 
 impl Nonsmooth {
     /// `None` for a model without stops and dry friction.
     pub(super) fn new(model: &Arc<Model>) -> Option<Self> {
         let n = model.velocity_count();
-        let room = model.stops.len();
         let any = !(model.stops.is_empty() && model.hinge_friction.is_empty());
-        let phase = Phase {
-            pushing: Vec::with_capacity(room),
-            held: Vec::with_capacity(room + model.hinge_friction.len()),
-            rubbing: vec![Rubbing::Sticks; model.hinge_friction.len()],
-        };
         any.then(|| Self {
             model: Arc::clone(model),
-            phase,
+            held: Vec::with_capacity(model.stops.len() + model.hinge_friction.len()),
             tied: model.is_constrained(),
             columns: Vec::new(),
             matrix: Vec::new(),
             multipliers: Vec::new(),
             coordinates: Vec::new(),
             force: vec![0.0; n],
-            slow: 0.0,
         })
     }
 
     /// Holds these from now on, and no others.
     pub(super) fn set_held(&mut self, held: &[Held]) {
-        self.phase.held.clear();
-        self.phase.held.extend_from_slice(held);
+        self.held.clear();
+        self.held.extend_from_slice(held);
         if !self.tied {
             self.coordinates.clear();
             self.coordinates.extend(held.iter().flat_map(|held| held.velocity..held.velocity + held.count));
@@ -177,40 +92,7 @@ impl Nonsmooth {
         }
     }
 
-    /// (1) of all stops that push, and (5).
-    pub(super) fn press(&self, q: &[f64], v: &[f64], tau: &mut [f64]) {
-        tau.fill(0.0);
-        for side in &self.phase.pushing {
-            let stop = &self.model.stops[side.stop];
-            tau[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
-        }
-        for (friction, rubbing) in self.model.hinge_friction.iter().zip(&self.phase.rubbing) {
-            match *rubbing {
-                Rubbing::Sticks => {}
-                Rubbing::Dependent(force) => tau[friction.velocity] += force,
-                Rubbing::Slides(direction) => {
-                    let direction = match friction.count {
-                        1 => direction,
-                        _ => self.direction(&rate_of(friction, v), &direction),
-                    };
-                    for k in 0..friction.count {
-                        tau[friction.velocity + k] -= friction.friction.slide * direction[k];
-                    }
-                }
-            }
-        }
-    }
-
-    /// `u` of (5) and (6).
-    fn direction(&self, rate: &Vector3<f64>, last: &Vector3<f64>) -> Vector3<f64> {
-        let speed = rate.norm();
-        match speed < self.slow {
-            true => rate / self.slow + (1.0 - speed / self.slow) * last,
-            false => rate.try_normalize(f64::MIN_POSITIVE).unwrap_or(*last),
-        }
-    }
-
-    /// Corrects the free accelerations of a tree by (2); `solve` is `x ← M⁻¹ rhs`.
+    /// Corrects the free accelerations of a tree by (1); `solve` is `x ← M⁻¹ rhs`.
     pub(super) fn correct(&mut self, a: &mut [f64], solve: &mut dyn FnMut(&[f64], &mut [f64])) {
         if self.coordinates.is_empty() || self.tied {
             return;
@@ -268,14 +150,14 @@ impl Nonsmooth {
     /// How far the forces of what is held in this place of the list are within their range, of the last corrected accelerations
     /// of a tree; below zero if it has to let go.
     pub(super) fn reserve(&self, held: usize) -> f64 {
-        let first: usize = self.phase.held[..held].iter().map(|held| held.count).sum();
-        let held = &self.phase.held[held];
+        let first: usize = self.held[..held].iter().map(|held| held.count).sum();
+        let held = &self.held[held];
         within(held, &self.multipliers[first..first + held.count])
     }
 
     /// What holds the first coordinate in this place of the list, of the last corrected accelerations of a tree (N or N m).
     pub(super) fn held_force(&self, held: usize) -> f64 {
-        let first: usize = self.phase.held[..held].iter().map(|held| held.count).sum();
+        let first: usize = self.held[..held].iter().map(|held| held.count).sum();
         self.multipliers[first]
     }
 
@@ -288,17 +170,17 @@ impl Nonsmooth {
 
     /// What the stops add to the diagonal of a tangent, and dry friction of spherical hinges, across its direction and along it: a
     /// bound, for Newton's method alone. Infinite for what is held in a tree.
-    pub(super) fn diagonal(&mut self, v: &[f64], c1: f64) -> &[f64] {
+    pub(super) fn diagonal(&mut self, phase: &Phase, v: &[f64], c1: f64) -> &[f64] {
         self.force.fill(0.0);
-        for side in &self.phase.pushing {
+        for side in &phase.pushing {
             let stop = &self.model.stops[side.stop];
             if let StopLaw::Compliant { stiffness, damping } = stop.law {
                 self.force[stop.velocity] += stiffness + c1 * damping;
             }
         }
-        for (friction, rubbing) in self.model.hinge_friction.iter().zip(&self.phase.rubbing) {
+        for (friction, rubbing) in self.model.hinge_friction.iter().zip(&phase.rubbing) {
             if let (Rubbing::Slides(_), 3) = (rubbing, friction.count) {
-                let speed = rate_of(friction, v).norm().max(self.slow).max(f64::MIN_POSITIVE.sqrt());
+                let speed = rate_of(friction, v).norm().max(phase.slow).max(f64::MIN_POSITIVE.sqrt());
                 let range = friction.velocity..friction.velocity + 3;
                 self.force[range].iter_mut().for_each(|entry| *entry += c1 * friction.friction.slide / speed);
             }
@@ -309,37 +191,20 @@ impl Nonsmooth {
         &self.force
     }
 
-    /// (3) of all stops (J).
+    /// (2) of all stops (J).
     pub(super) fn potential(&self, q: &[f64]) -> f64 {
-        self.compliant()
-            .map(|(side, [k, _])| 0.5 * k * self.model.stops[side.stop].depth(side.sign, q).max(0.0).powi(2))
-            .sum()
+        sides(&self.model.stops).map(|side| self.model.stops[side.stop].potential(side.sign, q)).sum()
     }
 
-    /// (4) of all stops and (5) of all that slides (W).
-    pub(super) fn dissipated(&self, q: &[f64], v: &[f64]) -> f64 {
-        let of_friction = |(friction, rubbing): (&HingeFriction, &Rubbing)| match rubbing {
-            Rubbing::Slides(_) => friction.friction.slide * rate_of(friction, v).norm(),
-            Rubbing::Sticks | Rubbing::Dependent(_) => 0.0,
-        };
-        let friction: f64 = self.model.hinge_friction.iter().zip(&self.phase.rubbing).map(of_friction).sum();
-        let of_side = |(side, [k, d]): (Side, [f64; 2])| {
+    /// (3) of all stops and what friction takes out of all that slides (W).
+    pub(super) fn dissipated(&self, phase: &Phase, q: &[f64], v: &[f64]) -> f64 {
+        let of_side = |side: Side| {
             let stop = &self.model.stops[side.stop];
+            let StopLaw::Compliant { stiffness: k, damping: d } = stop.law else { return 0.0 };
             let (p, rate) = (stop.depth(side.sign, q), side.sign * v[stop.velocity]);
-            if self.phase.pushing.contains(&side) { d * rate * rate } else { -k * p.max(0.0) * rate }
+            if phase.pushes(side) { d * rate * rate } else { -k * p.max(0.0) * rate }
         };
-        friction + self.compliant().map(of_side).sum::<f64>()
-    }
-
-    /// The sides of compliant stops, stiffness and damping with them.
-    fn compliant(&self) -> impl Iterator<Item = (Side, [f64; 2])> {
-        let law = |stop: &Stop| match stop.law {
-            StopLaw::Rigid { .. } => None,
-            StopLaw::Compliant { stiffness, damping } => Some([stiffness, damping]),
-        };
-        let stops =
-            self.model.stops.iter().enumerate().filter_map(move |(index, stop)| Some((index, stop, law(stop)?)));
-        stops.flat_map(|(index, stop, law)| stop.signs().map(move |sign| (Side { stop: index, sign }, law)))
+        phase.rubbed(&self.model, v) + sides(&self.model.stops).map(of_side).sum::<f64>()
     }
 }
 

@@ -2,16 +2,16 @@
 
 use super::bordered::Bordered;
 use super::contact::Contacts;
+use super::coordinates::Coordinates;
 use super::error::RunError;
 use super::passage::Passage;
 use super::state::State;
 use crate::dynamics::{Coefficients, DenseTangent, Energies, Evaluated, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
-use crate::model::{End, Model, StopLaw};
-use crate::simulate::nonsmooth::{Held, Nonsmooth, Phase, Side, within};
+use crate::model::{End, Model, Side};
+use crate::simulate::nonsmooth::{Held, Nonsmooth, within};
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// [`System`] with what integrators ask for: this and a [`Method`](crate::integrate::Method) step a model by hand.
@@ -40,7 +40,7 @@ use std::sync::Arc;
 /// [`simulate::run`](super::run)'s.
 pub struct Motion {
     pub(super) system: System,
-    runs: Vec<Run>,
+    coordinates: Coordinates,
     position_scales: Vec<f64>,
     velocity_scales: Vec<f64>,
     tangent: Tangent,
@@ -53,36 +53,6 @@ pub struct Motion {
     /// Scratch for residuals near those.
     allowed: Vec<f64>,
     balance: Vec<f64>,
-}
-
-/// Coordinates one after the other.
-enum Run {
-    /// Of turns and slides, whose rates are the velocities.
-    Plain { positions: Range<usize>, velocities: Range<usize> },
-    /// The numbers of a quaternion and the angular velocities, from these places on.
-    Ball(usize, usize),
-}
-
-/// The coordinates of a model; a long chain of turns is one run.
-fn runs(model: &Model) -> Vec<Run> {
-    let mut runs = Vec::new();
-    for link in &model.links {
-        let (at, from) = (link.position, link.velocity);
-        if link.joint.is_flex() {
-            let count = link.joint.counts().0;
-            runs.push(Run::Plain { positions: at..at + count, velocities: from..from + count });
-            continue;
-        }
-        match (link.joint.counts().0, runs.last_mut()) {
-            (0, _) => {}
-            (4, _) => runs.push(Run::Ball(at, from)),
-            (_, Some(Run::Plain { positions, velocities })) if positions.end == at && velocities.end == from => {
-                (positions.end, velocities.end) = (at + 1, from + 1);
-            }
-            _ => runs.push(Run::Plain { positions: at..at + 1, velocities: from..from + 1 }),
-        }
-    }
-    runs
 }
 
 /// The factorized tangent of an implicit step.
@@ -122,9 +92,20 @@ impl Motion {
         let nonsmooth = Nonsmooth::new(model);
         let room = |wanted: bool| vec![0.0; if wanted { model.velocity_count() } else { 0 }];
         let (allowed, balance) = (room(passage.is_some()), room(passage.is_some()));
-        let runs = runs(model);
         let contacts = None;
-        Self { system, runs, position_scales, velocity_scales, tangent, nonsmooth, contacts, passage, allowed, balance }
+        let coordinates = Coordinates::new(model);
+        Self {
+            system,
+            coordinates,
+            position_scales,
+            velocity_scales,
+            tangent,
+            nonsmooth,
+            contacts,
+            passage,
+            allowed,
+            balance,
+        }
     }
 
     /// The system at a time (s) and a state, for what is recorded between steps.
@@ -142,14 +123,11 @@ impl Motion {
     /// # Errors
     /// As [`Evaluated::accelerations`].
     pub fn accelerations(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
-        self.system.pressed().fill(Wrench::ZERO);
         if let Some(passage) = self.passage.as_mut().filter(|passage| passage.is_near()) {
+            self.system.pressed().fill(Wrench::ZERO);
             passage.accelerations(&mut self.system, time, q, v, a)?;
         } else {
-            let mut at = self.system.at(time, q, v);
+            let mut at = self.system.at_without_contact(time, q, v);
             let mut mass = at.accelerations(a)?;
             if let Some(nonsmooth) = &mut self.nonsmooth {
                 nonsmooth.correct(a, &mut |rhs, x| mass.solve_mass(rhs, x));
@@ -181,38 +159,20 @@ impl Motion {
 
     /// Powers that no potential stands for, stops included.
     pub fn powers(&mut self, time: f64, q: &[f64], v: &[f64]) -> Powers {
-        // What drives push with depends on what stops push with.
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
         // What drives push with depends on what contacts push with.
         if self.contacts.is_some() && self.accelerations(time, q, v, &mut vec![0.0; v.len()]).is_err() {
             return Powers { input: f64::NAN, dissipated: f64::NAN };
         }
         let mut powers = self.system.at(time, q, v).powers();
         powers.dissipated += self.contacts.as_ref().map_or(0.0, |contacts| contacts.dissipated());
-        powers.dissipated += self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.dissipated(q, v));
+        powers.dissipated +=
+            self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.dissipated(self.system.phase(), q, v));
         powers
     }
 
-    /// What is discrete; `None` for a model without stops and dry friction.
-    pub(super) fn phase(&self) -> Option<&Phase> {
-        self.nonsmooth.as_ref().map(|nonsmooth| &nonsmooth.phase)
-    }
-
-    /// Whether a compliant stop pushes.
-    pub(super) fn pushes(&self, side: Side) -> bool {
-        self.phase().is_some_and(|phase| phase.pushing.contains(&side))
-    }
-
-    /// Lets a compliant stop push from now on, or no longer.
-    pub(super) fn push(&mut self, side: Side, pushes: bool) {
-        if let Some(nonsmooth) = &mut self.nonsmooth {
-            nonsmooth.phase.pushing.retain(|other| *other != side);
-            if pushes {
-                nonsmooth.phase.pushing.push(side);
-            }
-        }
+    /// What stops and dry friction hold at rest.
+    pub(super) fn held(&self) -> &[Held] {
+        self.nonsmooth.as_ref().map_or(&[], |nonsmooth| &nonsmooth.held)
     }
 
     /// Holds these coordinates from now on and no others; with loops, drives and gears those whose rows are linearly
@@ -227,7 +187,7 @@ impl Motion {
         let State { position, velocity } = state;
         let rows = nonsmooth.rows(held, position);
         let mut counts = self.system.at(time, position, velocity).hold(&rows)?.into_iter();
-        nonsmooth.phase.held.retain(|_| counts.next() == Some(true));
+        nonsmooth.held.retain(|_| counts.next() == Some(true));
         passage.start(&mut self.system, time, position, velocity);
         // It has other rows now.
         self.tangent = Tangent::None;
@@ -261,12 +221,10 @@ impl Motion {
         let evaluated = self.accelerations(time, &state.position, &state.velocity, a).is_ok();
         reserves.clear();
         let Some(nonsmooth) = &self.nonsmooth else { return };
-        reserves.extend(nonsmooth.phase.held.iter().enumerate().map(|(index, held)| {
-            match (&self.passage, evaluated) {
-                (_, false) => f64::NAN,
-                (None, true) => nonsmooth.reserve(index) + held.slack,
-                (Some(_), true) => within(held, self.system.held_force(held.velocity)) + held.slack,
-            }
+        reserves.extend(nonsmooth.held.iter().enumerate().map(|(index, held)| match (&self.passage, evaluated) {
+            (_, false) => f64::NAN,
+            (None, true) => nonsmooth.reserve(index) + held.slack,
+            (Some(_), true) => within(held, self.system.held_force(held.velocity)) + held.slack,
         }));
         if !evaluated {
             a.fill(f64::NAN);
@@ -274,15 +232,15 @@ impl Motion {
     }
 
     /// `out` ← what stops push each velocity coordinate with at a state, whose accelerations were the last ones (N or N m). A
-    /// coordinate that rests on a stop and has dry friction is held by both: that is not told apart.
+    /// coordinate that rests on a stop and has dry friction is held by both: the sum is not split.
     pub(super) fn stop_forces(&self, q: &[f64], v: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let Some(nonsmooth) = &self.nonsmooth else { return };
-        for side in &nonsmooth.phase.pushing {
+        for side in &self.system.phase().pushing {
             let stop = &nonsmooth.model.stops[side.stop];
             out[stop.velocity] -= side.sign * stop.push(side.sign, q, v);
         }
-        for (index, held) in nonsmooth.phase.held.iter().enumerate().filter(|(_, held)| held.stop.is_some()) {
+        for (index, held) in nonsmooth.held.iter().enumerate().filter(|(_, held)| held.stop.is_some()) {
             out[held.velocity] += match self.passage {
                 None => nonsmooth.held_force(index),
                 Some(_) => self.system.held_force(held.velocity).first().copied().unwrap_or(0.0),
@@ -302,7 +260,7 @@ impl Motion {
                 // What a coordinate moves by in the rounding of time.
                 let rounding = TIMES * f64::EPSILON * time.abs() * state.velocity[stop.velocity].abs();
                 let beyond = !(stop.depth(sign, &state.position) <= self.passing(side).max(rounding));
-                if beyond && matches!(stop.law, StopLaw::Rigid { .. }) {
+                if beyond && stop.is_rigid() {
                     let hinge = self.model().bodies[stop.body].name.clone();
                     let (value, limit) = (state.position[stop.position], stop.limit(sign));
                     return Err(RunError::Passed { time, hinge, value, limit });
@@ -334,10 +292,7 @@ impl Motion {
 
     /// From which speed on spherical hinges slide in the direction of their own angular velocity.
     pub(super) fn set_tolerance(&mut self, tolerance: f64) {
-        let slow = SLOW * REST_SPEEDS * tolerance / self.model().time_scale();
-        if let Some(nonsmooth) = &mut self.nonsmooth {
-            nonsmooth.slow = slow;
-        }
+        self.system.phase_mut().slow = SLOW * REST_SPEEDS * tolerance / self.model().time_scale();
     }
 
     /// What a coordinate of a stop is compared with: its limit, or the scene's length (1 rad).
@@ -361,8 +316,6 @@ impl Motion {
     }
 }
 
-/// The square of a quaternion's norm is one up to the rounding of its four numbers.
-const UNIT: f64 = 8.0 * f64::EPSILON;
 /// A rigid stop that is passed by more than this part of its coordinate is passed.
 const PASSED: f64 = 1e-9;
 /// The time of an event is known to so many of its roundings.
@@ -373,16 +326,6 @@ pub(super) const REST_SPEEDS: f64 = 10.0;
 const SLOW: f64 = 100.0;
 /// A coordinate on its limit is known to this part.
 const ON_THE_LIMIT: f64 = 1e-12;
-
-/// `½ p ∘ (0, ω)`: the rate of a quaternion from the angular velocity in the axes it leads from.
-fn half_product(p: &[f64], w: &[f64]) -> [f64; 4] {
-    [
-        0.5 * (-p[1] * w[0] - p[2] * w[1] - p[3] * w[2]),
-        0.5 * (p[0] * w[0] + p[2] * w[2] - p[3] * w[1]),
-        0.5 * (p[0] * w[1] + p[3] * w[0] - p[1] * w[2]),
-        0.5 * (p[0] * w[2] + p[1] * w[1] - p[2] * w[0]),
-    ]
-}
 
 impl Problem for Motion {
     fn position_count(&self) -> usize {
@@ -398,28 +341,11 @@ impl Problem for Motion {
     }
 
     fn position_rate(&self, q: &[f64], v: &[f64], rate: &mut [f64]) {
-        for run in &self.runs {
-            match run {
-                Run::Plain { positions, velocities } => rate[positions.clone()].copy_from_slice(&v[velocities.clone()]),
-                Run::Ball(at, from) => {
-                    rate[*at..at + 4].copy_from_slice(&half_product(&q[*at..at + 4], &v[*from..from + 3]));
-                }
-            }
-        }
+        self.coordinates.rate(q, v, rate);
     }
 
     fn normalize(&self, q: &mut [f64]) {
-        for run in &self.runs {
-            if let Run::Ball(at, _) = run {
-                let p = &mut q[*at..at + 4];
-                let square = p.iter().map(|x| x * x).sum::<f64>();
-                // What has been normalised stays, so that a state is the same whoever takes it up again.
-                if (square - 1.0).abs() > UNIT {
-                    let norm = square.sqrt();
-                    p.iter_mut().for_each(|x| *x /= norm);
-                }
-            }
-        }
+        self.coordinates.normalize(q);
     }
 
     fn project(&mut self, time: f64, q: &mut [f64], v: &mut [f64]) -> Result<bool, Failure> {
@@ -442,24 +368,7 @@ impl Problem for Motion {
 
 impl ImplicitProblem for Motion {
     fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
-        for run in &self.runs {
-            match run {
-                Run::Plain { positions, velocities } => {
-                    let known = start[positions.clone()].iter().zip(&v[velocities.clone()]);
-                    q[positions.clone()].iter_mut().zip(known).for_each(|(q, (start, v))| *q = start + step * v);
-                }
-                Run::Ball(at, from) => {
-                    let (at, from) = (*at, *from);
-                    // (1 − ½ h Ω) p = p*, with Ω skew and Ω² = −|ω|²: p = (p* + ½ h Ω p*) / (1 + ¼ h² |ω|²)
-                    let (p, w) = (&start[at..at + 4], &v[from..from + 3]);
-                    let turned = half_product(p, w);
-                    let scale = 1.0 + 0.25 * step * step * w.iter().map(|w| w * w).sum::<f64>();
-                    for i in 0..4 {
-                        q[at + i] = (p[i] + step * turned[i]) / scale;
-                    }
-                }
-            }
-        }
+        self.coordinates.implicit(start, step, v, q);
     }
 
     fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
@@ -468,9 +377,6 @@ impl ImplicitProblem for Motion {
     }
 
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
         match &mut self.passage {
             // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
             Some(passage) if passage.is_near() => {
@@ -511,11 +417,8 @@ impl ImplicitProblem for Motion {
     fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
         let Point { time, q, v, a } = at;
         let system = &mut self.system;
-        // Compliant stops push, as they do on the residual.
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, system.outside());
-        }
-        let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(v, c1));
+        let phase = system.phase();
+        let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(phase, v, c1));
         let regular = match &mut self.tangent {
             Tangent::None => false,
             Tangent::Sweep(solver) => {

@@ -18,7 +18,7 @@ use super::problem::Motion;
 use super::settings::{Integrator, Settings};
 use super::state::State;
 use crate::integrate::{Progress, Start, StepError, Stepper};
-use crate::model::{Model, StopLaw};
+use crate::model::Model;
 use crate::record::ContactPush;
 use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap, with_contacts};
 use std::sync::Arc;
@@ -70,7 +70,7 @@ pub(super) fn held(model: &Arc<Model>, settings: &Settings, state: &State) -> Re
                 method.name()
             )
         }
-        _ if model.contacts.iter().any(|rule| matches!(rule.law, StopLaw::Compliant { .. })) => {
+        _ if model.contacts.iter().any(|rule| !rule.law.is_rigid()) => {
             "compliant contact in motion is not there yet: take `stiffness` and `damping` out".to_owned()
         }
         _ => return Ok(None),

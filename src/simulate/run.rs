@@ -7,12 +7,13 @@ pub(super) mod together;
 mod touching;
 mod turning;
 
+use super::asked::Asked;
 use super::choice::Choice;
 use super::control::{Control, Function};
 use super::dead_centre;
 use super::error::{RunError, component_name, named};
 use super::events::{Events, Hit, Kind, Occurrence};
-use super::instant::{self, sides};
+use super::instant;
 use super::ledger::{Booked, Ledger, interpolate};
 use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
@@ -25,6 +26,7 @@ use super::stiffness::fastest;
 use super::timetable::Timetable;
 use crate::integrate::{Method, Statistics, Stepper};
 use crate::model::Model;
+use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
 use crate::spatial::Pose;
 use prepared::Prepared;
@@ -87,7 +89,7 @@ pub struct Summary {
     pub inputs: Vec<f64>,
     /// What the controllers remember at the end, in the order of the model.
     pub memories: Vec<Vec<f64>>,
-    /// Blows between bodies.
+    /// Impacts between bodies.
     pub impacts: usize,
     /// Steps that captured contacts instead of following their events.
     pub capture_steps: usize,
@@ -101,18 +103,13 @@ pub struct Summary {
 ///
 /// # Errors
 /// As [`super::run`].
-#[expect(clippy::too_many_arguments, reason = "those of a run, and what it goes on from")]
 pub(super) fn run_one(
     model: &Arc<Model>,
-    settings: &Settings,
-    rate: f64,
     start: &State,
-    recorder: &mut dyn Recorder,
-    go_on: &mut dyn FnMut(f64, &State) -> bool,
-    search: Search,
-    function: Option<Function<'_>>,
+    asked: Asked<'_, '_>,
     booked: Option<&Booked>,
 ) -> Result<Summary, RunError> {
+    let Asked { settings, rate, recorder, go_on, search, function } = asked;
     let given = model;
     let (prepared, mut motion) = Prepared::new(model, settings, start, function.is_none())?;
     let held = Arc::clone(&prepared.model);
@@ -218,7 +215,9 @@ impl<'m, 'f> Run<'m, 'f> {
             choice: None,
             statistics: Statistics::default(),
             events,
-            turns: Turns::new(sides(motion).len() + model.hinge_friction.len() + motion.system.boundaries().count()),
+            turns: Turns::new(
+                sides(&model.stops).count() + model.hinge_friction.len() + motion.system.boundaries().count(),
+            ),
             happened: Vec::new(),
             stopped_by: None,
             timetable: Timetable::new(model, [begin, end]),

@@ -2,9 +2,11 @@
 
 use crate::force::{Act, Picture};
 use crate::hinge::{HingeKind, Names};
+use crate::model::beam::Section;
 use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
 use crate::model::{Beam, BeamElement, Body, End, Loop, Model, Output};
+use crate::record::beam::{BeamPicture, ElementPicture, SectionPicture};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -37,7 +39,8 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     Scene {
         title: model.title.clone(),
         bodies: bodies(model),
-        lines: springs.chain(rods).chain(model.beams.iter().map(beam)).collect(),
+        lines: springs.chain(rods).collect(),
+        beams: model.beams.iter().map(|one| beam(model, one)).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(HingeKind::positions, ["m", "rad"]),
         velocities: channels(HingeKind::velocities, ["m/s", "rad/s"]),
@@ -49,13 +52,13 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     }
 }
 
-/// All bodies; those of a beam are points of its line.
+/// All bodies; those of a beam are points of its centre line, for viewers that know no beams.
 fn bodies(model: &Model) -> Vec<BodyPicture> {
     let mut pictures: Vec<_> = model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect();
     for beam in &model.beams {
         let point = ShapePicture {
             kind: "sphere".to_owned(),
-            size: vec![if beam.is_cable { CABLE_POINT } else { POINT } * beam.length / (1.0 + turns(model, beam))],
+            size: vec![thickness(model, beam)],
             file: None,
             position: [0.0; 3],
             quaternion: [1.0, 0.0, 0.0, 0.0],
@@ -77,11 +80,40 @@ fn turns(model: &Model, beam: &Beam) -> f64 {
     beam.elements.iter().map(turned).sum::<f64>() / std::f64::consts::TAU
 }
 
-/// A beam is drawn through the ends of its elements, a cable as ropes are.
-fn beam(beam: &Beam) -> LinePicture {
-    let bodies = std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body));
-    let ends = bodies.map(|body| (Some(body), [0.0; 3])).collect();
-    LinePicture { name: beam.name.clone(), ends, spring: None, pulls_only: beam.is_cable }
+/// A beam is drawn by its sections; one without a size as a wire.
+fn beam(model: &Model, beam: &Beam) -> BeamPicture {
+    let element = |element: &BeamElement| {
+        let rod = &model.rods[element.rod];
+        ElementPicture {
+            body: element.body,
+            from: element.from,
+            length: rod.length,
+            degree: beam.degree,
+            free: rod.free_strains().collect(),
+            reference: rod.reference().iter().map(|of| (*of).into()).collect(),
+        }
+    };
+    let section = |(at, section): &(f64, Section)| {
+        let (kind, size) = match *section {
+            Section::Circle { radius } => ("circle", vec![radius]),
+            Section::Tube { outer, inner } => ("tube", vec![outer, inner]),
+            Section::Rectangle { width, height } => ("rectangle", vec![width, height]),
+            Section::Stiffness(_) => ("wire", vec![thickness(model, beam)]),
+        };
+        SectionPicture { at: *at, kind: kind.to_owned(), size }
+    };
+    BeamPicture {
+        name: beam.name.clone(),
+        begin: beam.begin,
+        elements: beam.elements.iter().map(element).collect(),
+        sections: beam.sections.iter().map(section).collect(),
+    }
+}
+
+/// The radius that a beam without a size is drawn with (m).
+fn thickness(model: &Model, beam: &Beam) -> f64 {
+    let part = if beam.is_cable { CABLE_POINT } else { POINT };
+    part * beam.length / (1.0 + turns(model, beam))
 }
 
 /// One channel for each coordinate of the flexible element that ends at a body, if one does: `bend_y_0` is the mean, `bend_y_1`

@@ -17,18 +17,19 @@ mod relay;
 
 pub(super) use relay::scene;
 
+use super::asked::Asked;
 use super::error::RunError;
 use super::ledger::Booked;
 use super::occurrence::{Kind, Occurrence};
 use super::problem::Motion;
 use super::run::{Summary, run_one};
 use super::scene::of_structure;
-use super::search::Search;
 use super::settings::{Resume, Settings, Start};
 use super::state::State;
 use crate::constraint::assemble;
 use crate::dynamics::System;
 use crate::model::description::{Description, When};
+use crate::model::problem::in_one_line;
 use crate::model::structure::Structure;
 use crate::model::{Model, Problem};
 use crate::record::{Event, Recorder};
@@ -214,8 +215,7 @@ impl Staged<'_> {
     fn change(&mut self, stage: usize, recorder: &mut dyn Recorder) -> Result<(), RunError> {
         let (time, name) = (self.time, self.whole.stages[stage].name.clone());
         let stop = |why: String| RunError::Stage { time, name: name.clone(), why };
-        let listed =
-            |problems: Vec<Problem>| stop(problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
+        let listed = |problems: Vec<Problem>| stop(in_one_line(&problems));
         let fault = |fault| RunError::Sample { time, fault };
         let labels = self.model.outputs.iter().flat_map(|output| output.labels().map(|label| (&output.name, label)));
         for ((output, label), value) in labels.zip(&self.outputs) {
@@ -275,17 +275,13 @@ fn between(begin: f64, end: f64) -> f64 {
 ///
 /// # Errors
 /// As [`run_one`], and of a stage that cannot come.
-#[expect(clippy::too_many_arguments, reason = "those of a run")]
 pub(super) fn run(
     whole: &Arc<Description>,
     first: &Arc<Model>,
-    settings: &Settings,
-    rate: f64,
     start: &State,
-    recorder: &mut dyn Recorder,
-    go_on: &mut dyn FnMut(f64, &State) -> bool,
-    search: Search,
+    asked: Asked<'_, '_>,
 ) -> Result<Summary, RunError> {
+    let Asked { settings, rate, recorder, go_on, search, .. } = asked;
     let layout = Layout::new(whole, first);
     let mut structure = Structure::first(whole);
     // Frames coincide in the positions as they are given, not where the run starts.
@@ -316,17 +312,8 @@ pub(super) fn run(
         let start = if total.is_some() { Start::Given } else { settings.start };
         let part = Settings { duration: between(staged.time, until), resume, start, ..*settings };
         let mut relay = Relay::new(&layout, &staged.model, recorder);
-        let done = run_one(
-            &staged.model,
-            &part,
-            rate,
-            &staged.state,
-            &mut relay,
-            go_on,
-            search,
-            None,
-            staged.booked.as_ref(),
-        )?;
+        let asked = Asked { settings: &part, rate, recorder: &mut relay, go_on: &mut *go_on, search, function: None };
+        let done = run_one(&staged.model, &staged.state, asked, staged.booked.as_ref())?;
         let happened = std::mem::take(&mut staged.happened);
         let summary = joined(total, happened, done);
         staged.time = summary.end_time;

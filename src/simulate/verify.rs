@@ -9,6 +9,7 @@
 //! each stop and each watched number is compared in order; and between the events of the second run its dense output is
 //! scanned for states beyond a rigid stop, by nothing but their coordinates.
 
+use super::asked::Asked;
 use super::entry::run_with;
 use super::error::RunError;
 use super::events::{Kind, Occurrence};
@@ -17,7 +18,7 @@ use super::search::Search;
 use super::settings::{Integrator, Settings};
 use super::state::State;
 use crate::integrate::Method;
-use crate::model::{Model, Stop, StopLaw};
+use crate::model::{Model, Stop};
 use crate::record::{Outcome, RecordError, Recorder, Sample};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -112,7 +113,9 @@ pub fn verify(
         too_long = steps >= most || (steps >= most / 10 && steps as f64 * settings.duration > most as f64 * time);
         !too_long && go_on(time)
     };
-    let second = run_with(model, &settings, rate, start, &mut scan, &mut go_on, Search::CHECK, None)?;
+    let (recorder, search) = (&mut scan, Search::CHECK);
+    let asked = Asked { settings: &settings, rate, recorder, go_on: &mut go_on, search, function: None };
+    let second = run_with(model, start, asked)?;
     if too_long && second.interrupted {
         return Err(RunError::Step(gives_up(method, tolerance, steps, second.end_time)));
     }
@@ -163,7 +166,7 @@ impl Recorder for Scan<'_> {
             return Ok(());
         }
         self.scanned += 1;
-        for stop in self.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+        for stop in self.stops.iter().filter(|stop| stop.is_rigid()) {
             let value = sample.positions[stop.position];
             self.beyond = self.beyond.max(stop.range[0] - value).max(value - stop.range[1]);
         }

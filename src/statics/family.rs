@@ -25,6 +25,8 @@ const DIFFERENCE: f64 = 1e-4;
 pub(super) struct Moving<'a> {
     description: Description,
     parameters: &'a [Parameter],
+    /// The scene as it is built, as long as nothing moves.
+    built: Option<Arc<Model>>,
     /// What the assembly of the loops at the start has decided.
     assembled: Assembled,
     /// Motions along the loops where the last solution was looked at.
@@ -86,7 +88,8 @@ impl<'a> Moving<'a> {
             (landscape.metric, reach)
         };
         let metric = Metric { inertia, reach, range };
-        Ok(Self { description, parameters, assembled, branch: None, model, stops: all, set, metric, shift: 0.0 })
+        let built = None;
+        Ok(Self { description, parameters, built, assembled, branch: None, model, stops: all, set, metric, shift: 0.0 })
     }
 
     pub(super) fn metric(&self) -> &Metric {
@@ -142,7 +145,13 @@ impl<'a> Moving<'a> {
         parameter: f64,
         of: impl FnOnce(&mut Landscape<'_>, Vec<f64>) -> Result<T, Fault>,
     ) -> Result<T, String> {
-        let model = build(&mut self.description, self.parameters, parameter)?;
+        let model = match &self.built {
+            Some(built) => Arc::clone(built),
+            None => build(&mut self.description, self.parameters, parameter)?,
+        };
+        if self.parameters.is_empty() {
+            self.built = Some(Arc::clone(&model));
+        }
         let mut q = q.to_vec();
         for body in model.bodies.iter().filter(|body| body.hinge.lock) {
             let range = body.hinge.position..body.hinge.position + body.hinge.kind.counts().0;
@@ -162,8 +171,23 @@ impl<'a> Moving<'a> {
     /// Takes other numbers of the scene as the ones that move; those before them get `value` again.
     pub(super) fn vary_by(&mut self, parameters: &'a [Parameter], value: f64) -> Result<(), String> {
         self.parameters.iter().try_for_each(|one| one.set(&mut self.description, value))?;
-        self.parameters = parameters;
+        (self.parameters, self.built) = (parameters, None);
         Ok(())
+    }
+
+    /// Directions that span the motions, each over the free coordinates, of unit size and perpendicular to each other in the metric;
+    /// of a tree its free coordinates themselves. The scene is at `q`.
+    pub(super) fn motions(&mut self, q: &[f64], parameter: f64) -> Result<Vec<Vec<f64>>, String> {
+        let inertia = self.metric.inertia.clone();
+        self.with(q, parameter, |landscape, q| {
+            let n = inertia.len();
+            if landscape.ties.is_none() {
+                let one = |k: usize| (0..n).map(|i| if i == k { 1.0 / inertia[k].sqrt() } else { 0.0 }).collect();
+                return Ok((0..n).map(one).collect());
+            }
+            let z = landscape.tangent(&q)?;
+            Ok((0..z.ncols()).map(|k| (0..n).map(|i| z[(i, k)]).collect()).collect())
+        })
     }
 
     /// Forces at `q`, loops closed at this value of the parameter, followed by what closing them has moved.
@@ -391,7 +415,7 @@ fn joined(model: &Model, stops: &[Stop], set: &Set) -> f64 {
         let both = &model.coordinates[stop.velocity];
         let own = both.stiffness - stiffness;
         // `k (rest − limit) = k' (rest' − limit)`
-        let preload = both.stiffness * (both.rest - stop.range[usize::from(*side > 0)]);
+        let preload = both.stiffness * (both.rest - stop.limit(f64::from(*side)));
         if *side == 0 || own <= 0.0 { 0.0 } else { 0.5 * preload * preload * stiffness / (own * both.stiffness) }
     };
     stops.iter().zip(set).map(of).sum()

@@ -36,7 +36,7 @@ pub use certify::modes::Mode;
 pub use certify::stability::{Stability, Verdict};
 pub use effort::{Iteration, Stage};
 pub use inverse::{Held, hold};
-pub use outputs::{beams, outputs};
+pub use outputs::{beams, diagrams, outputs};
 pub use search::{Observers, Residual, equilibrium, equilibrium_observed, residual};
 pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, influences, sensitivities};
 pub use settings::{Method, Settings, Want};

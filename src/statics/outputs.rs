@@ -2,7 +2,7 @@
 
 use super::certify::equilibrium::Equilibrium;
 use super::standing::with_contacts;
-use crate::dynamics::{BeamState, Fault, Powers, System};
+use crate::dynamics::{Balanced, BeamState, DiagramPoint, Fault, Powers, System};
 use crate::model::Model;
 use crate::output::{Given, Outputs};
 use std::sync::Arc;
@@ -45,15 +45,33 @@ pub fn outputs(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<f64>, Faul
 /// # Errors
 /// A pose that cannot be evaluated.
 pub fn beams(model: &Arc<Model>, found: &Equilibrium) -> Result<Vec<BeamState>, Fault> {
-    if model.beams.is_empty() {
-        return Ok(Vec::new());
-    }
+    if model.beams.is_empty() { Ok(Vec::new()) } else { at_rest(model, found, |balanced| balanced.beams()) }
+}
+
+/// What some of the beams bear at a pose that statics found, at `stretches` + 1 points of each of their elements; the beams by their
+/// indices.
+///
+/// # Errors
+/// A pose that cannot be evaluated.
+pub fn diagrams(
+    model: &Arc<Model>,
+    found: &Equilibrium,
+    beams: &[usize],
+    stretches: usize,
+) -> Result<Vec<Vec<DiagramPoint>>, Fault> {
+    at_rest(model, found, |balanced| {
+        beams.iter().map(|beam| balanced.diagram(&model.beams[*beam], stretches)).collect()
+    })
+}
+
+/// Asks the force balance at a pose that statics found.
+fn at_rest<T>(model: &Arc<Model>, found: &Equilibrium, ask: impl FnOnce(&Balanced<'_>) -> T) -> Result<T, Fault> {
     let mut system = System::new(&pushed(model, found));
     push_as_found(&mut system, found)?;
     let mut at = system.at(0.0, &found.position, &found.velocity);
     at.share_multipliers()?;
     let rest = vec![0.0; found.velocity.len()];
-    Ok(at.residual(&rest, &mut rest.clone())?.beams())
+    Ok(ask(&at.residual(&rest, &mut rest.clone())?))
 }
 
 /// The model, with what its contacts bear as loads.

@@ -16,6 +16,7 @@
 //! | [`case`] | one case: its scene, its answer, its row, whatever happens on the way |
 //! | `together` | cases whose runs are computed side by side |
 //! | [`pool`] | threads over cases |
+//! | [`fit`] | numbers of a scene that bring its answers closest to measurements |
 //! | `dataset`, `parquet`, `reader` | rows on disk, written and read (feature `parquet`) |
 //! | [`statistics`] | moments, quantiles, regression of a column on the inputs |
 //!
@@ -30,6 +31,7 @@ pub mod correlation;
 #[cfg(feature = "parquet")]
 pub mod dataset;
 pub mod distribution;
+pub mod fit;
 #[cfg(feature = "parquet")]
 pub mod parquet;
 pub mod plan;

@@ -55,7 +55,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "spatial",
         ],
     ),
-    ("record", &["budget", "foreign", "markup", "mesh", "spatial", "whole_file"]),
+    // `element` for the shape of beams.
+    ("record", &["budget", "element", "foreign", "markup", "mesh", "spatial", "whole_file"]),
     (
         "simulate",
         // `constraint` for the assembly of what a stage closes, `suggest` for names of stages.
@@ -132,9 +133,12 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "record",
             "scenario",
             "simulate",
+            // `simulator` and `suggest` for fits: runs from one measured time to the next, names of columns.
+            "simulator",
             // `spatial` for how many cases go side by side.
             "spatial",
             "statics",
+            "suggest",
             "whole_file",
         ],
     ),

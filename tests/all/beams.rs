@@ -1,5 +1,6 @@
 //! Flexible beams.
 
+mod bearing;
 mod cables;
 mod closed;
 mod reference;

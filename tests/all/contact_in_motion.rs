@@ -35,11 +35,11 @@ fn go(model: &Arc<Model>, duration: f64, tolerance: f64, method: Method) -> Summ
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn exact(text: &str, duration: f64) -> Summary {
+pub(crate) fn exact(text: &str, duration: f64) -> Summary {
     go(&read(text), duration, 1e-11, Method::Dop853)
 }
 
-fn kinds(summary: &Summary) -> Vec<&str> {
+pub(crate) fn kinds(summary: &Summary) -> Vec<&str> {
     summary.events.iter().map(|event| event.kind.name()).collect()
 }
 

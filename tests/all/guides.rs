@@ -9,7 +9,7 @@ use stillpoint::model::Model;
 use stillpoint::model::description::{
     AlongTurn, BodyDescription, Description, GuideCurve, HingeDescription, HingeKind, Point,
 };
-use stillpoint::model::watch::{LimitDescription, StopLaw};
+use stillpoint::model::stop::{LimitDescription, StopLaw};
 use stillpoint::record::Fanout;
 use stillpoint::scenario;
 use stillpoint::simulate::{self, Settings, State, Summary};

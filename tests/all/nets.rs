@@ -1,5 +1,7 @@
 //! Scenes of many far springs: the sparse tangent against the dense one.
 
+mod scenes;
+
 use crate::common::{Options, Random, build, random_scene, relative_difference};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};

@@ -149,6 +149,37 @@ fn derivatives_are_those_of_equilibria_found_again() {
     }
 }
 
+/// Asked for all numbers at once the adjoint equations answer, asked for one the direct ones: two ways, one answer.
+#[test]
+fn numbers_asked_for_together_answer_as_alone() {
+    for (name, every) in [("double_wishbone", 4), ("machine_on_mounts", 5), ("spring_arm", 6)] {
+        let description = stillpoint::scenario::load(&file(name)).unwrap().description;
+        let (model, found) = solved(&description).unwrap();
+        let names = asked(&found, &model);
+        let all = sensitivities(&description, &model, &found, &names, None, &|| true).unwrap();
+        let numbers = influences(&description);
+        let motions = found.stability.as_ref().map_or(0, |of| of.modes.len());
+        assert!(numbers.len() > motions && motions > 0, "{name}: {} {motions}", numbers.len());
+        for (column, one) in numbers.iter().enumerate().step_by(every) {
+            let alone = sensitivities(&description, &model, &found, &names, Some(vec![one.clone()]), &|| true).unwrap();
+            for (row, output) in all.outputs.iter().enumerate() {
+                let (together, alone) = (all.derivatives[row][column], alone.derivatives[row][0]);
+                assert_eq!(together.is_some(), alone.is_some(), "{name}: `{}` by `{}`", output.name, one.address);
+                let Some((together, alone)) = together.zip(alone) else { continue };
+                // Both are known to 1e-9 of themselves, or to round-off of the output over the number.
+                let size = output.value.abs().max(1.0) / one.value(&description).abs().max(1.0);
+                let error = (together - alone).abs();
+                assert!(
+                    error <= 1e-8 * alone.abs() + 1e-10 * size,
+                    "{name}: `{}` by `{}`: {together:e} {alone:e}",
+                    output.name,
+                    one.address
+                );
+            }
+        }
+    }
+}
+
 /// A weight on a spring, and a rope that is slack, taut, or just so.
 fn scale(extra: &str) -> String {
     format!(

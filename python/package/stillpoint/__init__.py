@@ -29,11 +29,13 @@ from ._stillpoint import (  # noqa: E402
     parse,
 )
 from ._describe import describe  # noqa: E402
+from ._fit import Fit  # noqa: E402
 
 __all__ = [
     "Branch",
     "Dynamics",
     "Equilibrium",
+    "Fit",
     "Linear",
     "Mode",
     "NoEquilibrium",

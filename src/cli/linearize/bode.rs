@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// Points over the range, and how far it reaches beyond the eigenvalues (decades).
 const POINTS: usize = 600;
 const BEYOND: f64 = 1.0;
-/// Curves that can be told apart.
+/// Curves that can be distinguished.
 const MOST: usize = 24;
 
 /// One pair of input and output: size and phase at each frequency.

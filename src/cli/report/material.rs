@@ -7,10 +7,11 @@ use super::super::{Common, Exit, json, output, poses, scene, statics};
 use crate::import::Taken;
 use crate::model::Model;
 use crate::record::gltf::Clip;
-use crate::record::{Event, Footage, Memory, Opening, OwnedSample, Scene};
+use crate::record::{Event, Footage, Memory, Opening, OwnedSample, Scene, Tubes};
 use crate::scenario::Scenario;
 use crate::simulate::verify::verify;
 use crate::simulate::{self, RunError, Start, State};
+use crate::spatial::Wrench;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
@@ -126,7 +127,9 @@ impl Material {
             Some(state) if !only_statics => material.run(common, &scenario, &model, &state, verified, interrupt)?,
             _ => {
                 let q = found.as_ref().map_or(&model.start_position, |(found, _)| &found.position);
-                material.stand(&model, q);
+                let reactions =
+                    found.as_ref().filter(|(found, _)| found.balanced).map(|(found, _)| &found.reactions[..]);
+                material.stand(&model, q, reactions);
             }
         }
         Ok(Ok(material))
@@ -179,12 +182,16 @@ impl Material {
         Ok(())
     }
 
-    /// One pose alone, so that there is something to draw.
-    fn stand(&mut self, model: &Arc<Model>, q: &[f64]) {
+    /// One pose alone, so that there is something to draw, with what hinges pass on if it balances.
+    fn stand(&mut self, model: &Arc<Model>, q: &[f64], reactions: Option<&[Wrench]>) {
         let mut bodies = Vec::new();
         let rest = vec![0.0; model.velocity_count()];
         crate::dynamics::System::new(model).at(0.0, q, &rest).poses(&mut bodies);
-        self.clips.insert(0, Clip { name: "pose".to_owned(), times: vec![0.0], poses: vec![bodies] });
+        let tubes = Tubes::new(&self.scene);
+        tubes.extend(q, &mut bodies);
+        let known = reactions.filter(|_| !tubes.is_empty());
+        let loads = known.map(|reactions| tubes.loads(&bodies, reactions)).into_iter().collect();
+        self.clips.insert(0, Clip { name: "pose".to_owned(), times: vec![0.0], poses: vec![bodies], loads });
     }
 }
 

@@ -6,9 +6,11 @@
 use super::material::Material;
 use super::{curves, tables, words};
 use crate::markup::escape;
-use crate::record::drawing::{Drawing, Extras};
+use crate::record::drawing::shade;
+use crate::record::drawing::{Drawing, Extras, Legend};
 use crate::record::gltf::{Clip, glb};
 use crate::record::picture::{Eye, Frame, svg};
+use crate::record::{OwnedSample, Tubes};
 use crate::spatial::Pose;
 use anyhow::bail;
 use base64::Engine;
@@ -147,7 +149,12 @@ fn stage(material: &Material, notes: &mut Vec<String>) -> anyhow::Result<Stage> 
     let Some(first) = clips.iter().flat_map(|clip| &clip.poses).next() else {
         bail!("there is nothing to show: the recording has no samples");
     };
-    let drawing = Drawing::new(&material.scene, first, Extras::default());
+    let mut drawing = Drawing::new(&material.scene, first, Extras::default());
+    if let Some(loads) = clips[0].loads.first() {
+        let most = clips.iter().flat_map(|clip| clip.loads.iter().flatten()).copied().fold(0.0, f64::max);
+        drawing = drawing.shaded(loads, most);
+    }
+    let legend = drawing.legend.as_ref().map_or(String::new(), |legend| legend_bar(legend, clips[0].loads.len() > 1));
     notes.extend(drawing.notes.iter().cloned());
     let every = clips.iter().flat_map(|clip| clip.poses.iter().step_by(clip.poses.len().div_ceil(64)));
     let poses: Vec<&[Pose]> = every.map(Vec::as_slice).collect();
@@ -159,15 +166,32 @@ fn stage(material: &Material, notes: &mut Vec<String>) -> anyhow::Result<Stage> 
          <p id=\"still-note\" hidden>This browser draws no WebGL: the picture stays still.</p>\n\
          <div id=\"controls\" hidden><button id=\"play\" title=\"play or stop\">▶</button>\
          <select id=\"clip\" title=\"which motion\"></select>\
-         <input id=\"slider\" type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" aria-label=\"time\"><span id=\"time\"></span></div>\n"
+         <input id=\"slider\" type=\"range\" min=\"0\" max=\"1\" step=\"any\" value=\"0\" aria-label=\"time\"><span id=\"time\"></span></div>\n{legend}"
     );
     let title = &material.scene.title;
     Ok(Stage { html, glb: glb(&drawing, title, first, &clips), look: frame.look(&drawing, &poses) })
 }
 
+/// What the colours of beams mean; of a motion those of the largest value in it.
+fn legend_bar(legend: &Legend, moves: bool) -> String {
+    let stops = (0..=8).map(|k| shade(f64::from(k) / 8.0).map(|part| (255.0 * part).round() as u8));
+    let rects = stops.enumerate().map(|(k, [r, g, b])| {
+        format!("<rect x=\"{}\" width=\"20\" height=\"12\" fill=\"#{r:02x}{g:02x}{b:02x}\"/>", 20 * k)
+    });
+    let which = if moves { ", the largest of the motion" } else { "" };
+    format!(
+        "<p class=\"about\">0 <svg width=\"180\" height=\"12\" role=\"img\" aria-label=\"colours\">{}</svg> {} {}: {}{which}</p>\n",
+        rects.collect::<String>(),
+        legend.number(),
+        legend.unit,
+        legend.what
+    )
+}
+
 /// The run first, then modes; with as many frames as a page can hold.
 fn clips(material: &Material, notes: &mut Vec<String>) -> Vec<Clip> {
-    let numbers = 7 * material.scene.bodies.len() + 10 * material.scene.lines.len() + 1;
+    let rings = Tubes::new(&material.scene).count();
+    let numbers = 7 * (material.scene.bodies.len() + rings) + 10 * material.scene.lines.len() + 1;
     let frames = |most: usize| (most / numbers).max(2);
     let stride = material.samples.len().div_ceil(frames(MOST_KEYS)).max(1);
     if stride > 1 {
@@ -176,8 +200,16 @@ fn clips(material: &Material, notes: &mut Vec<String>) -> Vec<Clip> {
     let mut clips = Vec::new();
     if !material.samples.is_empty() {
         let kept = || material.samples.iter().step_by(stride);
-        let (times, poses) = (kept().map(|s| s.time).collect(), kept().map(|s| s.bodies.clone()).collect());
-        clips.push(Clip { name: "run".to_owned(), times, poses });
+        let tubes = Tubes::new(&material.scene);
+        let placed = |sample: &OwnedSample| {
+            let mut poses = sample.bodies.clone();
+            tubes.extend(&sample.positions, &mut poses);
+            poses
+        };
+        let (times, poses) = (kept().map(|s| s.time).collect(), kept().map(placed).collect::<Vec<_>>());
+        let known = poses.iter().zip(kept()).filter(|_| !tubes.is_empty());
+        let loads = known.map(|(poses, sample)| tubes.loads(poses, &sample.reactions)).collect();
+        clips.push(Clip { name: "run".to_owned(), times, poses, loads });
     }
     let modes = material.clips.iter().map(|clip| clip.times.len()).sum::<usize>();
     let stride = modes.div_ceil(frames(MOST_KEYS)).max(1);
@@ -185,6 +217,7 @@ fn clips(material: &Material, notes: &mut Vec<String>) -> Vec<Clip> {
         name: clip.name.clone(),
         times: clip.times.iter().step_by(stride).copied().collect(),
         poses: clip.poses.iter().step_by(stride).cloned().collect(),
+        loads: clip.loads.iter().step_by(stride).cloned().collect(),
     }));
     clips
 }

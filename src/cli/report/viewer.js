@@ -42,9 +42,10 @@
   const read = (number) => {
     const accessor = gltf.accessors[number];
     const at = binary + (gltf.bufferViews[accessor.bufferView].byteOffset || 0) + (accessor.byteOffset || 0);
-    const width = { SCALAR: 1, VEC3: 3, VEC4: 4 }[accessor.type];
-    const part = file.slice(at, at + 4 * width * accessor.count).buffer;
-    return accessor.componentType === 5126 ? new Float32Array(part) : new Uint32Array(part);
+    const width = { SCALAR: 1, VEC3: 3, VEC4: 4, MAT4: 16 }[accessor.type];
+    const Numbers = { 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array }[accessor.componentType];
+    const part = file.slice(at, at + Numbers.BYTES_PER_ELEMENT * width * accessor.count).buffer;
+    return new Numbers(part);
   };
   const clips = (gltf.animations || []).map((animation) => ({
     name: animation.name,
@@ -112,15 +113,15 @@
   };
   const program = gl.createProgram();
   gl.attachShader(program, shader(gl.VERTEX_SHADER, `
-    attribute vec3 position; attribute vec3 normal;
-    uniform mat4 eye; uniform mat4 model; uniform mat3 turn; varying vec3 direction;
-    void main() { direction = turn * normal; gl_Position = eye * model * vec4(position, 1.0); }`));
+    attribute vec3 position; attribute vec3 normal; attribute vec3 tint;
+    uniform mat4 eye; uniform mat4 model; uniform mat3 turn; varying vec3 direction; varying vec3 tinted;
+    void main() { direction = turn * normal; tinted = tint; gl_Position = eye * model * vec4(position, 1.0); }`));
   gl.attachShader(program, shader(gl.FRAGMENT_SHADER, `
-    precision mediump float; uniform vec4 color; uniform float lit; varying vec3 direction;
+    precision mediump float; uniform vec4 color; uniform float lit; varying vec3 direction; varying vec3 tinted;
     void main() {
       vec3 n = normalize(direction); float side = n.z < 0.0 ? -1.0 : 1.0;
       float light = 0.52 + 0.53 * max(0.0, side * dot(n, normalize(vec3(-0.40, 0.62, 0.68))));
-      gl_FragColor = vec4(color.rgb * mix(1.0, light, lit), color.a);
+      gl_FragColor = vec4(color.rgb * tinted * mix(1.0, light, lit), color.a);
     }`));
   gl.linkProgram(program);
   gl.useProgram(program);
@@ -128,7 +129,7 @@
   gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
   const uniform = (name) => gl.getUniformLocation(program, name);
   const [eyeAt, modelAt, turnAt, colorAt, litAt] = ["eye", "model", "turn", "color", "lit"].map(uniform);
-  const [positionAt, normalAt] = ["position", "normal"].map((name) => gl.getAttribLocation(program, name));
+  const [positionAt, normalAt, tintAt] = ["position", "normal", "tint"].map((name) => gl.getAttribLocation(program, name));
   const buffer = (values) => {
     const one = gl.createBuffer();
     gl.bindBuffer(gl.ARRAY_BUFFER, one);
@@ -141,20 +142,47 @@
     const spread = (values) => {
       const out = new Float32Array(3 * corners.length);
       corners.forEach((corner, k) => out.set(values.subarray(3 * corner, 3 * corner + 3), 3 * k));
-      return buffer(out);
+      return out;
     };
     const screen = (x) => (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
     const [r, g, b, a] = gltf.materials[material].pbrMetallicRoughness.baseColorFactor;
-    return {
-      count: corners.length, color: [screen(r), screen(g), screen(b), a],
-      position: spread(read(attributes.POSITION)), normal: spread(read(attributes.NORMAL)),
+    const [position, normal] = [attributes.POSITION, attributes.NORMAL].map((number) => spread(read(number)));
+    const mesh = {
+      count: corners.length, color: [screen(r), screen(g), screen(b), a], position: buffer(position), normal: buffer(normal),
     };
+    if (attributes.COLOR_0 !== undefined) mesh.tint = buffer(spread(read(attributes.COLOR_0)).map(screen));
+    if (attributes.JOINTS_0 !== undefined) {
+      // Every corner moves with one joint alone.
+      const joints = read(attributes.JOINTS_0);
+      mesh.skin = { position, normal, joint: Array.from(corners, (corner) => joints[4 * corner]) };
+    }
+    return mesh;
   });
   const grid = [];
   const [[x0, y0], [x1, y1]] = look.floor;
   for (let x = x0; x <= x1 + look.spacing / 2; x += look.spacing) grid.push(x, y0, look.height, x, y1, look.height);
   for (let y = y0; y <= y1 + look.spacing / 2; y += look.spacing) grid.push(x0, y, look.height, x1, y, look.height);
   const floor = { position: buffer(new Float32Array(grid)), count: grid.length / 3 };
+
+  const skins = (gltf.skins || []).map(({ joints, inverseBindMatrices }) => ({ joints, inverse: read(inverseBindMatrices) }));
+  // Corners of a skin where its joints are; the joints turn and shift.
+  const bend = (mesh, skin, matrices) => {
+    const { position, normal, joint } = mesh.skin;
+    const all = skin.joints.map((node, k) => multiply(matrices[node], skin.inverse.subarray(16 * k, 16 * k + 16)));
+    const places = new Float32Array(position.length), directions = new Float32Array(position.length);
+    for (let k = 0; k < joint.length; k++) {
+      const m = all[joint[k]], [x, y, z] = [position[3 * k], position[3 * k + 1], position[3 * k + 2]];
+      const [u, v, w] = [normal[3 * k], normal[3 * k + 1], normal[3 * k + 2]];
+      for (let i = 0; i < 3; i++) {
+        places[3 * k + i] = m[i] * x + m[4 + i] * y + m[8 + i] * z + m[12 + i];
+        directions[3 * k + i] = m[i] * u + m[4 + i] * v + m[8 + i] * w;
+      }
+    }
+    for (const [target, values] of [[mesh.position, places], [mesh.normal, directions]]) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, target);
+      gl.bufferData(gl.ARRAY_BUFFER, values, gl.DYNAMIC_DRAW);
+    }
+  };
 
   const state = { azimuth: look.azimuth, elevation: look.elevation, zoom: 1, shift: [0, 0], clip: 0, time: 0, playing: false };
   const draw = () => {
@@ -180,6 +208,8 @@
     gl.uniform1f(litAt, 0);
     gl.disableVertexAttribArray(normalAt);
     gl.vertexAttrib3f(normalAt, 0, 0, 1);
+    gl.disableVertexAttribArray(tintAt);
+    gl.vertexAttrib3f(tintAt, 1, 1, 1);
     gl.enableVertexAttribArray(positionAt);
     gl.bindBuffer(gl.ARRAY_BUFFER, floor.position);
     gl.vertexAttribPointer(positionAt, 3, gl.FLOAT, false, 0, 0);
@@ -192,7 +222,9 @@
       if (blended) gl.enable(gl.BLEND); else gl.disable(gl.BLEND);
       gltf.nodes.forEach((node, k) => {
         if (node.mesh === undefined || meshes[node.mesh].color[3] < 1 !== blended) return;
-        const mesh = meshes[node.mesh], m = matrices[k];
+        const mesh = meshes[node.mesh], isSkin = node.skin !== undefined && mesh.skin;
+        if (isSkin) bend(mesh, skins[node.skin], matrices);
+        const m = isSkin ? compose([0, 0, 0], [0, 0, 0, 1], [1, 1, 1]) : matrices[k];
         // Normals turn as the columns do, divided by the squares of their lengths.
         const columns = [0, 4, 8].map((c) => {
           const column = [m[c], m[c + 1], m[c + 2]];
@@ -206,6 +238,14 @@
         gl.vertexAttribPointer(positionAt, 3, gl.FLOAT, false, 0, 0);
         gl.bindBuffer(gl.ARRAY_BUFFER, mesh.normal);
         gl.vertexAttribPointer(normalAt, 3, gl.FLOAT, false, 0, 0);
+        if (mesh.tint) {
+          gl.enableVertexAttribArray(tintAt);
+          gl.bindBuffer(gl.ARRAY_BUFFER, mesh.tint);
+          gl.vertexAttribPointer(tintAt, 3, gl.FLOAT, false, 0, 0);
+        } else {
+          gl.disableVertexAttribArray(tintAt);
+          gl.vertexAttrib3f(tintAt, 1, 1, 1);
+        }
         gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
       });
     }

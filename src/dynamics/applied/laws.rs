@@ -4,6 +4,7 @@
 //! run keeps each law on its side of them within a step and ends the step at a boundary that is crossed (`simulate::events`),
 //! so that no formula of an integrator reaches across one.
 
+use super::phase::Phase;
 use crate::force::{Act, Force, Switch};
 use crate::model::{HingeCurve, Model};
 use crate::motion::Motion;
@@ -18,6 +19,8 @@ pub struct Laws {
     pub curves: Arc<[HingeCurve]>,
     /// What motors of type `input` are asked to push with, in the order of [`Model::inputs`] (N or N m).
     pub inputs: Vec<f64>,
+    /// What stops and dry friction do.
+    pub phase: Phase,
 }
 
 /// A boundary between two smooth parts of a law.
@@ -33,7 +36,7 @@ impl Laws {
     /// The model's laws, none kept on a side.
     pub fn new(model: &Model) -> Self {
         let inputs = model.inputs.iter().map(|motor| model.motors[*motor].given().unwrap_or(0.0)).collect();
-        Self { forces: Arc::clone(&model.forces), curves: Arc::clone(&model.curves), inputs }
+        Self { forces: Arc::clone(&model.forces), curves: Arc::clone(&model.curves), inputs, phase: Phase::new(model) }
     }
 
     /// Keeps all laws in the parts to which a state belongs, in a copy of the model's.

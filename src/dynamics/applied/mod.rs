@@ -7,8 +7,10 @@ mod curve;
 pub mod hinge;
 mod laws;
 pub mod motor;
+mod phase;
 
 pub use laws::{Boundary, Laws};
+pub use phase::{Phase, Rubbing, rate_of};
 
 use crate::element::{Rod, RodMotion, Slice, Station};
 use crate::force::{Act, Force};

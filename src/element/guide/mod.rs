@@ -25,7 +25,7 @@ mod spline;
 pub use curve::{GuideCurve, GuideFlaw};
 
 use super::exponential::joined;
-use super::rod::GAUSS;
+use super::quadrature::GAUSS;
 use curve::{CLOSED, Line};
 use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
 

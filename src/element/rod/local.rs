@@ -1,5 +1,6 @@
 //! A step of an element at a state, in the axes of the station where it ends: eqs. (2) to (6), or what a curve has there.
 
+use super::sixth::{Halves, Sixth};
 use super::{Rod, Step};
 use crate::element::exponential::{bracket, exponential, tangent_gradient};
 use crate::element::guide::Guided;
@@ -11,6 +12,8 @@ use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 pub enum Local<'a> {
     /// Of a flexible element.
     Strained(Strained<'a>),
+    /// Of one of degree 2.
+    Sixth(Sixth<'a>),
     /// Of a guide.
     Guided(Guiding),
 }
@@ -33,6 +36,7 @@ impl<'a> Local<'a> {
     pub fn pose(&self) -> (Matrix3<f64>, Vector3<f64>) {
         match self {
             Self::Strained(step) => exponential(&step.twist),
+            Self::Sixth(step) => exponential(&step.twist),
             Self::Guided(step) => (step.at.turn, step.at.place),
         }
     }
@@ -41,6 +45,7 @@ impl<'a> Local<'a> {
     pub fn subspace(&self, i: usize) -> Vector6<f64> {
         match self {
             Self::Strained(step) => step.subspace(i),
+            Self::Sixth(step) => step.subspace(i),
             Self::Guided(step) => step.columns[0],
         }
     }
@@ -49,6 +54,7 @@ impl<'a> Local<'a> {
     pub fn subspaces(&self, i: usize) -> [Vector6<f64>; 3] {
         match self {
             Self::Strained(step) => step.subspaces(i),
+            Self::Sixth(step) => step.subspaces(i),
             Self::Guided(step) => step.columns,
         }
     }
@@ -57,25 +63,43 @@ impl<'a> Local<'a> {
     pub fn rates(&self) -> [Vector6<f64>; 2] {
         match self {
             Self::Strained(step) => step.rates(),
+            Self::Sixth(step) => step.rates(),
             Self::Guided(step) => [step.columns[0] * step.rate, step.at.subspaces[1] * (step.rate * step.rate)],
         }
     }
 
-    /// `Bᵀ f` and `∂(Bᵀ f)/∂Ω`, of which [`Local::curvature`] is made; of a guide `f` alone.
-    pub fn gradient(&self, f: &Vector6<f64>) -> (Vector6<f64>, Matrix6<f64>) {
+    /// What of eq. (6) is the same for all pairs of coordinates.
+    pub fn gradient(&self, f: &Vector6<f64>) -> Gradient {
         match self {
-            Self::Strained(step) => step.gradient(f),
-            Self::Guided(_) => (*f, Matrix6::zeros()),
+            Self::Strained(step) => {
+                let (pulled, by_twist) = step.gradient(f);
+                Gradient::Pulled(pulled, by_twist)
+            }
+            Self::Sixth(step) => Gradient::Halves(step.halves(f)),
+            Self::Guided(_) => Gradient::Pulled(*f, Matrix6::zeros()),
         }
     }
 
     /// An entry of `Γ`, eq. (6); of a guide `Z'ᵀ f`.
-    pub fn curvature(&self, gradient: &(Vector6<f64>, Matrix6<f64>), i: usize, j: usize) -> f64 {
-        match self {
-            Self::Strained(step) => step.curvature(gradient, i, j),
-            Self::Guided(step) => step.at.subspaces[1].dot(&gradient.0),
+    pub fn curvature(&self, gradient: &Gradient, i: usize, j: usize) -> f64 {
+        match (self, gradient) {
+            (_, Gradient::Halves(halves)) => halves.entry(i, j),
+            (Self::Strained(step), Gradient::Pulled(pulled, by_twist)) => step.curvature(pulled, by_twist, i, j),
+            (Self::Guided(step), Gradient::Pulled(pulled, _)) => step.at.subspaces[1].dot(pulled),
+            // Halves alone belong to it.
+            (Self::Sixth(_), Gradient::Pulled(..)) => 0.0,
         }
     }
+}
+
+/// What [`Local::curvature`] is made of.
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "it lives within one evaluation, which asks for no memory")]
+pub enum Gradient {
+    /// `Bᵀ f` and `∂(Bᵀ f)/∂Ω`; of a guide `f` alone.
+    Pulled(Vector6<f64>, Matrix6<f64>),
+    /// Of a step of 6th order, by coordinates.
+    Halves(Halves),
 }
 
 /// A step of a flexible element.
@@ -131,10 +155,10 @@ impl Strained<'_> {
         (self.b[0].tr_mul(f), tangent_gradient(&self.twist, f))
     }
 
-    fn curvature(&self, (pulled, gradient): &(Vector6<f64>, Matrix6<f64>), i: usize, j: usize) -> f64 {
+    fn curvature(&self, pulled: &Vector6<f64>, by_twist: &Matrix6<f64>, i: usize, j: usize) -> f64 {
         let ((one, [a0, a1]), (other, [b0, b1])) = (self.weights(i), self.weights(j));
         let commuted = bracket(&Vector6::ith(one, 1.0), &Vector6::ith(other, 1.0));
         pulled.dot(&commuted) * (a0 * b1 - b0 * a1) / self.step.length
-            + self.column(i, 0).dot(&(gradient * self.column(j, 0)))
+            + self.column(i, 0).dot(&(by_twist * self.column(j, 0)))
     }
 }

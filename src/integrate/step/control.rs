@@ -119,7 +119,7 @@ impl Controller {
             return Ok(Trial { step: rest, time: end });
         }
         if after <= time {
-            return Err(StepError::option("step", self.step, "long enough to be told from the rounding of time"));
+            return Err(StepError::option("step", self.step, "long enough to differ from the rounding of time"));
         }
         // The step that time really makes, rounding included: times and states stay together.
         Ok(Trial { step: after - time, time: after })

@@ -1,7 +1,7 @@
 //! A beam as bodies: one on its hinge, one at the tip of every element.
 
 use super::cable::Shape;
-use super::{BeamDescription, BeamShape};
+use super::{BeamDescription, BeamShape, Section};
 use crate::element::{Rod, RodSection};
 use crate::force::load::LoadAxes;
 use crate::force::{Attachment, ForceDescription, Load};
@@ -29,6 +29,8 @@ pub(in crate::model) struct Bodies {
     pub(in crate::model) name: String,
     pub(in crate::model) length: f64,
     pub(in crate::model) is_cable: bool,
+    pub(in crate::model) degree: usize,
+    pub(in crate::model) sections: Vec<(f64, Section)>,
     /// On the beam's hinge.
     pub(in crate::model) root: usize,
     /// Where its first element begins: that one, or one welded to it.
@@ -172,7 +174,8 @@ fn add(expanded: &mut Expanded, beam: &BeamDescription, shape: Option<&Shape>) {
     }
     expanded.description.bodies[root].markers.push(("tip".to_owned(), place));
     let (name, markers, is_cable) = (beam.name.clone(), beam.markers.clone(), beam.far.is_some());
-    expanded.beams.push(Bodies { name, length, is_cable, root, begin, tips, markers });
+    let (degree, sections) = (beam.degree, beam.sections.clone());
+    expanded.beams.push(Bodies { name, length, is_cable, degree, sections, root, begin, tips, markers });
 }
 
 impl BeamDescription {

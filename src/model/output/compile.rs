@@ -111,6 +111,24 @@ impl Compiler<'_> {
         Vector3::z()
     }
 
+    /// The unit of the stress in a section, which needs a size.
+    fn stress(&mut self, index: usize, beam: usize, s: f64) -> Vec<String> {
+        let beam = &self.model.beams[beam];
+        if beam.section_at(s).geometry().is_none() {
+            let (name, beam) = (&self.description.outputs[index].name, &beam.name);
+            let message = format!(
+                "output `{name}`: the section of `{beam}` has a stiffness and no size: its stress is not known"
+            );
+            self.add(
+                index,
+                "component",
+                message,
+                "ask for `my` or `mz`, or give the section as `circle`, `tube` or `rectangle`",
+            );
+        }
+        vec!["Pa".to_owned()]
+    }
+
     fn known<T>(&mut self, index: usize, found: Result<T, Unknown>) -> Option<T> {
         found
             .map_err(|Unknown { message, help }| {
@@ -171,7 +189,11 @@ impl Compiler<'_> {
             QuantityDescription::Section { of: name, s, component } => {
                 let found = section(self.model, name, *s);
                 let (beam, component) = (self.known(index, found)?, *component);
-                (six(component), Quantity::Section(SectionQuantity { beam, s: *s, component }))
+                let units = match component {
+                    Some(SectionQuantity::STRESS) => self.stress(index, beam, *s),
+                    _ => six(component),
+                };
+                (units, Quantity::Section(SectionQuantity { beam, s: *s, component }))
             }
             QuantityDescription::Reaction { component, axes, .. } => {
                 let body = self.body(index, &carried[0].0)?;

@@ -99,7 +99,7 @@ pub enum QuantityDescription {
         of: String,
         /// Unstretched distance from its root (m).
         s: f64,
-        /// Which of six numbers, from 0; `None` for all of them.
+        /// Which of six numbers, from 0, or [`SectionQuantity::STRESS`]; `None` for the six of them.
         component: Option<usize>,
     },
     /// An energy of the scene.
@@ -332,8 +332,13 @@ pub struct SectionQuantity {
     pub beam: usize,
     /// Unstretched distance from its root (m).
     pub s: f64,
-    /// Which of six numbers.
+    /// Which of six numbers, or [`SectionQuantity::STRESS`].
     pub component: Option<usize>,
+}
+
+impl SectionQuantity {
+    /// The component after the six section forces: von Mises' stress where it is largest in the section (Pa).
+    pub const STRESS: usize = 6;
 }
 
 /// A formula in the time and the numbers of all outputs: variable 0 is the time (s), variable `k + 1` is number `k`.

@@ -5,6 +5,7 @@
 //!
 //! - Bodies are their shapes. A body without any is drawn as rods to its points, or as the box of its inertia; if other bodies have shapes, a
 //!   body without shape, points and inertia is not drawn.
+//! - Beams are their sections along the centre line, coloured by what they bear ([`Drawing::shaded`]).
 //! - Springs are coils, ropes and rods are thin cylinders between their points.
 //! - What is hinged to the ground gets a pin along the axis of its hinge, or a small cube, and so do lines that end on the ground.
 //! - Loads, hinge axes, reactions and forces of contacts are arrows, if they are asked for.
@@ -14,14 +15,18 @@ pub(super) mod ground;
 pub(super) mod lines;
 mod parts;
 mod place;
+pub(super) mod shades;
+pub(super) mod sweep;
 mod triangles;
 
 pub use place::{Part, Placement};
+pub use shades::{Legend, shade};
 pub use triangles::Triangles;
 
 use super::contact::ContactPush;
 use super::scene::{LinePicture, Scene};
-use super::solids::{Form, Solid, solids};
+use super::solids::{Form, Solid, drop_of_beams, solids};
+use super::tubes::Tubes;
 use crate::spatial::{Pose, Wrench};
 use bounds::{Bounds, Outline};
 use nalgebra::Point3;
@@ -45,6 +50,8 @@ pub struct Drawing {
     pub parts: Vec<Part>,
     /// What cannot be drawn, in words.
     pub notes: Vec<String>,
+    /// What the colours of beams mean, if they have colours.
+    pub legend: Option<Legend>,
     outlines: Vec<Outline>,
     /// See [`Extras::framed`].
     framed: Vec<bool>,
@@ -54,14 +61,17 @@ pub struct Drawing {
 }
 
 impl Drawing {
-    /// Of a scene; `start` has the poses of its bodies at some instant, by which the sizes of marks are chosen.
+    /// Of a scene; `start` has the poses of its bodies at some instant, by which the sizes of marks are chosen. Beams are drawn where
+    /// poses are given with those of their cross sections ([`Tubes::extend`]).
     pub fn new(scene: &Scene, start: &[Pose], extras: Extras) -> Self {
         let mut solids = solids(scene);
         drop_stand_ins(scene, &mut solids);
         let outlines: Vec<Outline> = solids.iter().map(|solids| Outline::new(solids)).collect();
+        drop_of_beams(scene, &mut solids);
         let mut drawing = Self {
             parts: Vec::new(),
             notes: Vec::new(),
+            legend: None,
             outlines,
             framed: extras.framed,
             scene: scene.clone(),
@@ -72,6 +82,7 @@ impl Drawing {
         // Meshes are known now.
         drawing.measure(start);
         drawing.add_lines();
+        drawing.add_beams();
         drawing.add_ground();
         if extras.loads {
             drawing.add_loads();

@@ -2,7 +2,8 @@
 
 use super::lines::coil_radii;
 use super::place::{Anchor, Part, Place, toward};
-use super::{Drawing, Triangles};
+use super::sweep::Sweep;
+use super::{Drawing, Triangles, Tubes};
 use crate::record::contact::{ContactPush, still};
 use crate::record::scene::{BodyPicture, LinePicture, LoadPicture};
 use crate::record::solids::{Form, Solid};
@@ -14,6 +15,7 @@ use std::sync::Arc;
 const SPRING: [f64; 4] = [0.36, 0.40, 0.44, 1.0];
 const ROPE: [f64; 4] = [0.48, 0.38, 0.24, 1.0];
 const ROD: [f64; 4] = [0.45, 0.47, 0.50, 1.0];
+const BEAM: [f64; 4] = [0.62, 0.67, 0.72, 1.0];
 const GROUND: [f64; 4] = [0.30, 0.31, 0.33, 1.0];
 const FORCE: [f64; 4] = [0.78, 0.24, 0.16, 1.0];
 const TORQUE: [f64; 4] = [0.51, 0.27, 0.67, 1.0];
@@ -83,6 +85,20 @@ impl Drawing {
             let part =
                 |place| Part { name: line.name.clone(), triangles: triangles.clone(), color, unbounded: false, place };
             self.parts.extend(spans.map(part));
+        }
+    }
+
+    /// Beams as their sections along the centre line.
+    pub(super) fn add_beams(&mut self) {
+        for tube in &Tubes::new(&self.scene).beams {
+            let sweep = Arc::new(Sweep::new(tube, 0.6 * ROPE_RADIUS * self.size));
+            self.parts.push(Part {
+                name: tube.name.clone(),
+                triangles: Arc::default(),
+                color: BEAM,
+                unbounded: false,
+                place: Place::Swept { sweep, tints: Vec::new() },
+            });
         }
     }
 

@@ -1,6 +1,7 @@
 //! Where a part is.
 
 use super::Triangles;
+use super::sweep::Sweep;
 use crate::spatial::Pose;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use std::sync::Arc;
 pub struct Part {
     /// Name of the body, line, load or hinge.
     pub name: String,
-    /// In the part's axes. Parts of one form share them.
+    /// In the part's axes. Parts of one form share them. Empty of a beam, whose surface changes: [`Part::shape`] has it.
     pub triangles: Arc<Triangles>,
     /// Red, green, blue, opacity, 0…1.
     pub color: [f64; 4],
@@ -31,6 +32,8 @@ pub(super) enum Place {
     Span { ends: [Anchor; 2], radius: f64 },
     /// A point of a body: the direction in space stays.
     Point { at: Anchor, turn: UnitQuaternion<f64>, scale: f64 },
+    /// Cross sections of a beam, with the colour of each if what they bear is shown.
+    Swept { sweep: Arc<Sweep>, tints: Vec<[f64; 3]> },
 }
 
 /// Where a part's axes are at one instant: `world_from_part = pose · diag(scale)`.
@@ -58,6 +61,10 @@ impl Part {
                 let scale = if along.norm() > 1e-9 * radius { [*radius, *radius, along.norm()] } else { [0.0; 3] };
                 Placement { pose: Isometry3::from_parts(a.into(), toward(&along)), scale }
             }
+            Place::Swept { sweep, .. } => {
+                let scale = if sweep.poses(poses).is_some() { 1.0 } else { 0.0 };
+                Placement { pose: Pose::identity(), scale: [scale; 3] }
+            }
         }
     }
 
@@ -67,8 +74,17 @@ impl Part {
             Place::Body { body, .. } => [*body, None],
             Place::Point { at, .. } => [at.0, None],
             Place::Span { ends, .. } => ends.map(|end| end.0),
+            Place::Swept { sweep, .. } => sweep.ends.map(Some),
         };
         ends.into_iter().flatten()
+    }
+
+    /// The surface of a beam, and the colours of its cross sections, if it is one.
+    pub(in crate::record) fn swept(&self) -> Option<(&Sweep, &[[f64; 3]])> {
+        match &self.place {
+            Place::Swept { sweep, tints } => Some((sweep, tints)),
+            _ => None,
+        }
     }
 
     /// The body that it moves with as one piece, and its place in that body's axes; `None` if it moves otherwise. Of the ground the

@@ -231,15 +231,16 @@ impl Triangles {
     }
 }
 
+/// Volume by the divergence theorem: positive if the corners are counter-clockwise as seen from outside.
+#[cfg(test)]
+pub(super) fn volume(triangles: &Triangles) -> f64 {
+    let at = |corner: u32| Vector3::from(triangles.positions[corner as usize]).cast::<f64>();
+    triangles.corners.iter().map(|[a, b, c]| at(*a).dot(&at(*b).cross(&at(*c))) / 6.0).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Volume by the divergence theorem: positive if the corners are counter-clockwise as seen from outside.
-    fn volume(triangles: &Triangles) -> f64 {
-        let at = |corner: u32| Vector3::from(triangles.positions[corner as usize]).cast::<f64>();
-        triangles.corners.iter().map(|[a, b, c]| at(*a).dot(&at(*b).cross(&at(*c))) / 6.0).sum()
-    }
 
     #[test]
     fn forms_enclose_their_volumes_and_normals_point_outward() {

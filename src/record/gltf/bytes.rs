@@ -1,21 +1,32 @@
-//! The numbers of a glTF file: one buffer, three views of it, accessors.
+//! The numbers of a glTF file: one buffer, a view of it for each purpose, accessors.
 
 use serde_json::{Map, Value, json};
 
 /// What numbers are for: each purpose has a view of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Purpose {
+    /// Vectors of three.
     Vertices,
     Corners,
     Keys,
+    /// Vectors of four, of vertices that move with several nodes.
+    Weights,
+    /// The nodes of these.
+    Bones,
+    /// Where those nodes are without motion.
+    Bindings,
 }
+
+/// How many purposes there are.
+const PURPOSES: usize = 6;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
+const UNSIGNED_SHORT: u32 = 5123;
 
 #[derive(Debug, Default)]
 pub(super) struct Bytes {
-    views: [Vec<u8>; 3],
+    views: [Vec<u8>; PURPOSES],
     accessors: Vec<Value>,
 }
 
@@ -42,6 +53,20 @@ impl Bytes {
         self.push(accessor)
     }
 
+    /// Matrices of four rows and columns, column by column.
+    pub(super) fn matrices(&mut self, values: &[f32]) -> usize {
+        let accessor = self.accessor(Purpose::Bindings, FLOAT, "MAT4", values.len() / 16);
+        self.views[Purpose::Bindings as usize].extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        self.push(accessor)
+    }
+
+    /// Numbers of joints, four a vertex.
+    pub(super) fn bones(&mut self, joints: &[u16]) -> usize {
+        let accessor = self.accessor(Purpose::Bones, UNSIGNED_SHORT, "VEC4", joints.len() / 4);
+        self.views[Purpose::Bones as usize].extend(joints.iter().flat_map(|joint| joint.to_le_bytes()));
+        self.push(accessor)
+    }
+
     fn accessor(&self, purpose: Purpose, component: u32, kind: &str, count: usize) -> Value {
         let offset = self.views[purpose as usize].len();
         json!({ "bufferView": purpose as usize, "byteOffset": offset, "componentType": component, "type": kind, "count": count })
@@ -55,7 +80,7 @@ impl Bytes {
     /// The file: header, JSON, binary.
     pub(super) fn finish(mut self, mut root: Map<String, Value>) -> Vec<u8> {
         let mut views = Vec::new();
-        let mut numbers = [0; 3];
+        let mut numbers = [0; PURPOSES];
         let mut buffer = Vec::new();
         for (purpose, view) in self.views.iter().enumerate().filter(|(_, view)| !view.is_empty()) {
             let mut entry = json!({ "buffer": 0, "byteOffset": buffer.len(), "byteLength": view.len() });
@@ -63,6 +88,8 @@ impl Bytes {
             match purpose {
                 0 => (entry["target"], entry["byteStride"]) = (json!(34962), json!(12)),
                 1 => entry["target"] = json!(34963),
+                3 => (entry["target"], entry["byteStride"]) = (json!(34962), json!(16)),
+                4 => (entry["target"], entry["byteStride"]) = (json!(34962), json!(8)),
                 _ => {}
             }
             numbers[purpose] = views.len();

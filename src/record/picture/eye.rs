@@ -170,7 +170,7 @@ impl Drawing {
         for part in self.parts.iter().filter(|part| !part.unbounded) {
             let placement = part.place(poses);
             let mut bounds = Bounds::default();
-            part.triangles.positions.iter().for_each(|at| bounds.include(&Vector3::from(*at).cast(), 0.0));
+            part.shape(poses).triangles.positions.iter().for_each(|at| bounds.include(&Vector3::from(*at).cast(), 0.0));
             for corner in bounds.corners() {
                 let at = placement.pose * Point3::from(corner.component_mul(&Vector3::from(placement.scale)));
                 take(at.coords);

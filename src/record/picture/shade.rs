@@ -28,25 +28,33 @@ fn add(part: &Part, poses: &[Pose], frame: &Frame, faces: &mut Vec<Face>) {
     }
     let light = Vector3::from(LIGHT).normalize();
     let [r, g, b, opacity] = part.color;
-    for corners in &part.triangles.corners {
+    let shape = part.shape(poses);
+    let triangles = &shape.triangles;
+    for corners in &triangles.corners {
         let at = |corner: u32| {
-            let local = Vector3::from(part.triangles.positions[corner as usize]).cast::<f64>();
+            let local = Vector3::from(triangles.positions[corner as usize]).cast::<f64>();
             frame.turned(&(placement.pose * Point3::from(local.component_mul(&scale))).coords)
         };
         let points = corners.map(at);
         let faces_eye = (points[1] - points[0]).cross(&(points[2] - points[0])).z;
-        if faces_eye <= 0.0 && part.triangles.closed || faces_eye == 0.0 {
+        if faces_eye <= 0.0 && triangles.closed || faces_eye == 0.0 {
             continue;
         }
         let normal: Vector3<f64> = corners
             .iter()
-            .map(|corner| Vector3::from(part.triangles.normals[*corner as usize]).cast::<f64>().component_div(&scale))
+            .map(|corner| Vector3::from(triangles.normals[*corner as usize]).cast::<f64>().component_div(&scale))
             .sum();
         let normal = frame.turned(&(placement.pose.rotation * normal)).try_normalize(0.0).unwrap_or_else(Vector3::z);
         // The inside of an open mesh is lit as its outside.
         let lit = if normal.z < 0.0 { -normal.dot(&light) } else { normal.dot(&light) };
         let brightness = AMBIENT + (1.05 - AMBIENT) * lit.max(0.0);
-        let color = [r, g, b].map(|part| (255.0 * (part * brightness).clamp(0.0, 1.0)).round() as u8);
+        let own = if shape.tints.is_empty() {
+            [r, g, b]
+        } else {
+            let tint = |k: usize| corners.iter().map(|corner| shape.tints[*corner as usize][k]).sum::<f64>() / 3.0;
+            std::array::from_fn(tint)
+        };
+        let color = own.map(|part| (255.0 * (part * brightness).clamp(0.0, 1.0)).round() as u8);
         faces.push(Face { points: points.into(), color, opacity });
     }
 }
@@ -57,15 +65,24 @@ pub(super) fn shadows(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> Vec<V
     let shadow = |part: &Part| {
         let placement = part.place(poses);
         let scale = Vector3::from(placement.scale);
+        let shape = part.shape(poses);
         let on_floor = |at: &[f32; 3]| {
             let point = placement.pose * Point3::from(Vector3::from(*at).cast::<f64>().component_mul(&scale));
             [point.x, point.y]
         };
-        let outline = hull(part.triangles.positions.iter().map(on_floor).collect());
-        outline.into_iter().map(|[x, y]| frame.turned(&Vector3::new(x, y, height))).collect::<Vec<_>>()
+        let of = |positions: &[[f32; 3]]| {
+            let outline = hull(positions.iter().map(on_floor).collect());
+            outline.into_iter().map(|[x, y]| frame.turned(&Vector3::new(x, y, height))).collect::<Vec<_>>()
+        };
+        let positions = &shape.triangles.positions;
+        // A beam may be bent: the shadows of its stretches.
+        let per = part.swept().map_or(positions.len(), |(sweep, _)| positions.len() / (sweep.rings() + 2));
+        let stretches = part.swept().map_or(1, |(sweep, _)| sweep.rings() - 1);
+        let width = if stretches > 1 { 2 * per } else { positions.len() };
+        (0..stretches).map(|k| of(&positions[k * per..k * per + width])).collect::<Vec<_>>()
     };
     let seen = drawing.parts.iter().filter(|part| !part.unbounded && part.place(poses).scale[2] > 0.0);
-    seen.map(shadow).filter(|outline| outline.len() > 2).collect()
+    seen.flat_map(shadow).filter(|outline| outline.len() > 2).collect()
 }
 
 /// The convex hull of points, counter-clockwise (Andrew, 1979).

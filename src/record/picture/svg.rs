@@ -3,8 +3,9 @@
 use super::eye::{FOOT, Frame};
 use super::order::{Face, back_to_front};
 use super::shade::{faces, shadows};
-use crate::record::drawing::Drawing;
 use crate::record::drawing::ground::round_down;
+use crate::record::drawing::shades::shade;
+use crate::record::drawing::{Drawing, Legend};
 use crate::spatial::Pose;
 use nalgebra::Vector3;
 use std::fmt::Write;
@@ -27,6 +28,7 @@ pub fn svg(drawing: &Drawing, poses: &[Pose], frame: &Frame) -> String {
     shown.retain(|face| frame.shows(&face.points));
     paint(&mut out, &back_to_front(shown, TOLERANCE * extent), frame);
     scale_bar(&mut out, frame);
+    drawing.legend.iter().for_each(|legend| legend_bar(&mut out, legend, frame));
     out.push_str("</svg>\n");
     out
 }
@@ -105,6 +107,35 @@ fn scale_bar(out: &mut String, frame: &Frame) {
         y + 5.0,
         length_text(length)
     );
+}
+
+/// What the colours of beams mean, right of the scale bar.
+fn legend_bar(out: &mut String, legend: &Legend, frame: &Frame) {
+    const STRIPES: usize = 40;
+    let [width, height] = frame.size.map(f64::from);
+    let (length, y) = ((0.2 * width).min(240.0), height - 0.5 * FOOT);
+    let text = format!("{} {}: {}", legend.number(), legend.unit, legend.what);
+    // Six tenths of the height of letters are about their mean width.
+    let left = width - 24.0 - length - 8.0 - 8.6 * text.chars().count() as f64;
+    let stripe = length / STRIPES as f64;
+    for k in 0..STRIPES {
+        let [r, g, b] = shade(k as f64 / (STRIPES - 1) as f64).map(|part| (255.0 * part).round() as u8);
+        let _ = writeln!(
+            out,
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"12\" fill=\"#{r:02x}{g:02x}{b:02x}\"/>",
+            left + k as f64 * stripe,
+            y - 6.0,
+            stripe + 0.5
+        );
+    }
+    for (x, anchor, text) in [(left - 8.0, "end", "0"), (left + length + 8.0, "start", text.as_str())] {
+        let _ = writeln!(
+            out,
+            "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" font-family=\"DejaVu Sans, sans-serif\" font-size=\"14\" \
+             fill=\"#333333\">{text}</text>",
+            y + 5.0
+        );
+    }
 }
 
 /// In the unit in which a round length has few digits.

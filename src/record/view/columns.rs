@@ -1,5 +1,6 @@
 //! Samples on their way to the viewer, as columns of single-precision numbers.
 
+use super::beams::Bent;
 use super::crowd::Moves;
 use super::curves::curves;
 use super::entity::{TIMELINE, body_path, center_path, point, quaternion};
@@ -25,6 +26,7 @@ pub(super) struct Columns {
     drawn: Vec<f64>,
     bodies: Vec<(Vec<[f32; 3]>, Vec<super::sdk::Quaternion>)>,
     crowd: Moves,
+    beams: Vec<Bent>,
     springs: Vec<(Vec<Strip>, Vec<Color>)>,
     loads: Vec<Vec<[f32; 3]>>,
     reactions: Vec<([f32; 3], [f32; 3])>,
@@ -59,6 +61,7 @@ impl Columns {
         Self {
             curves: vec![Vec::new(); curves(&picture.plots).count()],
             bodies: vec![Default::default(); picture.scene.bodies.len()],
+            beams: vec![Bent::default(); picture.beams.count()],
             springs: vec![Default::default(); picture.scene.lines.len()],
             loads: vec![Vec::new(); load_paths(&picture.scene).count()],
             ..Self::default()
@@ -92,6 +95,7 @@ impl Columns {
         if let Some(crowd) = &picture.crowd {
             crowd.push(poses, &mut self.crowd);
         }
+        picture.beams.push(sample, &mut self.beams);
         for (((strips, colors), line), radius) in self.springs.iter_mut().zip(&scene.lines).zip(&picture.coils) {
             strips.push(strip(&points(line, poses), *radius));
             if line.spring.is_some() {
@@ -135,6 +139,7 @@ impl Columns {
                 stream.send_columns(path, times.clone(), columns)?;
             }
         }
+        picture.beams.send_columns(stream, &times, self.beams, drawn)?;
         for ((strips, colors), line) in self.springs.into_iter().zip(&scene.lines) {
             let strips = LineStrips3D::update_fields().with_strips(strips);
             let strips = if colors.is_empty() { strips } else { strips.with_colors(colors) };

@@ -6,7 +6,7 @@ use super::survey::{Range, Survey};
 use crate::record::scene::{Channel, LinePicture};
 use crate::record::{Sample, Scene};
 
-/// More curves in one plot cannot be told apart.
+/// More curves in one plot cannot be distinguished.
 const CURVES_PER_PLOT: usize = 8;
 
 /// A plot: curves with one unit.

@@ -38,6 +38,8 @@ pub(super) struct Scales {
     pub(super) reaction: f64,
     /// The weight of the scene on earth (N).
     pub(super) weight: f64,
+    /// What beams bear at most (Pa, or N m if one has no size).
+    pub(super) borne: f64,
 }
 
 /// Where the points of a line are.

@@ -125,7 +125,7 @@ fn send_text(blueprint: &Stream, view: &str, title: &str, origin: &str) -> Sent 
 }
 
 fn send_bodies(blueprint: &Stream, view: &str, title: &str, bounds: &Bounds) -> Sent {
-    let parts = ["world", "springs", "loads", "reactions", "contacts", "center of mass"];
+    let parts = ["world", "beams", "springs", "loads", "reactions", "contacts", "center of mass"];
     let contents = parts.map(|part| format!("+ {}/**", super::entity::path(&[part])));
     send_view(blueprint, view, "3D", title, contents.into())?;
     let camera = camera(bounds);

@@ -17,6 +17,7 @@
 
 #[cfg(not(feature = "view"))]
 mod absent;
+mod beams;
 #[cfg(feature = "view")]
 mod bounds;
 #[cfg(feature = "view")]

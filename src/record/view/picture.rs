@@ -1,5 +1,6 @@
 //! What does not change while the picture moves: solids, hinge axes, text, the looks of what moves.
 
+use super::beams::Beams;
 use super::crowd::Crowd;
 use super::curves::Plot;
 use super::entity::{CAPTION, STATICS, center_path, color, path, point, quaternion};
@@ -14,7 +15,7 @@ use crate::record::Scene;
 use crate::record::contact::still;
 use crate::record::drawing::bounds::Outline;
 use crate::record::drawing::lines::coil_radii;
-use crate::record::solids::{Form, Solid, palette, solids};
+use crate::record::solids::{Form, Solid, drop_of_beams, palette, solids};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use std::collections::HashSet;
 
@@ -26,6 +27,7 @@ pub(super) struct Picture {
     pub(super) solids: Vec<Vec<Solid>>,
     pub(super) outlines: Vec<Outline>,
     pub(super) crowd: Option<Crowd>,
+    pub(super) beams: Beams,
     pub(super) scales: Scales,
     /// Radius of each line's coils.
     pub(super) coils: Vec<Option<f64>>,
@@ -42,10 +44,12 @@ impl Picture {
     pub(super) fn new(scene: &Scene, plots: Vec<Vec<Plot>>, scales: Scales) -> Self {
         let mut solids = solids(scene);
         let outlines = solids.iter().map(|solids| Outline::new(solids)).collect();
+        drop_of_beams(scene, &mut solids);
+        let beams = Beams::new(scene, scales.size, scales.borne);
         let crowd = Crowd::take(scene, &mut solids);
         let coils = coil_radii(scene, scales.size);
         let (scene, still) = (scene.clone(), still(scene));
-        Self { scene, plots, solids, outlines, crowd, scales, coils, still, statics: None, captions: Vec::new() }
+        Self { scene, plots, solids, outlines, crowd, beams, scales, coils, still, statics: None, captions: Vec::new() }
     }
 
     /// Whether the body is a thing of its own.
@@ -77,6 +81,7 @@ impl Picture {
             Some(crowd) => crowd.send(stream)?,
             None => self.send_hinges(stream)?,
         }
+        self.beams.send(stream)?;
         forces::send(stream, &self.scene, &self.scales)?;
         let arrows = Arrows3D::update_fields().with_radii([Radius::new_ui_points(1.5)]);
         stream.log(forces::contacts_path(), &arrows)?;

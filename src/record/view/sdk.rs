@@ -11,7 +11,7 @@ pub(super) use re_log_types::{
 pub(super) use re_protos::sdk_comms::v1alpha1::WriteMessagesRequest;
 pub(super) use re_protos::sdk_comms::v1alpha1::message_proxy_service_client::MessageProxyServiceClient;
 pub(super) use re_sdk_types::archetypes::{
-    Arrows3D, Asset3D, Boxes3D, Capsules3D, Cylinders3D, Ellipsoids3D, InstancePoses3D, LineStrips3D, Points3D,
+    Arrows3D, Asset3D, Boxes3D, Capsules3D, Cylinders3D, Ellipsoids3D, InstancePoses3D, LineStrips3D, Mesh3D, Points3D,
     RecordingInfo, Scalars, SeriesLines, TextDocument, TextLog, Transform3D, ViewCoordinates,
 };
 pub(super) use re_sdk_types::components::{AlbedoFactor, Color, FillMode, MediaType, Radius, TextLogLevel};

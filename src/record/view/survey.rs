@@ -2,7 +2,7 @@
 
 use super::forces::tension;
 use crate::record::drawing::bounds::{Bounds, Outline};
-use crate::record::{Sample, Scene};
+use crate::record::{Sample, Scene, Tubes};
 use crate::spatial::Pose;
 use nalgebra::{Point3, Vector3};
 
@@ -25,6 +25,9 @@ pub(super) struct Survey {
     pub(super) tension: f64,
     /// The largest reaction (N).
     pub(super) reaction: f64,
+    /// What beams bear at most (Pa, or N m if one has no size).
+    pub(super) borne: f64,
+    tubes: Tubes,
     /// Number of samples.
     pub(super) samples: usize,
 }
@@ -62,6 +65,7 @@ impl Survey {
             positions: vec![Range::default(); scene.positions.len()],
             velocities: vec![Range::default(); scene.velocities.len()],
             couplings: vec![Range::default(); scene.couplings.len()],
+            tubes: Tubes::new(scene),
             ..Self::default()
         }
     }
@@ -86,6 +90,11 @@ impl Survey {
         self.tension = pulls.map(f64::abs).filter(|x| x.is_finite()).fold(self.tension, f64::max);
         let reactions = sample.reactions.iter().map(|reaction| reaction.force.norm());
         self.reaction = reactions.filter(|x| x.is_finite()).fold(self.reaction, f64::max);
+        if !self.tubes.is_empty() {
+            // Loads follow from what bodies pass on: cross sections need no places.
+            let loads = self.tubes.loads(sample.bodies, sample.reactions).into_iter();
+            self.borne = loads.filter(|x| x.is_finite()).fold(self.borne, f64::max);
+        }
     }
 }
 

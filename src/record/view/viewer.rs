@@ -12,10 +12,11 @@ use super::picture::Picture;
 use super::stream::Stream;
 use super::survey::{Survey, Trace, center_of_mass};
 use super::{Shown, Sink, Wishes, marks, text};
+use crate::record::drawing::Legend;
 use crate::record::drawing::bounds::{Bounds, Outline};
 use crate::record::meshes;
 use crate::record::solids::solids;
-use crate::record::{ContactPush, Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene};
+use crate::record::{ContactPush, Event, Opening, Outcome, RecordError, Recorder, Recording, Sample, Scene, Tubes};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -145,14 +146,21 @@ impl Viewer {
             size: bounds.size().norm(),
             tension: forces.tension,
             reaction: if self.reactions { forces.reaction } else { 0.0 },
+            borne: forces.borne,
             weight: EARTH * self.scene.bodies.iter().map(|body| body.mass).sum::<f64>(),
         };
         let mut picture = Picture::new(&self.scene, plots, scales);
         picture.statics = self.statics.clone();
+        if let Some(legend) = Legend::new(&Tubes::new(&self.scene), picture.scales.borne) {
+            let (most, Legend { what, unit, .. }) = (legend.number(), legend);
+            let told = format!("**Beams** are coloured by {what}: grey is none, the darkest red {most} {unit}.\n");
+            picture.statics = Some(picture.statics.unwrap_or_default() + &told);
+        }
         picture.captions = self.captions.clone();
         let poses = picture.poses();
         self.columns = Columns::new(&picture);
-        self.longest = (STRETCH / (7 * poses + 200 * self.scene.lines.len() + 16)).clamp(1, 4096);
+        self.longest =
+            (STRETCH / (7 * poses + 200 * self.scene.lines.len() + picture.beams.numbers() + 16)).clamp(1, 4096);
         self.thinning = Thinning::new(self.known.as_ref().map(|known| known.samples), poses);
         if self.thinning.stride > 1 {
             self.notes.push(format!("one of {} samples is drawn; the curves have them all", self.thinning.stride));

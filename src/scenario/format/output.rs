@@ -65,7 +65,7 @@ pub const OUTPUT: Table = Table {
             .required()
             .only(&["section"])
             .example("0.5"),
-        Key::new("component", Kind::Choice(SECTIONS), "The one of six numbers that is asked for; all without.")
+        Key::new("component", Kind::Choice(SECTIONS), "The one number that is asked for; without, all but the stress.")
             .only(&["section"])
             .example("\"my\""),
         Key::new("of", Kind::Choice(ENERGIES), "Which one.").required().only(&["energy"]).example("\"kinetic\""),
@@ -125,7 +125,7 @@ const ENERGIES: &[(&str, &str)] = &[
 const POWERS: &[(&str, &str)] =
     &[("input", "Put in by motors, drives and loads without a potential."), ("dissipated", "Taken out by dampers.")];
 
-/// Names of the six numbers of a section, in their order.
+/// Names of the six numbers of a section, in their order, and of its stress.
 pub const SECTIONS: &[(&str, &str)] = &[
     ("n", "Normal force, tension > 0."),
     ("qy", "Shear along y."),
@@ -133,6 +133,7 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("t", "Torque."),
     ("my", "Bending moment about y."),
     ("mz", "Bending moment about z."),
+    ("stress", "Von Mises' stress where it is largest in the section, which needs a size (Pa)."),
 ];
 
 /// Names of the six numbers of a force and a moment, in their order.

@@ -6,10 +6,10 @@
 //! ```
 //!
 //! (Moreau 1988, Jean 1999: Moreau–Jean's method with the cone problem of [`crate::contact::cone`].) All pairs that might meet within the step
-//! are in (2), with the way that is left to them: nothing sinks but by half a step's way at a blow, of which a part is taken back with
+//! are in (2), with the way that is left to them: nothing sinks but by half a step's way at an impact, of which a part is taken back with
 //! every step, and steps may be halved. Coordinates of trees are put back on their rigid limits. Dry friction of hinges
 //! is bounded in (2). The method has order 1; a step and its two
-//! halves are compared in positions, as velocities jump at blows, and the halves are kept.
+//! halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
 use super::Contacts;
 use super::blocks::Blocks;
@@ -17,13 +17,12 @@ use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::{self, Frame, along};
 use crate::contact::geometry::feature::Meeting;
 use crate::contact::hinges::{self, Id, Support};
-use crate::contact::pairs::{Key, restitution};
+use crate::contact::pairs::Key;
+use crate::dynamics::applied::Rubbing;
 use crate::dynamics::{Fault, System};
 use crate::integrate::{Failure, Limit, Problem as _, Progress, Start, StepError, Stepper};
-use crate::simulate::nonsmooth::Rubbing;
 use crate::simulate::problem::Motion;
 use crate::simulate::state::State;
-use crate::spatial::Wrench;
 use nalgebra::{Matrix3, Vector3};
 
 /// Steps are at most this part of the scene's time, and at least that.
@@ -201,24 +200,10 @@ impl Stepper<Motion> for Capture {
 }
 
 impl Motion {
-    /// `a ← q̈(t, q, v)` without contact, with the factorization that belongs to it.
-    ///
-    /// # Errors
-    /// As [`Evaluated::accelerations`].
-    fn free(&mut self, time: f64, q: &[f64], v: &[f64], a: &mut [f64]) -> Result<(), Fault> {
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.press(q, v, self.system.outside());
-        }
-        self.system.pressed().fill(Wrench::ZERO);
-        self.system.at(time, q, v).accelerations(a).map(|_| ())
-    }
-
     /// Lets go of everything that stops and dry friction hold: captured steps bear it from now on.
     pub(in crate::simulate) fn let_go(&mut self, time: f64, state: &State) -> Result<(), Fault> {
         self.hold(time, state, &[])?;
-        if let Some(nonsmooth) = &mut self.nonsmooth {
-            nonsmooth.phase.rubbing.fill(Rubbing::Sticks);
-        }
+        self.system.phase_mut().rubbing.fill(Rubbing::Sticks);
         Ok(())
     }
 }
@@ -320,11 +305,11 @@ impl Contacts {
         all
     }
 
-    /// The part of a speed that a blow on a support gives back.
+    /// The part of a speed that an impact on a support gives back.
     fn restitution(&self, support: &Support) -> f64 {
         match support.id {
-            Id::Contact(key) => restitution(self.law(key.couple).law),
-            Id::Stop(stop, _) => restitution(self.model.stops[stop].law),
+            Id::Contact(key) => self.law(key.couple).law.restitution(),
+            Id::Stop(stop, _) => self.model.stops[stop].law.restitution(),
             Id::Friction(_) => 0.0,
         }
     }
@@ -362,7 +347,7 @@ fn moreau(
     let half = |v: &[f64]| -> Vec<f64> { v.iter().map(|v| 0.5 * h * v).collect() };
     System::displace(motion.model(), &mut position, &half(v));
     let mut velocity = vec![0.0; v.len()];
-    motion.free(time + 0.5 * h, &position, v, &mut velocity)?;
+    motion.system.at_without_contact(time + 0.5 * h, &position, v).accelerations(&mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
     let Motion { contacts: Some(contacts), system, .. } = motion else {
         return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, raised: 0.0, found: true });

@@ -1,4 +1,4 @@
-//! An instant of contact: blows, what touches afterwards, and whether it sticks, slips or lifts.
+//! An instant of contact: impacts, what touches afterwards, and whether it sticks, slips or lifts.
 
 use super::impact::FOUND;
 use super::watch::BEYOND;
@@ -10,7 +10,7 @@ use crate::simulate::events::Kind;
 use crate::simulate::state::State;
 use nalgebra::Vector3;
 
-/// Blows that cause blows at one instant.
+/// Impacts that cause impacts at one instant.
 const MOST_ROUNDS: usize = 60;
 /// Friction is smaller by this part when a force has reached its limit, so that what is there slips; else larger by half of it.
 const LESS: f64 = 1e-7;
@@ -72,14 +72,14 @@ impl Contacts {
             }
             if round == MOST_ROUNDS {
                 let worst = frames.iter().find(|frame| self.approaches(frame)).map_or(0, |frame| frame.key.couple);
-                let why = format!("{MOST_ROUNDS} rounds of blows at one instant leave them approaching");
+                let why = format!("{MOST_ROUNDS} rounds of impacts at one instant leave them approaching");
                 return Err(Trouble::Undecided { between: self.between(worst), why });
             }
-            let blows = self.blows(system, state, &frames)?;
-            changed.lost += blows.lost;
-            for blow in blows.all {
-                struck.push(blow.couple);
-                changed.told.push(self.say(Kind::Strikes, blow.couple, blow.speed));
+            let impacts = self.strike(system, state, &frames)?;
+            changed.lost += impacts.lost;
+            for impact in impacts.all {
+                struck.push(impact.couple);
+                changed.told.push(self.say(Kind::Strikes, impact.couple, impact.speed));
             }
         }
         let frames = self.meet(system, time, state)?;
@@ -103,9 +103,8 @@ impl Contacts {
 
     /// All that touches, the system being factorized there.
     fn meet(&mut self, system: &mut System, time: f64, state: &State) -> Result<Vec<Frame>, Fault> {
-        system.pressed().fill(crate::spatial::Wrench::ZERO);
         let mut a = vec![0.0; state.velocity.len()];
-        system.at(time, &state.position, &state.velocity).accelerations(&mut a)?;
+        system.at_without_contact(time, &state.position, &state.velocity).accelerations(&mut a)?;
         Ok(self.touching(system, time, state))
     }
 
@@ -129,7 +128,7 @@ impl Contacts {
     }
 
     /// Contacts of these frames are closed from now on: those that slip do, others stick until it is decided; what stuck goes on to
-    /// if it is `undisturbed` by blows.
+    /// if it is `undisturbed` by impacts.
     fn close(&mut self, frames: &[Frame], undisturbed: bool) {
         let closed = frames.iter().map(|frame| {
             let slip = frame.slip();
@@ -291,7 +290,7 @@ impl Contacts {
         Ok(self.reserve() >= -BEYOND && frames.iter().all(rises))
     }
 
-    /// What has changed for couples, beside blows.
+    /// What has changed for couples, beside impacts.
     fn tell(&self, before: &[(usize, bool)], struck: &[usize], changed: &mut Changed) {
         let after = self.told();
         for (couple, _) in before.iter().filter(|(couple, _)| !after.iter().any(|(other, _)| other == couple)) {

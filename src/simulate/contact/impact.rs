@@ -1,43 +1,42 @@
-//! Blows: what bodies that approach each other do to their velocities.
+//! Impacts: what bodies that approach each other do to their velocities.
 //!
 //! ```text
 //! (1)  u⁺ = u⁻ + A λ,   K* ∋ (u⁺ + e u_n⁻ n) + μ |u_t⁺| n  ⊥  λ ∈ K(μ)      Newton's restitution, Coulomb's friction
 //! (2)  ΔT = ½ λ·(u⁺ + u⁻) + work of drives
 //! ```
 //!
-//! Blows without restitution are one problem. With it two bodies after the other meet, those first that approach fastest, as in a
+//! Impacts without restitution are one problem. With it two bodies after the other meet, those first that approach fastest, as in a
 //! cradle: their points together, the others being as they are, until nothing approaches. By Kane's paradox (1) may gain
 //! energy: then e is halved, and zero in the end.
 
 use super::{Contacts, Trouble};
 use crate::contact::cone::{Answer, Law};
 use crate::contact::frame::{Frame, problem, responses};
-use crate::contact::pairs::restitution;
 use crate::dynamics::System;
 use crate::simulate::state::State;
 use nalgebra::Vector3;
 
-/// Blows one after the other at one instant; then all at once, without restitution.
-const MOST_BLOWS: usize = 400;
+/// Impacts one after the other at one instant; then all at once, without restitution.
+const MOST_IMPACTS: usize = 400;
 /// Forces that change by less in a sweep are found.
 pub(super) const FOUND: f64 = 1e-13;
 /// Sweeps of the cone problem.
 pub(super) const MOST_SWEEPS: usize = 50_000;
-/// Energy that a blow may gain: this part of what moves.
+/// Energy that an impact may gain: this part of what moves.
 const GAINED: f64 = 1e-12;
 
-/// A blow that has been answered.
+/// An impact that has been answered.
 #[derive(Debug, Clone)]
-pub(super) struct Blow {
+pub(super) struct Impact {
     pub(super) couple: usize,
     /// Speed of approach (m/s), > 0.
     pub(super) speed: f64,
 }
 
-/// What blows of an instant did.
+/// What impacts of an instant did.
 #[derive(Debug, Default)]
-pub(super) struct Blows {
-    pub(super) all: Vec<Blow>,
+pub(super) struct Impacts {
+    pub(super) all: Vec<Impact>,
     /// Energy that they took out at the contacts (J).
     pub(super) lost: f64,
 }
@@ -52,27 +51,32 @@ impl Contacts {
     ///
     /// # Errors
     /// A problem without a solution that can be certified.
-    pub(super) fn blows(&mut self, system: &mut System, state: &mut State, frames: &[Frame]) -> Result<Blows, Trouble> {
-        let mut done = Blows::default();
+    pub(super) fn strike(
+        &mut self,
+        system: &mut System,
+        state: &mut State,
+        frames: &[Frame],
+    ) -> Result<Impacts, Trouble> {
+        let mut done = Impacts::default();
         let answers = responses(system, &state.position, &state.velocity, frames);
         let mut speeds: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.speed).collect();
-        let bounces = |frame: &Frame| restitution(self.law(frame.key.couple).law) > 0.0;
+        let bounces = |frame: &Frame| self.law(frame.key.couple).law.restitution() > 0.0;
         let mut couples: Vec<usize> = frames.iter().map(|frame| frame.key.couple).collect();
         couples.dedup();
         let in_turn = couples.len() > 1 && frames.iter().any(|frame| self.approaches(frame) && bounces(frame));
-        for blow in 0..=MOST_BLOWS {
+        for impact in 0..=MOST_IMPACTS {
             let worst = (0..frames.len()).min_by(|a, b| speeds[*a].x.total_cmp(&speeds[*b].x));
             let Some(worst) = worst.filter(|worst| speeds[*worst].x < -self.rest) else { break };
-            let all = !in_turn || blow == MOST_BLOWS;
+            let all = !in_turn || impact == MOST_IMPACTS;
             let taking: Vec<usize> =
                 (0..frames.len()).filter(|i| all || frames[*i].key.couple == frames[worst].key.couple).collect();
-            let part = if blow == MOST_BLOWS { 0.0 } else { 1.0 };
-            let found = self.blow(frames, &answers, &speeds, &taking, part)?;
+            let part = if impact == MOST_IMPACTS { 0.0 } else { 1.0 };
+            let found = self.strike_at(frames, &answers, &speeds, &taking, part)?;
             for i in &taking {
                 if speeds[*i].x < -self.rest
                     && !done.all[..].iter().rev().take(taking.len()).any(|b| all && b.couple == frames[*i].key.couple)
                 {
-                    done.all.push(Blow { couple: frames[*i].key.couple, speed: -speeds[*i].x });
+                    done.all.push(Impact { couple: frames[*i].key.couple, speed: -speeds[*i].x });
                     if !all {
                         break;
                     }
@@ -98,7 +102,7 @@ impl Contacts {
     }
 
     /// (1) at some of the contacts, the others being as they are.
-    fn blow(
+    fn strike_at(
         &self,
         frames: &[Frame],
         answers: &[[Vec<f64>; 3]],
@@ -123,7 +127,7 @@ impl Contacts {
                 .map(|i| {
                     let mut rate = speeds[*i];
                     if rate.x < -self.rest {
-                        rate.x *= 1.0 + part * share * restitution(self.law(frames[*i].key.couple).law);
+                        rate.x *= 1.0 + part * share * self.law(frames[*i].key.couple).law.restitution();
                     }
                     rate
                 })

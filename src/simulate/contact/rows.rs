@@ -216,8 +216,7 @@ impl Contacts {
         v: &[f64],
         a: &mut [f64],
     ) -> Result<(), Fault> {
-        system.pressed().fill(Wrench::ZERO);
-        system.at(time, q, v).accelerations(a)?;
+        system.at_without_contact(time, q, v).accelerations(a)?;
         self.stand(system, q, v);
         Ok(())
     }

@@ -1,10 +1,10 @@
 //! What is watched: the functions whose changes of sign are events, and their rates.
 
 use super::super::contact::Aspect;
-use super::super::nonsmooth::{Rubbing, rate_of};
 use super::super::problem::Motion;
 use super::super::state::State;
 use super::{Events, Function};
+use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::model::Watched;
 use std::sync::Arc;
 
@@ -65,8 +65,8 @@ impl Events {
 
     /// Velocities or accelerations in the direction in which something slides.
     fn along(&self, motion: &Motion, friction: usize, of: &[f64]) -> f64 {
-        match motion.phase().map(|phase| phase.rubbing[friction]) {
-            Some(Rubbing::Slides(direction)) => rate_of(&motion.model().hinge_friction[friction], of).dot(&direction),
+        match motion.system.phase().rubbing[friction] {
+            Rubbing::Slides(direction) => rate_of(&motion.model().hinge_friction[friction], of).dot(&direction),
             _ => 0.0,
         }
     }

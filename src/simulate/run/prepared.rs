@@ -1,6 +1,6 @@
 //! What a run begins with.
 
-use crate::model::{Model, StopLaw};
+use crate::model::Model;
 use crate::record::ContactPush;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
@@ -55,7 +55,7 @@ fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
         let value = start.position[stop.position];
         let slack = ON_THE_LIMIT * value.abs().max(1.0);
         let beyond = value < stop.range[0] - slack || value > stop.range[1] + slack;
-        if beyond && matches!(stop.law, StopLaw::Rigid { .. }) {
+        if beyond && stop.is_rigid() {
             let hinge = model.bodies[stop.body].name.clone();
             return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] });
         }

@@ -76,7 +76,7 @@ impl Run<'_, '_> {
             return Ok(());
         }
         self.ledger.lose(changed.lost);
-        // Only a blow does work on what drives move.
+        // Only an impact does work on what drives move.
         if changed.told.iter().any(|told| told.kind == Kind::Strikes) && !self.model.drives.is_empty() {
             self.ledger.put_in(after.kinetic - before.kinetic + changed.lost);
         }

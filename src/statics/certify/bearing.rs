@@ -29,7 +29,7 @@ const SHORT: f64 = 0.1;
 pub(in crate::statics) type Set = Vec<i8>;
 
 pub(in crate::statics) fn limit(model: &Model, index: usize, side: i8) -> f64 {
-    model.stops[index].range[usize::from(side > 0)]
+    model.stops[index].limit(f64::from(side))
 }
 
 pub(in crate::statics) fn unit(model: &Model, velocity: usize) -> f64 {
@@ -58,7 +58,7 @@ pub(in crate::statics) fn passed(model: &Model, q: &[f64]) -> Vec<(String, f64, 
         let slack = PASSED * unit(model, stop.velocity).max(value.abs());
         let limit = if value < stop.range[0] { stop.range[0] } else { stop.range[1] };
         let passes = value < stop.range[0] - slack || value > stop.range[1] + slack;
-        (passes && matches!(stop.law, StopLaw::Rigid { .. })).then(|| (model.label(stop.velocity), limit, value))
+        (passes && stop.is_rigid()).then(|| (model.label(stop.velocity), limit, value))
     };
     model.stops.iter().filter_map(beyond).collect()
 }
@@ -135,9 +135,7 @@ pub(in crate::statics) fn load(model: &Model, index: usize, side: i8, q: &[f64],
     let stop = &model.stops[index];
     match stop.law {
         StopLaw::Rigid { .. } => -f64::from(side) * held[stop.velocity],
-        StopLaw::Compliant { stiffness, .. } => {
-            stiffness * f64::from(side) * (q[stop.position] - limit(model, index, side))
-        }
+        StopLaw::Compliant { stiffness, .. } => stiffness * stop.depth(f64::from(side), q),
     }
 }
 
@@ -147,7 +145,7 @@ pub(in crate::statics) fn pushes(stops: &[Stop], set: &[i8], q: &[f64], held: &[
     for (stop, side) in stops.iter().zip(set).filter(|(_, side)| **side != 0) {
         pushes[stop.velocity] += match stop.law {
             StopLaw::Rigid { .. } => held[stop.velocity],
-            StopLaw::Compliant { stiffness, .. } => stiffness * (stop.range[usize::from(*side > 0)] - q[stop.position]),
+            StopLaw::Compliant { stiffness, .. } => stiffness * (stop.limit(f64::from(*side)) - q[stop.position]),
         };
     }
     pushes

@@ -320,7 +320,7 @@ impl<'m> Scene<'m> {
     fn stops(&self, column: usize, direction: f64) -> bool {
         let velocity = self.model.links[self.columns[column].link].velocity;
         let stops = self.model.stops.iter().filter(|stop| stop.velocity == velocity);
-        stops.into_iter().any(|stop| stop.range[usize::from(direction > 0.0)].is_finite())
+        stops.into_iter().any(|stop| stop.limit(direction).is_finite())
     }
 
     /// `d = N Nᵀ c` of some columns, the others held; `None` if it vanishes.

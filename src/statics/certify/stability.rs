@@ -181,13 +181,31 @@ fn rates(linear: &Linearization) -> Vec<faer::c64> {
 /// root of the machine precision.
 const RATE_NOISE: f64 = 1e-7;
 
+/// How many motions grow, and how many neither grow nor swing.
 pub(in crate::statics) fn count_by_motion(linear: &Linearization) -> (usize, usize) {
+    if linear.damping.norm_max() == 0.0 {
+        return count_undamped(linear);
+    }
     let values = rates(linear);
     let largest = values.iter().fold(0.0_f64, |m, x| m.max(x.re.hypot(x.im)));
     let limit = RATE_NOISE * largest;
     let unstable = values.iter().filter(|x| x.re > limit).count();
     let neutral = values.iter().filter(|x| x.re.hypot(x.im) <= limit).count();
     (unstable, neutral.div_ceil(2))
+}
+
+/// The same without damping, from half as many equations: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`.
+fn count_undamped(linear: &Linearization) -> (usize, usize) {
+    use faer::linalg::solvers::Solve;
+    let values = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigenvalues().unwrap_or_default();
+    let size = |x: &faer::c64| x.re.hypot(x.im);
+    let largest = values.iter().map(size).fold(0.0, f64::max).sqrt();
+    let limit = RATE_NOISE * largest;
+    // The real part of √(−λ) that is not negative.
+    let growth = |x: &faer::c64| (0.5 * (size(x) - x.re)).max(0.0).sqrt();
+    let unstable = values.iter().filter(|x| growth(x) > limit).count();
+    let neutral = values.iter().filter(|x| size(x).sqrt() <= limit).count();
+    (unstable, neutral)
 }
 
 /// Undamped modes `K x = λ M x`. Small eigenvalues are taken from the inverse problem where that is more accurate:

@@ -20,7 +20,7 @@ use super::family::{Moving, borne};
 use super::problem::assembled::Assembled;
 use super::search::{Observers, equilibrium_observed};
 use crate::model::description::Description;
-use crate::model::problem::number;
+use crate::model::problem::{in_one_line, number};
 use crate::model::{Model, Parameter};
 use crate::spatial::{Pose, Wrench};
 use std::cell::RefCell;
@@ -180,8 +180,7 @@ pub fn follow(
 ) -> Result<Path, String> {
     let mut first = description.clone();
     settings.numbers.iter().try_for_each(|one| one.set(&mut first, settings.from))?;
-    let model = Model::build(&first)
-        .map_err(|problems| problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))?;
+    let model = Model::build(&first).map_err(|problems| in_one_line(&problems))?;
     let (model, assembled) = Assembled::of(model)?;
     let asked = RefCell::new(&mut *go_on);
     let goes_on = || (asked.borrow_mut())(settings.from);

@@ -18,10 +18,9 @@ const AHEAD: f64 = 1e-3;
 
 /// How far a stop is from a change: positive as long as nothing changes, with the round-off of that.
 fn clear(moving: &mut Moving<'_>, stop: &Stop, side: i8, bears: bool, point: &Point) -> Result<[f64; 2], String> {
-    let limit = stop.range[usize::from(side > 0)];
-    let value = point.place.q[stop.position];
+    let limit = stop.limit(f64::from(side));
     let slack = SLACK * if moving.slides(stop.velocity) { moving.length() } else { 1.0 };
-    let depth = f64::from(side) * (value - limit);
+    let depth = stop.depth(f64::from(side), &point.place.q);
     match (bears, stop.law) {
         (false, _) => Ok([-depth, slack.max(SLACK * limit.abs())]),
         (true, StopLaw::Compliant { .. }) => Ok([depth, slack.max(SLACK * limit.abs())]),
@@ -40,7 +39,7 @@ impl Tracer<'_> {
         for (index, now) in set.iter().enumerate() {
             let stop = self.moving.stop(index);
             let sides = if *now == 0 { vec![-1, 1] } else { vec![*now] };
-            for side in sides.into_iter().filter(|side| stop.range[usize::from(*side > 0)].is_finite()) {
+            for side in sides.into_iter().filter(|side| stop.limit(f64::from(*side)).is_finite()) {
                 let value = |tracer: &mut Self, point: &Point| clear(&mut tracer.moving, &stop, side, *now != 0, point);
                 let Ok([end, slack]) = value(self, b) else { continue };
                 if end >= -slack {

@@ -137,7 +137,7 @@ impl<'a> Tracer<'a> {
                 let event = Event { kind, directions: 1, carriers };
                 self.push(&mut branch, &turn.point, count, arclength + turn.s, Some(event), false)?;
                 let side = if lifts { self.moving.set()[turn.index] } else { turn.set[turn.index] };
-                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.range[usize::from(side > 0)]);
+                let (hinge, limit) = (self.moving.model().label(stop.velocity), stop.limit(f64::from(side)));
                 branch.end = End::Stop { hinge, limit, lifts };
                 return Ok((branch, Some(turn)));
             }

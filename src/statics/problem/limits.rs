@@ -13,7 +13,7 @@
 use super::place::{BALANCED, Place};
 use super::{Landscape, Scales};
 use crate::dynamics::{Fault, Magnitudes};
-use crate::model::{Model, Stop, StopLaw};
+use crate::model::{Model, Stop};
 
 /// A start that is nearer to a limit than this (rad, or part of the scene's length) stands on it.
 const TOUCHES: f64 = 1e-12;
@@ -44,17 +44,12 @@ pub(in crate::statics) struct Limits {
 
 impl Limits {
     fn rigid(&self) -> impl Iterator<Item = &Stop> {
-        self.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. }))
+        self.stops.iter().filter(|stop| stop.is_rigid())
     }
 
     /// The stiffness and the signed depth of every compliant stop that is pressed.
     fn pressed<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = (&'a Stop, f64, f64)> {
-        self.stops.iter().filter_map(|stop| {
-            let StopLaw::Compliant { stiffness, .. } = stop.law else { return None };
-            let value = q[stop.position];
-            let depth = (value - stop.range[1]).max(0.0) + (value - stop.range[0]).min(0.0);
-            (depth != 0.0).then_some((stop, stiffness, depth))
-        })
+        self.stops.iter().filter_map(|stop| stop.pressed(q).map(|[stiffness, depth]| (stop, stiffness, depth)))
     }
 
     /// `B` of every coordinate that no lock holds.
@@ -111,7 +106,7 @@ fn side(stop: &Stop, q: &[f64]) -> f64 {
 /// A position within the rigid limits of a model: what is beyond a limit, or nearly at it, stands on it.
 pub(in crate::statics) fn within_limits(model: &Model, q: &[f64]) -> Vec<f64> {
     let (mut within, slides) = (q.to_vec(), super::slides(model));
-    for stop in model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+    for stop in model.stops.iter().filter(|stop| stop.is_rigid()) {
         let unit = if slides[stop.velocity] { model.length_scale() } else { 1.0 };
         let value = within[stop.position];
         let slack = TOUCHES * unit.max(value.abs());
@@ -145,7 +140,7 @@ impl Landscape<'_> {
         let (force, scales) = self.forces_of(&unlocked, q)?;
         let Some(limits) = &mut self.limits else { return Ok(None) };
         let (mut held, mut weak) = (vec![false; self.rest.len()], Vec::new());
-        for stop in limits.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+        for stop in limits.stops.iter().filter(|stop| stop.is_rigid()) {
             let side = side(stop, q);
             let Some(row) = unlocked.binary_search(&stop.velocity).ok().filter(|_| side != 0.0) else { continue };
             let nothing = BALANCED * scales.force[row] + scales.noise[row];

@@ -9,7 +9,7 @@ use super::Search;
 use super::cascade::{self, Found};
 use super::polish::polish;
 use crate::dynamics::{Fault, System};
-use crate::model::{Model, StopLaw};
+use crate::model::Model;
 use crate::statics::certify::bearing::{self, Set};
 use crate::statics::certify::equilibrium::{Equilibrium, certify};
 use crate::statics::certify::unbalanced::unbalanced;
@@ -93,8 +93,7 @@ fn descend(search: Search<'_>) -> Result<Outcome, Fault> {
 fn borne(model: &Model, q: &[f64]) -> Set {
     let mut set = bearing::touching(model, q);
     for (side, stop) in set.iter_mut().zip(&model.stops) {
-        let value = q[stop.position];
-        if matches!(stop.law, StopLaw::Compliant { .. }) && value >= stop.range[0] && value <= stop.range[1] {
+        if !stop.is_rigid() && stop.pressed(q).is_none() {
             *side = 0;
         }
     }

@@ -124,7 +124,7 @@ fn revised(
                 StopLaw::Rigid { .. } => {
                     load(model, index, *side, &found.position, &held) < -PULLS * sizes[stop.velocity]
                 }
-                StopLaw::Compliant { .. } => f64::from(*side) * (value - limit(model, index, *side)) < -slack,
+                StopLaw::Compliant { .. } => stop.depth(f64::from(*side), &found.position) < -slack,
             };
             if pulls {
                 *side = 0;
@@ -173,7 +173,7 @@ fn in_the_way(model: &Arc<Model>, set: &Set, start: &[f64]) -> Result<Option<Set
     let mut next = set.clone();
     for (stop, side) in model.stops.iter().zip(next.iter_mut()).filter(|(_, side)| **side == 0) {
         let towards: i8 = if residual[stop.velocity] > 0.0 { -1 } else { 1 };
-        if stop.range[usize::from(towards > 0)].is_finite() && residual[stop.velocity] != 0.0 {
+        if stop.limit(f64::from(towards)).is_finite() && residual[stop.velocity] != 0.0 {
             *side = towards;
         }
     }

@@ -6,7 +6,8 @@
 //! (3)  (y(h) − 2y(0) + y(−h)) / h → 0 with h, unless y has a kink at 0
 //! ```
 //!
-//! Of what is affine the first extrapolation is exact up to round-off, over any distance: `h₀` is large. At the end of what is
+//! Of what is affine the first extrapolation is exact up to round-off, over any distance: `h₀` is large. Round-off grows as distances
+//! shrink: differences end when they are as exact as it lets them be. At the end of what is
 //! allowed there is one side only; (1) then has all powers of `h`, and (2) `rʲ`.
 
 /// Distances that are tried, at most.
@@ -15,6 +16,10 @@ const LEVELS: usize = 9;
 const SHRINK: f64 = 0.25;
 /// An error below this part of a derivative's size is small enough to stop.
 const FINE: f64 = 1e-10;
+/// An error below so many times the round-off of values over the largest distance is that of round-off: no distance is better.
+const FLOOR: f64 = 8.0;
+/// Where the error is below this part of a derivative's size, and a shorter distance does not halve it, round-off has begun.
+const SETTLED: f64 = 1e-8;
 /// (3) stays above this part of itself at a kink; elsewhere it falls with `r`.
 const STAYS: f64 = 0.5;
 /// A kink by less than this part of a derivative's size is round-off.
@@ -37,6 +42,8 @@ struct Tableau {
     /// The last row, all orders.
     row: Vec<Vec<f64>>,
     best: Derivative,
+    /// Whether the last distance has halved the error of a component.
+    is_better: bool,
     /// (3) at the first distance, and the least of it at all.
     bends: Option<[Vec<f64>; 2]>,
 }
@@ -44,11 +51,12 @@ struct Tableau {
 impl Tableau {
     fn new(ratio: f64, count: usize) -> Self {
         let best = Derivative { value: vec![0.0; count], error: vec![f64::INFINITY; count], kinks: vec![false; count] };
-        Self { ratio, row: Vec::new(), best, bends: None }
+        Self { ratio, row: Vec::new(), best, is_better: true, bends: None }
     }
 
     /// Takes the difference at the next distance.
     fn push(&mut self, difference: Vec<f64>) {
+        let before = self.best.error.clone();
         let mut row = vec![difference];
         let mut ratio = 1.0;
         for (j, before) in self.row.iter().enumerate() {
@@ -64,6 +72,7 @@ impl Tableau {
             row.push(next);
         }
         self.row = row;
+        self.is_better = before.iter().zip(&self.best.error).any(|(before, now)| *now < 0.5 * before);
     }
 
     /// Takes (3) at the next distance: of kinks it does not fall. `sizes` of derivatives.
@@ -80,14 +89,16 @@ impl Tableau {
         }
     }
 
-    fn is_fine(&self, sizes: &[f64]) -> bool {
-        let fine = |i: usize| self.best.error[i] <= FINE * sizes[i].max(self.best.value[i].abs());
-        (0..sizes.len()).all(fine)
+    /// Whether no distance is better; `floors` are errors that round-off makes over the largest.
+    fn is_fine(&self, sizes: &[f64], floors: &[f64]) -> bool {
+        let size = |i: usize| sizes[i].max(self.best.value[i].abs());
+        let part = if self.is_better { FINE } else { SETTLED };
+        (0..sizes.len()).all(|i| self.best.error[i] <= (part * size(i)).max(floors[i]))
     }
 }
 
 /// The derivative at zero of a function whose value there is `center`; `first` is the largest distance, `sizes` how large the
-/// derivatives may be taken to be.
+/// derivatives may be taken to be, `noise` the round-off of values.
 ///
 /// # Errors
 /// Why the function has no values on either side.
@@ -95,8 +106,9 @@ pub(super) fn derivative(
     of: &mut dyn FnMut(f64) -> Result<Vec<f64>, String>,
     center: &[f64],
     first: f64,
-    sizes: &[f64],
+    (sizes, noise): (&[f64], &[f64]),
 ) -> Result<Derivative, String> {
+    let floors: Vec<f64> = noise.iter().map(|noise| FLOOR * noise / first).collect();
     let mut reason = None;
     let mut central = Tableau::new(SHRINK * SHRINK, center.len());
     let mut sides = [1.0, -1.0].map(|side| (side, Tableau::new(SHRINK, center.len())));
@@ -108,7 +120,7 @@ pub(super) fn derivative(
             central.push(both().map(|(after, before)| (after - before) / (2.0 * h)).collect());
             let bends = both().zip(center).map(|((after, before), y)| (after - 2.0 * y + before).abs() / h);
             central.bend(bends.collect(), sizes);
-            if level > 0 && central.is_fine(sizes) {
+            if level > 0 && central.is_fine(sizes, &floors) {
                 break;
             }
             continue;
@@ -118,7 +130,7 @@ pub(super) fn derivative(
                 Ok(y) => tableau.push(y.iter().zip(center).map(|(y, center)| (y - center) / (*side * h)).collect()),
                 Err(why) => reason = Some(why),
             }
-            if tableau.row.len() > 1 && tableau.is_fine(sizes) {
+            if tableau.row.len() > 1 && tableau.is_fine(sizes, &floors) {
                 return Ok(sides.into_iter().map(|(_, tableau)| tableau.best).find(is_known).unwrap_or(central.best));
             }
         }
@@ -138,7 +150,7 @@ mod tests {
 
     fn of(y: impl Fn(f64) -> Option<f64>) -> Result<Derivative, String> {
         let center = [y(0.0).expect("a value")];
-        derivative(&mut |h| y(h).map(|y| vec![y]).ok_or_else(|| "no".to_owned()), &center, 0.5, &[1.0])
+        derivative(&mut |h| y(h).map(|y| vec![y]).ok_or_else(|| "no".to_owned()), &center, 0.5, (&[1.0], &[1e-16]))
     }
 
     #[test]

@@ -10,8 +10,9 @@
 //! the transfer equations where that covers the scene; nothing but the equilibrium is solved for. Derivatives by a number
 //! are extrapolated differences at given positions (see `extrapolate`), so that every kind of number and of output counts:
 //! multipliers, reactions and what stops bear follow from the place. Along the curve of (2) forces stay balanced to first order, and
-//! that is checked: it proves (1).
+//! that is checked: it proves (1). Where there are more numbers than motions they are taken from the other end (see `adjoint`).
 
+mod adjoint;
 mod extrapolate;
 
 use super::certify::bearing::{self, Set};
@@ -26,6 +27,7 @@ use crate::model::parameter::{Field, Quantity};
 use crate::model::problem::Element;
 use crate::model::{Model, Parameter};
 use crate::suggest::closest;
+use adjoint::Adjoint;
 use extrapolate::{Derivative, derivative};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -170,11 +172,14 @@ pub fn sensitivities(
     let set = borne(model, found);
     let mut study = Study::new(description, model, found, (&rows, &mut outputs), set)?;
     let mut columns: Vec<Vec<Option<f64>>> = Vec::new();
+    let is_symmetric = model.is_conservative() && found.velocity.iter().all(|v| *v == 0.0);
+    let adjoint = if is_symmetric { Adjoint::of(&mut study, parameters.len(), go_on) } else { None };
     for (one, number) in parameters.iter().zip(&numbers) {
         if !go_on() {
             return Err(SensitivityError::Interrupted);
         }
-        columns.push(study.by(one, number));
+        let column = adjoint.as_ref().and_then(|adjoint| adjoint.by(&mut study, one, number.value));
+        columns.push(column.unwrap_or_else(|| study.by(one, number)));
     }
     let derivatives = (0..rows.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
     let notes = study.notes;
@@ -261,6 +266,8 @@ struct Study<'a> {
     units: Vec<f64>,
     /// How large the forces are that cancel.
     forces: Vec<f64>,
+    /// Round-off of `center`.
+    noise: Vec<f64>,
     /// The free coordinates over one radian or the scene's length.
     levers: Vec<f64>,
     /// Shift of a stiffness that has zero-stiffness directions.
@@ -301,6 +308,7 @@ impl<'a> Study<'a> {
             center: Vec::new(),
             units: Vec::new(),
             forces: place.scales.force,
+            noise: place.scales.noise,
             levers,
             neutral: stability.is_some_and(|stability| stability.neutral_directions > 0),
             names: outputs.iter().map(|output| output.name.clone()).collect(),
@@ -318,6 +326,7 @@ impl<'a> Study<'a> {
             let quantity = Quantity::of_unit(&output.unit).unwrap_or(Quantity::Plain);
             study.units.push(unit(quantity, *value, model, largest).max(value.abs()));
         }
+        study.noise = study.units.iter().map(|unit| f64::EPSILON * unit).chain(study.noise).collect();
         if study.neutral {
             study.notes.push("along zero-stiffness directions the equilibrium is taken to stay where it is".to_owned());
         }
@@ -373,13 +382,16 @@ impl<'a> Study<'a> {
         let (q, moving) = (self.q, &mut self.moving);
         let center = moving.felt(q, value)?;
         let sizes: Vec<f64> = self.forces.iter().chain(&self.levers).map(|size| SMALL * size / unit).collect();
+        let of_levers = self.levers.iter().map(|lever| f64::EPSILON * lever);
+        let noise: Vec<f64> = self.noise[self.rows.len()..].iter().copied().chain(of_levers).collect();
         let Derivative { value: mut change, error, kinks } =
-            derivative(&mut |h| moving.felt(q, value + h), &center, FIRST * unit, &sizes)?;
+            derivative(&mut |h| moving.felt(q, value + h), &center, FIRST * unit, (&sizes, &noise))?;
         if kinks.contains(&true) {
             return Err(KINK.to_owned());
         }
-        let most = change.iter().zip(&sizes).map(|(x, size)| x.abs().max(*size));
-        if most.zip(&error).any(|(size, error)| *error > KNOWN * size) {
+        // What closing the loops moves, (2) closes again: a part of a radian or of the scene's length is exact enough.
+        let part = |i: usize| if i < count { 1.0 } else { 1.0 / SMALL };
+        if (0..sizes.len()).any(|i| error[i] > KNOWN * change[i].abs().max(part(i) * sizes[i])) {
             return Err("the forces do not change smoothly with it".to_owned());
         }
         let moves = change.split_off(count);
@@ -404,7 +416,8 @@ impl<'a> Study<'a> {
         let first = (FIRST * unit).min(FARTHEST / fastest.max(f64::MIN_POSITIVE));
         let sizes: Vec<f64> = self.units.iter().chain(&self.forces).map(|size| SMALL * size / unit).collect();
         let center = self.center.clone();
-        let found = derivative(&mut |h| self.along(slope, value, h), &center, first, &sizes)?;
+        let noise = self.noise.clone();
+        let found = derivative(&mut |h| self.along(slope, value, h), &center, first, (&sizes, &noise))?;
         let count = self.rows.len();
         let most = change.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let unproved = |i: usize| {
@@ -423,7 +436,9 @@ impl<'a> Study<'a> {
         let mut column = Vec::with_capacity(count);
         for row in 0..count {
             let (x, error) = (found.value[row], found.error[row]);
-            let why = match (found.kinks[row], error <= KNOWN * x.abs().max(sizes[row])) {
+            // Within its error of zero, and that far below all that counts.
+            let zero = x.abs() <= (ZERO * self.units[row] / unit).max(error) && error <= KNOWN * self.units[row] / unit;
+            let why = match (found.kinks[row], zero || error <= KNOWN * x.abs().max(sizes[row])) {
                 (false, true) => None,
                 (true, _) => Some("it has a kink here"),
                 (false, false) => Some("differences do not settle"),
@@ -431,7 +446,6 @@ impl<'a> Study<'a> {
             if let Some(why) = why {
                 self.notes.push(format!("no derivative of `{}` by `{}`: {why}", self.names[row], one.address));
             }
-            let zero = x.abs() <= ZERO * self.units[row] / unit;
             column.push(why.is_none().then_some(if zero { 0.0 } else { x }));
         }
         Ok(column)

@@ -7,6 +7,7 @@ use super::super::settings::{Settings, Want};
 use super::{Standing, Unanswered};
 use crate::contact::support::Verdict;
 use crate::model::description::{Attachment, ForceDescription, Point};
+use crate::model::problem::in_one_line;
 use crate::model::{Description, Model};
 use crate::motion::Motion;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ pub(super) fn certificate(
 ) -> Result<Equilibrium, Unanswered> {
     let loaded = loaded(description, model, pose, standing);
     let (_, assembled) = Assembled::of(model.clone()).map_err(Unanswered::Open)?;
-    let built = Model::build(&loaded).map_err(|problems| Unanswered::Open(format!("{problems:?}")))?;
+    let built = Model::build(&loaded).map_err(|problems| Unanswered::Open(in_one_line(&problems)))?;
     let built = assembled.apply(built, &mut pose.to_vec()).map_err(Unanswered::Open)?.starting_at(pose);
     // What sticks holds its coordinate, as a lock does.
     let mut held = Arc::unwrap_or_clone(built);

@@ -4,6 +4,7 @@ use super::closed::Scene;
 use super::supports::{Bearers, load};
 use super::{Margin, Settings, Unanswered};
 use crate::model::parameter::Field;
+use crate::model::problem::in_one_line;
 use crate::model::{Description, Model, Parameter, Problem};
 use crate::statics::problem::assembled::Assembled;
 use nalgebra::Vector3;
@@ -80,13 +81,9 @@ fn direction(
     let mut moved = description.clone();
     let fixed = |why: String| Unanswered::Fixed { address: parameter.address.clone(), why };
     parameter.set(&mut moved, value + step).map_err(fixed)?;
-    let model = Model::build(&moved).map_err(|found| fixed(problems(found)))?;
+    let model = Model::build(&moved).map_err(|found| fixed(in_one_line(&found)))?;
     let changed = load(&model, pose)?;
     Ok(changed.iter().zip(&bearers.load).map(|(changed, load)| (changed - load) / step).collect())
-}
-
-fn problems(problems: Vec<Problem>) -> String {
-    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// A horizontal load of `t` times the weight on everything, in the four directions of the inertial axes across gravity.
@@ -126,7 +123,7 @@ pub(super) fn clamped(
 ) -> Result<Option<(Description, Arc<Model>)>, Unanswered> {
     let (_, assembled) = Assembled::of(model.clone()).map_err(Unanswered::Open)?;
     let at = |changed: &Description| -> Result<Arc<Model>, Unanswered> {
-        let fixed = |found| Unanswered::Open(problems(found));
+        let fixed = |found: Vec<Problem>| Unanswered::Open(in_one_line(&found));
         let built = Model::build(changed).map_err(fixed)?;
         Ok(assembled.apply(built, &mut pose.to_vec()).map_err(Unanswered::Open)?.starting_at(pose))
     };

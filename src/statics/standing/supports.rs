@@ -4,7 +4,7 @@ use super::closed::Scene;
 use crate::contact::frame::column_of;
 use crate::contact::support::{Cone, Supports};
 use crate::dynamics::{Fault, System};
-use crate::model::{Model, StopLaw};
+use crate::model::Model;
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -68,7 +68,7 @@ impl Bearers {
             let columns = (velocity..velocity + count).map(|i| vec![(i, 1.0)]).collect();
             bearers.add(Bears::Friction { velocity }, cone, units[velocity], columns);
         }
-        for stop in model.stops.iter().filter(|stop| matches!(stop.law, StopLaw::Rigid { .. })) {
+        for stop in model.stops.iter().filter(|stop| stop.is_rigid()) {
             let (at, near) = (pose[stop.position], TOUCHES * if units[stop.velocity] == 1.0 { length } else { 1.0 });
             for (limit, sign) in [(stop.range[0], 1.0), (stop.range[1], -1.0)] {
                 if (at - limit).abs() <= near {
@@ -137,9 +137,7 @@ pub(super) fn load(model: &Arc<Model>, pose: &[f64]) -> Result<Vec<f64>, Fault> 
     let (mut system, mut residual) = (System::new(model), rest.clone());
     system.at(0.0, pose, &rest).residual(&rest, &mut residual)?;
     for stop in &model.stops {
-        let StopLaw::Compliant { stiffness, .. } = stop.law else { continue };
-        let at = pose[stop.position];
-        residual[stop.velocity] += stiffness * ((at - stop.range[1]).max(0.0) - (stop.range[0] - at).max(0.0));
+        residual[stop.velocity] += stop.pressed(pose).map_or(0.0, |[stiffness, depth]| stiffness * depth);
     }
     residual.iter_mut().for_each(|residual| *residual = -*residual);
     Ok(residual)

@@ -199,7 +199,7 @@ fn section_forces_are_what_is_beyond() {
     let (rest, mut left) = (vec![0.0; n], vec![0.0; n]);
     let beams = system.at(0.0, &found.position, &rest).residual(&rest, &mut left).expect("finite").beams();
     let beam = &beams[0];
-    assert!(beam.discretization_error < 0.02, "{}", beam.discretization_error);
+    assert!(beam.error.forces < 0.02, "{}", beam.error.forces);
     for section in &beam.sections {
         let force = section.forces.fixed_rows::<3>(0).norm();
         assert!((force - 50.0 * (1.0 - section.s)).abs() < 1e-11, "{force} at {}", section.s);

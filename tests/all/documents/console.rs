@@ -71,7 +71,7 @@ fn callable(words: &[String]) -> bool {
 fn of_dataset(words: &[String]) -> bool {
     let command = words.get(1).map_or("", String::as_str);
     let folder = words.windows(2).any(|pair| pair[0] == "--out" && !pair[1].contains('.'));
-    command == "study" || command == "sweep" && folder
+    command == "study" && !words.contains(&"--fit".to_owned()) || command == "sweep" && folder
 }
 
 /// Too long for a build that is not optimised.

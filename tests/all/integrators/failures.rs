@@ -167,7 +167,7 @@ fn settings_out_of_range_are_named() {
         let message = stepper.step(&mut problem).expect_err("time stands still").to_string();
         assert_eq!(
             message,
-            "the step is 0.0000000000000001, allowed is long enough to be told from the rounding of time"
+            "the step is 0.0000000000000001, allowed is long enough to differ from the rounding of time"
         );
     }
     let backwards = Start { end: -1.0, ..START };

@@ -142,7 +142,7 @@ fn rows_that_become_independent_end_a_run() {
     let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
     let said = simulate::run(&model, &settings, 10.0, &start, &mut memory, &mut |_, _| true).expect_err("an end");
     let said = said.to_string();
-    for part in ["loop `coupler-rocker`", "followed from others at the start", "given with few digits"] {
+    for part in ["loop `coupler-rocker`", "depended on others at the start", "given with few digits"] {
         assert!(said.contains(part), "no `{part}` in: {said}");
     }
 }

@@ -63,6 +63,7 @@ impl Motion {
                 rod,
             ],
             lines: vec![line("left spring", 1.0, [-0.2, 0.0, 0.15]), line("right spring", 2.0, [0.2, 0.0, 0.15])],
+            beams: Vec::new(),
             loads: vec![load("wind", false), load("thrust", true)],
             positions: channels(&[("upper", "angle", "rad"), ("lower", "angle", "rad")])
                 .chain(channels(&[("box", "x", "m"), ("box", "y", "m"), ("box", "z", "m")]))

@@ -1,7 +1,7 @@
 //! One column of a study: histogram, course over the input that matters most, and a tornado of the coefficients.
 
-use super::super::frame::{self, Area};
-use super::super::palette::{BLUE, Theme, VERMILION, range, tick};
+use super::super::super::frame::{self, Area};
+use super::super::super::palette::{BLUE, Theme, VERMILION, range, tick};
 use super::{MOST_INPUTS, Output, Study};
 use plotters::prelude::*;
 

@@ -1,0 +1,74 @@
+//! A beam: one mesh whose corners each move with a cross section.
+
+use super::bytes::Purpose;
+use super::{Writer, linear, material, number_of};
+use crate::record::drawing::shades::shade;
+use crate::record::drawing::sweep::Sweep;
+use crate::record::drawing::{Drawing, Part, Placement};
+use serde_json::{Map, json};
+
+impl Writer<'_> {
+    /// The most that each cross section bears in all frames, in the order of their poses; empty if that is not known.
+    pub(super) fn most(&self) -> Vec<f64> {
+        let mut most: Vec<f64> = Vec::new();
+        for loads in self.clips.iter().flat_map(|clip| &clip.loads) {
+            most.resize(most.len().max(loads.len()), 0.0);
+            most.iter_mut().zip(loads).for_each(|(most, load)| *most = most.max(*load));
+        }
+        most
+    }
+
+    /// The skin of a beam; nothing if its cross sections are not among the poses. `most` has what all cross sections bear, `tints` the
+    /// colours of the still drawing, for a file without frames.
+    pub(super) fn beam(&mut self, drawing: &Drawing, part: &Part, sweep: &Sweep, tints: &[[f64; 3]], most: &[f64]) {
+        let Some(still) = sweep.poses(self.still) else { return };
+        let largest = most.iter().copied().fold(0.0, f64::max);
+        let before = drawing.rings_before(sweep);
+        let colors: Vec<[f64; 3]> = match most.get(before..before + sweep.rings()) {
+            Some(own) if largest > 0.0 => own.iter().map(|load| shade(load / largest)).collect(),
+            _ => tints.to_vec(),
+        };
+        let first = self.nodes.len();
+        for ring in 0..sweep.rings() {
+            let index = sweep.first + ring;
+            self.moving(&format!("{} section {ring}", part.name), None, |poses| Placement {
+                pose: poses.get(index).copied().unwrap_or_default(),
+                scale: [1.0; 3],
+            });
+        }
+        let joints: Vec<usize> = (first..first + sweep.rings()).collect();
+        let inverse = still.iter().flat_map(|pose| pose.inverse().to_homogeneous().cast::<f32>().as_slice().to_vec());
+        let inverse = self.bytes.matrices(&inverse.collect::<Vec<_>>());
+        let triangles = sweep.triangles(self.still);
+        let ring = |corner: usize| sweep.ring_of(corner);
+        let corners = 0..triangles.positions.len();
+        let bones: Vec<u16> = corners.clone().flat_map(|corner| [ring(corner) as u16, 0, 0, 0]).collect();
+        let weights: Vec<f32> = corners.clone().flat_map(|_| [1.0, 0.0, 0.0, 0.0]).collect();
+        let mut attributes = json!({
+            "POSITION": self.bytes.floats(Purpose::Vertices, triangles.positions.as_flattened(), 3, true),
+            "NORMAL": self.bytes.floats(Purpose::Vertices, triangles.normals.as_flattened(), 3, false),
+            "JOINTS_0": self.bytes.bones(&bones),
+            "WEIGHTS_0": self.bytes.floats(Purpose::Weights, &weights, 4, false),
+        });
+        let mut part = part.clone();
+        if colors.len() == sweep.rings() {
+            let tint = |corner: usize| colors[ring(corner)].map(|part| linear(part) as f32);
+            let tints: Vec<f32> = corners.flat_map(tint).collect();
+            attributes["COLOR_0"] = self.bytes.floats(Purpose::Vertices, &tints, 3, false).into();
+            // The colours of the corners are multiplied with that of the material.
+            part.color = [1.0; 4];
+        }
+        let indices = self.bytes.corners(triangles.corners.as_flattened());
+        let material = number_of(&mut self.materials, &mut self.numbers, material(&part));
+        let mesh = json!({ "primitives": [{ "attributes": attributes, "indices": indices, "material": material }] });
+        let mesh = number_of(&mut self.meshes, &mut self.numbers, mesh);
+        self.skins.push(json!({ "joints": joints, "inverseBindMatrices": inverse }));
+        // A root of its own: what is above a skin does not move it, its joints do.
+        let mut node = Map::new();
+        node.insert("name".into(), json!(part.name));
+        node.insert("mesh".into(), json!(mesh));
+        node.insert("skin".into(), json!(self.skins.len() - 1));
+        self.nodes.push(node);
+        self.roots.push(self.nodes.len() - 1);
+    }
+}

@@ -1,0 +1,79 @@
+//! Contact beside compliant stops that push already when a run starts: what contact does is decided with what stops push.
+
+use crate::contact_in_motion::{exact, kinds};
+
+const G: f64 = 9.80665;
+/// A hundred times what a step may be wrong by, 10⁻¹¹ of the scene's length, which is below 1 m.
+const TOLERANCE: f64 = 1e-9;
+const FLOOR: &str = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n\
+                     [[contact]]\nbetween = [\"floor\", \"box\"]\n";
+
+/// A box of mass m on the floor, guided upwards, whose stop pushes with k p > m g from the start: it leaves the floor at once and
+/// moves as m z̈ = k (l − z) − m g, so that z = z₀ + (l − m g / k) (1 − cos ωt) with ω² = k / m.
+#[test]
+fn a_stop_lifts_what_stands_on_the_floor() {
+    let (mass, stiffness, low) = (2.0, 800.0, 0.05);
+    let text = format!(
+        "{FLOOR}friction = 0.4\n[[body]]\nname = \"box\"\nmass = {mass:?}\ninertia = [0.01, 0.01, 0.01]\nshape = {{ box = [0.2, \
+         0.2, 0.2] }}\nhinge = {{ type = \"prismatic\", at = [0, 0, 0.1], axis = [0, 0, 1], limits = {{ low = {low:?}, stiffness = \
+         {stiffness:?} }} }}\n"
+    );
+    let (rise, omega) = (low - mass * G / stiffness, (stiffness / mass).sqrt());
+    // The stop lets go at z = l, where cos ωt = 1 − l / (l − m g / k) < 0: not before ωt = π / 2.
+    for angle in [0.01, 0.3, 1.5] {
+        let summary = exact(&text, angle / omega);
+        let expected = rise * (1.0 - f64::cos(angle));
+        assert!((summary.state.position[0] - expected).abs() < TOLERANCE, "{angle}: {:?} {expected}", summary.state);
+        assert_eq!(kinds(&summary), [""; 0], "{:?}", summary.events);
+    }
+}
+
+/// A box on a cart that slides up and down stands on the floor with both their weight and is pushed along it with k p > μ N: it slides
+/// from the start, m ẍ = k (l − x) − μ N.
+#[test]
+fn a_stop_pushes_what_would_stick() {
+    let (cart, mass, stiffness, low, friction) = (0.5, 2.0, 800.0, 0.05, 0.3);
+    let text = format!(
+        "{FLOOR}friction = {friction:?}\n[[body]]\nname = \"cart\"\nmass = {cart:?}\ninertia = [0.01, 0.01, 0.01]\nhinge = {{ type = \
+         \"prismatic\", at = [0, 0, 0.1], axis = [0, 0, 1] }}\n[[body]]\nname = \"box\"\nmass = {mass:?}\ninertia = [0.01, 0.01, \
+         0.01]\nshape = {{ box = [0.2, 0.2, 0.2] }}\nhinge = {{ type = \"prismatic\", parent = \"cart\", axis = [1, 0, 0], limits = \
+         {{ low = {low:?}, stiffness = {stiffness:?} }} }}\n"
+    );
+    let (rubs, omega) = (friction * (cart + mass) * G, (stiffness / mass).sqrt());
+    let push = low - rubs / stiffness;
+    for angle in [0.01, 0.3, 1.5] {
+        let summary = exact(&text, angle / omega);
+        let expected = push * (1.0 - f64::cos(angle));
+        assert!((summary.state.position[1] - expected).abs() < TOLERANCE, "{angle}: {:?} {expected}", summary.state);
+        assert_eq!(kinds(&summary), [""; 0], "{:?}", summary.events);
+    }
+}
+
+/// A heavy cart comes down on the floor with a light box that runs into a damped stop. The impact's friction, at most μ (M + m) u, stops
+/// the box, whose momentum is far less; what the stop pushes then, k p < μ (M + m) g, does not move it. The damper's force of before,
+/// c |v| > μ (M + m) g, would. Until then m ẍ + c ẋ + k (x − l) = 0.
+#[test]
+fn what_an_impact_stops_does_not_slip_by_the_damper_of_before() {
+    let (cart, mass, stiffness, damping, low, friction, height) = (10.0, 0.1, 50.0, 40.0, 0.05, 0.3, 1e-4);
+    let text = format!(
+        "{FLOOR}friction = {friction:?}\n[[body]]\nname = \"cart\"\nmass = {cart:?}\ninertia = [0.01, 0.01, 0.01]\nhinge = {{ type = \
+         \"prismatic\", at = [0, 0, 0.1], axis = [0, 0, 1], position = {height:?}, velocity = -1.0 }}\n[[body]]\nname = \
+         \"box\"\nmass = {mass:?}\ninertia = [0.01, 0.01, 0.01]\nshape = {{ box = [0.2, 0.2, 0.2] }}\nhinge = {{ type = \
+         \"prismatic\", parent = \"cart\", axis = [1, 0, 0], velocity = -1.0, limits = {{ low = {low:?}, stiffness = \
+         {stiffness:?}, damping = {damping:?} }} }}\n"
+    );
+    let summary = exact(&text, 0.01);
+    let time = (f64::sqrt(1.0 + 2.0 * G * height) - 1.0) / G;
+    // x = l + a e^{rt} + b e^{st} from x = 0 and ẋ = −1.
+    let root = f64::sqrt(damping * damping - 4.0 * stiffness * mass);
+    let [r, s] = [1.0, -1.0].map(|sign| (sign * root - damping) / (2.0 * mass));
+    let a = (-1.0 + s * low) / (r - s);
+    let b = -low - a;
+    let speed: f64 = a * r * f64::exp(r * time) + b * s * f64::exp(s * time);
+    let bound: f64 = friction * (cart + mass) * G;
+    assert!(stiffness * 2.0 * low < bound && damping * speed.abs() > bound && speed.abs() * mass < bound / G);
+    assert_eq!(kinds(&summary), ["strikes"], "{:?}", summary.events);
+    let expected = low + a * f64::exp(r * time) + b * f64::exp(s * time);
+    assert!((summary.state.position[1] - expected).abs() < TOLERANCE, "{:?} {expected}", summary.state);
+    assert_eq!(summary.state.velocity, [0.0; 2]);
+}
