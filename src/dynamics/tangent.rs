@@ -351,30 +351,39 @@ impl Evaluated<'_> {
         blocks: &mut [Applied],
     ) {
         blocks.fill(Applied::default());
-        for block in 0..if rated { 4 } else { 2 } {
-            for axis in 0..3 {
-                unit[link] = unit_variation(block, axis, &self.system.motion.links[link]);
-                self.vary_element(index, unit, &mut |end, wrench| {
-                    if let Some(place) = element.places[end] {
-                        let Column { force, moment } = &mut blocks[place][block];
-                        force.column_mut(axis).add_assign(&wrench.force);
-                        moment.column_mut(axis).add_assign(&wrench.moment);
-                    }
-                });
+        let count = if rated { 12 } else { 6 };
+        let at = &self.system.motion.links[link];
+        let variations: [LinkVariation; 12] =
+            std::array::from_fn(
+                |i| if i < count { unit_variation(i / 3, i % 3, at) } else { LinkVariation::default() },
+            );
+        self.vary_element(index, unit, (link, &variations[..count]), &mut |variation, end, wrench| {
+            if let Some(place) = element.places[end] {
+                let (Column { force, moment }, axis) = (&mut blocks[place][variation / 3], variation % 3);
+                force.column_mut(axis).add_assign(&wrench.force);
+                moment.column_mut(axis).add_assign(&wrench.moment);
             }
-        }
-        unit[link] = LinkVariation::default();
+        });
     }
 
-    /// The variation of the wrenches of an element, by its index among the forces and then the loops.
-    fn vary_element(&self, index: usize, by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        match self.system.laws.forces.get(index) {
-            Some(force) => force.law.vary(&self.system.motion.links, by, give),
-            None => {
-                let wrenches = self.system.vary_loop(index - self.system.model.forces.len(), by);
-                wrenches.into_iter().enumerate().for_each(|(end, wrench)| give(end, wrench));
-            }
+    /// The variation of the wrenches of an element, by its index among the forces and then the loops, with each of some variations
+    /// of one link.
+    fn vary_element(
+        &self,
+        index: usize,
+        by: &mut [LinkVariation],
+        (link, variations): (usize, &[LinkVariation]),
+        give: &mut impl FnMut(usize, usize, Wrench),
+    ) {
+        if let Some(force) = self.system.laws.forces.get(index) {
+            return force.law.vary_each(&self.system.motion.links, by, (link, variations), give);
         }
+        for (variation, varied) in variations.iter().enumerate() {
+            by[link] = *varied;
+            let wrenches = self.system.vary_loop(index - self.system.model.forces.len(), by);
+            wrenches.into_iter().enumerate().for_each(|(end, wrench)| give(variation, end, wrench));
+        }
+        by[link] = LinkVariation::default();
     }
 }
 

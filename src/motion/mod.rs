@@ -13,6 +13,7 @@ use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::rotation::rotation_vector;
 use crate::spatial::{Pose, Wrench};
 use angles::Angles;
+pub(crate) use angles::sine_and_cosine;
 pub(crate) use at_once::at_once;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::ops::Range;

@@ -43,6 +43,7 @@ pub use entry::{run, run_controlled, scene};
 pub use error::RunError;
 pub use resting::check;
 pub use run::Summary;
+pub use run::together::{covers as runs_together, run_together};
 pub use settings::{Grid, Integrator, Resume, Settings, Start};
 pub use staged::at_stage;
 pub use state::State;

@@ -38,6 +38,7 @@ pub mod balance;
 pub mod element;
 pub mod flexible;
 pub mod jacobian;
+pub mod lanes;
 pub mod mass;
 pub mod plain;
 mod plan;

@@ -6,6 +6,7 @@ mod part;
 mod refine;
 mod way;
 
+pub(super) use refine::SOFT;
 pub use way::parts;
 
 use super::flexible::{ModalPivot, RodPivot};
@@ -24,15 +25,15 @@ use std::ops::Range;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
 /// last place of the sums it is the difference of.
-const SINGULAR: f64 = 4.0 * f64::EPSILON;
+pub(super) const SINGULAR: f64 = 4.0 * f64::EPSILON;
 
 /// The pivot of a turn or screw below this part of it, and its square below this part of the square of `S H`, lost a digit or more.
 /// Where such pivots follow each other hardly any may be left: accelerations with one are looked at, and refined where
 /// that is so.
-const LOST: f64 = 1.0 / 16.0;
+pub(super) const LOST: f64 = 1.0 / 16.0;
 
 /// A pivot of a ball below this part of it has lost digits: its three axes are eliminated at once, and a dozen units in the last place over this are 10⁻¹⁰.
-const LOST_BY_BALL: f64 = 1e-5;
+pub(super) const LOST_BY_BALL: f64 = 1e-5;
 
 /// The factorized tree: hinge pivots at one position.
 #[derive(Debug, Clone)]

@@ -140,6 +140,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "simulate",
             // `simulator` and `suggest` for fits: runs from one measured time to the next, names of columns.
             "simulator",
+            // `spatial` for how many cases go side by side.
+            "spatial",
             "statics",
             "suggest",
             "whole_file",

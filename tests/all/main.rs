@@ -20,6 +20,7 @@ mod cylinders;
 mod derivatives;
 mod diagnostics;
 mod documents;
+mod ensembles;
 mod events;
 mod examples;
 mod faults;

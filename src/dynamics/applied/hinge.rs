@@ -37,7 +37,7 @@ pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
     }
     for_springs(model, |link, coordinates| match link.joint.rest() {
         Some(rest) => {
-            let (torque, _) = torsion_spring(&from_rest(rest, q, link), stiffness(coordinates), Vector3::zeros());
+            let torque = torsion_spring(&from_rest(rest, q, link), stiffness(coordinates), Vector3::zeros()).0;
             for (i, t) in torque.iter().enumerate() {
                 tau[link.velocity + i] += t;
             }
@@ -81,6 +81,17 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
             None => out[at] -= coordinates[0].stiffness * dq[at],
         }
     });
+}
+
+/// What the spring of a ball pushes it with (N m), link axes; zero without a spring.
+pub fn ball_torque(model: &Model, link: &Link, q: &[f64]) -> Vector3<f64> {
+    let stiffness = stiffness(&model.coordinates[link.velocity..link.velocity + 3]);
+    match link.joint.rest() {
+        Some(rest) if stiffness != Vector3::zeros() => {
+            torsion_spring(&from_rest(rest, q, link), stiffness, Vector3::zeros()).0
+        }
+        _ => Vector3::zeros(),
+    }
 }
 
 /// `∂τ/∂(turn)` of a ball's spring, link axes; `None` without a spring.

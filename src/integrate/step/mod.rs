@@ -9,6 +9,7 @@ pub(crate) mod progress;
 pub(crate) mod rates;
 pub(crate) mod reach;
 pub(crate) mod stages;
+pub(crate) mod staged;
 pub(crate) mod start;
 pub(crate) mod statistics;
 pub(crate) mod stepper;

@@ -24,7 +24,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Accelerations are wrong by about a third of a unit in the last place over this part, and by no more than 10⁻¹¹ of
 /// themselves above it: what the links resist of their accelerations, of what those would be resisted if they were about any axis.
-const SOFT: f64 = 1e-5;
+pub(in crate::transfer) const SOFT: f64 = 1e-5;
 
 /// The rounds end when the next correction would be below this part of the accelerations, if it is as much smaller than this one as
 /// this one than the one before; also when one is no smaller than half the one before, which is round-off.
