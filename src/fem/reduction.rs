@@ -125,7 +125,8 @@ impl FiniteElements {
         let (stiffness, mass) = (self.stiffness.part(&place, inner.len()), self.mass.part(&place, inner.len()));
         let mut factors = Cholesky::new(stiffness.pattern());
         if !inner.is_empty() && !factors.llt(stiffness.pattern(), stiffness.values()) {
-            let message = "the stiffness with all interfaces held is not positive definite: something moves without resistance";
+            let message =
+                "the stiffness with all interfaces held is not positive definite: something moves without resistance";
             return Err(Flaw::new(message).help("export one piece without mechanisms and unused freedoms; elements of reduced integration (C3D20R) may have such motions"));
         }
         let mut columns = Vec::with_capacity(6 * self.interfaces.len() + modes);

@@ -35,7 +35,8 @@ fn a_bar_of_calculix_has_its_frequencies() {
 /// much and swinging about that.
 #[test]
 fn a_boom_sinks_slews_and_swings() {
-    let scenario = scenario::load(&repository("scenarios/modal/slewing_boom.toml")).unwrap_or_else(|found| panic!("{found}"));
+    let scenario =
+        scenario::load(&repository("scenarios/modal/slewing_boom.toml")).unwrap_or_else(|found| panic!("{found}"));
     let model = Model::build(&scenario.description).expect("a sound scene");
     let (model, _) = stillpoint::constraint::assemble(model).expect("a sound scene");
     let found = statics::equilibrium(&model, &scenario.statics, &model.start_position).expect("an equilibrium");
