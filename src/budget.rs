@@ -19,8 +19,8 @@ pub const XML_ENTITY_BYTES: usize = 1 << 20;
 /// The largest number of a scene, in SI units: the squares of larger ones overflow.
 pub const LARGEST: f64 = 1e154;
 
-/// Coordinates of a body in a recording, at most: those of an element of a beam, six strains of degree 2.
-pub const COORDINATES: usize = 18;
+/// Coordinates of a body in a recording, at most: those of a modal body.
+pub const COORDINATES: usize = 96;
 
 /// Bodies of a scenario with all copies, and of a recording.
 pub const BODIES: usize = 1_000_000;
@@ -37,6 +37,15 @@ pub const SUGGESTED_NAMES: usize = 20_000;
 
 /// Characters of the longest name for which a similar one is looked for.
 pub const SUGGESTED_LENGTH: usize = 100;
+
+/// Bytes of a file of finite elements, and of its arrays together.
+pub const FEM_BYTES: u64 = 512 << 20;
+
+/// Rows of the matrices of finite elements.
+pub const FEM_FREEDOMS: usize = 200_000;
+
+/// Entries of one matrix of finite elements in a list.
+pub const FEM_ENTRIES: usize = 20_000_000;
 
 /// Bytes of a mesh file, and of each buffer beside it.
 pub const MESH_BYTES: u64 = 256 << 20;

@@ -129,6 +129,7 @@ pub mod constraint;
 pub mod contact;
 pub mod dynamics;
 pub mod element;
+pub mod fem;
 #[cfg(feature = "fmu")]
 pub mod fmu;
 pub mod force;

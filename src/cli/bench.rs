@@ -1,13 +1,17 @@
 //! `bench`: what this scene's own routines cost.
 
+mod beside;
+
 use super::stopwatch::{Cost, time};
 use super::{Common, Exit, Memory, output, scene, text};
+use crate::dynamics::ensemble::WIDTH;
 use crate::dynamics::{AccelerationJacobians, Coefficients, Fault, System, TangentSolver};
 use crate::integrate::{Method, Options, Start};
 use crate::model::Model;
 use crate::simulate::problem::Motion;
 use crate::statics::{equilibrium, hold};
 use anyhow::Context;
+use beside::Beside;
 use clap::Args;
 use serde_json::json;
 use std::sync::Arc;
@@ -15,6 +19,9 @@ use std::sync::Arc;
 /// Above so many coordinates the dense Jacobians are left out: three of them would not fit into the caches, let alone
 /// be wanted.
 const MOST_DENSE: usize = 2000;
+
+/// Cases side by side.
+const LANES: f64 = WIDTH as f64;
 
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
@@ -39,6 +46,10 @@ enum Routine {
     TangentSolve,
     /// The stiffness at rest, factorized and solved once
     StaticStep,
+    /// Accelerations of as many cases as are computed side by side
+    LaneAcceleration,
+    /// A step of `rk4` of as many cases
+    LaneStep,
 }
 
 /// The routines with all they need.
@@ -47,6 +58,7 @@ struct Routines {
     /// None where too many force elements reach too far for the sweep.
     solver: Option<TangentSolver>,
     jacobians: Option<AccelerationJacobians>,
+    beside: Option<Box<Beside>>,
     rest: Vec<f64>,
     a: Vec<f64>,
     x: Vec<f64>,
@@ -58,6 +70,7 @@ impl Routines {
             system: System::new(model),
             solver: (!TangentSolver::is_for_dense(model)).then(|| TangentSolver::new(model)),
             jacobians: None,
+            beside: None,
             rest: vec![0.0; model.velocity_count()],
             a: model.start_velocity.clone(),
             x: model.start_velocity.clone(),
@@ -77,11 +90,20 @@ impl Routines {
                 true
             }
             Routine::TangentSolve | Routine::StaticStep => self.solver.is_some(),
+            Routine::LaneAcceleration | Routine::LaneStep => {
+                self.beside = self.beside.take().or_else(|| Beside::new(model));
+                self.beside.is_some()
+            }
         }
     }
 
     /// Calls a routine that [`Routines::prepare`] said the scene has.
     fn call(&mut self, routine: Routine) -> Result<bool, Fault> {
+        match (routine, &mut self.beside) {
+            (Routine::LaneAcceleration, Some(beside)) => return beside.accelerations().map(|()| true),
+            (Routine::LaneStep, Some(beside)) => return Ok(beside.step()),
+            _ => {}
+        }
         let model = &Arc::clone(self.system.model());
         let (q, v) = (&model.start_position, &model.start_velocity);
         // A step well within what happens in the scene, as an implicit method takes it.
@@ -116,6 +138,9 @@ struct Costs {
     jacobian: Option<Cost>,
     tangent_solve: Option<Cost>,
     static_step: Option<Cost>,
+    /// Of one of the cases side by side.
+    lane_acceleration: Option<Cost>,
+    lane_step: Option<Cost>,
     statics: Cost,
     /// Of a program that counts them.
     allocated: Option<Allocated>,
@@ -154,6 +179,9 @@ pub(super) fn main(arguments: &Arguments, memory: Option<fn() -> Memory>) -> any
             "jacobian_ns": cost(costs.jacobian),
             "tangent_solve_ns": cost(costs.tangent_solve),
             "static_step_ns": cost(costs.static_step),
+            "lanes": costs.lane_acceleration.zip(costs.lane_step).map(|(acceleration, step)| json!({
+                "width": WIDTH, "acceleration_ns": acceleration.json(), "rk4_step_ns": step.json(),
+            })),
             "statics_ms": costs.statics.min * 1e-6,
             "bodies": model.bodies.len(),
             "degrees_of_freedom": model.degrees_of_freedom(),
@@ -178,13 +206,16 @@ fn measure(
     let acceleration = time(|| routines.call(Routine::Acceleration));
     let [jacobian, tangent_solve, static_step] =
         [Routine::Jacobian, Routine::TangentSolve, Routine::StaticStep].map(|routine| routines.cost(routine));
+    let of_one = |Cost { min, median }: Cost| Cost { min: min / LANES, median: median / LANES };
+    let [lane_acceleration, lane_step] =
+        [Routine::LaneAcceleration, Routine::LaneStep].map(|routine| routines.cost(routine).map(of_one));
     let statics = match scenario.unknown.is_empty() {
         true => time(|| equilibrium(model, &scenario.statics, &model.start_position).map(drop)),
         false => {
             time(|| hold(&scenario.description, &scenario.unknown, &model.start_position, &scenario.statics).map(drop))
         }
     };
-    Ok(Costs { acceleration, jacobian, tangent_solve, static_step, statics, allocated })
+    Ok(Costs { acceleration, jacobian, tangent_solve, static_step, lane_acceleration, lane_step, statics, allocated })
 }
 
 fn allocated(model: &Arc<Model>, memory: fn() -> Memory) -> anyhow::Result<Allocated> {
@@ -226,6 +257,10 @@ fn report(costs: &Costs, bodies: usize) -> String {
     };
     let mut out = format!("  {:<22} {:>11}   {:>11}   {:>9}\n", "routine", "fastest", "median", "ns a body");
     out += &line("accelerations", Some(costs.acceleration));
+    if costs.lane_acceleration.is_some() {
+        out += &line(&format!("  {WIDTH} cases at once"), costs.lane_acceleration);
+        out += &line(&format!("  step of rk4, {WIDTH} cases"), costs.lane_step);
+    }
     out += &line("tangent, solved", costs.tangent_solve);
     out += &line("static step", costs.static_step);
     out += &line("jacobian, dense", costs.jacobian);

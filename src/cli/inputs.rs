@@ -28,7 +28,7 @@ impl Inputs {
         Self(all)
     }
 
-    /// The models and meshes of a scenario.
+    /// The models, meshes and files of finite elements of a scenario.
     pub(super) fn files(scenario: &Scenario) -> impl Iterator<Item = PathBuf> {
         let models = scenario.models.iter().flat_map(|model| &model.sources).map(|source| source.path.clone());
         let shapes = scenario.description.bodies.iter().flat_map(|body| &body.shapes);
@@ -36,7 +36,8 @@ impl Inputs {
             Geometry::Mesh { file, .. } => Some(file.clone()),
             _ => None,
         });
-        models.chain(meshes)
+        let finite = scenario.description.modals.iter().filter_map(|modal| modal.file.clone());
+        models.chain(meshes).chain(finite)
     }
 
     /// All of them.

@@ -3,8 +3,9 @@
 use super::{Common, Exit, conditioning, json, output, scene, text};
 use crate::constraint;
 use crate::dynamics::{Evaluated, System};
+use crate::element::modal::ModalMotion;
 use crate::element::{Rod, RodMotion};
-use crate::model::Model;
+use crate::model::{ModalBody, Model};
 use crate::simulate;
 use anyhow::{Context, anyhow};
 use clap::Args;
@@ -108,7 +109,10 @@ fn center_of_mass(model: &Model, at: &Evaluated<'_>) -> Vector3<f64> {
         let inner = rod.slices.iter().zip(&at.stations).skip(1).take(rod.steps() - 1);
         inner.map(|(slice, station)| slice.mass * station.link.position).sum::<Vector3<f64>>()
     };
-    let moment = moment + model.rods.iter().zip(&at.motion().rods).map(slices).sum::<Vector3<f64>>();
+    let modal =
+        |(body, here): (&ModalBody, &ModalMotion)| body.modal.mass * at.motion().links[body.link].position + here.first;
+    let modals = model.modals.iter().zip(&at.motion().modals).map(modal).sum::<Vector3<f64>>();
+    let moment = moment + modals + model.rods.iter().zip(&at.motion().rods).map(slices).sum::<Vector3<f64>>();
     moment / model.total_mass().max(f64::MIN_POSITIVE)
 }
 

@@ -1,7 +1,7 @@
 //! What commands print with `--json`: the keys of the contract, SI numbers in full precision.
 
-use super::beams;
 use super::output::bare;
+use super::{beams, modals};
 use crate::constraint::LoopReaction;
 use crate::dynamics::{BeamState, Fault, System};
 use crate::model::{Model, Output};
@@ -135,6 +135,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "damped_modes": stability.map_or(Vec::new(), |s| s.damped.iter().map(damped).collect::<Vec<_>>()),
         "reactions": reactions(model, &found.reactions),
         "beams": beams,
+        "modal": modals::json(model, &found.position, &found.poses),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": bare(name), "force": force })).collect::<Vec<_>>(),
         "stops": found.stops.iter().map(bearing).collect::<Vec<_>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
@@ -272,6 +273,7 @@ pub(super) fn run(scenario: &str, recording: &str, start: Value, summary: &Summa
             "bodies": poses(model, &summary.poses),
         },
         "beams": beams,
+        "modal": modals::json(model, position, &summary.poses),
         "notes": unknown.into_iter().collect::<Vec<_>>(),
         "outputs": outputs(model, &summary.outputs),
         "wall_seconds": summary.wall.as_secs_f64(),

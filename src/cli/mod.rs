@@ -18,6 +18,7 @@ mod inspect;
 mod json;
 mod linearize;
 mod man;
+mod modals;
 mod new;
 mod number;
 mod output;

@@ -57,12 +57,26 @@ pub(super) struct Arguments {
     /// Cases that are worked on at once; default: one per processor. The answers do not depend on it
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
+    /// Whether cases are computed side by side in the lanes of the processor's registers: whenever that pays, or never. The
+    /// answers are the same to round-off
+    #[arg(long, value_enum, value_name = "WHEN", default_value_t)]
+    lanes: Lanes,
     /// Write the rows there: a name ending in .csv is one file; any other a folder, a dataset of Parquet parts that are
     /// written as they are done
     #[arg(long, value_name = "FILE.csv|DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     dataset: DatasetOptions,
+}
+
+/// When cases are computed side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum Lanes {
+    /// Whenever it pays
+    #[default]
+    Auto,
+    /// Never
+    Off,
 }
 
 /// What else a dataset may be told.
@@ -117,7 +131,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     let inputs = Inputs::of_scenario(common, &scenario, arguments.correlate.as_deref());
     let plan = plan(arguments)?;
     let question = Question { run: arguments.run, time_limit: arguments.time_limit.unwrap_or(f64::INFINITY) };
-    let cases = match Cases::new(scenario, set, plan, question) {
+    let mut cases = match Cases::new(scenario, set, plan, question) {
         Ok(cases) => cases,
         // A name that is not there is no answer, it is a wrong call.
         Err(Refusal::Problems(problems)) => {
@@ -126,6 +140,9 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
         }
         Err(other) => return Err(other.into()),
     };
+    if arguments.lanes == Lanes::Off {
+        cases.go_alone();
+    }
     let sweep = Sweep { arguments, cases, interrupt: Interrupt::install()? };
     match &arguments.out {
         Some(folder) if !is_table(folder) => {
@@ -269,7 +286,8 @@ impl Sweep<'_> {
         let mut rows = rows.into_inner().unwrap_or_else(PoisonError::into_inner);
         let list = rows.finish().with_context(|| out.map_or(String::new(), failed))?;
         if let Some(list) = list {
-            let answer = json!({ "scenario": self.cases.scenario().name, "cases": list, "failed": rows.failed });
+            let (name, beside) = (&self.cases.scenario().name, self.cases.width());
+            let answer = json!({ "scenario": name, "cases": list, "failed": rows.failed, "side_by_side": beside });
             output::print(&answer.to_string())?;
         } else if !common.quiet {
             output::print(&rows.report(count))?;
@@ -316,14 +334,15 @@ impl Sweep<'_> {
         let cases = own().map(rows).sum();
         if common.json {
             let answer = json!({
-                "scenario": self.cases.scenario().name, "out": folder.display().to_string(), "hash": dataset.hash,
+                "scenario": self.cases.scenario().name, "out": folder.display().to_string(), "hash": dataset.hash, "side_by_side": self.cases.width(),
                 "cases": cases, "answered": count, "failed": failed, "shard": shard.index, "shards": shard.of,
             });
             output::print(&answer.to_string())?;
         } else if !common.quiet {
             let before = cases - count;
             let before = if before > 0 { format!(" ({before} of them were there already)") } else { String::new() };
-            output::print(&format!("{}: {}{before}", folder.display(), rows::counted(cases, failed)))?;
+            let beside = rows::side_by_side(&self.cases);
+            output::print(&format!("{}: {}{before}{beside}", folder.display(), rows::counted(cases, failed)))?;
         }
         Ok(if failed == 0 { Exit::Done } else { Exit::No })
     }

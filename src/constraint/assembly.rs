@@ -194,7 +194,7 @@ struct Local {
 /// The rows as placed last, each with those that it shares hinges with: loops that stand by themselves are solved by
 /// themselves. What agrees already is left out.
 fn locals(model: &Model, closing: &mut Closing, rates: &DVector<f64>) -> Vec<Local> {
-    let inner: Vec<Vec<usize>> = closing.rows.elements.iter().map(between_ends).collect();
+    let inner: Vec<Vec<usize>> = closing.rows.elements.iter().map(|element| between_ends(model, element)).collect();
     let of_element = sharing(&inner, model.links.len());
     let unknowns = closing.rows.plan.groups.iter();
     let unknowns = unknowns.flat_map(|group| group.rows.iter().map(|_| of_element[group.element]));
@@ -239,7 +239,7 @@ fn locals(model: &Model, closing: &mut Closing, rates: &DVector<f64>) -> Vec<Loc
 fn yielding(model: &Model, rows: &Constraints, given: &[f64]) -> Vec<bool> {
     let mut yielding = vec![false; given.len()];
     for element in &rows.elements {
-        for link in between_ends(element) {
+        for link in between_ends(model, element) {
             let link = &model.links[link];
             for i in link.velocity..link.velocity + link.joint.counts().1 {
                 yielding[i] |= given[i] == 0.0;
@@ -316,7 +316,7 @@ fn locked(model: &Model, rows: &Constraints, independent: &[bool], notes: &mut V
     let is = |e: usize, of: fn(&Owner) -> bool| of(&elements[e].owner);
     let is_drive = |e: usize| is(e, |owner| matches!(owner, Owner::Drive(_)));
     let inner: Vec<Vec<usize>> =
-        (0..elements.len()).map(|e| if is_drive(e) { Vec::new() } else { between_ends(&elements[e]) }).collect();
+        (0..elements.len()).map(|e| if is_drive(e) { Vec::new() } else { between_ends(model, &elements[e]) }).collect();
     let mut problems = Vec::new();
     for members in members(&sharing(&inner, model.links.len())) {
         let members: Vec<usize> = members.into_iter().filter(|e| !is_drive(*e)).collect();

@@ -111,7 +111,7 @@ impl Closing {
         model.lengths().for_each(|velocity| units[velocity] = length);
         let mut longest = vec![f64::INFINITY; n];
         let loops = rows.elements.iter().filter(|element| matches!(element.owner, Owner::Loop(_)));
-        for link in loops.flat_map(between_ends).map(|link| &model.links[link]) {
+        for link in loops.flat_map(|element| between_ends(model, element)).map(|link| &model.links[link]) {
             for i in link.velocity..link.velocity + link.joint.counts().1 {
                 longest[i] = LONGEST_STEP * units[i];
             }

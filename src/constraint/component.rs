@@ -34,9 +34,20 @@ impl Lengths {
 }
 
 /// The links whose coordinates move the ends of an element against each other.
-pub(super) fn between_ends(element: &Element) -> Vec<usize> {
+pub(super) fn between_ends(model: &Model, element: &Element) -> Vec<usize> {
     let named = element.named.iter().copied().filter(|link| *link != 0);
-    element.branches.iter().flatten().copied().chain(named).collect()
+    let mut links: Vec<usize> = element.branches.iter().flatten().copied().chain(named).collect();
+    if model.modals.is_empty() {
+        return links;
+    }
+    // The coordinates that move an interface are those of the frame that carries it.
+    let is_interface = |link: &&usize| model.links[**link].joint.interface().is_some();
+    let mut frames: Vec<usize> = links.iter().filter(is_interface).map(|link| model.links[*link].parent).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    frames.retain(|frame| !links.contains(frame));
+    links.extend(frames);
+    links
 }
 
 /// Lists of elements, one for each component, by its first element; empty for the others.
@@ -48,7 +59,7 @@ pub(super) fn members(of: &[usize]) -> Vec<Vec<usize>> {
 
 /// Of every element the first one of its component.
 pub(super) fn components(model: &Model, elements: &[Element]) -> Vec<usize> {
-    let inner: Vec<Vec<usize>> = elements.iter().map(between_ends).collect();
+    let inner: Vec<Vec<usize>> = elements.iter().map(|element| between_ends(model, element)).collect();
     sharing(&inner, model.links.len())
 }
 
@@ -101,7 +112,7 @@ fn of_components(model: &Model, elements: &[Element], own: &[Lengths]) -> Vec<Le
     // If no hinge reaches from end to end, the bodies themselves are the only lengths there are.
     let mut bodies = vec![0.0_f64; elements.len()];
     for (element, first) in elements.iter().zip(&of).filter(|(_, first)| found[**first].reach == 0.0) {
-        for link in between_ends(element) {
+        for link in between_ends(model, element) {
             bodies[*first] = bodies[*first].max(model.bodies[model.links[link].body].extent());
         }
     }

@@ -33,7 +33,7 @@ impl Constraints {
         let (mut of_velocity, mut slides) = (vec![0.0; model.velocity_count()], vec![false; model.velocity_count()]);
         model.lengths().for_each(|velocity| slides[velocity] = true);
         for (element, lengths) in self.elements.iter().zip(&self.lengths) {
-            for link in between_ends(element).into_iter().map(|link| &model.links[link]) {
+            for link in between_ends(model, element).into_iter().map(|link| &model.links[link]) {
                 for i in link.velocity..link.velocity + link.joint.counts().1 {
                     of_velocity[i] = if slides[i] { lengths.lever } else { 1.0 };
                 }

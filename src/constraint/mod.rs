@@ -32,7 +32,8 @@ mod row;
 mod rows;
 mod sizes;
 
-use crate::model::Model;
+use crate::element::modal::MOST_MODAL_COORDINATES;
+use crate::model::{Joint, Link, Model};
 use crate::motion::variation::LinkAcceleration;
 use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
@@ -326,13 +327,14 @@ impl Constraints {
             for link in way {
                 let tau = self.rules[*row].tau(*link);
                 let mut e = self.passed[*link];
-                let pushes = &mut self.pushes;
-                reduction.pass(model, motion, *link, tau, &mut e, |push| {
+                let (pushes, passed) = (&mut self.pushes, &self.passed);
+                reduction.pass((model, motion), (*link, passed), tau, &mut e, |push| {
                     pushes[at] = push;
                     at += group.rows.len();
                 });
                 self.passed[model.links[*link].parent] += e.shifted(motion.links[*link].arm);
             }
+            clear_interfaces(model, way, &mut self.passed);
         }
     }
 
@@ -439,9 +441,16 @@ impl Constraints {
                 }
                 for link in way {
                     let (given, at, w) = (&model.links[*link], &motion.links[*link], passed[*link]);
-                    crate::motion::project(motion, given, *link, &w, |velocity, value| put(unknown, velocity, value));
+                    let put = |velocity: usize, value: f64| put(unknown, velocity, value);
+                    match given.joint {
+                        // At the frame, once for all of them.
+                        Joint::Interface { .. } => {}
+                        Joint::Modal { modal, .. } => project_modal(model, motion, (modal, given), passed, put),
+                        _ => crate::motion::project(motion, given, *link, &w, put),
+                    }
                     passed[given.parent] += w.shifted(at.arm);
                 }
+                clear_interfaces(model, way, passed);
             }
         }
     }
@@ -449,5 +458,25 @@ impl Constraints {
     /// Which element a row belongs to.
     pub(crate) fn element_of(&self, row: usize) -> Option<&Element> {
         self.elements.iter().find(|element| element.rows.contains(&row))
+    }
+}
+/// What wrenches on the interfaces of a modal body do in its coordinates.
+fn project_modal(
+    model: &Model,
+    motion: &Motion,
+    (modal, link): (usize, &Link),
+    passed: &[Wrench],
+    mut put: impl FnMut(usize, f64),
+) {
+    let (body, mut rows) = (&model.modals[modal], [0.0; MOST_MODAL_COORDINATES]);
+    motion.modals[modal].pull(body.links.iter().map(|link| &passed[*link]), &mut rows);
+    let rows = rows.iter().enumerate().take(body.modal.count());
+    rows.filter(|(_, row)| **row != 0.0).for_each(|(i, row)| put(link.velocity + i, *row));
+}
+
+/// Wrenches on interfaces that other rows do not load.
+fn clear_interfaces(model: &Model, way: &[usize], passed: &mut [Wrench]) {
+    if !model.modals.is_empty() {
+        way.iter().for_each(|link| passed[*link] = Wrench::ZERO);
     }
 }

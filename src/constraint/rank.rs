@@ -109,7 +109,7 @@ impl Constraints {
             link.velocity..link.velocity + link.joint.counts().1
         };
         let of = |element| {
-            let mut inner: Vec<usize> = between_ends(element).into_iter().flat_map(velocities).collect();
+            let mut inner: Vec<usize> = between_ends(model, element).into_iter().flat_map(velocities).collect();
             inner.sort_unstable();
             inner
         };
@@ -207,7 +207,7 @@ fn around(model: &Model, closing: &Closing, components: &[Vec<usize>], attempt: 
     let sizes = lengths(model, elements, &closing.rows.rules, &closing.motion);
     for component in components.iter().filter(|component| !component.is_empty()) {
         let reach = sizes[component[0]].reach;
-        let mut links: Vec<usize> = component.iter().flat_map(|e| between_ends(&elements[*e])).collect();
+        let mut links: Vec<usize> = component.iter().flat_map(|e| between_ends(model, &elements[*e])).collect();
         links.sort_unstable();
         links.dedup();
         let mut random = Random(0x9e37_79b9_7f4a_7c15 ^ ((attempt as u64) << 32));

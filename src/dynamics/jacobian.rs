@@ -75,7 +75,11 @@ impl Evaluated<'_> {
             return self.jacobians_with_rows(out);
         }
         let model = &self.system.model;
-        match model.forces.is_empty() && self.system.pushes.is_empty() && model.rods.is_empty() {
+        match model.forces.is_empty()
+            && self.system.pushes.is_empty()
+            && model.rods.is_empty()
+            && model.modals.is_empty()
+        {
             true => self.jacobians_by_sweeps(out),
             false => {
                 self.jacobians_by_columns(out);

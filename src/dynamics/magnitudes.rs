@@ -76,12 +76,16 @@ impl Balanced<'_> {
             if let Some(rod) = link.joint.rod() {
                 self.size_of_rod(link, rod, &mut sizes[index], &mut out);
             }
+            if let Some(modal) = link.joint.modal() {
+                self.size_of_modal(index, modal, &mut sizes, &mut out);
+            }
             let size = sizes[index];
             let (slide, pitch) = (link.joint.is_slide(), link.joint.pitch().abs());
             // Of a coordinate of this link: along a slide, about the axis of a turn, or both.
             let pick = |along: f64, about: f64, pitch: f64| if slide { along } else { about + pitch * along };
             let (_, count) = link.joint.counts();
-            let rigid = if link.joint.rod().is_some() { 0 } else { count };
+            let is_flexible = link.joint.rod().is_some() || link.joint.modal().is_some();
+            let rigid = if is_flexible { 0 } else { count };
             for i in link.velocity..link.velocity + rigid {
                 let coordinate = &model.coordinates[i];
                 let extent = if count == 1 { q[link.position].abs() + coordinate.rest.abs() } else { 1.0 };
@@ -112,6 +116,42 @@ impl Balanced<'_> {
             out.stiffness[i] += push.by_position.abs();
         }
         out
+    }
+
+    /// Of a modal body: its own coordinates, and what its mass adds to the link of its frame.
+    fn size_of_modal(&self, index: usize, modal: usize, sizes: &mut [Size], out: &mut Magnitudes) {
+        let (model, motion) = (&self.system.model, &self.system.motion);
+        let (body, at, link) = (&model.modals[modal], &motion.modals[modal], &model.links[index]);
+        let (given, moves) = (&*body.modal, &self.system.balance.accelerations[index]);
+        let spin = motion.links[index].angular_velocity.norm_squared();
+        let (linear, turns) = (model.gravity.norm() + moves.linear.norm(), moves.angular.norm() + spin);
+        for (j, column) in at.columns.iter().enumerate() {
+            let i = link.velocity + j;
+            let row = given.stiffness_row(j);
+            let elastic: f64 = row.iter().zip(&at.q).map(|(k, q)| (k * q).abs()).sum();
+            let own = elastic + column.force.norm() * linear + column.moment.norm() * turns;
+            (out.force[i], out.noise[i], out.squares[i]) = (own, own, own * own);
+            out.stiffness[i] = row[j];
+        }
+        for (tip, of) in at.tips.iter().zip(&body.links) {
+            let size = sizes[*of];
+            for (j, (shift, spin)) in tip.moved_by.iter().zip(&tip.columns) {
+                let (i, along, about) = (link.velocity + j, shift.norm(), spin.norm());
+                out.force[i] += along * size.force + about * size.moment;
+                out.noise[i] += along * size.noise + about * size.noise_moment;
+                out.squares[i] += along * along * size.square + about * about * size.square_moment;
+                out.stiffness[i] += along * along * size.stiffness + about * about * size.turn_stiffness;
+            }
+        }
+        let size = &mut sizes[index];
+        let force = given.mass * linear + turns * at.first.norm();
+        let moment = at.first.norm() * linear + turns * at.inertia.trace();
+        size.force += force;
+        size.moment += moment;
+        size.noise += force;
+        size.noise_moment += moment;
+        size.square += force * force;
+        size.square_moment += moment * moment;
     }
 
     /// Of a flexible element: its own coordinates, and what its slices add to the link of its tip.

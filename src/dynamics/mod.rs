@@ -7,6 +7,7 @@ mod border;
 mod boundaries;
 mod constrained;
 mod dense;
+pub mod ensemble;
 mod evaluated;
 mod jacobian;
 mod linearize;
@@ -18,6 +19,7 @@ mod tangent;
 pub use beams::{BeamState, DiagramPoint, Discretization, SectionForces};
 pub use constrained::Settled;
 pub use dense::{Dense, DenseTangent};
+pub use ensemble::Ensemble;
 pub use evaluated::{Balanced, Evaluated, Factorized};
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
@@ -122,7 +124,7 @@ pub enum Fault {
     },
     /// Something that knows rigid bodies only.
     #[error(
-        "`{method}` has a pose of its own for every body, and beams and curves have coordinates between bodies: it knows neither; \
+        "`{method}` has a pose of its own for every body, and beams, modal bodies and curves have coordinates between bodies: it knows none of them; \
          `relaxation` does"
     )]
     Flexible {

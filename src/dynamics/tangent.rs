@@ -5,7 +5,7 @@ use super::border::{Border, PER_LINK};
 use super::sparse::Sparse;
 use super::{Evaluated, Fault, System};
 use crate::force::Act;
-use crate::model::{End, Model};
+use crate::model::{End, Joint, Model};
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::sparse::SparseRows;
@@ -68,6 +68,11 @@ struct Reach {
     far: Option<usize>,
 }
 
+/// Whether a link is the frame or an interface of a modal body.
+fn is_of_modal(joint: &Joint) -> bool {
+    joint.modal().is_some() || joint.interface().is_some()
+}
+
 impl Reach {
     fn of(ends: &[End]) -> Self {
         let mut links = Vec::new();
@@ -87,6 +92,8 @@ impl Reach {
             [] | [_] => true,
             // The tip of an element is coupled to its root through stations.
             [a, b] if [a, b].iter().any(|link| model.links[*link].joint.rod().is_some()) => false,
+            // An interface is coupled to the frame through coordinates that other interfaces share.
+            [a, b] if [a, b].iter().any(|link| is_of_modal(&model.links[*link].joint)) => false,
             [a, b] => parent(a) == b || parent(b) == a,
             _ => false,
         }
@@ -169,7 +176,7 @@ impl TangentSolver {
     /// has no flexible elements.
     pub fn is_sparse(model: &Model) -> bool {
         let (n, sides) = (model.velocity_count(), bordering_sides(model));
-        if n <= SMALL || sides == 0 || !model.rods.is_empty() {
+        if n <= SMALL || sides == 0 || !model.rods.is_empty() || !model.modals.is_empty() {
             return false;
         }
         let pairs: Vec<Pair> = reaches(model).flat_map(|element| element.pairs().collect::<Vec<_>>()).collect();
@@ -344,30 +351,39 @@ impl Evaluated<'_> {
         blocks: &mut [Applied],
     ) {
         blocks.fill(Applied::default());
-        for block in 0..if rated { 4 } else { 2 } {
-            for axis in 0..3 {
-                unit[link] = unit_variation(block, axis, &self.system.motion.links[link]);
-                self.vary_element(index, unit, &mut |end, wrench| {
-                    if let Some(place) = element.places[end] {
-                        let Column { force, moment } = &mut blocks[place][block];
-                        force.column_mut(axis).add_assign(&wrench.force);
-                        moment.column_mut(axis).add_assign(&wrench.moment);
-                    }
-                });
+        let count = if rated { 12 } else { 6 };
+        let at = &self.system.motion.links[link];
+        let variations: [LinkVariation; 12] =
+            std::array::from_fn(
+                |i| if i < count { unit_variation(i / 3, i % 3, at) } else { LinkVariation::default() },
+            );
+        self.vary_element(index, unit, (link, &variations[..count]), &mut |variation, end, wrench| {
+            if let Some(place) = element.places[end] {
+                let (Column { force, moment }, axis) = (&mut blocks[place][variation / 3], variation % 3);
+                force.column_mut(axis).add_assign(&wrench.force);
+                moment.column_mut(axis).add_assign(&wrench.moment);
             }
-        }
-        unit[link] = LinkVariation::default();
+        });
     }
 
-    /// The variation of the wrenches of an element, by its index among the forces and then the loops.
-    fn vary_element(&self, index: usize, by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        match self.system.laws.forces.get(index) {
-            Some(force) => force.law.vary(&self.system.motion.links, by, give),
-            None => {
-                let wrenches = self.system.vary_loop(index - self.system.model.forces.len(), by);
-                wrenches.into_iter().enumerate().for_each(|(end, wrench)| give(end, wrench));
-            }
+    /// The variation of the wrenches of an element, by its index among the forces and then the loops, with each of some variations
+    /// of one link.
+    fn vary_element(
+        &self,
+        index: usize,
+        by: &mut [LinkVariation],
+        (link, variations): (usize, &[LinkVariation]),
+        give: &mut impl FnMut(usize, usize, Wrench),
+    ) {
+        if let Some(force) = self.system.laws.forces.get(index) {
+            return force.law.vary_each(&self.system.motion.links, by, (link, variations), give);
         }
+        for (variation, varied) in variations.iter().enumerate() {
+            by[link] = *varied;
+            let wrenches = self.system.vary_loop(index - self.system.model.forces.len(), by);
+            wrenches.into_iter().enumerate().for_each(|(end, wrench)| give(variation, end, wrench));
+        }
+        by[link] = LinkVariation::default();
     }
 }
 

@@ -22,6 +22,7 @@ pub mod catenary;
 mod exponential;
 pub mod guide;
 pub(crate) mod lu;
+pub mod modal;
 mod motion;
 pub mod pivot;
 mod quadrature;

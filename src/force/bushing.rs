@@ -38,7 +38,7 @@ pub struct Bushing {
 pub struct BushingLaw {
     ends: [End; 2],
     /// The bushing's axes in both links: `link_from_bushing`.
-    frames: [UnitQuaternion<f64>; 2],
+    frames: [Matrix3<f64>; 2],
     /// Along (N/m).
     stiffness: Vector3<f64>,
     /// About (N m/rad).
@@ -93,9 +93,10 @@ impl Describe for Bushing {
     fn compile(&self, carriers: &[Carrier]) -> BushingLaw {
         let along = |six: &[f64; 6]| Vector3::new(six[0], six[1], six[2]);
         let about = |six: &[f64; 6]| Vector3::new(six[3], six[4], six[5]);
+        let frame = |carrier: &Carrier| *(carrier.turn * self.frame).to_rotation_matrix().matrix();
         BushingLaw {
             ends: [carriers[0].end, carriers[1].end],
-            frames: [carriers[0].turn * self.frame, carriers[1].turn * self.frame],
+            frames: [frame(&carriers[0]), frame(&carriers[1])],
             stiffness: along(&self.stiffness),
             turn_stiffness: about(&self.stiffness),
             damping: along(&self.damping),
@@ -137,9 +138,28 @@ impl Act for BushingLaw {
     }
 
     fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
-        let [on_a, on_b] = State::of(self, links).vary(links, by);
+        let state = State::of(self, links);
+        let [on_a, on_b] = state.vary(&state.elastic(), links, by);
         give(0, on_a);
         give(1, on_b);
+    }
+
+    fn vary_each(
+        &self,
+        links: &[LinkMotion],
+        by: &mut [LinkVariation],
+        (link, variations): (usize, &[LinkVariation]),
+        give: &mut impl FnMut(usize, usize, Wrench),
+    ) {
+        let state = State::of(self, links);
+        let elastic = state.elastic();
+        for (index, variation) in variations.iter().enumerate() {
+            by[link] = *variation;
+            let [on_a, on_b] = state.vary(&elastic, links, by);
+            give(index, 0, on_a);
+            give(index, 1, on_b);
+        }
+        by[link] = LinkVariation::default();
     }
 
     fn potential(&self, links: &[LinkMotion]) -> f64 {
@@ -163,6 +183,13 @@ impl Act for BushingLaw {
     }
 }
 
+/// Its force on B, the torque of its torsion spring there, and the tangent of that spring in the axes of B.
+struct Elastic {
+    force: Vector3<f64>,
+    torque: Vector3<f64>,
+    tangent: Matrix3<f64>,
+}
+
 /// A bushing at one instant.
 struct State<'a> {
     law: &'a BushingLaw,
@@ -183,7 +210,7 @@ impl<'a> State<'a> {
         let ends = &law.ends;
         let points = [Anchor::of(&ends[0], links), Anchor::of(&ends[1], links)];
         let links = [&links[ends[0].link], &links[ends[1].link]];
-        let axes = [0, 1].map(|i| links[i].turn * law.frames[i].to_rotation_matrix().matrix());
+        let axes = [links[0].turn * law.frames[0], links[1].turn * law.frames[1]];
         let between = points[1].position - points[0].position;
         let carrier_spin = links[0].angular_velocity;
         Self {
@@ -230,9 +257,16 @@ impl<'a> State<'a> {
         ]
     }
 
-    fn vary(&self, links: &[LinkMotion], by: &[LinkVariation]) -> [Wrench; 2] {
+    /// What every variation needs of it.
+    fn elastic(&self) -> Elastic {
+        let (spring, tangent) = torsion_spring(&self.relative, self.law.turn_stiffness, self.law.turn_preload);
+        Elastic { force: self.force(), torque: self.axes[1] * spring, tangent }
+    }
+
+    fn vary(&self, elastic: &Elastic, links: &[LinkMotion], by: &[LinkVariation]) -> [Wrench; 2] {
         let ends = [self.law.ends[0].link, self.law.ends[1].link];
-        let [a, b] = [0, 1].map(|i| self.points[i].vary(&links[ends[i]], &by[ends[i]]));
+        let a = self.points[0].vary(&links[ends[0]], &by[ends[0]]);
+        let b = self.points[1].vary(&links[ends[1]], &by[ends[1]]);
         let (turn_a, turn_b) = (by[ends[0]].turn, by[ends[1]].turn);
         let between = b.position - a.position;
         let slip = b.velocity
@@ -242,18 +276,16 @@ impl<'a> State<'a> {
         let spin = by[ends[1]].angular_velocity - by[ends[0]].angular_velocity;
         // In axes that turn with A: δ(F diag Fᵀ y) = δθ × (F diag Fᵀ y) + F diag Fᵀ (δy − δθ × y)
         let seen = |y: &Vector3<f64>, delta: &Vector3<f64>| delta - turn_a.cross(y);
-        let total = self.force();
-        let force = turn_a.cross(&total)
+        let Elastic { force: total, torque: spring, tangent } = elastic;
+        let force = turn_a.cross(total)
             - self.in_axes(&self.law.stiffness, &seen(&self.between, &between))
             - self.in_axes(&self.law.damping, &seen(&self.slip, &slip));
-        let (spring, tangent) = torsion_spring(&self.relative, self.law.turn_stiffness, self.law.turn_preload);
-        let elastic = self.axes[1] * spring;
         let damper = -self.in_axes(&self.law.turn_damping, &self.spin);
-        let torque = turn_b.cross(&elastic)
+        let torque = turn_b.cross(spring)
             + self.axes[1] * (tangent * self.axes[1].tr_mul(&(turn_b - turn_a)))
             + turn_a.cross(&damper)
             - self.in_axes(&self.law.turn_damping, &seen(&self.spin, &spin));
-        self.pair(force, torque, -(a.arm + between).cross(&total), b.arm.cross(&total))
+        self.pair(force, torque, -(a.arm + between).cross(total), b.arm.cross(total))
     }
 
     fn magnitude(&self) -> Magnitude {

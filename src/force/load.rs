@@ -130,6 +130,11 @@ impl LoadLaw {
         Self { on, force, torque: Vector3::zeros(), follows: false, over_time: None, factor: 1.0 }
     }
 
+    /// Where it acts, force (N) and torque (N m), and whether they turn with the link; `None` if they change over time.
+    pub(super) fn numbers(&self) -> Option<(End, [Vector3<f64>; 2], bool)> {
+        self.over_time.is_none().then_some((self.on, [self.force, self.torque], self.follows))
+    }
+
     #[inline]
     fn wrench(&self, links: &[LinkMotion]) -> Wrench {
         let Self { on, follows, factor, .. } = self;

@@ -7,6 +7,7 @@
 
 mod elastic;
 pub mod end;
+pub mod lanes;
 pub mod question;
 mod segment;
 pub mod table;
@@ -99,6 +100,16 @@ macro_rules! kinds {
 
             fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
                 match self { $(Self::$kind(law) => law.vary(links, by, give),)+ }
+            }
+
+            fn vary_each(
+                &self,
+                links: &[LinkMotion],
+                by: &mut [LinkVariation],
+                moved: (usize, &[LinkVariation]),
+                give: &mut impl FnMut(usize, usize, Wrench),
+            ) {
+                match self { $(Self::$kind(law) => law.vary_each(links, by, moved, give),)+ }
             }
 
             fn potential(&self, links: &[LinkMotion]) -> f64 {

@@ -43,6 +43,22 @@ pub trait Act {
     /// Gives the variation of these wrenches with the variation of the links.
     fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench));
 
+    /// Gives the variation of these wrenches with each of some variations of one link, all others being at rest: the index of
+    /// the variation, the end, the wrench. `by` has no variation, before and after.
+    fn vary_each(
+        &self,
+        links: &[LinkMotion],
+        by: &mut [LinkVariation],
+        (link, variations): (usize, &[LinkVariation]),
+        give: &mut impl FnMut(usize, usize, Wrench),
+    ) {
+        for (index, variation) in variations.iter().enumerate() {
+            by[link] = *variation;
+            self.vary(links, by, &mut |end, wrench| give(index, end, wrench));
+        }
+        by[link] = LinkVariation::default();
+    }
+
     /// Potential energy (J); zero where it has none.
     fn potential(&self, links: &[LinkMotion]) -> f64;
 

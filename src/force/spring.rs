@@ -151,6 +151,11 @@ impl Act for SpringLaw {
 }
 
 impl SpringLaw {
+    /// Its ends, and stiffness (N/m), length (m) and damping (N s/m).
+    pub(super) fn numbers(&self) -> ([End; 2], [f64; 3]) {
+        (self.ends, [self.stiffness, self.length, self.damping])
+    }
+
     #[inline]
     fn segment(&self, links: &[LinkMotion]) -> Segment {
         let segment = Segment::of(&self.ends, links);

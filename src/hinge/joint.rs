@@ -30,6 +30,21 @@ pub enum Joint {
         /// Index of the element.
         rod: usize,
     },
+    /// A modal body: its link's frame is that of the body's root interface, and it has the body's own coordinates, which move the
+    /// interfaces and not this link.
+    Modal {
+        /// Index of the modal body.
+        modal: usize,
+        /// Number of its coordinates.
+        count: usize,
+    },
+    /// An interface of a modal body, whose link is the parent: without coordinates of its own.
+    Interface {
+        /// Index of the modal body.
+        modal: usize,
+        /// Index of the interface, the root not counted.
+        tip: usize,
+    },
     /// A flexible element: its link's root marker is the element's tip. As many coordinates as velocities, lengths (m) and
     /// angles (rad) over the element.
     Flex {
@@ -45,10 +60,10 @@ impl Joint {
     #[inline]
     pub fn counts(&self) -> (usize, usize) {
         match self {
-            Self::None => (0, 0),
+            Self::None | Self::Interface { .. } => (0, 0),
             Self::Turn | Self::Slide { .. } | Self::Screw { .. } | Self::Along { .. } => (1, 1),
             Self::Ball { .. } => (4, 3),
-            Self::Flex { count, .. } => (*count, *count),
+            Self::Flex { count, .. } | Self::Modal { count, .. } => (*count, *count),
         }
     }
 
@@ -97,13 +112,28 @@ impl Joint {
     /// Whether it lets the link turn.
     #[inline]
     pub fn turns(&self) -> bool {
-        self.is_angle() || self.is_ball() || self.is_flex() || matches!(self, Self::Along { .. })
+        self.is_angle()
+            || self.is_ball()
+            || self.is_flex()
+            || matches!(self, Self::Along { .. } | Self::Interface { .. })
     }
 
-    /// Whether it is a flexible element.
+    /// Whether its coordinates are those of a flexible element or of a modal body.
     #[inline]
     pub fn is_flex(&self) -> bool {
-        matches!(self, Self::Flex { .. })
+        matches!(self, Self::Flex { .. } | Self::Modal { .. })
+    }
+
+    /// The index of its modal body, if its coordinates are those of one.
+    #[inline]
+    pub fn modal(&self) -> Option<usize> {
+        if let Self::Modal { modal, .. } = self { Some(*modal) } else { None }
+    }
+
+    /// The indices of a modal body and of its interface that the link is.
+    #[inline]
+    pub fn interface(&self) -> Option<(usize, usize)> {
+        if let Self::Interface { modal, tip } = self { Some((*modal, *tip)) } else { None }
     }
 
     /// The index of its element, if it is flexible or goes along a curve: its motion subspace depends on its coordinates.
@@ -140,7 +170,7 @@ impl Joint {
             Self::Slide { axis } => Some(shifted(q[0] * axis, UnitQuaternion::identity())),
             Self::Screw { pitch } => Some(shifted(pitch * q[0] * Vector3::z(), about_z(q[0]))),
             Self::Ball { .. } => Some(shifted(Vector3::zeros(), quaternion(q))),
-            Self::Flex { .. } | Self::Along { .. } => None,
+            Self::Flex { .. } | Self::Along { .. } | Self::Modal { .. } | Self::Interface { .. } => None,
         }
     }
 

@@ -61,6 +61,7 @@ pub use problem::{Failure, ImplicitProblem, Point, Problem};
 pub use step::error::{Component, Limit, StepError};
 pub use step::options::{Options, Start};
 pub use step::progress::Progress;
+pub use step::staged::{Evaluate, Staged};
 pub use step::stages::StepStages;
 pub use step::statistics::Statistics;
 pub use step::stepper::Stepper;

@@ -138,6 +138,9 @@ pub(super) fn label(model: &Model, velocity: usize) -> String {
     if let Some((strain, degree)) = strain(model, velocity) {
         return format!("{}.{}[{degree}]", body.name, STRAINS[strain]);
     }
+    if let Some((modal, name)) = model.modal_of(velocity) {
+        return format!("{}.{name}", modal.name);
+    }
     let (index, plain) = (velocity - body.hinge.velocity, body.hinge.kind.plain_coordinates());
     match body.hinge.kind.positions().get(index).filter(|_| index < plain) {
         Some((name, _)) => format!("{}.{name}", body.name),
@@ -148,6 +151,9 @@ pub(super) fn label(model: &Model, velocity: usize) -> String {
 fn unit(model: &Model, velocity: usize) -> &'static str {
     if let Some((strain, _)) = strain(model, velocity) {
         return if strain < 3 { "m" } else { "rad" };
+    }
+    if model.modal_of(velocity).is_some() {
+        return if model.lengths().any(|length| length == velocity) { "m" } else { "rad" };
     }
     let hinge = &model.bodies[model.coordinates[velocity].body].hinge;
     if hinge.kind.velocities()[velocity - hinge.velocity].1 == "m/s" { "m" } else { "rad" }

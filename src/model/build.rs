@@ -3,9 +3,10 @@
 use super::beam::{self, Expanded};
 use super::couple::loop_places;
 use super::description::{Attachment, BodyDescription, Description, GROUND, Point};
+use super::modal::ModalBodies;
 use super::problem::{Element, Problem};
 use super::tree::Tree;
-use super::{Model, check, contact, couple, hinge_curve, motor, output, watch};
+use super::{Model, check, contact, couple, hinge_curve, modal, motor, output, watch};
 use crate::force::{Describe, Report};
 use crate::suggest;
 use nalgebra::Vector3;
@@ -16,7 +17,11 @@ pub(super) fn build(given: &Description) -> Result<Model, Vec<Problem>> {
     if !problems.is_empty() {
         return Err(problems);
     }
-    let whole = match given.beams.is_empty() {
+    let problems = modal::check(given);
+    if !problems.is_empty() {
+        return Err(problems);
+    }
+    let whole = match given.beams.is_empty() && given.modals.is_empty() {
         true => None,
         false => {
             let (laid, shapes) = beam::lay(given)?;
@@ -35,6 +40,11 @@ pub(super) fn build(given: &Description) -> Result<Model, Vec<Problem>> {
         for problem in &mut problems {
             match problem.element {
                 Element::Body(body) if body >= given.bodies.len() => {
+                    let inner = |modal: &&ModalBodies| modal.inner == body || modal.tips.contains(&body);
+                    if let Some(modal) = whole.as_ref().and_then(|whole| whole.modals.iter().find(inner)) {
+                        problem.element = Element::Body(modal.root);
+                        continue;
+                    }
                     problem.element = of_body(body).map_or(problem.element, Element::Beam);
                 }
                 Element::Loop(index) if index >= given.loops.len() => {
@@ -231,7 +241,9 @@ fn hinge_points(
         }
         // An element's own hinge is at the root of a beam, and so is the weld of one that does not begin along x.
         let is_own = whole.is_some_and(|whole| {
-            whole.rods.contains_key(&index) || whole.beams.iter().any(|beam| beam.is_welded(index))
+            whole.rods.contains_key(&index)
+                || whole.beams.iter().any(|beam| beam.is_welded(index))
+                || whole.is_modal(index)
         });
         let on_beam = whole.filter(|_| !is_own).and_then(|whole| whole.place(&body.hinge.parent, &body.hinge.at));
         if let Some((parent, at)) = on_beam {

@@ -105,7 +105,8 @@ pub(super) fn check(description: &Description, problems: &mut Vec<Problem>) {
         }
     }
     for (index, closed) in description.loops.iter().enumerate() {
-        check_loop(index, closed, &mut add);
+        let is_flexible = description.modals.iter().any(|modal| modal.body == closed.between[0].body);
+        check_loop(index, closed, is_flexible, &mut add);
     }
     for (index, drive) in description.drives.iter().enumerate() {
         let (element, name) = (Element::Drive(index), &drive.name);
@@ -151,9 +152,14 @@ fn numbers(motion: &MotionDescription) -> Vec<(&'static str, f64, f64)> {
     }
 }
 
-fn check_loop(index: usize, closed: &LoopDescription, add: &mut impl FnMut(Element, &str, String, &str)) {
+fn check_loop(
+    index: usize,
+    closed: &LoopDescription,
+    is_flexible: bool,
+    add: &mut impl FnMut(Element, &str, String, &str),
+) {
     let (element, name) = (Element::Loop(index), &closed.name);
-    if closed.between[0].body == closed.between[1].body {
+    if closed.between[0].body == closed.between[1].body && !is_flexible {
         let message = format!("both ends of `{name}` are on `{}`", closed.between[0].body);
         add(element, "between", message, "a loop is closed between two different bodies");
     }

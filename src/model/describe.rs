@@ -5,7 +5,9 @@ use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 use super::description::*;
 use super::motor::MotorDescription;
 use super::shape::Shape;
+use crate::element::modal::Modal;
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use std::sync::Arc;
 
 impl Description {
     /// An empty scene with a title, in the gravity of the Earth along −z.
@@ -27,6 +29,13 @@ impl Description {
     /// Adds a flexible beam.
     pub fn beam(mut self, beam: BeamDescription) -> Self {
         self.beams.push(beam);
+        self
+    }
+
+    /// Makes a body of this name a modal one.
+    pub fn modal(mut self, body: &str, modal: Modal) -> Self {
+        let (body, modal) = (body.to_owned(), Arc::new(modal));
+        self.modals.push(ModalDescription { body, modal, file: None, position: Vec::new(), velocity: Vec::new() });
         self
     }
 

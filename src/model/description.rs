@@ -31,6 +31,7 @@ pub use super::contact::{ContactDescription, DryFriction};
 pub use super::controller::{ControlLawDescription, ControllerDescription};
 use super::couplings::{DriveDescription, GearDescription, LoopDescription};
 pub use super::hinge_curve::{CurveOver, HingeCurveDescription};
+pub use super::modal::ModalDescription;
 use super::motor::MotorDescription;
 pub use super::output::{
     Axes, DirectionDescription, EnergyKind, Order, OutputDescription, PowerKind, QuantityDescription,
@@ -60,6 +61,8 @@ pub struct Description {
     pub bodies: Vec<BodyDescription>,
     /// Flexible beams.
     pub beams: Vec<BeamDescription>,
+    /// Which bodies are modal ones.
+    pub modals: Vec<ModalDescription>,
     /// Names of bodies whose inertia is taken though no body can have it: models of other programs have such.
     pub unphysical: HashSet<String>,
     /// Bodies whose mass burns away.
@@ -95,6 +98,7 @@ impl Default for Description {
             gravity: Vector3::new(0.0, 0.0, -9.80665),
             bodies: Vec::new(),
             beams: Vec::new(),
+            modals: Vec::new(),
             unphysical: HashSet::new(),
             burns: Vec::new(),
             forces: Vec::new(),

@@ -20,6 +20,7 @@ pub mod guided;
 mod halves;
 mod hinge_curve;
 mod link;
+pub mod modal;
 pub mod motor;
 pub mod output;
 pub mod parameter;
@@ -45,6 +46,7 @@ pub use guided::CurveEnd;
 pub use halves::Halves;
 pub use hinge_curve::{CurveOver, HingeCurve};
 pub use link::Link;
+pub use modal::ModalBody;
 pub use motor::Motor;
 pub use output::{Output, Quantity};
 pub use parameter::Parameter;
@@ -80,6 +82,8 @@ pub struct Model {
     pub burns: Vec<Burn>,
     /// The beams that they belong to.
     pub beams: Vec<Beam>,
+    /// The modal bodies.
+    pub modals: Vec<ModalBody>,
     /// Where the tree falls into two halves, in large ones.
     pub halves: Option<Halves>,
     /// What acts in each velocity coordinate.
@@ -313,7 +317,10 @@ impl Model {
         self.links.iter().flat_map(move |link| {
             let is_length = move |k: &usize| match link.joint.rod() {
                 Some(rod) => self.rods[rod].strain_of(*k) < 3,
-                None => link.joint.is_slide(),
+                None => match link.joint.modal() {
+                    Some(modal) => self.modals[modal].modal.is_length(*k),
+                    None => link.joint.is_slide(),
+                },
             };
             (0..link.joint.counts().1).filter(is_length).map(|k| link.velocity + k)
         })
@@ -334,16 +341,30 @@ impl Model {
         let body = &self.bodies[self.coordinates[velocity].body];
         let names = body.hinge.kind.velocities();
         match names.len() {
+            0 if self.modal_of(velocity).is_some() => {
+                let name = self.modal_of(velocity).map_or("", |(_, name)| name);
+                format!("`{}` ({name})", body.name)
+            }
             // Of a flexible element.
             0 | 1 => format!("`{}`", body.name),
             _ => format!("`{}` ({})", body.name, names[velocity - body.hinge.velocity].0),
         }
     }
 
+    /// The modal body that a velocity coordinate belongs to, and what the body calls it.
+    pub fn modal_of(&self, velocity: usize) -> Option<(&ModalBody, &str)> {
+        let first = |modal: &ModalBody| self.links[modal.link].velocity;
+        let of = |modal: &&ModalBody| (first(modal)..first(modal) + modal.modal.count()).contains(&velocity);
+        let modal = self.modals.iter().find(of)?;
+        Some((modal, &modal.modal.coordinates[velocity - first(modal)].0))
+    }
+
     /// Total mass of what moves and what is welded to the ground (kg).
     pub fn total_mass(&self) -> f64 {
         let inner = |rod: &Rod| rod.slices[1..rod.steps()].iter().map(|slice| slice.mass).sum::<f64>();
-        self.bodies.iter().map(|body| body.mass.mass).sum::<f64>() + self.rods.iter().map(inner).sum::<f64>()
+        self.bodies.iter().map(|body| body.mass.mass).sum::<f64>()
+            + self.rods.iter().map(inner).sum::<f64>()
+            + self.modals.iter().map(|modal| modal.modal.mass).sum::<f64>()
     }
 
     /// The times at which a load or a mass begins to follow another rule (s).
@@ -371,6 +392,7 @@ impl Model {
             || self.forces.iter().any(|force| force.law.has_damping())
             || self.motors.iter().any(Motor::has_damping)
             || self.rods.iter().any(|rod| rod.damping != 0.0)
+            || self.modals.iter().any(|modal| !modal.modal.damping.is_empty())
     }
 
     /// A length that is typical of the scene (m): the largest distance within one body or one hinge, 1 where all are

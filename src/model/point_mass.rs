@@ -26,7 +26,12 @@ fn resists(model: &Model, link: &Link) -> bool {
             let whole = link.inertia + Sym3::diagonal(Vector3::from([0, 1, 2].map(armature)));
             whole.inverse().is_some_and(|(_, pivots)| pivots.min() > NO_INERTIA * whole.trace())
         }
-        Joint::None | Joint::Slide { .. } | Joint::Flex { .. } | Joint::Along { .. } => true,
+        Joint::None
+        | Joint::Slide { .. }
+        | Joint::Flex { .. }
+        | Joint::Along { .. }
+        | Joint::Modal { .. }
+        | Joint::Interface { .. } => true,
     }
 }
 

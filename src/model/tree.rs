@@ -5,6 +5,7 @@ use super::build::Place;
 use super::couple::couple;
 use super::description::{AlongTurn, Description, HingeDescription, HingeKind, MassProperties};
 use super::link::Link;
+use super::modal::{ModalBodies, ModalBody};
 use super::problem::{Element, Problem};
 use super::{
     Body, Coordinate, End, Force, Halves, Hinge, Model, burn, contact, controller, guided, hinge_curve, output, watch,
@@ -16,6 +17,7 @@ use crate::hinge::Joint;
 use crate::hinge::joint::quaternion;
 use crate::spatial::{Pose, Principal, Sym3};
 use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use std::sync::Arc;
 
 /// A quaternion whose norm is this near to one is a unit one: rounding of its four numbers.
 const ROUND_OFF: f64 = 8.0 * f64::EPSILON;
@@ -68,7 +70,9 @@ impl<'a> Tree<'a> {
             lock: given.hinge.lock,
         };
         let rod = self.whole.and_then(|whole| whole.rods.get(&index));
+        let modal = self.whole.and_then(|whole| modal_joint(whole, index));
         let mut joints = match rod {
+            None if modal.is_some() => modal.into_iter().map(|joint| (joint, UnitQuaternion::identity())).collect(),
             Some(rod) => vec![(Joint::Flex { rod: self.rods.len(), count: rod.count() }, UnitQuaternion::identity())],
             None => given.hinge.kind.elementary(&given.hinge.rest),
         };
@@ -94,8 +98,9 @@ impl<'a> Tree<'a> {
             parent,
             link,
             link_from_body,
-            is_element: rod.is_some(),
+            is_element: rod.is_some() || modal.is_some_and(|joint| joint.is_flex()),
             is_inner: rod.is_some()
+                || modal.is_some()
                 || self.whole.is_some_and(|whole| whole.beams.iter().any(|beam| beam.is_welded(index))),
             mass: given.mass,
             markers: given.markers.clone(),
@@ -117,6 +122,10 @@ impl<'a> Tree<'a> {
         let (mut parent_from_hinge, mut offset) = (base.rotation, base.translation.vector);
         for (joint, hinge_from_link) in joints {
             let turn = *(parent_from_hinge * hinge_from_link).to_rotation_matrix().matrix();
+            if joint.interface().is_some() {
+                // The coordinates that move it are those of the link that carries it.
+                (position, velocity) = (self.links[carrier].position, self.links[carrier].velocity);
+            }
             let link = Link {
                 parent,
                 joint: *joint,
@@ -140,13 +149,23 @@ impl<'a> Tree<'a> {
 
     fn add_coordinates(&mut self, body: usize) {
         let hinge = &self.description.bodies[body].hinge;
-        let flexible = self.whole.and_then(|whole| whole.rods.get(&body)).map(|rod| (rod.count(), rod.count()));
+        let modal = self.whole.and_then(|whole| whole.modals.iter().find(|modal| modal.inner == body));
+        let rod = self.whole.and_then(|whole| whole.rods.get(&body));
+        let count = rod.map(Rod::count).or_else(|| modal.map(|modal| modal.modal.count()));
+        let flexible = count.map(|count| (count, count));
         let (positions, velocities) = flexible.unwrap_or_else(|| hinge.kind.counts());
         let value = |list: &[f64], i: usize| list.get(i).copied().unwrap_or(0.0);
         // A list of rest positions of a hinge with a quaternion is longer than its velocities; the quaternion itself
         // is kept in the ball's joint.
         let scalars = hinge.kind.plain_coordinates();
-        let rates = self.whole.and_then(|whole| whole.rates.get(&body)).unwrap_or(&hinge.velocity);
+        let [strains, strain_rates] = match modal {
+            Some(modal) => modal.start.each_ref().map(Some),
+            None => [
+                self.whole.and_then(|whole| whole.strained.get(&body)),
+                self.whole.and_then(|whole| whole.rates.get(&body)),
+            ],
+        };
+        let rates = strain_rates.unwrap_or(&hinge.velocity);
         for i in 0..velocities {
             self.coordinates.push(Coordinate {
                 body,
@@ -159,7 +178,7 @@ impl<'a> Tree<'a> {
             });
             self.start_velocity.push(value(rates, i));
         }
-        let strained = self.whole.and_then(|whole| whole.strained.get(&body)).unwrap_or(&hinge.position);
+        let strained = strains.unwrap_or(&hinge.position);
         for i in 0..positions {
             let identity = if i == scalars && positions != velocities { 1.0 } else { 0.0 };
             let given = strained.get(i).copied().unwrap_or(identity);
@@ -193,7 +212,8 @@ impl<'a> Tree<'a> {
 
     /// Hinges on which nothing with inertia hangs: their acceleration is not determined.
     pub(super) fn massless_subtrees(&self) -> Vec<Problem> {
-        let mut carried: Vec<bool> = self.links.iter().map(|link| !link.is_massless()).collect();
+        let has_mass = |link: &Link| !link.is_massless() || link.joint.modal().is_some();
+        let mut carried: Vec<bool> = self.links.iter().map(has_mass).collect();
         let driven = self.driven();
         let mut problems = Vec::new();
         for index in (1..self.links.len()).rev() {
@@ -280,7 +300,8 @@ impl<'a> Tree<'a> {
             outputs: Vec::new(),
             stages: None,
             bodies,
-            halves: if self.rods.is_empty() { Halves::of(&self.links) } else { None },
+            halves: if self.rods.is_empty() && self.modals().is_empty() { Halves::of(&self.links) } else { None },
+            modals: self.modals(),
             beams: self.beams(),
             rods: self.rods.clone(),
             curve_ends,
@@ -307,6 +328,20 @@ impl<'a> Tree<'a> {
 }
 
 impl Tree<'_> {
+    /// The modal bodies, with the links of their coordinates.
+    fn modals(&self) -> Vec<ModalBody> {
+        let modal = |of: &ModalBodies| ModalBody {
+            name: of.name.clone(),
+            root: of.root,
+            inner: of.inner,
+            link: self.bodies[of.inner].as_ref().map_or(0, |body| body.link),
+            tips: of.tips.clone(),
+            links: of.tips.iter().map(|tip| self.bodies[*tip].as_ref().map_or(0, |body| body.link)).collect(),
+            modal: Arc::clone(&of.modal),
+        };
+        self.whole.map_or(Vec::new(), |whole| whole.modals.iter().map(modal).collect())
+    }
+
     /// The beams, with the links of their elements.
     fn beams(&self) -> Vec<Beam> {
         let link = |body: usize| self.bodies[body].as_ref().map_or(0, |body| body.link);
@@ -326,6 +361,16 @@ impl Tree<'_> {
         };
         self.whole.map_or(Vec::new(), |whole| whole.beams.iter().map(beam).collect())
     }
+}
+
+/// What the link of a body is that a modal body is taken apart into.
+fn modal_joint(whole: &Expanded, body: usize) -> Option<Joint> {
+    whole.modals.iter().enumerate().find_map(|(modal, of)| {
+        if of.inner == body {
+            return Some(Joint::Modal { modal, count: of.modal.count() });
+        }
+        of.tips.iter().position(|tip| *tip == body).map(|tip| Joint::Interface { modal, tip })
+    })
 }
 
 /// The element of a hinge along a curve, which has been checked.

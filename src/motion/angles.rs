@@ -1,7 +1,7 @@
-//! Sines and cosines of all angles of turns and screws, four at a time.
+//! Sines and cosines of all angles of turns and screws, as many at a time as a register has numbers.
 
 use crate::model::Model;
-use wide::f64x4;
+use crate::spatial::lanes::{Lanes, WIDTH, all};
 
 /// Angles beyond this are left to the standard library: the products of the number of quarter turns with the parts of π/2
 /// are exact while it has no more than 20 bits.
@@ -29,8 +29,8 @@ const COSINE: [f64; 6] = [
 /// Where the angles are, and their sines and cosines.
 #[derive(Debug, Clone)]
 pub(super) struct Angles {
-    /// Position coordinates that are angles, in the order of the links; filled up to fours.
-    at: Vec<[u32; 4]>,
+    /// Position coordinates that are angles, in the order of the links; filled up to groups.
+    at: Vec<[u32; WIDTH]>,
     /// Sine and cosine of each.
     of: Vec<[f64; 2]>,
 }
@@ -39,26 +39,20 @@ impl Angles {
     pub(super) fn new(model: &Model) -> Self {
         let angles = model.links.iter().filter(|link| link.joint.is_angle());
         let at: Vec<u32> = angles.map(|link| link.position as u32).collect();
-        let four = |some: &[u32]| std::array::from_fn(|i| some[i.min(some.len() - 1)]);
-        let at: Vec<[u32; 4]> = at.chunks(4).map(four).collect();
-        let of = vec![[0.0, 1.0]; 4 * at.len()];
+        let group = |some: &[u32]| std::array::from_fn(|i| some[i.min(some.len() - 1)]);
+        let at: Vec<[u32; WIDTH]> = at.chunks(WIDTH).map(group).collect();
+        let of = vec![[0.0, 1.0]; WIDTH * at.len()];
         Self { at, of }
     }
 
     /// All of them anew.
     #[inline(always)]
     pub(super) fn update(&mut self, q: &[f64]) {
-        for (at, of) in self.at.iter().zip(self.of.chunks_exact_mut(4)) {
-            let angles = at.map(|at| q[at as usize]);
-            if angles.iter().all(|angle| angle.abs() < FAR) {
-                let (sines, cosines) = sines_cosines(f64x4::new(angles));
-                for i in 0..4 {
-                    of[i] = [sines[i], cosines[i]];
-                }
-            } else {
-                for i in 0..4 {
-                    of[i] = angles[i].sin_cos().into();
-                }
+        for (at, of) in self.at.iter().zip(self.of.chunks_exact_mut(WIDTH)) {
+            let (sines, cosines) = sine_and_cosine(Lanes::new(at.map(|at| q[at as usize])));
+            let (sines, cosines) = (sines.to_array(), cosines.to_array());
+            for i in 0..WIDTH {
+                of[i] = [sines[i], cosines[i]];
             }
         }
     }
@@ -70,42 +64,54 @@ impl Angles {
     }
 }
 
-/// Sines and cosines of four angles within [`FAR`], to about half a unit in the last place: where a matrix that turns is
-/// not quite orthogonal, light bodies between heavy ones feel it.
+/// Sines and cosines of angles side by side.
 #[inline(always)]
-fn sines_cosines(angles: f64x4) -> ([f64; 4], [f64; 4]) {
-    let one = f64x4::splat(1.0);
-    let series = |x2: f64x4, c: [f64; 6], from: usize| {
-        c[from..].iter().rev().skip(1).fold(f64x4::splat(c[5]), |sum, c| sum.mul_add(x2, f64x4::splat(*c)))
+pub(crate) fn sine_and_cosine(angle: Lanes) -> (Lanes, Lanes) {
+    if (angle.abs().simd_lt(all(FAR))).all() { near(angle) } else { far(angle) }
+}
+
+#[cold]
+#[inline(never)]
+fn far(angle: Lanes) -> (Lanes, Lanes) {
+    let (mut sines, mut cosines) = ([0.0; WIDTH], [0.0; WIDTH]);
+    for (i, angle) in angle.to_array().into_iter().enumerate() {
+        (sines[i], cosines[i]) = angle.sin_cos();
+    }
+    (Lanes::new(sines), Lanes::new(cosines))
+}
+
+/// Within [`FAR`], to about half a unit in the last place: where a matrix that turns is not quite orthogonal, light bodies between
+/// heavy ones feel it. Which quarter turn an angle is in is chosen without leaving the registers.
+#[inline(always)]
+fn near(angle: Lanes) -> (Lanes, Lanes) {
+    let one = all(1.0);
+    let series = |x2: Lanes, c: [f64; 6], from: usize| {
+        c[from..].iter().rev().skip(1).fold(all(c[5]), |sum, c| sum.mul_add(x2, all(*c)))
     };
     // Less the nearest multiple of π/2: x + tail.
-    let turns = (angles * f64x4::splat(std::f64::consts::FRAC_2_PI)).round_ties_even();
-    let [first, second, third] = QUARTER.map(f64x4::splat);
-    let rough = turns.mul_neg_add(first, angles);
+    let turns = (angle * all(std::f64::consts::FRAC_2_PI)).round_ties_even();
+    let [first, second, third] = QUARTER.map(all);
+    let rough = turns.mul_neg_add(first, angle);
     let taken = turns * second;
     let finer = rough - taken;
     let rest = turns.mul_sub(third, (rough - finer) - taken);
     let x = finer - rest;
     let tail = (finer - x) - rest;
-    let (x2, half) = (x * x, f64x4::splat(0.5));
+    let (x2, half) = (x * x, all(0.5));
     let x3 = x2 * x;
     let odd = series(x2, SINE, 1);
-    let sine = x - ((x2 * (half * tail - x3 * odd) - tail) - x3 * f64x4::splat(SINE[0]));
+    let sine = x - ((x2 * (half * tail - x3 * odd) - tail) - x3 * all(SINE[0]));
     let even = x2 * series(x2, COSINE, 0);
     let (halved, rounded) = (half * x2, one - half * x2);
     let cosine = rounded + (((one - rounded) - halved) + (x2 * even - x * tail));
-    let (mut sines, mut cosines) = (sine.to_array(), cosine.to_array());
-    let turns = turns.to_array();
-    for i in 0..4 {
-        let (s, c) = (sines[i], cosines[i]);
-        (sines[i], cosines[i]) = match turns[i] as i64 & 3 {
-            0 => (s, c),
-            1 => (c, -s),
-            2 => (-s, -c),
-            _ => (-c, s),
-        };
-    }
-    (sines, cosines)
+    // 0 to 3
+    let quarter = (turns * all(0.25)).floor().mul_neg_add(all(4.0), turns);
+    let (beyond_one, beyond_two) = (quarter.simd_gt(half), quarter.simd_gt(all(1.5)));
+    let beyond_three = quarter.simd_gt(all(2.5));
+    let swap = beyond_one ^ beyond_two ^ beyond_three;
+    let (negative, minus) = (beyond_two, beyond_one ^ beyond_three);
+    let sign = all(-0.0);
+    (swap.select(cosine, sine) ^ (negative & sign), swap.select(sine, cosine) ^ (minus & sign))
 }
 
 #[cfg(test)]
@@ -119,7 +125,8 @@ mod tests {
         let some = (0..4000).map(|i| (f64::from(i) * 0.618_033_988_749_894_9).fract() * 2.4e3 - 1.2e3);
         let angles: Vec<f64> = some.chain((-8..=8).map(|i| f64::from(i) * quarter)).chain([9.9e5, 1e-300]).collect();
         for angle in angles {
-            let (sines, cosines) = sines_cosines(f64x4::splat(angle));
+            let (sines, cosines) = sine_and_cosine(all(angle));
+            let (sines, cosines) = (sines.to_array(), cosines.to_array());
             let (sine, cosine) = angle.sin_cos();
             assert!((sines[1] - sine).abs() <= f64::EPSILON * sine.abs(), "{angle}: {} {sine}", sines[1]);
             assert!((cosines[2] - cosine).abs() <= f64::EPSILON * cosine.abs(), "{angle}: {} {cosine}", cosines[2]);

@@ -4,14 +4,16 @@ mod angles;
 mod at_once;
 pub mod variation;
 
+use crate::element::modal::ModalMotion;
 use crate::element::{Rod, RodMotion, Slice, Station};
-use crate::model::{Halves, Joint, Link, Model};
+use crate::model::{Halves, Joint, Link, ModalBody, Model};
 use crate::pages::Pages;
 pub use crate::spatial::link::LinkMotion;
 use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::rotation::rotation_vector;
 use crate::spatial::{Pose, Wrench};
 use angles::Angles;
+pub(crate) use angles::sine_and_cosine;
 pub(crate) use at_once::at_once;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::ops::Range;
@@ -23,6 +25,8 @@ pub struct Motion {
     pub links: Pages<LinkMotion>,
     /// One per flexible element of the model.
     pub rods: Vec<RodMotion>,
+    /// One per modal body of the model.
+    pub modals: Vec<ModalMotion>,
     /// Whether nothing moves.
     pub still: bool,
     /// Of the last positions.
@@ -35,6 +39,7 @@ impl Motion {
         Self {
             links: Pages::filled(LinkMotion::GROUND, model.links.len()),
             rods: model.rods.iter().map(RodMotion::new).collect(),
+            modals: model.modals.iter().map(|modal| ModalMotion::new(&modal.modal)).collect(),
             still: true,
             angles: Angles::new(model),
         }
@@ -48,19 +53,27 @@ impl Motion {
         let state = State { model, q, v };
         let (all, rods, angles) = (&mut self.links[..], &mut self.rods[..], self.angles.all());
         let Some(Halves { hub, links: [one, other], turns, .. }) = &model.halves else {
-            return sweep(&state, 1..model.links.len(), 0, angles, &LinkMotion::GROUND, (all, rods));
+            let elements = (rods, &mut self.modals[..]);
+            return sweep(&state, 1..model.links.len(), 0, angles, &LinkMotion::GROUND, (all, elements));
         };
-        // Halves have no flexible elements.
-        sweep(&state, 1..hub + 1, 0, angles, &LinkMotion::GROUND, (all, &mut []));
+        // Halves have neither flexible elements nor modal bodies.
+        sweep(&state, 1..hub + 1, 0, angles, &LinkMotion::GROUND, (all, (&mut [], &mut [])));
         let (low, rest) = all.split_at_mut(one.start);
         let (first, rest) = rest.split_at_mut(one.len());
         let (second, _) = rest.split_at_mut(other.len());
         let hub = &low[*hub];
         let half = |links: &Range<usize>, turns: usize, own: &mut [LinkMotion]| {
-            sweep(&state, links.clone(), links.start, &angles[turns..], hub, (own, &mut []));
+            sweep(&state, links.clone(), links.start, &angles[turns..], hub, (own, (&mut [], &mut [])));
         };
         at_once(|| half(one, turns[0], first), || half(other, turns[1], second));
-        sweep(&state, other.end..model.links.len(), 0, &angles[turns[2]..], &LinkMotion::GROUND, (all, &mut []));
+        sweep(
+            &state,
+            other.end..model.links.len(),
+            0,
+            &angles[turns[2]..],
+            &LinkMotion::GROUND,
+            (all, (&mut [], &mut [])),
+        );
     }
 
     /// The pose of a named body's root marker.
@@ -76,7 +89,11 @@ impl Motion {
                 + link.mass * v.dot(&w.cross(&motion.center))
                 + 0.5 * w.dot(&(motion.inertia * w))
         };
-        model.links.iter().zip(&self.links).map(of_link).sum::<f64>() + self.kinetic_energy_of_rods(model)
+        let modals = model.modals.iter().zip(&self.modals);
+        let of_modal = |(body, at): (&ModalBody, &ModalMotion)| at.kinetic_energy(&body.modal, &self.links[body.link]);
+        model.links.iter().zip(&self.links).map(of_link).sum::<f64>()
+            + self.kinetic_energy_of_rods(model)
+            + modals.map(of_modal).sum::<f64>()
     }
 
     /// Kinetic energy of the slices inside flexible elements (J).
@@ -109,7 +126,7 @@ fn sweep(
     base: usize,
     angles: &[[f64; 2]],
     outside: &LinkMotion,
-    (own, rods): (&mut [LinkMotion], &mut [RodMotion]),
+    (own, (rods, modals)): (&mut [LinkMotion], (&mut [RodMotion], &mut [ModalMotion])),
 ) {
     let mut turn = 0;
     for (link, index) in state.model.links[links.clone()].iter().zip(links) {
@@ -124,9 +141,34 @@ fn sweep(
                 flexible(state, link, rod, parent, (&mut rods[rod], &mut from_here[0]));
                 continue;
             }
+            Joint::Interface { modal, tip } => {
+                interface(state, link, (modal, tip), parent, (&mut modals[modal], &mut from_here[0]));
+                continue;
+            }
             _ => [0.0, 1.0],
         };
         outboard(link, parent, state.q, state.v, angle, &mut from_here[0]);
+        if let Joint::Modal { modal, count } = link.joint {
+            let (q, v) = (&state.q[link.position..][..count], &state.v[link.velocity..][..count]);
+            modals[modal].update(&state.model.modals[modal].modal, q, v, &from_here[0]);
+        }
+    }
+}
+
+/// From the frame of a modal body to one of its interfaces.
+#[inline(never)]
+fn interface(
+    state: &State<'_>,
+    link: &Link,
+    (modal, tip): (usize, usize),
+    frame: &LinkMotion,
+    (at, own): (&mut ModalMotion, &mut LinkMotion),
+) {
+    let ModalMotion { q, v, tips, .. } = at;
+    tips[tip].update(&state.model.modals[modal].modal.tips[tip], q, v, frame, own);
+    if !link.is_massless() {
+        own.center = own.turn * link.center;
+        own.inertia = link.principal.turned(&Columns::of(&own.turn));
     }
 }
 
@@ -173,8 +215,14 @@ fn outboard(link: &Link, parent: &LinkMotion, q: &[f64], v: &[f64], angle: [f64;
         own.bias = w.cross(swing + slip + slip).vector();
     };
     let (turn, arm) = match &link.joint {
-        // Of elements see `flexible`.
-        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => (hinge, anchor),
+        Joint::Modal { .. } => {
+            own.angular_velocity = parent.angular_velocity;
+            own.relative = Vector3::zeros();
+            stays(own, anchor);
+            (hinge, anchor)
+        }
+        // Of elements see `flexible`, of interfaces `interface`.
+        Joint::None | Joint::Interface { .. } | Joint::Flex { .. } | Joint::Along { .. } => (hinge, anchor),
         Joint::Turn => {
             let z = hinge.0[2];
             own.axis = z.vector();
@@ -281,7 +329,10 @@ pub(crate) fn project(motion: &Motion, link: &Link, index: usize, wrench: &Wrenc
         Joint::Flex { rod, count } => {
             (0..count).for_each(|i| put(link.velocity + i, motion.rods[rod].project(i, wrench)));
         }
-        Joint::None => {}
+        Joint::None | Joint::Modal { .. } => {}
+        Joint::Interface { modal, tip } => {
+            motion.modals[modal].tips[tip].rows(wrench).for_each(|(i, row)| put(link.velocity + i, row));
+        }
         Joint::Turn => put(link.velocity, at.axis.dot(&wrench.moment)),
         Joint::Slide { .. } => put(link.velocity, at.axis.dot(&wrench.force)),
         Joint::Screw { pitch } => {
@@ -298,11 +349,11 @@ pub(crate) fn project(motion: &Motion, link: &Link, index: usize, wrench: &Wrenc
 pub fn displace(model: &Model, q: &mut [f64], step: &[f64]) {
     for link in &model.links {
         match link.joint {
-            Joint::None => {}
+            Joint::None | Joint::Interface { .. } => {}
             Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } | Joint::Along { .. } => {
                 q[link.position] += step[link.velocity];
             }
-            Joint::Flex { count, .. } => {
+            Joint::Flex { count, .. } | Joint::Modal { count, .. } => {
                 let by = &step[link.velocity..link.velocity + count];
                 q[link.position..link.position + count].iter_mut().zip(by).for_each(|(q, by)| *q += by);
             }

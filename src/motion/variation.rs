@@ -52,6 +52,15 @@ pub fn outward(
             out[index] = tip;
             continue;
         }
+        if let Some((modal, tip)) = link.joint.interface() {
+            let (at, frame) = (&motion.modals[modal], &model.links[link.parent]);
+            let carried = (&motion.links[link.parent], &accelerations[link.parent]);
+            let second = &hinge_accelerations[frame.velocity..frame.velocity + frame.joint.counts().1];
+            let by = modal_direction(frame, by);
+            let given = &model.modals[modal].modal.tips[tip];
+            out[index] = at.tips[tip].vary(given, carried, [&at.q, &at.v, second], &out[link.parent], by);
+            continue;
+        }
         let parent = (&motion.links[link.parent], &accelerations[link.parent], out[link.parent]);
         out[index] = outboard(link, &motion.links[index], parent, hinge_accelerations, by);
     }
@@ -62,6 +71,13 @@ pub(crate) fn rod_direction<'a>(link: &Link, by: &Direction<'a>) -> RodDirection
     let own = link.velocity..link.velocity + link.joint.counts().1;
     let part = |list: &'a [f64]| list.get(own.clone()).unwrap_or(&[]);
     RodDirection { position: part(by.position), velocity: part(by.velocity), acceleration: part(by.acceleration) }
+}
+
+/// The part of a direction in the coordinates of a modal body, by the link of its frame.
+pub(crate) fn modal_direction<'a>(frame: &Link, by: &Direction<'a>) -> [&'a [f64]; 3] {
+    let own = frame.velocity..frame.velocity + frame.joint.counts().1;
+    let part = |list: &'a [f64]| list.get(own.clone()).unwrap_or(&[]);
+    [by.position, by.velocity, by.acceleration].map(part)
 }
 
 /// What an element's motion varies about.
@@ -92,8 +108,8 @@ fn outboard(
     let (mut delta_slip, mut delta_spin) = (Vector3::zeros(), Vector3::zeros());
     let (mut delta_slip_rate, mut delta_spin_rate) = (Vector3::zeros(), Vector3::zeros());
     match link.joint {
-        // Of elements see `outward`.
-        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
+        // Of elements and interfaces see `outward`; the frame of a modal body does not move with its coordinates.
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } | Joint::Modal { .. } | Joint::Interface { .. } => {}
         Joint::Turn | Joint::Screw { .. } => {
             let (n, dn) = (own.axis, p.turn.cross(&own.axis));
             turn += n * one(by.position, at);

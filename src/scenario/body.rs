@@ -3,13 +3,17 @@
 use super::findings::Finding;
 use super::hinge::{Hinge, hinge, point};
 use super::mass::{Mass, STAND_IN, burn, mass};
+use super::modal::{Made, modal};
 use super::reader::Reader;
 use super::shape::shapes;
 use crate::model::burn::BurnDescription;
-use crate::model::description::{Attachment, BeamDescription, BodyDescription, Description, GROUND, Point};
+use crate::model::description::{
+    Attachment, BeamDescription, BodyDescription, Description, GROUND, ModalDescription, Point,
+};
 use nalgebra::Vector3;
 use std::collections::HashSet;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A body as it is written once.
 #[derive(Debug)]
@@ -18,6 +22,7 @@ pub(super) struct Template {
     body: BodyDescription,
     unphysical: bool,
     burn: Option<BurnDescription>,
+    modal: Option<Made>,
     next: Option<Point>,
     mass: Mass,
     hinge: Hinge,
@@ -34,6 +39,7 @@ pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
         let readable = burn.as_ref().filter(|burn| burn.timeline.flaw(burn.rows.len()).is_none());
         mass.properties = readable.map_or(STAND_IN, |burn| burn.at(0.0));
     }
+    let modal = modal(table, name, folder);
     let mut hinge = hinge(table, name, repeat);
     // A marker that could not be read is there all the same: others may hang on it.
     let markers = table.names("markers").into_iter();
@@ -45,7 +51,7 @@ pub(super) fn template(table: &Reader<'_>, folder: &Path) -> Option<Template> {
         hinge: hinge.description.clone(),
     };
     let unphysical = table.flag("unphysical").unwrap_or(false);
-    Some(Template { repeat, body, unphysical, burn, next: hinge.next.take(), mass, hinge })
+    Some(Template { repeat, body, unphysical, burn, modal, next: hinge.next.take(), mass, hinge })
 }
 
 impl Template {
@@ -60,6 +66,17 @@ impl Template {
         let first = bodies.len();
         self.expand_bodies(bodies);
         description.burns.extend(self.burn.clone());
+        if let Some(Made { modal, file }) = &self.modal {
+            let of_body = |body: &BodyDescription| ModalDescription {
+                body: body.name.clone(),
+                modal: Arc::clone(modal),
+                file: Some(file.clone()),
+                position: Vec::new(),
+                velocity: Vec::new(),
+            };
+            description.modals.extend(description.bodies[first..].iter().map(of_body));
+        }
+        let bodies = &description.bodies;
         if self.unphysical {
             description.unphysical.extend(bodies[first..].iter().map(|body| body.name.clone()));
         }

@@ -42,6 +42,7 @@ mod hinge;
 mod lint;
 mod lower;
 mod mass;
+mod modal;
 mod model;
 mod motor;
 mod naming;

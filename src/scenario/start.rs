@@ -28,10 +28,10 @@ use super::sources::Sources;
 use super::{check, quantities, syntax};
 use crate::constraint::Constraints;
 use crate::integrate::Method;
-use crate::model::description::{BeamDescription, Description};
+use crate::model::description::Description;
 use crate::model::parameter::{Field, Parameter};
 use crate::model::problem::{Element, Problem};
-use crate::model::{Beam, Body, Link, Model};
+use crate::model::{Beam, Body, Link, ModalBody, Model};
 use crate::simulate::{Grid, Integrator, Resume, State};
 use crate::suggest::closest_of_many;
 use crate::text_file;
@@ -137,7 +137,7 @@ fn text_of(
     out
 }
 
-/// Coordinates of the elements of beams, and their rates where these move.
+/// Coordinates of the elements of beams and of modal bodies, and their rates where these move.
 fn strains(out: &mut String, model: &Model, position: &[f64], velocity: &[f64]) {
     let of = |beam: &Beam, list: &[f64], first: &dyn Fn(&Link) -> usize| -> Vec<f64> {
         let links = beam.elements.iter().map(|element| &model.links[element.link]);
@@ -145,15 +145,21 @@ fn strains(out: &mut String, model: &Model, position: &[f64], velocity: &[f64]) 
     };
     let mut table = |title: &str, lists: Vec<Vec<f64>>| {
         let _ = writeln!(out, "\n[{title}]");
-        for (beam, numbers) in model.beams.iter().zip(lists) {
-            let _ = writeln!(out, "{} = {numbers:?}", quoted(&beam.name));
+        let names = model.beams.iter().map(|beam| &beam.name).chain(model.modals.iter().map(|modal| &modal.name));
+        for (name, numbers) in names.zip(lists) {
+            let _ = writeln!(out, "{} = {numbers:?}", quoted(name));
         }
     };
-    if model.beams.is_empty() {
+    if model.beams.is_empty() && model.modals.is_empty() {
         return;
     }
-    table("strains", model.beams.iter().map(|beam| of(beam, position, &|link| link.position)).collect());
-    let rates: Vec<Vec<f64>> = model.beams.iter().map(|beam| of(beam, velocity, &|link| link.velocity)).collect();
+    let all = |list: &[f64], first: &dyn Fn(&Link) -> usize| -> Vec<Vec<f64>> {
+        let link = |modal: &ModalBody| first(&model.links[modal.link]);
+        let modals = model.modals.iter().map(|modal| list[link(modal)..][..modal.modal.count()].to_vec());
+        model.beams.iter().map(|beam| of(beam, list, first)).chain(modals).collect()
+    };
+    table("strains", all(position, &|link| link.position));
+    let rates = all(velocity, &|link| link.velocity);
     if rates.iter().flatten().any(|rate| *rate != 0.0) {
         table("strain_rates", rates);
     }
@@ -337,10 +343,13 @@ impl File<'_> {
         for beam in &mut self.changed.beams {
             beam.strain_rates.clear();
         }
+        self.changed.modals.iter_mut().for_each(|modal| modal.velocity.clear());
         for (list, needed) in [("strains", true), ("strain_rates", false)] {
             let Some(table) = self.whole.table(list) else {
-                if let Some(beam) = self.changed.beams.first().filter(|_| needed) {
-                    let message = format!("the strains of `{}` are missing", beam.name);
+                let names = self.changed.beams.iter().map(|beam| &beam.name);
+                let mut names = names.chain(self.changed.modals.iter().map(|modal| &modal.body));
+                if let Some(name) = names.next().filter(|_| needed) {
+                    let message = format!("the strains of `{name}` are missing");
                     let help = "a start gives the strains of every beam of the scene, under `[strains]`";
                     self.whole.findings.push(Finding::error(self.whole.key_span("positions"), message).help(help));
                 }
@@ -348,16 +357,21 @@ impl File<'_> {
             };
             for (name, _) in self.whole.names(list) {
                 let Some(numbers) = table.numbers(name) else { continue };
+                if let Some(modal) = self.changed.modals.iter_mut().find(|modal| modal.body == name) {
+                    *if needed { &mut modal.position } else { &mut modal.velocity } = numbers;
+                    continue;
+                }
                 let Some(beam) = self.changed.beams.iter_mut().find(|beam| beam.name == name) else {
-                    let message = format!("the scene has no beam `{name}`");
+                    let message = format!("the scene has no beam and no modal body `{name}`");
                     self.whole.findings.push(Finding::error(table.key_span(name), message));
                     continue;
                 };
                 *if needed { &mut beam.strains } else { &mut beam.strain_rates } = numbers;
             }
-            let missing = |beam: &&BeamDescription| needed && beam.strains.is_empty();
-            for beam in self.changed.beams.iter().filter(missing) {
-                let message = format!("the strains of `{}` are missing", beam.name);
+            let beams = self.changed.beams.iter().filter(|beam| beam.strains.is_empty()).map(|beam| &beam.name);
+            let modals = self.changed.modals.iter().filter(|modal| modal.position.is_empty()).map(|modal| &modal.body);
+            for name in beams.chain(modals).filter(|_| needed) {
+                let message = format!("the strains of `{name}` are missing");
                 self.whole.findings.push(Finding::error(self.whole.key_span(list), message));
             }
         }

@@ -1,23 +1,25 @@
 //! The time loop of one structure.
 
 mod instants;
+mod prepared;
 mod stepper;
+pub(super) mod together;
 mod touching;
 mod turning;
 
 use super::asked::Asked;
 use super::choice::Choice;
-use super::control::Control;
+use super::control::{Control, Function};
 use super::dead_centre;
 use super::error::{RunError, component_name, named};
 use super::events::{Events, Hit, Kind, Occurrence};
-use super::finite;
 use super::instant;
 use super::ledger::{Booked, Ledger, interpolate};
 use super::pace::{Creep, Pace, Turns};
 use super::problem::Motion;
 use super::resting;
 use super::sampler::Sampler;
+use super::search::Search;
 use super::settings::{Integrator, Resume, Settings};
 use super::state::State;
 use super::stiffness::fastest;
@@ -27,6 +29,7 @@ use crate::model::Model;
 use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
 use crate::spatial::Pose;
+use prepared::Prepared;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -38,9 +41,6 @@ const SHORTEST_USEFUL_STEP: f64 = 1e-9;
 
 /// Times that differ by less than this part are one.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-
-/// Rounding of a coordinate on its limit, of one and more.
-const ON_THE_LIMIT: f64 = 1e-12;
 
 /// What a run did.
 #[derive(Debug, Clone)]
@@ -111,75 +111,12 @@ pub(super) fn run_one(
 ) -> Result<Summary, RunError> {
     let Asked { settings, rate, recorder, go_on, search, function } = asked;
     let given = model;
-    let (begin, end) = (settings.begin(), end(model, settings));
-    let mut motion = Motion::new(model);
-    let mut state = start.clone();
-    motion
-        .system
-        .settle(begin, &mut state.position, &mut state.velocity)
-        .map_err(|fault| RunError::Sample { time: begin, fault })?;
-    check_limits(model, &state)?;
-    finite::check_start(model, &state, settings.tolerance)?;
-    let held = if function.is_some() { None } else { resting::held(model, settings, &state)? };
-    let rests = held.is_some();
-    let (held, contacts) = held.map_or_else(|| (Arc::clone(model), Vec::new()), |held| (held.model, held.contacts));
-    let model = &held;
-    if rests {
-        motion = Motion::new(model);
-    }
-    motion.set_tolerance(settings.absolute_tolerance);
-    if model.has_boundaries() {
-        motion.at(begin, &state.position, &state.velocity).keep_laws();
-    }
-    let outcome = instant::resolve(&mut motion, begin, &mut state, settings.absolute_tolerance, None)?;
-    match rests {
-        true => resting::prove(&mut motion, begin, &state)?,
-        false if model.contacts.is_empty() => {}
-        false => touching::allow(&mut motion, model, settings)?,
-    }
-    let mut before = motion.energies(begin, &state.position, &state.velocity);
-    before.kinetic += outcome.lost - outcome.work;
-    let mut ledger = Ledger::new(model, begin, before).going_on(booked);
-    ledger.lose(outcome.lost);
-    ledger.put_in(outcome.work);
-    let mut events = Events::new(model, &state, search, settings.absolute_tolerance);
-    if let Some(events) = &mut events {
-        // What a stop pushes with from the start is no event.
-        events.happened = outcome.happened;
-        events.happened.retain(|occurrence| occurrence.kind != Kind::Contact);
-        events.arm(&mut motion, begin, &state);
-    }
-    let mut run = Run {
-        model,
-        end,
-        gap: motion.at(begin, &state.position, &state.velocity).gap(),
-        ledger,
-        sampler: Sampler::new(model, rate, [begin, end]),
-        state,
-        wall: Duration::ZERO,
-        integrators: Vec::new(),
-        choice: None,
-        statistics: Statistics::default(),
-        events,
-        turns: Turns::new(
-            sides(&model.stops).count() + model.hinge_friction.len() + motion.system.boundaries().count(),
-        ),
-        happened: Vec::new(),
-        stopped_by: None,
-        timetable: Timetable::new(model, [begin, end]),
-        control: Control::new(model, begin, function),
-        carried: None,
-        rests,
-    };
-    run.sampler.contacts = contacts;
-    run.touch(&mut motion, begin, false)?;
-    run.arm(&mut motion, begin);
-    run.control(&mut motion, settings, begin)?;
-    run.sampler.sample(&mut motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
+    let (prepared, mut motion) = Prepared::new(model, settings, start, function.is_none())?;
+    let held = Arc::clone(&prepared.model);
+    let (mut run, energy_start) =
+        Run::begin(&held, &mut motion, settings, rate, (prepared, search, function, booked), recorder)?;
     let resume = run.go(&mut motion, settings, recorder, go_on)?;
-    let outputs = run.sampler.outputs(&mut motion, &run.ledger, resume.time, &run.state)?;
-    let summary = run.summary(&mut motion, settings, resume, before.kinetic + before.potential);
-    Ok(Summary { outputs, model: Arc::clone(given), ..summary })
+    run.end(&mut motion, settings, resume, energy_start, given)
 }
 
 /// The step of a fixed-step method; `None` for an adaptive one.
@@ -232,7 +169,86 @@ struct Run<'m, 'f> {
     rests: bool,
 }
 
+impl<'m, 'f> Run<'m, 'f> {
+    /// Decides what happens at the first instant, and records it; with the energy there (J).
+    fn begin(
+        model: &'m Arc<Model>,
+        motion: &mut Motion,
+        settings: &Settings,
+        rate: f64,
+        (prepared, search, function, booked): (Prepared, Search, Option<Function<'f>>, Option<&Booked>),
+        recorder: &mut dyn Recorder,
+    ) -> Result<(Self, f64), RunError> {
+        let (begin, end) = (settings.begin(), end(model, settings));
+        let Prepared { mut state, contacts, rests, .. } = prepared;
+        motion.set_tolerance(settings.absolute_tolerance);
+        if model.has_boundaries() {
+            motion.at(begin, &state.position, &state.velocity).keep_laws();
+        }
+        let outcome = instant::resolve(motion, begin, &mut state, settings.absolute_tolerance, None)?;
+        match rests {
+            true => resting::prove(motion, begin, &state)?,
+            false if model.contacts.is_empty() => {}
+            false => touching::allow(motion, model, settings)?,
+        }
+        let mut before = motion.energies(begin, &state.position, &state.velocity);
+        before.kinetic += outcome.lost - outcome.work;
+        let mut ledger = Ledger::new(model, begin, before).going_on(booked);
+        ledger.lose(outcome.lost);
+        ledger.put_in(outcome.work);
+        let mut events = Events::new(model, &state, search, settings.absolute_tolerance);
+        if let Some(events) = &mut events {
+            // What a stop pushes with from the start is no event.
+            events.happened = outcome.happened;
+            events.happened.retain(|occurrence| occurrence.kind != Kind::Contact);
+            events.arm(motion, begin, &state);
+        }
+        let mut run = Run {
+            model,
+            end,
+            gap: motion.at(begin, &state.position, &state.velocity).gap(),
+            ledger,
+            sampler: Sampler::new(model, rate, [begin, end]),
+            state,
+            wall: Duration::ZERO,
+            integrators: Vec::new(),
+            choice: None,
+            statistics: Statistics::default(),
+            events,
+            turns: Turns::new(
+                sides(&model.stops).count() + model.hinge_friction.len() + motion.system.boundaries().count(),
+            ),
+            happened: Vec::new(),
+            stopped_by: None,
+            timetable: Timetable::new(model, [begin, end]),
+            control: Control::new(model, begin, function),
+            carried: None,
+            rests,
+        };
+        run.sampler.contacts = contacts;
+        run.touch(motion, begin, false)?;
+        run.arm(motion, begin);
+        run.control(motion, settings, begin)?;
+        run.sampler.sample(motion, &mut run.ledger, begin, &run.state.clone(), recorder)?;
+        Ok((run, before.kinetic + before.potential))
+    }
+}
+
 impl Run<'_, '_> {
+    /// What it did, for the model that was `given`.
+    fn end(
+        mut self,
+        motion: &mut Motion,
+        settings: &Settings,
+        resume: Resume,
+        energy_start: f64,
+        given: &Arc<Model>,
+    ) -> Result<Summary, RunError> {
+        let outputs = self.sampler.outputs(motion, &self.ledger, resume.time, &self.state)?;
+        let summary = self.summary(motion, settings, resume, energy_start);
+        Ok(Summary { outputs, model: Arc::clone(given), ..summary })
+    }
+
     fn summary(self, motion: &mut Motion, settings: &Settings, resume: Resume, energy_start: f64) -> Summary {
         let end_time = resume.time;
         let now = motion.energies(end_time, &self.state.position, &self.state.velocity);
@@ -454,18 +470,4 @@ impl Run<'_, '_> {
         self.ledger.close(&motion.energies(until, &self.state.position, &self.state.velocity));
         Ok(())
     }
-}
-
-/// A run starts within its rigid limits: they are walls.
-fn check_limits(model: &Model, start: &State) -> Result<(), RunError> {
-    for stop in &model.stops {
-        let value = start.position[stop.position];
-        let slack = ON_THE_LIMIT * value.abs().max(1.0);
-        let beyond = value < stop.range[0] - slack || value > stop.range[1] + slack;
-        if beyond && stop.is_rigid() {
-            let hinge = model.bodies[stop.body].name.clone();
-            return Err(RunError::Limit { hinge, value, low: stop.range[0], high: stop.range[1] });
-        }
-    }
-    Ok(())
 }

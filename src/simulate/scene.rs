@@ -5,7 +5,7 @@ use crate::hinge::{HingeKind, Names};
 use crate::model::beam::Section;
 use crate::model::couplings::Closure;
 use crate::model::shape::{Geometry, Shape};
-use crate::model::{Beam, BeamElement, Body, End, Loop, Model, Output};
+use crate::model::{Beam, BeamElement, Body, End, Loop, ModalBody, Model, Output};
 use crate::record::beam::{BeamPicture, ElementPicture, SectionPicture};
 use crate::record::scene::{BodyPicture, Channel, LinePicture, LoadPicture, Scene, ShapePicture};
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
@@ -17,6 +17,8 @@ const THIN: f64 = 0.01;
 /// The ends of a beam's and of a cable's elements are drawn as balls of this part of its length.
 const POINT: f64 = 0.004;
 const CABLE_POINT: f64 = 0.002;
+/// And the interfaces of a modal body of this part of the distance of the furthest one from its root.
+const MODAL_POINT: f64 = 0.01;
 
 /// The still part of a recording whose structure does not change.
 pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
@@ -30,7 +32,7 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
                 name: (*name).to_owned(),
                 unit: (*unit).to_owned(),
             });
-            of_hinge.chain(strains(model, body, units)).collect::<Vec<_>>()
+            of_hinge.chain(strains(model, body, units)).chain(modal(model, body, units)).collect::<Vec<_>>()
         };
         by_position.iter().flat_map(of_body).collect()
     };
@@ -39,7 +41,7 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     Scene {
         title: model.title.clone(),
         bodies: bodies(model),
-        lines: springs.chain(rods).collect(),
+        lines: springs.chain(rods).chain(model.modals.iter().flat_map(arms)).collect(),
         beams: model.beams.iter().map(|one| beam(model, one)).collect(),
         loads: model.forces.iter().filter_map(|force| load(model, &force.name, force.law.picture())).collect(),
         positions: channels(HingeKind::positions, ["m", "rad"]),
@@ -52,23 +54,37 @@ pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
     }
 }
 
-/// All bodies; those of a beam are points of its centre line, for viewers that know no beams.
+/// All bodies; those of a beam are points of its centre line, for viewers that know no beams, those of a modal body its
+/// interfaces.
 fn bodies(model: &Model) -> Vec<BodyPicture> {
     let mut pictures: Vec<_> = model.bodies.iter().map(|body| picture(body, GROUND * model.length_scale())).collect();
+    for modal in &model.modals {
+        let length = modal.modal.tips.iter().map(|tip| tip.place.norm()).fold(modal.modal.center().norm(), f64::max);
+        // What is drawn of the root is its shapes, if it has some: rods to its markers would show where the interfaces were.
+        let is_bare = |body: &&usize| pictures[**body].shapes.is_empty();
+        let bodies = [modal.root, modal.inner];
+        let all: Vec<usize> = bodies.iter().chain(&modal.tips).filter(is_bare).copied().collect();
+        all.into_iter().for_each(|body| pictures[body].shapes = vec![ball(MODAL_POINT * length)]);
+    }
     for beam in &model.beams {
-        let point = ShapePicture {
-            kind: "sphere".to_owned(),
-            size: vec![thickness(model, beam)],
-            file: None,
-            position: [0.0; 3],
-            quaternion: [1.0, 0.0, 0.0, 0.0],
-            color: None,
-        };
+        let point = ball(thickness(model, beam));
         for body in std::iter::once(beam.begin).chain(beam.elements.iter().map(|element| element.body)) {
             pictures[body].shapes = vec![point.clone()];
         }
     }
     pictures
+}
+
+/// A ball about the root marker of its body.
+fn ball(radius: f64) -> ShapePicture {
+    ShapePicture {
+        kind: "sphere".to_owned(),
+        size: vec![radius],
+        file: None,
+        position: [0.0; 3],
+        quaternion: [1.0, 0.0, 0.0, 0.0],
+        color: None,
+    }
 }
 
 /// How often a beam goes around without strain: one that is wound up is that much smaller than it is long.
@@ -114,6 +130,28 @@ fn beam(model: &Model, beam: &Beam) -> BeamPicture {
 fn thickness(model: &Model, beam: &Beam) -> f64 {
     let part = if beam.is_cable { CABLE_POINT } else { POINT };
     part * beam.length / (1.0 + turns(model, beam))
+}
+
+/// A modal body is drawn as lines from its root to its other interfaces.
+fn arms(modal: &ModalBody) -> impl Iterator<Item = LinePicture> + '_ {
+    modal.tips.iter().zip(&modal.modal.tips).map(|(body, tip)| LinePicture {
+        name: format!("{}.{}", modal.name, tip.name),
+        ends: vec![(Some(modal.root), [0.0; 3]), (Some(*body), [0.0; 3])],
+        spring: None,
+        pulls_only: false,
+    })
+}
+
+/// The channels of the coordinates of a modal body, if a body has those: displacements and turns of its interfaces, amplitudes of
+/// its modes.
+fn modal(model: &Model, body: &Body, [length, angle]: [&str; 2]) -> Vec<Channel> {
+    let Some(modal) = model.links[body.link].joint.modal().filter(|_| body.is_element) else { return Vec::new() };
+    let channel = |(name, is_length): &(String, bool)| Channel {
+        body: body.name.clone(),
+        name: name.clone(),
+        unit: if *is_length { length } else { angle }.to_owned(),
+    };
+    model.modals[modal].modal.coordinates.iter().map(channel).collect()
 }
 
 /// One channel for each coordinate of the flexible element that ends at a body, if one does: `bend_y_0` is the mean, `bend_y_1`

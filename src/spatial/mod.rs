@@ -4,6 +4,7 @@
 //! into inertial ones.
 
 pub mod fused;
+pub mod lanes;
 pub mod link;
 pub mod principal;
 pub mod quad;

@@ -35,6 +35,11 @@ impl Principal {
         Self { middle, excess: [first.0, second.0], axes: [first.1, second.1] }
     }
 
+    /// The moment in the middle, what the others have beyond it (kg m²), and the axes of those.
+    pub(crate) fn parts(&self) -> (f64, [f64; 2], [Vector3<f64>; 2]) {
+        (self.middle, self.excess, self.axes)
+    }
+
     /// `R J Rᵀ`.
     #[inline(always)]
     pub fn turned(&self, turn: &Columns) -> Sym3 {

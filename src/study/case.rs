@@ -10,8 +10,8 @@ use crate::model::parameter::Field;
 use crate::model::{Description, Model, Parameter, Problem};
 use crate::scenario::{Diagnostics, Override, Scenario, parse};
 use crate::simulate::outputs::OutputRanges;
-use crate::simulate::{self, State};
-use crate::statics;
+use crate::simulate::{self, State, Summary};
+use crate::statics::{self, Equilibrium};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -28,14 +28,16 @@ pub struct Cases {
     /// What is asked of each.
     pub question: Question,
     columns: Vec<Column>,
-    direct: Option<Direct>,
+    pub(super) direct: Option<Direct>,
+    /// Whether cases are computed side by side.
+    pub(super) together: bool,
 }
 
 /// A plan that sets plain numbers of the scene alone: its scenes need no reading.
 #[derive(Debug)]
-struct Direct {
+pub(super) struct Direct {
     /// A scene of the plan.
-    scenario: Scenario,
+    pub(super) scenario: Scenario,
     /// What each path sets.
     numbers: Vec<Vec<Parameter>>,
 }
@@ -62,8 +64,15 @@ pub struct Row {
     pub cells: Vec<Cell>,
 }
 
+/// A case before its run: its scene, where it starts, and its equilibrium if that is asked for.
+pub(super) struct Begun {
+    pub(super) model: Arc<Model>,
+    pub(super) start: State,
+    found: Option<Equilibrium>,
+}
+
 /// Why a case has no answer.
-enum Failure {
+pub(super) enum Failure {
     /// The reason, and what there is all the same.
     No(String, Option<Vec<Cell>>),
     /// The caller ended it.
@@ -79,7 +88,7 @@ impl Cases {
     /// # Errors
     /// If no case makes a scene, as with an address that is not there, or if two columns would have one name.
     pub fn new(scenario: Scenario, set: Vec<Override>, plan: Plan, question: Question) -> Result<Self, Refusal> {
-        let mut cases = Self { scenario, set, plan, question, columns: Vec::new(), direct: None };
+        let mut cases = Self { scenario, set, plan, question, columns: Vec::new(), direct: None, together: false };
         let scenes = cases.scenes()?;
         let mut columns = vec![Column::new("case", Kind::Whole, "")];
         for (path, number) in cases.plan.paths().zip(cases.plan.are_numbers()) {
@@ -105,6 +114,7 @@ impl Cases {
         }
         cases.columns = columns;
         cases.direct = cases.directly();
+        cases.together = cases.may_go_together();
         Ok(cases)
     }
 
@@ -199,6 +209,17 @@ impl Cases {
         let values = self.plan.values(case);
         let outcome = foreign::caught(|| solve(&values))
             .unwrap_or_else(|message| Err(Failure::No(format!("the case ended in a panic: {message}"), None)));
+        self.row_of(case, values, outcome, started.elapsed())
+    }
+
+    /// The row of an outcome that took so long; `None` if the caller ended it.
+    pub(super) fn row_of(
+        &self,
+        case: u64,
+        values: Vec<Value<'_>>,
+        outcome: Result<Vec<Cell>, Failure>,
+        took: Duration,
+    ) -> Option<Row> {
         let (error, answered) = match outcome {
             Ok(answered) => (None, Some(answered)),
             Err(Failure::No(why, answered)) => (Some(why), answered),
@@ -214,7 +235,7 @@ impl Cases {
         cells.push(Cell::Flag(error.is_none()));
         cells.push(error.clone().map_or(Cell::Empty, |why| Cell::Word(why.into())));
         cells.extend(answers);
-        cells.push(Cell::Number(started.elapsed().as_secs_f64()));
+        cells.push(Cell::Number(took.as_secs_f64()));
         Some(Row { case, error, cells })
     }
 
@@ -272,44 +293,70 @@ impl Cases {
             false => Failure::Interrupted,
             true => no(format!("the time limit of {limit} s for a case ended it")),
         };
-        let (mut model, _) = constraint::assemble(model).map_err(|problems| no(listed(&problems)))?;
-        let mut start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
-        let mut found = None;
-        if self.question.asks_statics(scenario) {
-            let Scenario { statics, unknown, margin, .. } = scenario;
-            let held = statics::answer(description, model, unknown, statics, margin, &goes_on)
-                .map_err(|error| no(format!("statics cannot start: {error}")))?;
-            model = held.model;
-            let here = held.found;
-            if !here.converged {
-                if !goes_on() {
-                    return Err(ended());
-                }
-                let why = here.notes.first().map(|note| format!(": {note}"));
-                let why = format!("no equilibrium found{}", why.unwrap_or_default());
-                let answer = Answer { model, found: Some(here), run: None, outputs: Vec::new() };
-                return Err(Failure::No(why, self.cells(scenario, &answer).ok()));
-            }
-            start = State { position: here.position.clone(), velocity: here.velocity.clone() };
-            found = Some(here);
+        let begun = self.begin(scenario, description, model, &goes_on, &ended)?;
+        if !self.question.run {
+            return self.still(scenario, begun);
         }
-        let (mut run, mut outputs) = (None, Vec::new());
-        if let Some(found) = found.as_ref().filter(|_| !self.question.run) {
-            outputs = statics::outputs(&model, found).map_err(|fault| no(fault.to_string()))?;
+        let (settings, rate) = (&scenario.simulate, scenario.record.rate);
+        let mut ranges = OutputRanges::default();
+        let summary = simulate::run(&begun.model, settings, rate, &begun.start, &mut ranges, &mut |_, _| goes_on())
+            .map_err(|error| no(error.to_string()))?;
+        match summary.interrupted {
+            true => Err(ended()),
+            false => self.ran(scenario, begun, summary, &ranges),
         }
-        if self.question.run {
-            let (settings, rate) = (&scenario.simulate, scenario.record.rate);
-            let mut ranges = OutputRanges::default();
-            let summary =
-                simulate::run(&model, settings, rate, &start, &mut ranges, &mut |_: f64, _: &State| goes_on())
-                    .map_err(|error| no(error.to_string()))?;
-            if summary.interrupted {
-                return Err(ended());
-            }
-            outputs = ranges.columns(&model, &summary.outputs).into_iter().map(|(_, value)| value).collect();
-            run = Some(summary);
+    }
+
+    /// The scene with its loops closed, and its equilibrium if that is asked for.
+    pub(super) fn begin(
+        &self,
+        scenario: &Scenario,
+        description: Description,
+        model: Arc<Model>,
+        goes_on: &dyn Fn() -> bool,
+        ended: &dyn Fn() -> Failure,
+    ) -> Result<Begun, Failure> {
+        let (model, _) = constraint::assemble(model).map_err(|problems| no(listed(&problems)))?;
+        let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+        if !self.question.asks_statics(scenario) {
+            return Ok(Begun { model, start, found: None });
         }
-        self.cells(scenario, &Answer { model, found, run, outputs }).map_err(no)
+        let Scenario { statics, unknown, margin, .. } = scenario;
+        let held = statics::answer(description, model, unknown, statics, margin, goes_on)
+            .map_err(|error| no(format!("statics cannot start: {error}")))?;
+        let (model, found) = (held.model, held.found);
+        if found.converged {
+            let start = State { position: found.position.clone(), velocity: found.velocity.clone() };
+            return Ok(Begun { model, start, found: Some(found) });
+        }
+        if !goes_on() {
+            return Err(ended());
+        }
+        let why = found.notes.first().map(|note| format!(": {note}"));
+        let why = format!("no equilibrium found{}", why.unwrap_or_default());
+        let answer = Answer { model, found: Some(found), run: None, outputs: Vec::new() };
+        Err(Failure::No(why, self.cells(scenario, &answer).ok()))
+    }
+
+    /// The answer of a case that is not simulated.
+    fn still(&self, scenario: &Scenario, begun: Begun) -> Result<Vec<Cell>, Failure> {
+        let Begun { model, found, .. } = begun;
+        let outputs = found.as_ref().map(|found| statics::outputs(&model, found)).transpose();
+        let outputs = outputs.map_err(|fault| no(fault.to_string()))?.unwrap_or_default();
+        self.cells(scenario, &Answer { model, found, run: None, outputs }).map_err(no)
+    }
+
+    /// The answer of a case whose run has ended.
+    pub(super) fn ran(
+        &self,
+        scenario: &Scenario,
+        begun: Begun,
+        summary: Summary,
+        ranges: &OutputRanges,
+    ) -> Result<Vec<Cell>, Failure> {
+        let Begun { model, found, .. } = begun;
+        let outputs = ranges.columns(&model, &summary.outputs).into_iter().map(|(_, value)| value).collect();
+        self.cells(scenario, &Answer { model, found, run: Some(summary), outputs }).map_err(no)
     }
 
     /// What else the answers follow from, for the hash of a study: the text of the scenario, its changes, and the files that
@@ -328,7 +375,7 @@ impl Cases {
 
 impl Direct {
     /// The scene with these values; `None` if they are no numbers.
-    fn description(&self, values: &[Value<'_>]) -> Option<Description> {
+    pub(super) fn description(&self, values: &[Value<'_>]) -> Option<Description> {
         let mut description = self.scenario.description.clone();
         for (numbers, value) in self.numbers.iter().zip(values) {
             let number = match value {
@@ -351,7 +398,7 @@ fn written(values: &[Value<'_>]) -> Vec<String> {
 }
 
 /// A case without any answer.
-fn no(why: String) -> Failure {
+pub(super) fn no(why: String) -> Failure {
     Failure::No(why, None)
 }
 

@@ -170,6 +170,7 @@ impl Dataset {
             "seed": plan.draw.seed,
             "run": run,
             "time_limit": time_limit.is_finite().then_some(time_limit),
+            "side_by_side": cases.width(),
             "cases": self.cases,
             "rows_per_part": self.rows,
             "parts": self.parts(),

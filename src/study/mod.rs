@@ -14,6 +14,7 @@
 //! | [`plan`] | which cases there are |
 //! | [`answer`] | the columns of an answer, and what stands in them |
 //! | [`case`] | one case: its scene, its answer, its row, whatever happens on the way |
+//! | `together` | cases whose runs are computed side by side |
 //! | [`pool`] | threads over cases |
 //! | [`fit`] | numbers of a scene that bring its answers closest to measurements |
 //! | `dataset`, `parquet`, `reader` | rows on disk, written and read (feature `parquet`) |
@@ -40,6 +41,7 @@ pub mod reader;
 pub mod sample;
 pub mod sobol;
 pub mod statistics;
+mod together;
 
 pub use answer::Question;
 pub use axis::Axis;

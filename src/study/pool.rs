@@ -42,11 +42,12 @@ pub fn answer<E: Send>(
     let work = Mutex::new(Work { parts, current: None, open: HashMap::new(), ended: None });
     let one = || {
         loop {
-            let next = lock(&work).next();
-            let Some((part, case)) = next else { return };
-            let row = cases.row(case, go_on);
-            progress();
-            let complete = lock(&work).put(part, row);
+            let next = lock(&work).next(cases.width() as u64);
+            let Some((part, some)) = next else { return };
+            let count = some.end - some.start;
+            let rows = cases.rows(some, go_on);
+            (0..count).for_each(|_| progress());
+            let complete = lock(&work).put(part, rows);
             if let Some(rows) = complete
                 && let Err(error) = take(part, rows)
             {
@@ -72,16 +73,18 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl<P: Iterator<Item = Part>, E> Work<P, E> {
-    /// The next case and its part.
-    fn next(&mut self) -> Option<(u64, u64)> {
+    /// The next cases, so many of one part or what remains of it, and that part.
+    fn next(&mut self, most: u64) -> Option<Part> {
         if self.ended.is_some() {
             return None;
         }
         loop {
             if let Some((part, cases)) = &mut self.current
-                && let Some(case) = cases.next()
+                && !cases.is_empty()
             {
-                return Some((*part, case));
+                let some = cases.start..cases.end.min(cases.start + most);
+                cases.start = some.end;
+                return Some((*part, some));
             }
             let (part, cases) = self.parts.next()?;
             self.open.insert(part, (Vec::new(), cases.end - cases.start));
@@ -89,15 +92,15 @@ impl<P: Iterator<Item = Part>, E> Work<P, E> {
         }
     }
 
-    /// Keeps a row; all rows of the part, in order, if it was the last one.
-    fn put(&mut self, part: u64, row: Option<Row>) -> Option<Vec<Row>> {
-        let Some(row) = row else {
+    /// Keeps rows; all rows of the part, in order, if they were the last ones.
+    fn put(&mut self, part: u64, some: Option<Vec<Row>>) -> Option<Vec<Row>> {
+        let Some(some) = some else {
             self.ended.get_or_insert(Ended::Interrupted);
             return None;
         };
         let (rows, missing) = self.open.get_mut(&part)?;
-        rows.push(row);
-        *missing -= 1;
+        *missing -= some.len() as u64;
+        rows.extend(some);
         if *missing > 0 {
             return None;
         }

@@ -20,6 +20,8 @@ pub struct Balance {
     pub rods: Vec<RodBalance>,
     /// Whether some links carry bodies that are far heavier.
     is_light: bool,
+    /// Second rates of the coordinates of modal bodies.
+    pub modals: Vec<Vec<f64>>,
 }
 
 impl Balance {
@@ -31,6 +33,7 @@ impl Balance {
             reactions: Pages::filled(Wrench::ZERO, n),
             rods: model.rods.iter().map(RodBalance::new).collect(),
             is_light: has_light_links(model),
+            modals: model.modals.iter().map(|modal| vec![0.0; modal.modal.count()]).collect(),
         }
     }
 
@@ -61,7 +64,7 @@ impl Balance {
             // Along a chain the parent's acceleration is still in registers.
             let parent = if link.parent + 1 == index { before } else { self.accelerations[link.parent] };
             let mut a = inboard(at, &parent, true);
-            accelerate(link, at, &motion.rods, hinge, &mut a);
+            accelerate(link, at, motion, hinge, &mut a);
             self.accelerations[index] = a;
             before = a;
             let (mass, J) = (Quad::all(link.mass), Columns::symmetric(&at.inertia));
@@ -73,6 +76,11 @@ impl Balance {
             let turning = J.times_add(&a.angular, c.cross(mass * linear));
             let moment = turning + w.cross_add(J.times(&at.angular_velocity), g.cross(mass * c));
             self.reactions[index] = wrench(force, moment) - applied[index];
+            if let Joint::Modal { modal, count } = link.joint {
+                let second = &hinge[link.velocity..link.velocity + count];
+                let body = &model.modals[modal].modal;
+                self.reactions[index] += motion.modals[modal].wrench(body, Some(&model.gravity), &a, second);
+            }
         }
     }
 
@@ -82,11 +90,20 @@ impl Balance {
         let mut carried = (Quad::default(), Quad::default());
         for index in (1..model.links.len()).rev() {
             let (link, at) = (&model.links[index], &motion.links[index]);
-            let f = &mut self.reactions[index];
+            let f = self.reactions[index];
             let (mut force, mut moment) = (Quad::of(&f.force) + carried.0, Quad::of(&f.moment) + carried.1);
-            *f = wrench(force, moment);
+            let f = wrench(force, moment);
+            self.reactions[index] = f;
             match link.joint {
-                Joint::None => {}
+                Joint::None | Joint::Interface { .. } => {}
+                Joint::Modal { modal, count } => {
+                    let own = link.velocity..link.velocity + count;
+                    let (body, here) = (&model.modals[modal], &motion.modals[modal]);
+                    let (a, rows) = (&self.accelerations[index], &mut residual[own.clone()]);
+                    self.modals[modal].copy_from_slice(&hinge[own.clone()]);
+                    here.rows(&body.modal, Some(&model.gravity), a, &hinge[own], rows);
+                    here.pull(body.links.iter().map(|link| &self.reactions[*link]), rows);
+                }
                 Joint::Turn => residual[link.velocity] = Quad::of(&at.axis).dot(moment),
                 Joint::Slide { .. } => residual[link.velocity] = Quad::of(&at.axis).dot(force),
                 Joint::Screw { pitch } => {
@@ -101,7 +118,7 @@ impl Balance {
                     let own = link.velocity..link.velocity + link.joint.counts().1;
                     let given = (&model.rods[rod], &motion.rods[rod]);
                     let (parent, rows) = (&self.accelerations[link.parent], &mut residual[own.clone()]);
-                    let passed = self.rods[rod].inward(given, &model.gravity, parent, &hinge[own], f, rows);
+                    let passed = self.rods[rod].inward(given, &model.gravity, parent, &hinge[own], &f, rows);
                     // As seen at the tip.
                     let passed = passed.shifted(-at.arm);
                     (force, moment) = (Quad::of(&passed.force), Quad::of(&passed.moment));

@@ -28,7 +28,18 @@ impl MassAction {
         for index in 1..model.links.len() {
             let (link, at) = (&model.links[index], &motion.links[index]);
             let mut a = inboard(at, &self.a[link.parent], false);
-            accelerate(link, at, &motion.rods, x, &mut a);
+            accelerate(link, at, motion, x, &mut a);
+            if let Joint::Modal { modal, count } = link.joint {
+                let second = &x[link.velocity..link.velocity + count];
+                self.a[index] = a;
+                self.f[index] = motion.modals[modal].wrench(&model.modals[modal].modal, None, &a, second);
+                let rigid = Wrench {
+                    force: link.mass * (a.linear + a.angular.cross(&at.center)),
+                    moment: link.mass * at.center.cross(&a.linear) + at.inertia * a.angular,
+                };
+                self.f[index] += rigid;
+                continue;
+            }
             let force = link.mass * (a.linear + a.angular.cross(&at.center));
             let moment = link.mass * at.center.cross(&a.linear) + at.inertia * a.angular;
             self.a[index] = a;
@@ -39,6 +50,15 @@ impl MassAction {
             let mut f = self.f[index];
             match link.joint {
                 Joint::None => {}
+                // At the frame, whose link comes after those of its interfaces.
+                Joint::Interface { .. } => {}
+                Joint::Modal { modal, count } => {
+                    let own = link.velocity..link.velocity + count;
+                    let (body, at) = (&model.modals[modal], &motion.modals[modal]);
+                    let (second, rows) = (&x[own.clone()], &mut product[own]);
+                    at.rows(&body.modal, None, &self.a[index], second, rows);
+                    at.pull(body.links.iter().map(|link| &self.f[*link]), rows);
+                }
                 Joint::Ball { .. } => {
                     product[link.velocity..link.velocity + 3].copy_from_slice(at.turn.tr_mul(&f.moment).as_slice());
                 }

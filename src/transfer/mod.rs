@@ -38,6 +38,7 @@ pub mod balance;
 pub mod element;
 pub mod flexible;
 pub mod jacobian;
+pub mod lanes;
 pub mod mass;
 pub mod plain;
 mod plan;
@@ -48,9 +49,8 @@ pub mod variation;
 pub use crate::motion::variation::LinkAcceleration;
 pub use reduce::{Reduction, Singular};
 
-use crate::element::RodMotion;
 use crate::model::{Joint, Link};
-use crate::motion::LinkMotion;
+use crate::motion::{LinkMotion, Motion};
 use crate::spatial::Wrench;
 use crate::spatial::fused::{cross_add, dot, fma, scale_add, times_add};
 use nalgebra::Vector3;
@@ -85,10 +85,11 @@ fn lever(d: &Vector3<f64>, f: &Vector3<f64>) -> Vector3<f64> {
 
 /// Adds `H q̈`.
 #[inline(always)]
-fn accelerate(link: &Link, at: &LinkMotion, rods: &[RodMotion], hinge: &[f64], a: &mut LinkAcceleration) {
+fn accelerate(link: &Link, at: &LinkMotion, motion: &Motion, hinge: &[f64], a: &mut LinkAcceleration) {
     let first = link.velocity;
     match link.joint {
-        Joint::None => {}
+        Joint::None | Joint::Modal { .. } => {}
+        Joint::Interface { modal, tip } => motion.modals[modal].tips[tip].accelerate(&hinge[first..], a),
         Joint::Turn => a.angular = scale_add(hinge[first], &at.axis, &a.angular),
         Joint::Slide { .. } => a.linear = scale_add(hinge[first], &at.axis, &a.linear),
         Joint::Screw { pitch } => {
@@ -99,7 +100,7 @@ fn accelerate(link: &Link, at: &LinkMotion, rods: &[RodMotion], hinge: &[f64], a
             let relative = Vector3::new(hinge[first], hinge[first + 1], hinge[first + 2]);
             a.angular = times_add(&at.turn, &relative, &a.angular);
         }
-        Joint::Along { rod } => flexible::accelerate(&rods[rod], &hinge[first..=first], a),
-        Joint::Flex { rod, count } => flexible::accelerate(&rods[rod], &hinge[first..first + count], a),
+        Joint::Along { rod } => flexible::accelerate(&motion.rods[rod], &hinge[first..=first], a),
+        Joint::Flex { rod, count } => flexible::accelerate(&motion.rods[rod], &hinge[first..first + count], a),
     }
 }

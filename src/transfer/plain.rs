@@ -106,7 +106,9 @@ fn motion_subspace(link: &Link, at: &LinkMotion) -> Matrix6xX<f64> {
     let zero = Vector3::zeros();
     match link.joint {
         // Elements are beyond the printed method: `flexible` has its equations.
-        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => Matrix6xX::zeros(0),
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } | Joint::Modal { .. } | Joint::Interface { .. } => {
+            Matrix6xX::zeros(0)
+        }
         Joint::Turn => Matrix6xX::from_columns(&[stacked(&zero, &at.axis)]),
         Joint::Slide { .. } => Matrix6xX::from_columns(&[stacked(&at.axis, &zero)]),
         Joint::Screw { pitch } => Matrix6xX::from_columns(&[stacked(&(pitch * at.axis), &at.axis)]),

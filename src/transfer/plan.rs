@@ -29,8 +29,10 @@ pub(super) struct Place {
     pub join: Option<u32>,
     /// Where it passes on what it carries.
     pub to: To,
-    /// Index of a ball among the balls; of a flexible element among those.
+    /// Index of a ball among the balls; of a flexible element or a modal body among those.
     pub ball: u32,
+    /// Index of an interface among those of its modal body.
+    pub tip: u32,
     /// Its parent, its first velocity and what moves there, the armature of a single coordinate (kg or kg m²) and its mass (kg):
     /// compared with the rest, for a link as a whole is long.
     pub parent: u32,
@@ -52,6 +54,8 @@ pub(super) enum Kind {
     Screw,
     Ball,
     Flex,
+    Modal,
+    Interface,
 }
 
 /// Where a link passes on what it carries.
@@ -108,6 +112,11 @@ fn is_delicate(model: &Model, index: usize) -> bool {
     !central.inverse().is_some_and(|(_, pivots)| pivots.min() > 0.0)
 }
 
+/// The index of what a joint's coordinates belong to.
+fn element_of(joint: &Joint) -> Option<usize> {
+    joint.rod().or_else(|| joint.modal()).or_else(|| joint.interface().map(|(modal, _)| modal))
+}
+
 /// The places of all links, the number of sums, and the number of balls.
 pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
     let (mut joins, mut balls) = (0, 0);
@@ -133,6 +142,8 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             Joint::Screw { .. } => Kind::Screw,
             Joint::Ball { .. } => Kind::Ball,
             Joint::Flex { .. } | Joint::Along { .. } => Kind::Flex,
+            Joint::Modal { .. } => Kind::Modal,
+            Joint::Interface { .. } => Kind::Interface,
         };
         let (parent, velocity, is_massless) = (link.parent as u32, link.velocity as u32, link.is_massless());
         let axial = link.inertia.zz / link.inertia.trace();
@@ -146,7 +157,8 @@ pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
             translates,
             join,
             to,
-            ball: link.joint.rod().map_or(balls, |rod| rod as u32),
+            ball: element_of(&link.joint).map_or(balls, |element| element as u32),
+            tip: link.joint.interface().map_or(0, |(_, tip)| tip as u32),
             parent,
             velocity,
             kind,

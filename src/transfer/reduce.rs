@@ -6,9 +6,10 @@ mod part;
 mod refine;
 mod way;
 
+pub(super) use refine::SOFT;
 pub use way::parts;
 
-use super::flexible::RodPivot;
+use super::flexible::{ModalPivot, RodPivot};
 use super::plan::{Place, plan};
 use super::{LinkAcceleration, along};
 use crate::model::{Halves, Joint, Link, Model};
@@ -24,15 +25,15 @@ use std::ops::Range;
 
 /// A pivot below this part of the moment of inertia (or mass) that the hinge could see is round-off: four units in the
 /// last place of the sums it is the difference of.
-const SINGULAR: f64 = 4.0 * f64::EPSILON;
+pub(super) const SINGULAR: f64 = 4.0 * f64::EPSILON;
 
 /// The pivot of a turn or screw below this part of it, and its square below this part of the square of `S H`, lost a digit or more.
 /// Where such pivots follow each other hardly any may be left: accelerations with one are looked at, and refined where
 /// that is so.
-const LOST: f64 = 1.0 / 16.0;
+pub(super) const LOST: f64 = 1.0 / 16.0;
 
 /// A pivot of a ball below this part of it has lost digits: its three axes are eliminated at once, and a dozen units in the last place over this are 10⁻¹⁰.
-const LOST_BY_BALL: f64 = 1e-5;
+pub(super) const LOST_BY_BALL: f64 = 1e-5;
 
 /// The factorized tree: hinge pivots at one position.
 #[derive(Debug, Clone)]
@@ -43,6 +44,7 @@ pub struct Reduction {
     hinges: Pages<One>,
     balls: Vec<Ball>,
     rods: Vec<RodPivot>,
+    modals: Vec<ModalPivot>,
     /// What arrives at links with several children from all but the first; nothing between two sweeps.
     joins: Vec<Carried>,
     /// Where the halves of a large tree begin, and what follows them.
@@ -126,6 +128,7 @@ impl Reduction {
             hinges: Pages::filled(One::default(), n),
             balls: vec![Ball::default(); balls],
             rods: model.rods.iter().map(RodPivot::new).collect(),
+            modals: model.modals.iter().map(|modal| ModalPivot::new(&modal.modal)).collect(),
             joins: vec![Carried::default(); joins],
             e: Pages::filled(Wrench::ZERO, n),
             a: Pages::filled(LinkAcceleration::default(), n),
@@ -165,15 +168,16 @@ impl Reduction {
         let lost = self.eliminate(model, motion, load);
         if lost.is_err() {
             self.joins.fill(Carried::default());
+            self.modals.iter_mut().for_each(ModalPivot::forget);
         }
         lost
     }
 
     #[inline(always)]
     fn eliminate(&mut self, model: &Model, motion: &Motion, load: &Load<'_>) -> Result<Lost, Singular> {
-        let Self { plan, hinges, balls, rods, joins, firsts, .. } = self;
+        let Self { plan, hinges, balls, rods, modals, joins, firsts, .. } = self;
         let scene = Scene { model, motion, plan };
-        let mut all = Part { first: First::default(), hinges, balls, rods, joins };
+        let mut all = Part { first: First::default(), hinges, balls, rods, modals, joins };
         let Some(Halves { hub, links: [one, other], .. }) = &model.halves else {
             return all.inward(&scene, load, 1..model.links.len(), Carried::default()).map(|passed| passed.lost);
         };
@@ -205,6 +209,10 @@ impl Reduction {
             let mut e = self.e[index];
             match link.joint {
                 Joint::None => {}
+                Joint::Interface { modal, tip } => {
+                    self.modals[modal].load_interface(&motion.modals[modal], tip, &e);
+                }
+                Joint::Modal { modal, .. } => e += self.modals[modal].load(&load.tau[link.velocity..]),
                 Joint::Flex { rod, .. } | Joint::Along { rod } => {
                     let tau = &load.tau[link.velocity..link.velocity + link.joint.counts().1];
                     self.e[link.parent] += self.rods[rod].load(&motion.rods[rod], tau, &e);
@@ -226,20 +234,22 @@ impl Reduction {
     /// Root → tips: eq. (8).
     #[inline(always)]
     fn outward<const BIAS: bool>(&mut self, model: &Model, motion: &Motion, hinge: &mut [f64]) {
-        let Self { plan, hinges, balls, rods, a, .. } = self;
+        let Self { plan, hinges, balls, rods, modals, a, .. } = self;
         let scene = Scene { model, motion, plan };
         let outside = LinkAcceleration::default();
         a[0] = outside;
         let links = 1..model.links.len();
         let Some(Halves { hub, links: [one, other], velocities, .. }) = &model.halves else {
-            return Outward { hinges, balls, rods, base: 0, outside, a, velocity: 0, hinge }
+            return Outward { hinges, balls, rods, modals, base: 0, outside, a, velocity: 0, hinge }
                 .sweep::<BIAS>(&scene, links);
         };
-        Outward { hinges, balls, rods, base: 0, outside, a, velocity: 0, hinge }.sweep::<BIAS>(&scene, 1..hub + 1);
+        Outward { hinges, balls, rods, modals, base: 0, outside, a, velocity: 0, hinge }
+            .sweep::<BIAS>(&scene, 1..hub + 1);
         let (low, rest) = a.split_at_mut(one.start);
         let (first, rest) = rest.split_at_mut(one.len());
         let half = |links: &Range<usize>, a, velocity, hinge| {
-            let half = Outward { hinges, balls, rods, base: links.start, outside: low[*hub], a, velocity, hinge };
+            let half =
+                Outward { hinges, balls, rods, modals, base: links.start, outside: low[*hub], a, velocity, hinge };
             half.sweep::<BIAS>(&scene, links.clone());
         };
         let (before, other_hinge) = hinge.split_at_mut(velocities[1].start);
@@ -248,7 +258,7 @@ impl Reduction {
             || half(one, first, velocities[0].start, one_hinge),
             || half(other, &mut rest[..other.len()], velocities[1].start, &mut other_hinge[..velocities[1].len()]),
         );
-        Outward { hinges, balls, rods, base: 0, outside, a, velocity: 0, hinge }
+        Outward { hinges, balls, rods, modals, base: 0, outside, a, velocity: 0, hinge }
             .sweep::<BIAS>(&scene, other.end..links.end);
     }
 
@@ -263,7 +273,11 @@ impl Reduction {
         for (index, link) in model.links.iter().enumerate().skip(1) {
             let first = link.velocity;
             match link.joint {
-                Joint::None => {}
+                Joint::None | Joint::Interface { .. } => {}
+                Joint::Modal { modal, .. } => {
+                    let seen = self.modals[modal].inertia();
+                    out[first..first + seen.len()].copy_from_slice(seen);
+                }
                 Joint::Ball { .. } => {
                     let seen = self.balls[self.plan[index].ball as usize].inertia(&motion.links[index]);
                     for i in 0..3 {

@@ -27,6 +27,7 @@ mod applied;
 mod eliminate;
 mod hinge;
 mod matrix;
+mod modal;
 mod parts;
 mod rod;
 mod weight;
@@ -43,6 +44,7 @@ use crate::spatial::Wrench;
 use crate::spatial::quad::Quad;
 use eliminate::{eliminate_ball, eliminate_one};
 use hinge::{Around, Left, Three, Way};
+use modal::ModalTangent;
 use nalgebra::{Matrix3, Vector3};
 use parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
 use rod::RodTangent;
@@ -88,6 +90,7 @@ pub struct Tangent {
     left: Pages<Left>,
     balls: Vec<Three>,
     rods: Vec<RodTangent>,
+    modals: Vec<ModalTangent>,
     /// Under weight alone.
     weight: Weight,
     /// Of every link what [`Joint::pitch`](crate::model::Joint::pitch) says; empty without screws.
@@ -141,6 +144,7 @@ impl Tangent {
             left: Pages::filled(Left::default(), n),
             balls: vec![Three::default(); balls],
             rods: model.rods.iter().map(RodTangent::new).collect(),
+            modals: model.modals.iter().map(|modal| ModalTangent::new(&modal.modal)).collect(),
             weight: Weight::default(),
             loads: vec![(Quad::default(), Quad::default()); joins],
             z: Pages::filled(Varied::default(), n),
@@ -161,6 +165,7 @@ impl Tangent {
     pub fn factorize(&mut self, model: &Model, at: &At<'_>, definite: bool) -> Result<(), Breakdown> {
         let placed = !at.applied.is_empty() || model.rods.iter().any(|rod| rod.load != Vector3::zeros());
         let accelerated = !model.rods.is_empty()
+            || !model.modals.is_empty()
             || !at.motion.still
             || at.c1 != 0.0
             || at.c2 != 0.0
@@ -183,6 +188,7 @@ impl Tangent {
         if std::mem::replace(&mut self.broken, true) {
             self.joins.fill(Carried::default());
         }
+        self.modals.iter_mut().for_each(ModalTangent::clear);
         let mut springs = at.ball_springs.iter().rev().peekable();
         let mut forces = at.applied.iter().rev().peekable();
         let mut couplings = at.coupled.iter().rev().peekable();
@@ -240,6 +246,16 @@ impl Tangent {
                     self.flexible::<PARTS>(model, at, index, definite, &mut S)?;
                     continue;
                 }
+                Kind::Interface => {
+                    let Some((modal, tip)) = model.links[index].joint.interface() else { continue };
+                    left.swing = self.modals[modal].interface::<PARTS>(model, at, (modal, tip, index), &S);
+                }
+                Kind::Modal => {
+                    let modal = place.ball as usize;
+                    let negative = self.modals[modal].eliminate::<PARTS>(model, at, (modal, index), &mut S);
+                    let negative = negative.filter(|negative| !definite || *negative == 0);
+                    self.negative += negative.ok_or(Breakdown { link: index, axis: None })?;
+                }
             }
             if matches!(place.to, To::Ground) {
                 continue;
@@ -288,6 +304,9 @@ impl Tangent {
         let (place, mut z) = (self.plan[root], Varied::default());
         let first = place.velocity as usize;
         match breakdown.axis {
+            None if place.kind == Kind::Modal => {
+                self.modals[place.ball as usize].negative_direction(&mut x[first..]);
+            }
             None if place.kind == Kind::Flex => {
                 z = self.rods[place.ball as usize].negative_direction(&mut x[first..]);
             }
@@ -307,6 +326,7 @@ impl Tangent {
             match self.plan[index].kind {
                 Kind::Ball => self.balls[self.plan[index].ball as usize].u = Quad::default(),
                 Kind::Flex => self.rods[self.plan[index].ball as usize].u.fill(0.0),
+                Kind::Modal => self.modals[self.plan[index].ball as usize].u.fill(0.0),
                 _ => {}
             }
         }
@@ -365,6 +385,12 @@ impl Tangent {
                     (force, moment) = (ball.w.force.times_add(&step, force), ball.w.moment.times_add(&step, moment));
                 }
                 Kind::Flex => (force, moment) = self.rods[place.ball as usize].load(&x[first..], (force, moment)),
+                Kind::Interface => {
+                    self.modals[place.ball as usize].load_interface(place.tip as usize, (force, moment));
+                }
+                Kind::Modal => {
+                    (force, moment) = self.modals[place.ball as usize].load(&x[first..], (force, moment));
+                }
             }
             moment = Quad::of(&left.arm).cross_add(force, moment);
             if let To::Join(join) = place.to {
@@ -398,6 +424,10 @@ impl Tangent {
                     ball.turn_by(&mut z, phi);
                 }
                 Kind::Flex => self.rods[place.ball as usize].solve::<PARTS>(inboard, &mut x[first..], &mut z),
+                Kind::Modal => self.modals[place.ball as usize].solve::<PARTS>(&z, &mut x[first..]),
+                Kind::Interface => {
+                    self.modals[place.ball as usize].follow::<PARTS>(place.tip as usize, &x[first..], &mut z);
+                }
             }
             if PARTS & PLACES != 0 || place.join.is_some() {
                 self.z[index] = z;

@@ -12,7 +12,7 @@
 use super::balance::Balance;
 use crate::element::{Rod, RodPoint, joined, row};
 use crate::model::{Joint, Link, Model};
-use crate::motion::variation::{Direction, LinkAcceleration, LinkVariation, outward, rod_direction};
+use crate::motion::variation::{Direction, LinkAcceleration, LinkVariation, modal_direction, outward, rod_direction};
 use crate::motion::{LinkMotion, Motion};
 use crate::pages::Pages;
 use crate::spatial::Wrench;
@@ -95,6 +95,10 @@ impl Variation {
         let mut above = model.links[root].parent;
         while above != 0 {
             self.wrenches[above] = Wrench::ZERO;
+            if let Some(modal) = model.links[above].joint.modal() {
+                let others = model.modals[modal].links.iter().filter(|link| !subtree.contains(*link));
+                others.for_each(|link| self.wrenches[*link] = Wrench::ZERO);
+            }
             above = model.links[above].parent;
         }
         for index in subtree.rev() {
@@ -129,6 +133,9 @@ impl Variation {
         out: &mut [f64],
     ) {
         let (link, at, f) = (&model.links[index], &motion.links[index], &balance.reactions[index]);
+        if let Some(modal) = link.joint.modal() {
+            self.pass_modal(model, motion, balance, by, (index, modal), out);
+        }
         if let Some(rod) = link.joint.rod() {
             let passed = self.pass_through(model, motion, balance, by, (index, rod), out);
             self.wrenches[link.parent] += passed;
@@ -141,7 +148,7 @@ impl Variation {
         let along = || at.axis.dot(&delta.force) + axis_by.dot(&f.force);
         match link.joint {
             // Of elements see `pass_through`.
-            Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
+            Joint::None | Joint::Flex { .. } | Joint::Along { .. } | Joint::Modal { .. } | Joint::Interface { .. } => {}
             Joint::Turn => out[first] = about(),
             Joint::Slide { .. } => out[first] = along(),
             Joint::Screw { pitch } => out[first] = about() + pitch * along(),
@@ -152,8 +159,35 @@ impl Variation {
         }
         accelerate_armatures(model, link, by, out);
         let mut passed = delta.shifted(at.arm);
-        passed.moment += self.arm(link, at, by).cross(&f.force);
+        passed.moment += self.arm((link, index), at, by).cross(&f.force);
         self.wrenches[link.parent] += passed;
+    }
+
+    /// The rows of a modal body, from its own variation and that of what its interfaces pass; adds its wrench to that of its frame.
+    #[inline(never)]
+    fn pass_modal(
+        &mut self,
+        model: &Model,
+        motion: &Motion,
+        balance: &Balance,
+        by: &Direction<'_>,
+        (index, modal): (usize, usize),
+        out: &mut [f64],
+    ) {
+        let (link, body, here) = (&model.links[index], &model.modals[modal], &motion.modals[modal]);
+        let rows = &mut out[link.velocity..link.velocity + body.modal.count()];
+        let (second, by) = (&balance.modals[modal][..], modal_direction(link, by));
+        let state = (&motion.links[index], &model.gravity, &balance.accelerations[index]);
+        self.wrenches[index] += here.vary(&body.modal, state, second, &self.links[index], by, rows);
+        for ((tip, given), link) in here.tips.iter().zip(&body.modal.tips).zip(&body.links) {
+            let (delta, f, turn) = (self.wrenches[*link], &balance.reactions[*link], self.links[*link].turn);
+            let turned =
+                Wrench { force: delta.force - turn.cross(&f.force), moment: delta.moment - turn.cross(&f.moment) };
+            tip.rows(&turned).for_each(|(i, row)| rows[i] += row);
+            if by[0].iter().any(|step| *step != 0.0) {
+                tip.curvature(given, &motion.links[index], f, |i, j, entry| rows[i] += entry * by[0][j]);
+            }
+        }
     }
 
     /// The rows of a flexible element, and what its parent link gets: `δ(Zᵀ f) = Zᵀ δ'f + Γ δq` at every station, with
@@ -213,11 +247,12 @@ impl Variation {
 
     /// δd.
     #[inline]
-    fn arm(&self, link: &Link, at: &LinkMotion, by: &Direction<'_>) -> Vector3<f64> {
+    fn arm(&self, (link, index): (&Link, usize), at: &LinkMotion, by: &Direction<'_>) -> Vector3<f64> {
         let turned = self.links[link.parent].turn.cross(&at.arm);
         let per_coordinate = match link.joint {
             Joint::Slide { .. } => 1.0,
             Joint::Screw { pitch } => pitch,
+            Joint::Interface { .. } => return self.links[index].position - self.links[link.parent].position,
             _ => return turned,
         };
         match by.position.get(link.velocity) {

@@ -27,12 +27,14 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("hinge", &[]),
     // `formula` for curves of guided motion.
     ("element", &["formula", "spatial"]),
+    // `budget`, `foreign` and `suggest` for files.
+    ("fem", &["budget", "element", "foreign", "sparse", "spatial", "suggest"]),
     // `budget` for the largest number.
     ("model", &["budget", "element", "force", "formula", "hinge", "pages", "spatial", "suggest"]),
     ("motion", &["element", "model", "pages", "spatial"]),
     ("transfer", &["element", "model", "motion", "pages", "spatial"]),
     ("contact", &["dynamics", "model", "motion", "spatial"]),
-    ("constraint", &["hinge", "model", "motion", "transfer", "sparse", "spatial"]),
+    ("constraint", &["element", "hinge", "model", "motion", "transfer", "sparse", "spatial"]),
     ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
@@ -84,6 +86,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         "scenario",
         &[
             "budget",
+            // `element` and `fem` for modal bodies.
+            "element",
+            "fem",
             "force",
             "formula",
             "hinge",
@@ -135,6 +140,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "simulate",
             // `simulator` and `suggest` for fits: runs from one measured time to the next, names of columns.
             "simulator",
+            // `spatial` for how many cases go side by side.
+            "spatial",
             "statics",
             "suggest",
             "whole_file",
@@ -207,7 +214,8 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("clap_complete", &["cli"]),
     ("clap_mangen", &["cli"]),
     ("plotters", &["cli"]),
-    ("zip", &["cli"]),
+    // `fem` for archives of NumPy arrays.
+    ("zip", &["cli", "fem"]),
     ("gif", &["cli"]),
     ("resvg", &["record"]),
     ("allocator_api2", &["pages"]),

@@ -100,6 +100,20 @@ fn every_scenario_loads_without_warnings_and_keeps_its_energy() {
     }
 }
 
+/// Wherever it is guessed the chain of twenty hangs: every link straight down, the tip two metres below the ceiling of 2.5 m.
+#[test]
+fn the_chain_of_twenty_hangs_from_any_guess() {
+    for (first, tenth) in [("3", "-2"), ("-1.5", "3"), ("0", "0")] {
+        let changes = [format!("link[0].position={first}"), format!("link[10].position={tenth}")];
+        let (scenario, model) = shipped("chain_of_twenty", &[&changes[0], &changes[1]]);
+        let found = found(&scenario, &model);
+        let tip = found.poses[19] * Point3::new(0.1, 0.0, 0.0);
+        near(tip.z, 0.5, 1e-9);
+        near(tip.x, 0.0, 1e-7);
+        assert_eq!(found.stability.expect("an equilibrium").verdict, Verdict::Stable);
+    }
+}
+
 #[test]
 fn the_scenarios_show_every_hinge_and_every_force() {
     let texts: String = names().iter().map(|name| std::fs::read_to_string(file(name)).expect("a file")).collect();

@@ -74,7 +74,7 @@ impl<'c> Rows<'c> {
         if cases > self.lines.len() as u64 {
             out += &format!("… and {} more (`--out` and `--json` have all)\n", cases - self.lines.len() as u64);
         }
-        out + &counted(cases, self.failed)
+        out + &counted(cases, self.failed) + &side_by_side(self.cases)
     }
 }
 
@@ -82,6 +82,16 @@ impl<'c> Rows<'c> {
 pub(super) fn counted(cases: u64, failed: u64) -> String {
     let cases = count(cases as usize, "case", "cases");
     if failed == 0 { cases } else { format!("{failed} of {cases} failed") }
+}
+
+/// How many cases were computed at once; nothing if it was one by one.
+pub(super) fn side_by_side(cases: &Cases) -> String {
+    match cases.width() {
+        1 => String::new(),
+        4 => ", computed four side by side".to_owned(),
+        8 => ", computed eight side by side".to_owned(),
+        width => format!(", computed {width} side by side"),
+    }
 }
 
 /// The answers of a row with the names of their columns, those that there are.

@@ -6,6 +6,7 @@
 //! ```
 
 use crate::element::Rod;
+use crate::element::modal::Modal;
 use crate::model::{Coordinate, Link, Model};
 use crate::motion::unit_quaternion;
 use crate::spatial::rotation::{rotation_vector, torsion_spring};
@@ -25,12 +26,18 @@ pub fn apply(model: &Model, q: &[f64], v: &[f64], tau: &mut [f64]) {
             tau[link.velocity + i] -= rod.elastic(i, position) + damped;
         }
     });
+    modals(model, |first, modal| {
+        for i in 0..modal.count() {
+            let to = first.velocity + i;
+            tau[to] -= modal.elastic(i, &q[first.position..]) + modal.damped(i, &v[first.velocity..]);
+        }
+    });
     if !springs {
         return;
     }
     for_springs(model, |link, coordinates| match link.joint.rest() {
         Some(rest) => {
-            let (torque, _) = torsion_spring(&from_rest(rest, q, link), stiffness(coordinates), Vector3::zeros());
+            let torque = torsion_spring(&from_rest(rest, q, link), stiffness(coordinates), Vector3::zeros()).0;
             for (i, t) in torque.iter().enumerate() {
                 tau[link.velocity + i] += t;
             }
@@ -51,6 +58,13 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
             out[link.velocity + i] -= damped + if dq.is_empty() { 0.0 } else { part(dq, i) };
         }
     });
+    modals(model, |first, modal| {
+        for i in 0..modal.count() {
+            let to = first.velocity + i;
+            out[to] -= dv.get(first.velocity..).map_or(0.0, |own| modal.damped(i, own));
+            out[to] -= dq.get(first.velocity..).map_or(0.0, |own| modal.elastic(i, own));
+        }
+    });
     if dq.is_empty() {
         return;
     }
@@ -67,6 +81,17 @@ pub fn vary(model: &Model, q: &[f64], dq: &[f64], dv: &[f64], out: &mut [f64]) {
             None => out[at] -= coordinates[0].stiffness * dq[at],
         }
     });
+}
+
+/// What the spring of a ball pushes it with (N m), link axes; zero without a spring.
+pub fn ball_torque(model: &Model, link: &Link, q: &[f64]) -> Vector3<f64> {
+    let stiffness = stiffness(&model.coordinates[link.velocity..link.velocity + 3]);
+    match link.joint.rest() {
+        Some(rest) if stiffness != Vector3::zeros() => {
+            torsion_spring(&from_rest(rest, q, link), stiffness, Vector3::zeros()).0
+        }
+        _ => Vector3::zeros(),
+    }
 }
 
 /// `∂τ/∂(turn)` of a ball's spring, link axes; `None` without a spring.
@@ -91,6 +116,7 @@ pub(super) fn potential(model: &Model, q: &[f64]) -> f64 {
         let own = &q[link.position..link.position + rod.count()];
         sum += own.iter().enumerate().map(|(i, x)| 0.5 * x * rod.elastic(i, own)).sum::<f64>();
     });
+    modals(model, |first, modal| sum += modal.elastic_energy(&q[first.position..first.position + modal.count()]));
     for link in &model.links {
         if link.joint.is_scalar() {
             sum -= model.coordinates[link.velocity].force * q[link.position];
@@ -105,6 +131,7 @@ pub(super) fn dissipated(model: &Model, v: &[f64]) -> f64 {
         let own = &v[link.velocity..link.velocity + rod.count()];
         sum += rod.damping * own.iter().enumerate().map(|(i, x)| x * rod.elastic(i, own)).sum::<f64>();
     });
+    modals(model, |first, modal| sum += modal.dissipated(&v[first.velocity..first.velocity + modal.count()]));
     sum
 }
 
@@ -126,6 +153,11 @@ fn rods(model: &Model, mut each: impl FnMut(&Link, &Rod)) {
             each(link, &model.rods[rod]);
         }
     }
+}
+
+/// The modal bodies with the links of their coordinates.
+fn modals(model: &Model, mut each: impl FnMut(&Link, &Modal)) {
+    model.modals.iter().for_each(|body| each(&model.links[body.link], &body.modal));
 }
 
 fn for_springs(model: &Model, mut each: impl FnMut(&Link, &[Coordinate])) {

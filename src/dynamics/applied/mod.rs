@@ -67,6 +67,11 @@ pub fn potential(model: &Model, laws: &Laws, motion: &Motion, q: &[f64]) -> f64 
         .sum();
     let elements: f64 = laws.forces.iter().map(|force| force.law.potential(&motion.links)).sum();
     let rods: f64 = model.rods.iter().zip(&motion.rods).map(|(rod, at)| of_rod(rod, at, &model.gravity)).sum();
+    let modals = model.modals.iter().zip(&motion.modals).map(|(body, at)| {
+        let frame = &motion.links[body.link];
+        -model.gravity.dot(&(body.modal.mass * frame.position + at.first))
+    });
+    let rods = rods + modals.sum::<f64>();
     weight + rods + elements + hinge::potential(model, q) + curve::potential(&laws.curves, q)
 }
 

@@ -33,6 +33,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{combine, state_rate},
+    step::staged::{Evaluate, Staged},
     step::stepper::Stepper,
 };
 
@@ -99,5 +100,21 @@ impl<P: Problem> Stepper<P> for Dop853 {
 
     fn stability_limited(&self) -> bool {
         self.core.stability_limited()
+    }
+}
+
+impl<P: Problem> Staged<P> for Dop853 {
+    fn ask(&mut self, problem: &mut P) -> Result<f64, StepError> {
+        self.core.ask(problem)
+    }
+
+    fn asked(&self) -> &[f64] {
+        &self.core.next
+    }
+
+    fn answer(&mut self, problem: &mut P, evaluate: Evaluate<'_>) -> Result<bool, StepError> {
+        let accepted = self.core.answer(problem, evaluate)?;
+        self.dense &= !accepted;
+        Ok(accepted)
     }
 }

@@ -24,6 +24,7 @@ use crate::integrate::{
     step::error::StepError,
     step::options::{Options, Start},
     step::progress::Progress,
+    step::staged::{Evaluate, Staged},
     step::stepper::Stepper,
 };
 
@@ -42,13 +43,18 @@ impl Dopri5 {
     pub fn new<P: Problem>(problem: &mut P, options: &Options, start: Start<'_>) -> Result<Self, StepError> {
         Explicit::new(&PAIR, 1, problem, options, start).map(Self)
     }
+
+    /// What lies between the ends of the step that has been accepted.
+    fn fill_dense(&mut self) {
+        let step = self.0.progress.last_step();
+        self.0.progress.dense.higher_terms(step, &[&DENSE], &self.0.rates);
+    }
 }
 
 impl<P: Problem> Stepper<P> for Dopri5 {
     fn step(&mut self, problem: &mut P) -> Result<(), StepError> {
         if self.0.step(problem)? {
-            let step = self.0.progress.last_step();
-            self.0.progress.dense.higher_terms(step, &[&DENSE], &self.0.rates);
+            self.fill_dense();
         }
         Ok(())
     }
@@ -63,5 +69,23 @@ impl<P: Problem> Stepper<P> for Dopri5 {
 
     fn stability_limited(&self) -> bool {
         self.0.stability_limited()
+    }
+}
+
+impl<P: Problem> Staged<P> for Dopri5 {
+    fn ask(&mut self, problem: &mut P) -> Result<f64, StepError> {
+        self.0.ask(problem)
+    }
+
+    fn asked(&self) -> &[f64] {
+        &self.0.next
+    }
+
+    fn answer(&mut self, problem: &mut P, evaluate: Evaluate<'_>) -> Result<bool, StepError> {
+        let accepted = self.0.answer(problem, evaluate)?;
+        if accepted {
+            self.fill_dense();
+        }
+        Ok(accepted)
     }
 }

@@ -24,8 +24,9 @@ use crate::integrate::{
     step::norm::{ErrorNorm, Measured},
     step::options::{Options, Start},
     step::progress::Progress,
-    step::rates::{combine, require_finite, state_rate, weighted_sum},
+    step::rates::{combine, rate_by, require_finite, state_rate, weighted_sum},
     step::reach::Reach,
+    step::staged::Evaluate,
     step::start::Begun,
 };
 
@@ -83,6 +84,8 @@ pub(crate) struct Explicit {
     norm: ErrorNorm,
     edge: Edge,
     reach: Reach,
+    /// The step that is tried evaluation by evaluation, and the stage that comes next.
+    under_way: Option<(Trial, usize)>,
 }
 
 /// How often the step was at the edge of stability.
@@ -129,6 +132,7 @@ impl Explicit {
             accepted: false,
             edge: Edge::default(),
             reach: Reach::default(),
+            under_way: None,
             pair,
             norm,
             rates,
@@ -146,25 +150,79 @@ impl Explicit {
         if self.progress.finished() {
             return Ok(false);
         }
+        loop {
+            let trial = self.propose()?;
+            let error = self.attempt(problem, trial);
+            if self.judge(problem, trial, error)? {
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The next step to try.
+    fn propose(&mut self) -> Result<Trial, StepError> {
         if std::mem::take(&mut self.accepted) {
             self.rates.swap(0, self.pair.last);
         }
-        loop {
-            let trial = self.control.propose(&self.progress)?;
-            self.norm.allow(trial.step);
-            match self.attempt(problem, trial) {
-                Ok(error) if error.value <= 1.0 || self.control.is_fixed() => match self.project(problem, trial) {
-                    Ok(()) => {
-                        self.progress.worst = error.worst;
-                        self.accept(trial, error.value);
-                        return Ok(true);
-                    }
-                    Err(limit) => self.control.fail(trial, limit, &self.progress)?,
-                },
-                Ok(error) => self.control.reject(trial, error.value, self.limit(error)),
+        let trial = self.control.propose(&self.progress)?;
+        self.norm.allow(trial.step);
+        Ok(trial)
+    }
+
+    /// Accepts or rejects a step by its error; whether it is accepted.
+    fn judge<P: Problem>(
+        &mut self,
+        problem: &mut P,
+        trial: Trial,
+        error: Result<Measured, Limit>,
+    ) -> Result<bool, StepError> {
+        match error {
+            Ok(error) if error.value <= 1.0 || self.control.is_fixed() => match self.project(problem, trial) {
+                Ok(()) => {
+                    self.progress.worst = error.worst;
+                    self.accept(trial, error.value);
+                    return Ok(true);
+                }
                 Err(limit) => self.control.fail(trial, limit, &self.progress)?,
+            },
+            Ok(error) => self.control.reject(trial, error.value, self.limit(error)),
+            Err(limit) => self.control.fail(trial, limit, &self.progress)?,
+        }
+        self.progress.statistics.rejected_steps += 1;
+        Ok(false)
+    }
+
+    /// As [`crate::integrate::Staged::ask`].
+    pub(crate) fn ask<P: Problem>(&mut self, problem: &mut P) -> Result<f64, StepError> {
+        loop {
+            let (trial, stage) = match self.under_way.take() {
+                Some(under_way) => under_way,
+                None => (self.propose()?, 1),
+            };
+            match self.stage(problem, trial, stage) {
+                Ok(time) => {
+                    self.under_way = Some((trial, stage));
+                    return Ok(time);
+                }
+                Err(limit) => drop(self.judge(problem, trial, Err(limit))?),
             }
-            self.progress.statistics.rejected_steps += 1;
+        }
+    }
+
+    /// As [`crate::integrate::Staged::answer`].
+    pub(crate) fn answer<P: Problem>(&mut self, problem: &mut P, evaluate: Evaluate<'_>) -> Result<bool, StepError> {
+        let Some((trial, stage)) = self.under_way.take() else { return Ok(false) };
+        let statistics = &mut self.progress.statistics;
+        let taken = rate_by(problem, &self.next, &mut self.rates[stage], statistics, |_, _, _, a| evaluate(a));
+        match taken {
+            Ok(()) if stage < self.pair.last => {
+                self.under_way = Some((trial, stage + 1));
+                Ok(false)
+            }
+            taken => {
+                let error = taken.map(|()| self.measured(trial));
+                self.judge(problem, trial, error)
+            }
         }
     }
 
@@ -174,23 +232,35 @@ impl Explicit {
 
     /// Fills the stages and the state at the end of the step; gives the norm of its error estimate.
     fn attempt<P: Problem>(&mut self, problem: &mut P, trial: Trial) -> Result<Measured, Limit> {
-        let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
-        let Pair { nodes, rows, last, .. } = *self.pair;
-        for stage in 1..=last {
-            if stage == last {
-                self.spare.copy_from_slice(&self.next);
-            }
-            combine(&mut self.next, state, trial.step, rows[stage], &self.rates);
-            if stage == last {
-                problem.normalize(&mut self.next[..*position_count]);
-                require_finite(&self.next, *position_count)?;
-            }
-            state_rate(problem, *time + nodes[stage] * trial.step, &self.next, &mut self.rates[stage], statistics)?;
+        for stage in 1..=self.pair.last {
+            let time = self.stage(problem, trial, stage)?;
+            state_rate(problem, time, &self.next, &mut self.rates[stage], &mut self.progress.statistics)?;
         }
+        Ok(self.measured(trial))
+    }
+
+    /// Puts the state of a stage into `next`; its time.
+    fn stage<P: Problem>(&mut self, problem: &mut P, trial: Trial, stage: usize) -> Result<f64, Limit> {
+        let Progress { time, state, position_count, .. } = &mut self.progress;
+        let Pair { nodes, rows, last, .. } = *self.pair;
+        if stage == last {
+            self.spare.copy_from_slice(&self.next);
+        }
+        combine(&mut self.next, state, trial.step, rows[stage], &self.rates);
+        if stage == last {
+            problem.normalize(&mut self.next[..*position_count]);
+            require_finite(&self.next, *position_count)?;
+        }
+        Ok(*time + nodes[stage] * trial.step)
+    }
+
+    /// The norm of the error estimate once all stages are there.
+    fn measured(&mut self, trial: Trial) -> Measured {
+        let last = self.pair.last;
         let apart = self.norm.distance(&self.next, &self.spare);
         let rates_apart = self.norm.distance(&self.rates[last], &self.rates[last - 1]);
         self.edge.reach = if apart > 0.0 { trial.step * rates_apart / apart } else { 0.0 };
-        Ok(self.estimate(trial.step))
+        self.estimate(trial.step)
     }
 
     fn estimate(&mut self, step: f64) -> Measured {

@@ -23,10 +23,11 @@ pub use rk4::Rk4;
 pub use sdirk4::Sdirk4;
 
 use crate::integrate::{
-    problem::ImplicitProblem,
+    problem::{ImplicitProblem, Problem},
     step::{
         error::StepError,
         options::{Options, Start},
+        staged::Staged,
         stepper::Stepper,
     },
 };
@@ -84,6 +85,11 @@ impl Method {
         }
     }
 
+    /// Whether [`Method::start_staged`] has it.
+    pub fn is_staged(self) -> bool {
+        matches!(self, Self::Rk4 | Self::Dopri5 | Self::Dop853)
+    }
+
     /// Its name in scenario files and tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -120,5 +126,27 @@ impl Method {
             Self::GeneralizedAlpha => Box::new(GeneralizedAlpha::new(problem, options, start)?),
             Self::Gauss => Box::new(Gauss::new(problem, options, start)?),
         })
+    }
+
+    /// Starts a run that is stepped evaluation by evaluation; `None` for methods that are not.
+    ///
+    /// # Errors
+    /// As [`Method::start`].
+    pub fn start_staged<P: Problem>(
+        self,
+        problem: &mut P,
+        options: &Options,
+        start: Start<'_>,
+    ) -> Option<Result<Box<dyn Staged<P>>, StepError>> {
+        /// As a trait object.
+        fn boxed<P: Problem>(stepper: impl Staged<P> + 'static) -> Box<dyn Staged<P>> {
+            Box::new(stepper)
+        }
+        match self {
+            Self::Rk4 => Some(Rk4::new(problem, options, start).map(boxed)),
+            Self::Dopri5 => Some(Dopri5::new(problem, options, start).map(boxed)),
+            Self::Dop853 => Some(Dop853::new(problem, options, start).map(boxed)),
+            _ => None,
+        }
     }
 }

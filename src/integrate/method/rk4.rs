@@ -27,7 +27,8 @@ use crate::integrate::{
     step::error::{Limit, StepError},
     step::options::{Options, Start},
     step::progress::Progress,
-    step::rates::{combine, require_finite, settle, state_rate},
+    step::rates::{combine, rate_by, require_finite, settle, state_rate},
+    step::staged::{Evaluate, Staged},
     step::stepper::Stepper,
 };
 
@@ -36,13 +37,15 @@ use crate::integrate::{
 pub struct Rk4 {
     progress: Progress,
     control: Controller,
-    /// `k₁ … k₄`; the first is the rate at the state reached.
+    /// `k₁ … k₄`, and the rate at the end of the step tried; the first is that at the state reached.
     rates: Vec<Vec<f64>>,
-    /// The rate at the end of the step tried.
-    end_rate: Vec<f64>,
     /// State of a stage, then of the end of the step tried.
     next: Vec<f64>,
+    under_way: Option<(Trial, usize)>,
 }
+
+/// The evaluation at the end of the step.
+const LAST: usize = C.len();
 
 impl Rk4 {
     /// Starts a run with the fixed `step` of the options; the last step is cut to land on the end.
@@ -55,29 +58,46 @@ impl Rk4 {
         options.validate()?;
         let step = options.step.ok_or(StepError::NoStep)?;
         let mut progress = Progress::new(problem, start)?;
-        let mut rates = vec![vec![0.0; progress.state.len()]; C.len()];
+        let mut rates = vec![vec![0.0; progress.state.len()]; LAST + 1];
         state_rate(problem, progress.time, &progress.state, &mut rates[0], &mut progress.statistics)
             .map_err(|limit| progress.cannot_start(limit))?;
         Ok(Self {
             control: Controller::new(&options, 4, step, &progress, ADVICE),
-            end_rate: rates[0].clone(),
             next: progress.state.clone(),
             rates,
             progress,
+            under_way: None,
         })
     }
 
-    /// Fills the stages, the state at the end of the step and its rate.
-    fn attempt<P: Problem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
-        let Progress { time, state, position_count, statistics, .. } = &mut self.progress;
-        for stage in 1..C.len() {
+    /// Puts the state of a stage, or of the end of the step, into `next`; its time.
+    fn stage<P: Problem>(&mut self, problem: &mut P, trial: Trial, stage: usize) -> Result<f64, Limit> {
+        let Progress { time, state, position_count, .. } = &mut self.progress;
+        if stage < LAST {
             combine(&mut self.next, state, trial.step, A[stage], &self.rates);
-            state_rate(problem, *time + C[stage] * trial.step, &self.next, &mut self.rates[stage], statistics)?;
+            return Ok(*time + C[stage] * trial.step);
         }
         combine(&mut self.next, state, trial.step, &B, &self.rates);
         settle(problem, trial.time, &mut self.next, *position_count)?;
         require_finite(&self.next, *position_count)?;
-        state_rate(problem, trial.time, &self.next, &mut self.end_rate, statistics)
+        Ok(trial.time)
+    }
+
+    /// Fills the stages, the state at the end of the step and its rate.
+    fn attempt<P: Problem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
+        for stage in 1..=LAST {
+            let time = self.stage(problem, trial, stage)?;
+            state_rate(problem, time, &self.next, &mut self.rates[stage], &mut self.progress.statistics)?;
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self, trial: Trial) {
+        let Progress { state, dense, statistics, .. } = &mut self.progress;
+        dense.hermite(trial.step, [state, &self.next], [&self.rates[0], &self.rates[LAST]]);
+        self.control.accept(trial, 0.0, statistics.steps == 0);
+        self.progress.advance(trial.time, &mut self.next);
+        self.rates.swap(0, LAST);
     }
 }
 
@@ -90,15 +110,47 @@ impl<P: Problem> Stepper<P> for Rk4 {
         if let Err(limit) = self.attempt(problem, trial) {
             return self.control.fail(trial, limit, &self.progress);
         }
-        let Progress { state, dense, statistics, .. } = &mut self.progress;
-        dense.hermite(trial.step, [state, &self.next], [&self.rates[0], &self.end_rate]);
-        self.control.accept(trial, 0.0, statistics.steps == 0);
-        self.progress.advance(trial.time, &mut self.next);
-        std::mem::swap(&mut self.rates[0], &mut self.end_rate);
+        self.accept(trial);
         Ok(())
     }
 
     fn progress(&self) -> &Progress {
         &self.progress
+    }
+}
+
+impl<P: Problem> Staged<P> for Rk4 {
+    fn ask(&mut self, problem: &mut P) -> Result<f64, StepError> {
+        loop {
+            let (trial, stage) = match self.under_way.take() {
+                Some(under_way) => under_way,
+                None => (self.control.propose(&self.progress)?, 1),
+            };
+            match self.stage(problem, trial, stage) {
+                Ok(time) => {
+                    self.under_way = Some((trial, stage));
+                    return Ok(time);
+                }
+                Err(limit) => self.control.fail(trial, limit, &self.progress)?,
+            }
+        }
+    }
+
+    fn asked(&self) -> &[f64] {
+        &self.next
+    }
+
+    fn answer(&mut self, problem: &mut P, evaluate: Evaluate<'_>) -> Result<bool, StepError> {
+        let Some((trial, stage)) = self.under_way.take() else { return Ok(false) };
+        let statistics = &mut self.progress.statistics;
+        if let Err(limit) = rate_by(problem, &self.next, &mut self.rates[stage], statistics, |_, _, _, a| evaluate(a)) {
+            return self.control.fail(trial, limit, &self.progress).map(|()| false);
+        }
+        if stage < LAST {
+            self.under_way = Some((trial, stage + 1));
+            return Ok(false);
+        }
+        self.accept(trial);
+        Ok(true)
     }
 }

@@ -59,11 +59,15 @@ impl Dense {
     pub(crate) fn hermite(&mut self, step: f64, ends: [&[f64]; 2], rates: [&[f64]; 2]) {
         let [r0, r1, r2, r3, higher @ ..] = &mut self.coefficients[..] else { return };
         higher.iter_mut().for_each(|term| term.fill(0.0));
-        for i in 0..r0.len() {
-            r0[i] = ends[0][i];
-            r1[i] = ends[1][i] - ends[0][i];
-            r2[i] = step * rates[0][i] - r1[i];
-            r3[i] = r1[i] - step * rates[1][i] - r2[i];
+        // All as long as the first, and known to be: nothing is checked number by number.
+        let n = r0.len();
+        let [r1, r2, r3] = [r1, r2, r3].map(|term| &mut term[..n]);
+        let ([from, to], [first, last]) = (ends.map(|end| &end[..n]), rates.map(|rate| &rate[..n]));
+        for i in 0..n {
+            r0[i] = from[i];
+            r1[i] = to[i] - from[i];
+            r2[i] = step * first[i] - r1[i];
+            r3[i] = r1[i] - step * last[i] - r2[i];
         }
     }
 

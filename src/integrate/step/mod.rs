@@ -8,6 +8,7 @@ pub(crate) mod options;
 pub(crate) mod progress;
 pub(crate) mod rates;
 pub(crate) mod reach;
+pub(crate) mod staged;
 pub(crate) mod stages;
 pub(crate) mod start;
 pub(crate) mod statistics;

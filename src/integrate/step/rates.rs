@@ -1,7 +1,7 @@
 //! The rate of the state `x = (q, v)` and sums of such rates.
 
 use crate::integrate::{
-    problem::Problem,
+    problem::{Failure, Problem},
     step::error::{Component, Limit},
     step::statistics::Statistics,
 };
@@ -17,12 +17,26 @@ pub(crate) fn state_rate<P: Problem>(
     rate: &mut [f64],
     statistics: &mut Statistics,
 ) -> Result<(), Limit> {
+    rate_by(problem, state, rate, statistics, |problem, q, v, a| problem.acceleration(time, q, v, a))
+}
+
+/// As [`state_rate`], with accelerations that `evaluate` writes.
+///
+/// # Errors
+/// What `evaluate` says, and a rate that is not finite.
+pub(crate) fn rate_by<P: Problem>(
+    problem: &mut P,
+    state: &[f64],
+    rate: &mut [f64],
+    statistics: &mut Statistics,
+    evaluate: impl FnOnce(&mut P, &[f64], &[f64], &mut [f64]) -> Result<(), Failure>,
+) -> Result<(), Limit> {
     let position_count = problem.position_count();
     let (q, v) = state.split_at(position_count);
     let (position_rate, acceleration) = rate.split_at_mut(position_count);
     problem.position_rate(q, v, position_rate);
     statistics.acceleration_evaluations += 1;
-    problem.acceleration(time, q, v, acceleration).map_err(Limit::Failure)?;
+    evaluate(problem, q, v, acceleration).map_err(Limit::Failure)?;
     require_finite(rate, position_count)
 }
 

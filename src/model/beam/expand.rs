@@ -6,6 +6,7 @@ use crate::element::{Rod, RodSection};
 use crate::force::load::LoadAxes;
 use crate::force::{Attachment, ForceDescription, Load};
 use crate::model::description::{BodyDescription, Description, HingeDescription, HingeKind, MassProperties, Point};
+use crate::model::modal::{self, ModalBodies};
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
 use std::collections::HashMap;
 
@@ -21,6 +22,8 @@ pub(in crate::model) struct Expanded {
     pub(in crate::model) rates: HashMap<usize, Vec<f64>>,
     /// One per beam.
     pub(in crate::model) beams: Vec<Bodies>,
+    /// One per modal body.
+    pub(in crate::model) modals: Vec<ModalBodies>,
 }
 
 /// The bodies of a beam.
@@ -51,8 +54,16 @@ impl Bodies {
 }
 
 impl Expanded {
+    /// Whether a body is one that a modal body is taken apart into, beside that on its hinge.
+    pub(in crate::model) fn is_modal(&self, body: usize) -> bool {
+        self.modals.iter().any(|modal| modal.inner == body || modal.tips.contains(&body))
+    }
+
     /// The body and the point of it that a point of a beam is; `None` for other bodies and unknown markers.
     pub(in crate::model) fn place(&self, body: &str, point: &Point) -> Option<(usize, Vector3<f64>)> {
+        if let Some(modal) = self.modals.iter().find(|modal| modal.name == body) {
+            return modal.place(point);
+        }
         let Some(beam) = self.beams.iter().find(|beam| beam.name == body) else {
             // A beam puts its own loads on bodies that no description names.
             let inner = |beam: &Bodies| {
@@ -79,15 +90,17 @@ impl Expanded {
     }
 }
 
-/// Adds the bodies of all beams after the others; cables begin in their shapes, one per beam.
-pub(in crate::model) fn expand(description: Description, shapes: &[Option<Shape>]) -> Expanded {
+/// Adds the bodies of all modal bodies and beams after the others; cables begin in their shapes, one per beam.
+pub(in crate::model) fn expand(mut description: Description, shapes: &[Option<Shape>]) -> Expanded {
     let beams = description.beams.clone();
+    let modals = modal::expand(&mut description);
     let mut expanded = Expanded {
         description,
         rods: HashMap::new(),
         strained: HashMap::new(),
         rates: HashMap::new(),
         beams: Vec::with_capacity(beams.len()),
+        modals,
     };
     for (beam, shape) in beams.iter().zip(shapes) {
         add(&mut expanded, beam, shape.as_ref());

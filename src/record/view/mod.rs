@@ -17,6 +17,7 @@
 
 #[cfg(not(feature = "view"))]
 mod absent;
+#[cfg(feature = "view")]
 mod beams;
 #[cfg(feature = "view")]
 mod bounds;

@@ -56,6 +56,28 @@ pub const BODY: Table = Table {
         )
         .default("false")
         .example("true"),
+        Key::new(
+            "modal",
+            Kind::Text,
+            "A flexible body in place of a rigid one: the file of finite elements (`.npz`) that it is reduced from. Its interfaces are markers that other bodies, springs and loops are attached to; the first is the root marker.",
+        )
+        .example("\"arm.npz\""),
+        Key::new(
+            "modes",
+            Kind::Integer(Range::Between(0.0, 96.0)),
+            "Of a body with `modal`: how many modes with all interfaces held its displacements consist of, beside those that the interfaces give.",
+        )
+        .default("0")
+        .example("6"),
+        Key::new(
+            "geometric",
+            Kind::Flag,
+            "Of a body with `modal`: whether it takes the geometric stiffness that its file has, by which spin and loads along it stiffen it.",
+        )
+        .default("true")
+        .example("false"),
+        Key::new("damping", Kind::Table(&MODAL_DAMPING), "Of a body with `modal`: its damping.")
+            .example("{ ratio = 0.01 }"),
         Key::new("burn", Kind::Table(&BURN), "In place of `mass`, `center` and `inertia`: they follow a table over time. What leaves has the body's velocity; thrust is a load.")
             .example("{ times = [0.0, 2.0], mass = [12.0, 4.0] }"),
         Key::new("markers", Kind::Map(&VECTOR), "Named points, body axes, from the root marker.")
@@ -70,6 +92,23 @@ pub const BODY: Table = Table {
         Key::new("hinge", Kind::Table(&HINGE), "The hinge that carries it.")
             .required()
             .example("{ type = \"revolute\", parent = \"ground\", axis = [0.0, 1.0, 0.0] }"),
+    ],
+};
+
+/// The damping of a modal body.
+const MODAL_DAMPING: Table = Table {
+    name: "damping",
+    doc: "Damping of a modal body: `ratio`, or the sum of `mass` times its mass matrix and `stiffness` times its stiffness matrix.",
+    types: &[],
+    keys: &[
+        Key::new(
+            "ratio",
+            NOT_NEGATIVE,
+            "Part of the critical damping that every mode of the body with its root held has.",
+        )
+        .example("0.01"),
+        Key::new("mass", NOT_NEGATIVE, "Factor of the mass matrix.").unit("1/s").example("0.5"),
+        Key::new("stiffness", NOT_NEGATIVE, "Factor of the stiffness matrix.").unit("s").example("1e-5"),
     ],
 };
 

@@ -75,7 +75,7 @@ pub(in crate::statics) fn run(
     place: Place,
     history: &mut Vec<Iteration>,
 ) -> Result<Outcome, Fault> {
-    if !landscape.model().rods.is_empty() {
+    if !(landscape.model().rods.is_empty() && landscape.model().modals.is_empty()) {
         return Err(Fault::Flexible { method: "lagrange" });
     }
     let mut search = Search::new(landscape, &place);

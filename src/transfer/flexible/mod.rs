@@ -14,9 +14,11 @@
 
 mod balance;
 mod eliminate;
+mod modal;
 
 pub use balance::RodBalance;
 pub(super) use eliminate::RodPivot;
+pub(super) use modal::ModalPivot;
 
 use super::LinkAcceleration;
 use crate::element::{Rod, RodMotion, halves};

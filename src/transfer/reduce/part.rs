@@ -3,13 +3,13 @@
 use super::ball::{self, Ball, Pivot};
 use super::carried::Carried;
 use super::{Load, Lost, One, Singular, three, translate};
-use crate::model::Model;
-use crate::motion::Motion;
+use crate::model::{Link, Model};
+use crate::motion::{LinkMotion, Motion};
 use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
 use crate::transfer::element::moment_in_link_axes;
-use crate::transfer::flexible::{RodPivot, accelerate};
+use crate::transfer::flexible::{ModalPivot, RodPivot, accelerate};
 use crate::transfer::plan::{Kind, Place, To};
-use crate::transfer::{LinkAcceleration, inboard};
+use crate::transfer::{self, LinkAcceleration, inboard};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -37,6 +37,7 @@ pub(super) struct Part<'a> {
     pub(super) balls: &'a mut [Ball],
     /// Models with halves have none.
     pub(super) rods: &'a mut [RodPivot],
+    pub(super) modals: &'a mut [ModalPivot],
     pub(super) joins: &'a mut [Carried],
 }
 
@@ -56,8 +57,18 @@ impl<'a> Part<'a> {
         let (hinges, more_hinges) = self.hinges.split_at_mut(at.link - self.first.link);
         let (balls, more_balls) = self.balls.split_at_mut(at.ball - self.first.ball);
         let (joins, more_joins) = self.joins.split_at_mut(at.join - self.first.join);
-        let before = Part { first: self.first, hinges, balls, rods: self.rods, joins };
-        (before, Part { first: at, hinges: more_hinges, balls: more_balls, rods: &mut [], joins: more_joins })
+        let before = Part { first: self.first, hinges, balls, rods: self.rods, modals: self.modals, joins };
+        (
+            before,
+            Part {
+                first: at,
+                hinges: more_hinges,
+                balls: more_balls,
+                rods: &mut [],
+                modals: &mut [],
+                joins: more_joins,
+            },
+        )
     }
 
     /// Tips → root: eqs. (5) to (7). `S` and `e` go from link to link in registers, `carried` into the last; only where
@@ -72,6 +83,7 @@ impl<'a> Part<'a> {
     ) -> Result<Passed, Singular> {
         let Scene { model, motion, plan } = *scene;
         let (first, joins, balls, rods) = (self.first, &mut *self.joins, &mut *self.balls, &mut *self.rods);
+        let modals = &mut *self.modals;
         let hinges = &mut self.hinges[range.start - first.link..range.end - first.link];
         let (mut others, mut lost) = (Carried::default(), Lost::None);
         let mut meet = |to: To, joins: &mut [Carried], carried: &Carried| {
@@ -146,11 +158,46 @@ impl<'a> Part<'a> {
                     Carried::of(&across, &passed).shifted(at)
                 }
                 Kind::Flex => flexible(scene, place, load.tau, &here, rods).map_err(failed)?,
+                Kind::Interface => {
+                    interface(scene, link, at, &here, modals);
+                    here.shifted(at)
+                }
+                Kind::Modal => {
+                    let passed = modal(scene, place, load.tau, &here, modals).map_err(failed)?;
+                    if to_ground {
+                        continue;
+                    }
+                    passed.shifted(at)
+                }
             };
             meet(place.to, joins, &carried);
         }
         Ok(Passed { first: carried, others, lost })
     }
+}
+
+/// What an interface of a modal body brings to the coordinates of the body.
+#[inline(never)]
+fn interface(scene: &Scene<'_>, link: &Link, at: &LinkMotion, here: &Carried, modals: &mut [ModalPivot]) {
+    let Some((modal, tip)) = link.joint.interface() else { return };
+    let carried = (&here.matrix(), &here.vector());
+    modals[modal].interface(&scene.motion.modals[modal], tip, carried, (&at.velocity_terms(), at.arm));
+}
+
+/// Eqs. (5) and (6) for the coordinates of a modal body; on failure the pivot.
+#[inline(never)]
+fn modal(
+    scene: &Scene<'_>,
+    place: &Place,
+    tau: &[f64],
+    here: &Carried,
+    modals: &mut [ModalPivot],
+) -> Result<Carried, f64> {
+    let modal = place.ball as usize;
+    let given = (&*scene.model.modals[modal].modal, &scene.motion.modals[modal]);
+    let (tau, carried) = (&tau[place.velocity as usize..], (here.matrix(), here.vector()));
+    let (S, e) = modals[modal].eliminate(given, &scene.model.gravity, tau, carried)?;
+    Ok(Carried::of(&S, &e))
 }
 
 /// Eqs. (5) to (7) across a flexible element; on failure the pivot.
@@ -175,6 +222,7 @@ pub(super) struct Outward<'a> {
     pub(super) hinges: &'a [One],
     pub(super) balls: &'a [Ball],
     pub(super) rods: &'a [RodPivot],
+    pub(super) modals: &'a [ModalPivot],
     pub(super) base: usize,
     pub(super) outside: LinkAcceleration,
     pub(super) a: &'a mut [LinkAcceleration],
@@ -187,7 +235,7 @@ impl Outward<'_> {
     #[inline(always)]
     pub(super) fn sweep<const BIAS: bool>(self, scene: &Scene<'_>, range: Range<usize>) {
         let Scene { model, motion, plan } = *scene;
-        let Self { hinges, balls, rods, base, outside, a: found, velocity, hinge } = self;
+        let Self { hinges, balls, rods, modals, base, outside, a: found, velocity, hinge } = self;
         let mut before = outside;
         let links = plan[range.clone()].iter().zip(&motion.links[range.clone()]).zip(&hinges[range.clone()]);
         for (((place, at), left), index) in links.zip(range) {
@@ -226,6 +274,12 @@ impl Outward<'_> {
                     rods[rod].solve(&parent, second);
                     accelerate(&motion.rods[rod], second, &mut a);
                 }
+                Kind::Modal => {
+                    let modal = place.ball as usize;
+                    let count = model.modals[modal].modal.count();
+                    modals[modal].solve(&a, &mut hinge[first..first + count]);
+                }
+                Kind::Interface => transfer::accelerate(&model.links[index], at, motion, hinge, &mut a),
             }
             found[index - base] = a;
             before = a;

@@ -24,7 +24,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 /// Accelerations are wrong by about a third of a unit in the last place over this part, and by no more than 10⁻¹¹ of
 /// themselves above it: what the links resist of their accelerations, of what those would be resisted if they were about any axis.
-const SOFT: f64 = 1e-5;
+pub(in crate::transfer) const SOFT: f64 = 1e-5;
 
 /// The rounds end when the next correction would be below this part of the accelerations, if it is as much smaller than this one as
 /// this one than the one before; also when one is no smaller than half the one before, which is round-off.
@@ -179,6 +179,8 @@ impl Reduction {
                 Joint::None => 0.0,
                 Joint::Ball { .. } => self.balls[self.plan[index].ball as usize].resisted(),
                 Joint::Flex { rod, .. } | Joint::Along { rod } => self.rods[rod].resisted(),
+                Joint::Interface { .. } => 0.0,
+                Joint::Modal { modal, .. } => self.modals[modal].resisted(),
                 _ => self.hinges[index].u.powi(2) * self.hinges[index].inverse,
             };
             seen += link.inertia.trace() * self.a[index].angular.norm_squared();
@@ -190,7 +192,7 @@ impl Reduction {
     fn follow(&mut self, model: &Model, motion: &Motion, hinge: &[f64]) {
         for (index, (link, at)) in model.links.iter().zip(&motion.links).enumerate().skip(1) {
             let mut a = inboard(at, &self.a[link.parent], true);
-            accelerate(link, at, &motion.rods, hinge, &mut a);
+            accelerate(link, at, motion, hinge, &mut a);
             self.a[index] = a;
         }
     }
@@ -237,6 +239,16 @@ impl Reduction {
                     (0..3).for_each(|i| left[to + i] = rotor(to + i) - moment[i]);
                 }
                 Joint::Flex { .. } | Joint::Along { .. } => {}
+                // For the coordinates of the frame, which come later.
+                Joint::Interface { .. } => e[index] += Wrench { force: own.force, moment: at.turn * own.moment },
+                Joint::Modal { modal, count } => {
+                    let (body, here, range) = (&model.modals[modal], &motion.modals[modal], to..to + count);
+                    let (rows, second) = (&mut left[range.clone()], &hinge[range.clone()]);
+                    here.rows(&body.modal, Some(&model.gravity), &a[index], second, rows);
+                    here.pull(body.links.iter().map(|link| &e[*link]), rows);
+                    rows.iter_mut().zip(range).for_each(|(row, i)| *row = rotor(i) - *row);
+                    passed += here.wrench(&body.modal, Some(&model.gravity), &a[index], second);
+                }
             }
             if let Some(rod) = link.joint.rod() {
                 let range = to..to + link.joint.counts().1;

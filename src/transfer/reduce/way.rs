@@ -2,6 +2,7 @@
 
 use super::{Load, Reduction, Singular, along};
 use crate::element::MOST_COORDINATES;
+use crate::element::modal::MOST_MODAL_COORDINATES;
 use crate::model::{Joint, Link, Model};
 use crate::motion::Motion;
 use crate::spatial::Wrench;
@@ -25,23 +26,29 @@ impl Reduction {
 
     /// Eq. (6) at one hinge for a load without velocity terms: takes `e` across it and puts `u` and `D⁻¹ u`, three numbers a
     /// [part](parts) of its coordinates, zero for those it does not have. `tau` is the hinge force on a single coordinate. Of an
-    /// element both are `L⁻¹ u` with `D = L Lᵀ`.
+    /// element both are `L⁻¹ u` with `D = L Lᵀ`; of a modal body too, whose interfaces have the loads `passed` by link.
     ///
     /// Over the ways from loaded links to the root these are the only ones that are not zero, and for any two loads
     /// `b`, `c` it is `bᵀ M⁻¹ c = Σ uᵦ · D⁻¹ u꜀`: small systems of loads need no outward sweep.
     #[inline]
     pub fn pass(
         &self,
-        model: &Model,
-        motion: &Motion,
-        index: usize,
+        (model, motion): (&Model, &Motion),
+        (index, passed): (usize, &[Wrench]),
         tau: f64,
         e: &mut Wrench,
         mut put: impl FnMut([Vector3<f64>; 2]),
     ) {
         let (link, at) = (&model.links[index], &motion.links[index]);
         match link.joint {
-            Joint::None => put([Vector3::zeros(); 2]),
+            Joint::None | Joint::Interface { .. } => put([Vector3::zeros(); 2]),
+            Joint::Modal { modal, count } => {
+                let (body, mut y) = (&model.modals[modal], [0.0; MOST_MODAL_COORDINATES]);
+                motion.modals[modal].pull(body.links.iter().map(|link| &passed[*link]), &mut y);
+                y.iter_mut().for_each(|y| *y = -*y);
+                *e += self.modals[modal].pass(&mut y[..count]);
+                y.chunks_exact(3).take(parts(link)).for_each(|y| put([Vector3::from_column_slice(y); 2]));
+            }
             Joint::Ball { .. } => {
                 let (u, step, passed) = self.balls[self.plan[index].ball as usize].pass(at, e);
                 *e = passed;

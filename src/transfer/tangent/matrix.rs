@@ -194,7 +194,7 @@ impl TangentMatrix {
             let first = place.velocity as usize;
             match place.kind {
                 // No scene with flexible elements gets here (`TangentSolver::is_sparse`).
-                Kind::None | Kind::Flex => {}
+                Kind::None | Kind::Flex | Kind::Modal | Kind::Interface => {}
                 Kind::Turn | Kind::Slide | Kind::Screw => {
                     let n = Quad::of(&own.axis);
                     self.axes[first] = Axis { n, way, h: around.one::<PARTS>(n, way) };

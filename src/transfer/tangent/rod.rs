@@ -100,7 +100,7 @@ fn carry<const PARTS: u8>(z: &Varied, arm: &Vector3<f64>, swing: &Vector3<f64>) 
 }
 
 /// `row T`.
-fn carry_row(row: &mut Varied, arm: &Vector3<f64>, swing: &Vector3<f64>) {
+pub(super) fn carry_row(row: &mut Varied, arm: &Vector3<f64>, swing: &Vector3<f64>) {
     let (d, s) = (Quad::of(arm), Quad::of(swing));
     row.rate = d.cross_add(row.speed, (s + s).cross_add(row.linear, row.rate));
     row.angular = d.cross_add(row.linear, row.angular);

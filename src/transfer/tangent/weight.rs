@@ -91,7 +91,7 @@ impl Weight {
             let left = &mut self.left[index];
             match place.kind {
                 // Scenes with flexible elements do not come here.
-                Kind::None | Kind::Flex => {}
+                Kind::None | Kind::Flex | Kind::Modal | Kind::Interface => {}
                 Kind::Turn | Kind::Slide | Kind::Screw => {
                     let (n, kappa) = (Quad::of(&own.axis), at.diagonal[first]);
                     let (D, w, row) = match place.kind {
@@ -171,7 +171,7 @@ impl Weight {
             }
             let first = place.velocity as usize;
             match place.kind {
-                Kind::None | Kind::Flex => {}
+                Kind::None | Kind::Flex | Kind::Modal | Kind::Interface => {}
                 Kind::Turn | Kind::Slide | Kind::Screw => {
                     left.u = x[first] - left.axis.dot(e);
                     e = Quad::all(left.inverse * left.u).times_add(left.w, e);
@@ -199,7 +199,7 @@ impl Weight {
             let mut turned = if parent + 1 == index { before } else { self.turned[parent] };
             let first = place.velocity as usize;
             match place.kind {
-                Kind::None | Kind::Flex => {}
+                Kind::None | Kind::Flex | Kind::Modal | Kind::Interface => {}
                 Kind::Turn | Kind::Slide | Kind::Screw => {
                     let step = left.inverse * (left.u - left.row.dot(turned));
                     x[first] = step;

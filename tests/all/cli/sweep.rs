@@ -51,6 +51,41 @@ fn rows_go_into_a_table_and_may_be_runs() {
     assert!(bench.call(&alone).code(0).out.contains(&format!("\"positions\":{{\"rod\":[{last}]}}")), "{last}");
 }
 
+/// Column by column: words and counts are the same, numbers to the round-off that 0.1 s of a chain let go make of that of an
+/// evaluation.
+#[test]
+fn runs_side_by_side_are_rows_one_by_one() {
+    let bench = Bench::new();
+    let chain = shipped("chain_of_twenty");
+    let table = |lanes: &str, method: &str| {
+        let vary =
+            ["--vary", "link[0].position=uniform(-3,3)", "--vary", "link[7].mass=uniform(0.1,1)", "--cases", "6"];
+        let method = format!("simulate.integrator={method}");
+        let set = ["--set", &method, "--set", "simulate.duration=0.1", "--lanes", lanes, "--out", "x.csv"];
+        let answer = bench.call(&[&["sweep", &chain, "--run"], &vary[..], &set[..]].concat()).code(0);
+        let text = std::fs::read_to_string(bench.path().join("x.csv")).expect("a table");
+        let rows = text.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<_>>());
+        (answer.out.contains("side by side"), rows.collect::<Vec<_>>())
+    };
+    for method in ["rk4", "dopri5"] {
+        let ((told, beside), (silent, alone)) = (table("auto", method), table("off", method));
+        assert!(told && !silent && beside.len() == 7 && beside[0] == alone[0], "{told} {silent} {beside:?}");
+        for (here, there) in beside[1..].iter().zip(&alone[1..]) {
+            for ((name, here), there) in
+                beside[0].iter().zip(here).zip(there).filter(|((name, _), _)| *name != "wall_seconds")
+            {
+                match (here.parse::<f64>(), there.parse::<f64>()) {
+                    (Ok(x), Ok(y)) => assert!((x - y).abs() < 1e-10 * y.abs().max(1.0), "{name}: {x} {y}"),
+                    _ => assert_eq!(here, there, "{name}"),
+                }
+            }
+        }
+    }
+    // Statics is computed one by one.
+    let still = bench.call(&["sweep", &chain, "--over", "link[3].mass=0.1:1:4"]).code(0);
+    assert!(still.out.ends_with("4 cases\n"), "{}", still.out);
+}
+
 #[test]
 fn what_cannot_be_swept_is_a_wrong_call() {
     let bench = Bench::new();

@@ -32,7 +32,7 @@ pub(super) fn hinges(model: &Model, poses: &Poses, push: &[f64]) -> Vec<[Wrench;
     applied::motor::apply(model, &motors(model, poses), &mut tau);
     tau.iter_mut().zip(push).for_each(|(tau, push)| *tau += push);
     let of_link = |(index, link): (usize, &Link)| match link.joint {
-        Joint::None => [Wrench::ZERO; 2],
+        Joint::None | Joint::Modal { .. } | Joint::Interface { .. } => [Wrench::ZERO; 2],
         Joint::Ball { .. } => {
             let moment = poses.motion.links[index].turn * Vector3::from_column_slice(&tau[link.velocity..][..3]);
             [moment, -moment].map(|moment| Wrench { force: Vector3::zeros(), moment })
@@ -95,9 +95,12 @@ pub(super) fn coordinate(poses: &Poses, index: usize, link: &Link) -> Gradient {
             let n = parent.turn * (link.turn * axis);
             Gradient { force: n, on_link: zero, on_parent: n.cross(&(own.position - parent.position)) }
         }
-        Joint::None | Joint::Ball { .. } | Joint::Flex { .. } | Joint::Along { .. } => {
-            Gradient { force: zero, on_link: zero, on_parent: zero }
-        }
+        Joint::None
+        | Joint::Ball { .. }
+        | Joint::Flex { .. }
+        | Joint::Along { .. }
+        | Joint::Modal { .. }
+        | Joint::Interface { .. } => Gradient { force: zero, on_link: zero, on_parent: zero },
     }
 }
 
@@ -170,7 +173,7 @@ fn hinge(
         own || motor || pushed[link.velocity + i]
     };
     match link.joint {
-        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } | Joint::Modal { .. } | Joint::Interface { .. } => {}
         Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } if !active(0) => {}
         Joint::Turn | Joint::Screw { .. } => {
             let gradient = coordinate(poses, index, link);

@@ -84,7 +84,9 @@ fn of_link(model: &Model, link: &Link, q: &[f64]) -> Vec<Kind> {
     let locked = model.coordinates[link.velocity..link.velocity + count].iter().any(|c| c.lock);
     match link.joint {
         // Scenes with flexible elements are refused before.
-        Joint::None | Joint::Flex { .. } | Joint::Along { .. } => welded(point, link.turn),
+        Joint::None | Joint::Flex { .. } | Joint::Along { .. } | Joint::Modal { .. } | Joint::Interface { .. } => {
+            welded(point, link.turn)
+        }
         Joint::Turn | Joint::Screw { .. } if locked => {
             let (z, angle) = (Vector3::z_axis(), q[link.position]);
             let slid = link.joint.pitch() * angle * (link.turn * z.into_inner());

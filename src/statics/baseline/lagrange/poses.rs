@@ -49,7 +49,11 @@ impl Poses {
                 continue;
             }
             match link.joint {
-                Joint::None | Joint::Flex { .. } | Joint::Along { .. } => {}
+                Joint::None
+                | Joint::Flex { .. }
+                | Joint::Along { .. }
+                | Joint::Modal { .. }
+                | Joint::Interface { .. } => {}
                 Joint::Turn | Joint::Screw { .. } => {
                     let turn = relative();
                     let angle = 2.0 * turn.k.atan2(turn.w);
