@@ -46,7 +46,7 @@ impl Ensemble {
     pub fn covers(model: &Model) -> bool {
         let smooth = model.stops.is_empty() && model.hinge_friction.is_empty() && model.contacts.is_empty();
         let steady = model.burns.is_empty() && model.table_times().next().is_none() && model.stages.is_none();
-        smooth && steady && model.rods.is_empty() && !model.is_constrained()
+        smooth && steady && model.rods.is_empty() && model.modals.is_empty() && !model.is_constrained()
     }
 
     /// Systems of these models; `None` if they are not [covered](Self::covers) or differ in more than numbers.

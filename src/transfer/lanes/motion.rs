@@ -21,7 +21,7 @@ impl Tree {
                     let (q, v) = (&q[place.position..place.position + 4], &v[place.velocity..place.velocity + 3]);
                     ball(self, place, numbers, parent, own, q, v);
                 }
-                Kind::None | Kind::Flex => {}
+                Kind::None | Kind::Flex | Kind::Modal | Kind::Interface => {}
             }
         }
     }

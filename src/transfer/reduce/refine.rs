@@ -152,7 +152,9 @@ impl Reduction {
         let pivot = match model.links[link].joint {
             Joint::Turn | Joint::Slide { .. } | Joint::Screw { .. } => 1.0 / self.hinges[link].inverse,
             Joint::Ball { .. } => self.balls[self.plan[link].ball as usize].least_pivot(),
-            Joint::None | Joint::Flex { .. } | Joint::Along { .. } => return Ok(()),
+            Joint::None | Joint::Flex { .. } | Joint::Along { .. } | Joint::Modal { .. } | Joint::Interface { .. } => {
+                return Ok(());
+            }
         };
         // Far beyond what weight and turns do, whose round-off is then none beside it.
         let turning = motion.links.iter().fold(0.0_f64, |most, at| most.max(at.angular_velocity.norm_squared()));
