@@ -95,7 +95,9 @@ fn the_fast_sweeps_give_what_the_printed_method_gives() {
                 Joint::Slide { .. } => kinds[1] += 1,
                 Joint::Ball { .. } => kinds[2] += 1,
                 Joint::Screw { .. } => kinds[3] += 1,
-                Joint::Flex { .. } | Joint::Along { .. } => unreachable!("no elements here"),
+                Joint::Flex { .. } | Joint::Along { .. } | Joint::Modal { .. } | Joint::Interface { .. } => {
+                    unreachable!("no elements here")
+                }
             }
         }
         armatures += model.coordinates.iter().filter(|coordinate| coordinate.armature > 0.0).count();

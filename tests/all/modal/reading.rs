@@ -144,7 +144,7 @@ mod files {
             let mut all = members();
             change(&mut all);
             let flaw = npz::read(&archive(&all)).expect_err("something is wrong");
-            format!("{flaw} {}", flaw.help.unwrap_or_default())
+            format!("{flaw} {}", flaw.help.clone().unwrap_or_default())
         };
         assert!(told(&|all| all[0].0 = "node").contains("unknown array `node` did you mean `nodes`?"));
         assert!(told(&|all| all.truncate(6)).contains("no array `interface_nodes`"));
