@@ -82,7 +82,7 @@ impl Discretization {
 struct Gaps {
     /// The largest gaps of forces and of moments (N, N m).
     most: [f64; 2],
-    /// The integrals of eq. (2).
+    /// The integrals above and below the line of the estimate of deflections (J).
     energies: [f64; 2],
 }
 

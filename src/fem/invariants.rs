@@ -12,8 +12,7 @@
 //! `∫ φⱼ × φᵢ` changes its sign with the order; what a mass matrix of beams or shells leaves of its symmetric part is left out.
 
 use super::check::RigidBody;
-use super::modes::dot;
-use super::reduction::Basis;
+use super::modes::{Basis, dot};
 use super::{FiniteElements, UnitLoad};
 use crate::spatial::Sym3;
 use nalgebra::{Matrix3, Vector3};

@@ -5,6 +5,11 @@ use super::{Flaw, Symmetric};
 use crate::sparse::Cholesky;
 use nalgebra::{DMatrix, SymmetricEigen};
 
+/// Displacements of all freedoms for a unit of each coordinate.
+pub(super) struct Basis {
+    pub(super) columns: Vec<Vec<f64>>,
+}
+
 /// Rounds, at most: a block of twice the modes gains a factor of some tens in each.
 const MOST_ROUNDS: usize = 200;
 

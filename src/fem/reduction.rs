@@ -9,16 +9,11 @@
 //! reach of the body from its root.
 
 use super::invariants::invariants;
-use super::modes::{dot, lowest};
+use super::modes::{Basis, dot, lowest};
 use super::{FiniteElements, Flaw, Freedom, ModalDamping};
 use crate::element::modal::{MOST_MODAL_COORDINATES, Modal, ModalTip};
 use crate::sparse::Cholesky;
 use nalgebra::{DMatrix, Vector3};
-
-/// Displacements of all freedoms for a unit of each coordinate.
-pub(super) struct Basis {
-    pub(super) columns: Vec<Vec<f64>>,
-}
 
 impl FiniteElements {
     /// The modal body with this many modes beside the motions of its interfaces.

@@ -23,7 +23,7 @@ enum Run {
 pub(super) struct Coordinates(Vec<Run>);
 
 impl Coordinates {
-    /// Those of a model.
+    /// The runs of coordinates of a model.
     pub(super) fn new(model: &Model) -> Self {
         let mut runs = Vec::new();
         for link in &model.links {

@@ -251,10 +251,7 @@ impl Tangent {
                     left.swing = self.modals[modal].interface::<PARTS>(model, at, (modal, tip, index), &S);
                 }
                 Kind::Modal => {
-                    let modal = place.ball as usize;
-                    let negative = self.modals[modal].eliminate::<PARTS>(model, at, (modal, index), &mut S);
-                    let negative = negative.filter(|negative| !definite || *negative == 0);
-                    self.negative += negative.ok_or(Breakdown { link: index, axis: None })?;
+                    self.modal::<PARTS>(model, at, (place.ball as usize, index), definite, &mut S)?;
                 }
             }
             if matches!(place.to, To::Ground) {
@@ -267,6 +264,21 @@ impl Tangent {
             }
         }
         self.broken = false;
+        Ok(())
+    }
+
+    /// Eqs. (4) and (6) for the coordinates of a modal body, whose index and link are given.
+    fn modal<const PARTS: u8>(
+        &mut self,
+        model: &Model,
+        at: &At<'_>,
+        (modal, index): (usize, usize),
+        definite: bool,
+        S: &mut Carried,
+    ) -> Result<(), Breakdown> {
+        let negative = self.modals[modal].eliminate::<PARTS>(model, at, (modal, index), S);
+        let negative = negative.filter(|negative| !definite || *negative == 0);
+        self.negative += negative.ok_or(Breakdown { link: index, axis: None })?;
         Ok(())
     }
 

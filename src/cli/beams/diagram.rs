@@ -133,7 +133,7 @@ impl Diagram<'_> {
         let curve = |index: &usize| {
             let line =
                 self.points.iter().map(|point| (point.section.s, without_noise(point.section.forces[*index], all)));
-            let is_end = |k: &usize| k % (STRETCHES + 1) == 0 || k % (STRETCHES + 1) == STRETCHES;
+            let is_end = |k: &usize| k.is_multiple_of(STRETCHES + 1) || k % (STRETCHES + 1) == STRETCHES;
             let ends = (0..self.points.len()).filter(is_end).map(|k| &self.points[k]);
             let dots = ends.map(|point| (point.section.s, point.by_strains[*index])).filter(|(_, x)| x.is_finite());
             Curve { name: NAMES[*index], line: line.collect(), dots: dots.collect() }

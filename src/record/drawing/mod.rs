@@ -16,6 +16,7 @@ pub(super) mod lines;
 mod parts;
 mod place;
 pub(super) mod shades;
+mod shape;
 pub(super) mod sweep;
 mod triangles;
 

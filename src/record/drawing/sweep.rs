@@ -1,7 +1,6 @@
 //! The surface of a beam: outlines of its cross sections along it, closed at both ends.
 
 use super::Triangles;
-use super::place::{Part, Place};
 use crate::element::section::Section;
 use crate::record::tubes::Tube;
 use crate::spatial::Pose;
@@ -112,28 +111,6 @@ fn outline(section: &Section, wire: f64, least: f64) -> Vec<[[f64; 2]; 2]> {
             sides.into_iter().chain(others).flat_map(|(a, b, normal)| [[a, normal], [b, normal]]).collect()
         }
         Section::Stiffness(_) => round(wire.max(least)),
-    }
-}
-
-/// What of a part depends on the instant.
-#[derive(Debug, Clone)]
-pub(in crate::record) struct Shape {
-    /// In the axes of its placement.
-    pub(in crate::record) triangles: Arc<Triangles>,
-    /// Colours of the corners; empty if the part has one.
-    pub(in crate::record) tints: Vec<[f64; 3]>,
-}
-
-impl Part {
-    /// What it is when bodies and cross sections are in these poses.
-    pub(in crate::record) fn shape(&self, poses: &[Pose]) -> Shape {
-        let Place::Swept { sweep, tints } = &self.place else {
-            return Shape { triangles: self.triangles.clone(), tints: Vec::new() };
-        };
-        let triangles = sweep.triangles(poses);
-        let tint = |corner: usize| tints.get(sweep.ring_of(corner)).copied();
-        let tints = (0..triangles.positions.len()).map_while(tint).collect::<Vec<_>>();
-        Shape { triangles: Arc::new(triangles), tints }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Numbers whose change of sign is an event of contact.
 
-use super::{Closed, Contacts, GAP, Mode, STRAIGHT};
+use super::{Contacts, GAP, Mode, STRAIGHT};
 use crate::contact::cone::Law;
 use crate::contact::frame::Frame;
 use crate::contact::pairs::{DEEPER, LOOSE};
@@ -18,10 +18,6 @@ pub(in crate::simulate) enum Aspect {
     Inside,
     /// How far what keeps slips straight is below [`super::STRAIGHT`].
     Straight,
-    /// What the spring of a closed contact bears, or would pull with (in parts of the largest force).
-    Spring(usize),
-    /// How deep a closed contact that bears nothing is (m).
-    Depth(usize),
     /// Slip of a closed contact along the direction in which it began.
     Slip(usize),
 }
@@ -42,10 +38,6 @@ impl Contacts {
         let slips = |at: usize| matches!(self.closed[at].mode, Mode::Slip(direction) if direction != Vector3::zeros());
         aspects.extend(self.closed.iter().any(|closed| closed.straight).then_some(Aspect::Straight));
         aspects.extend((0..self.closed.len()).filter(|at| slips(*at)).map(Aspect::Slip));
-        for at in (0..self.closed.len()).filter(|at| !self.is_rigid(self.closed[*at].key.couple)) {
-            aspects.push(Aspect::Spring(at));
-            aspects.extend((!self.closed[at].pushes).then_some(Aspect::Depth(at)));
-        }
         aspects
     }
 
@@ -55,8 +47,6 @@ impl Contacts {
             Aspect::Gap(couple) => 1e-4 * GAP * self.pairs.couples[couple].size,
             Aspect::Reserve => BEYOND,
             Aspect::Inside | Aspect::Straight => 0.0,
-            Aspect::Spring(_) => 1e-12,
-            Aspect::Depth(at) => 1e-4 * GAP * self.pairs.couples[self.closed[at].key.couple].size,
             Aspect::Slip(_) => 1e-3 * self.slow,
         }
     }
@@ -68,11 +58,6 @@ impl Contacts {
             Aspect::Reserve => [self.reserve(), 0.0],
             Aspect::Inside => [self.inside(), 0.0],
             Aspect::Straight => [STRAIGHT - self.bent(), 0.0],
-            Aspect::Spring(at) => {
-                let force = self.pressure(&self.frames[at]).unwrap_or(0.0) / self.scale;
-                [if self.closed[at].pushes { force } else { -force }, 0.0]
-            }
-            Aspect::Depth(at) => [-self.closed[at].meeting.gap, -self.frames[at].speed.x],
             Aspect::Slip(at) => {
                 let closed = &self.closed[at];
                 let Mode::Slip(held) = closed.mode else { return [1.0, 0.0] };
@@ -99,7 +84,7 @@ impl Contacts {
     fn inside(&self) -> f64 {
         let each = self.closed.iter().map(|closed| {
             let size = self.pairs.couples[closed.key.couple].size;
-            closed.meeting.inside.min(closed.meeting.flat) + LOOSE * size
+            closed.meeting.inside + LOOSE * size
         });
         each.fold(f64::INFINITY, f64::min)
     }
@@ -130,7 +115,7 @@ impl Contacts {
             // Features that are behind each other are none of shapes that are apart, nor those of the far side of others.
             let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
             let counts = || meeting.gap > -GAP * size || depth() > 0.0 && meeting.gap >= -DEEPER * depth();
-            if !is_closed && meeting.flat >= 0.0 && meeting.gap < best[0] && counts() {
+            if !is_closed && meeting.gap < best[0] && counts() {
                 let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
                 best = [meeting.gap, meeting.normal.dot(&u)];
             }
@@ -144,8 +129,7 @@ impl Contacts {
     }
 
     fn look(&self) -> f64 {
-        let bears = |closed: &&Closed| closed.mode != Mode::Spare && closed.pushes;
-        let each = self.closed.iter().filter(bears).map(|closed| {
+        let each = self.closed.iter().filter(|closed| closed.mode != Mode::Spare).map(|closed| {
             let n = closed.meeting.normal.dot(&closed.force);
             let across = (closed.force - closed.meeting.normal * n).norm();
             let friction = self.law(closed.key.couple).friction.stick;
@@ -160,11 +144,9 @@ impl Contacts {
         let law = |frame: &Frame| {
             let friction = self.law(frame.key.couple).friction;
             let slip = frame.slip();
-            if !self.is_rigid(frame.key.couple) {
-                return Law::Bounded { bound: 0.0 };
-            }
-            match slip.norm() {
-                speed if speed > self.slow => {
+            let held = self.closed.iter().find(|closed| closed.key == frame.key).map(|closed| closed.mode);
+            match (held, slip.norm()) {
+                (_, speed) if speed > self.slow => {
                     Law::Sliding { friction: friction.slide, direction: frame.flat(&(slip / speed)) }
                 }
                 _ => Law::Coulomb {
@@ -178,7 +160,6 @@ impl Contacts {
 
     /// At the end of a step: what slips goes on in the direction that it has then.
     pub(in crate::simulate) fn turn_along(&mut self, step: f64) {
-        self.undisturbed += 1;
         let acceleration = self.model.gravity.norm();
         for at in 0..self.closed.len() {
             let friction = self.law(self.closed[at].key.couple).friction.slide;

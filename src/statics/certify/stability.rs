@@ -194,7 +194,7 @@ pub(in crate::statics) fn count_by_motion(linear: &Linearization) -> (usize, usi
     (unstable, neutral.div_ceil(2))
 }
 
-/// The same without damping, from half as many equations: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`.
+/// Growing motions without damping, from half as many equations: `s² = −λ` for the eigenvalues λ of `M⁻¹ K`.
 fn count_undamped(linear: &Linearization) -> (usize, usize) {
     use faer::linalg::solvers::Solve;
     let values = linear.mass.partial_piv_lu().solve(&linear.stiffness).eigenvalues().unwrap_or_default();

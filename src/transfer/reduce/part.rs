@@ -1,10 +1,11 @@
 //! The two sweeps over some links that follow each other: all of them, or a half of a large tree on a thread of its own.
 
 use super::ball::{self, Ball, Pivot};
-use super::carried::Carried;
+use super::carried::{Carried, Left};
 use super::{Load, Lost, One, Singular, three, translate};
 use crate::model::{Link, Model};
 use crate::motion::{LinkMotion, Motion};
+use crate::spatial::Wrench;
 use crate::spatial::fused::{dot, dot_add, scale_add, times_add};
 use crate::transfer::element::moment_in_link_axes;
 use crate::transfer::flexible::{ModalPivot, RodPivot, accelerate};
@@ -118,23 +119,8 @@ impl<'a> Part<'a> {
             carried = match place.kind {
                 Kind::None => here,
                 Kind::Turn | Kind::Slide | Kind::Screw => {
-                    let (armature, tau) = (place.armature, load.tau[velocity]);
-                    let one = match place.kind {
-                        Kind::Turn | Kind::Screw if place.is_delicate && !place.is_slender => {
-                            here.delicate(&at.axis, link.joint.pitch(), armature, tau, &mut lost)
-                        }
-                        Kind::Turn | Kind::Screw if place.is_delicate => {
-                            let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
-                            let axial = moment_in_link_axes(link, &model.gravity, at).z - given;
-                            let (straight, one) = here.slender(link, at, armature, (tau, axial));
-                            here = straight;
-                            one
-                        }
-                        Kind::Turn => here.turn(&at.axis, armature, tau),
-                        Kind::Screw => here.screw(&at.axis, link.joint.pitch(), armature, tau),
-                        _ => here.slide(&at.axis, armature, tau),
-                    };
-                    let one = one.map_err(failed)?;
+                    let given = (model, applied, load.tau[velocity]);
+                    let one = eliminate_one(given, (link, at), place, &mut here, &mut lost).map_err(failed)?;
                     *left = one.one();
                     lost = lost.max(left.lost(place.least));
                     if to_ground {
@@ -173,6 +159,34 @@ impl<'a> Part<'a> {
             meet(place.to, joins, &carried);
         }
         Ok(Passed { first: carried, others, lost })
+    }
+}
+
+/// Eqs. (5) and (6) for a turn, slide or screw, by the variant that keeps the digits of its pivot; `here` is what hangs on it. On
+/// failure the pivot.
+#[inline(always)]
+fn eliminate_one(
+    (model, applied, tau): (&Model, Option<&Wrench>, f64),
+    (link, at): (&Link, &LinkMotion),
+    place: &Place,
+    here: &mut Carried,
+    lost: &mut Lost,
+) -> Result<Left, f64> {
+    let armature = place.armature;
+    match place.kind {
+        Kind::Turn | Kind::Screw if place.is_delicate && !place.is_slender => {
+            here.delicate(&at.axis, link.joint.pitch(), armature, tau, lost)
+        }
+        Kind::Turn | Kind::Screw if place.is_delicate => {
+            let given = applied.map_or(0.0, |wrench| dot(&at.axis, &wrench.moment));
+            let axial = moment_in_link_axes(link, &model.gravity, at).z - given;
+            let (straight, one) = here.slender(link, at, armature, (tau, axial));
+            *here = straight;
+            one
+        }
+        Kind::Turn => here.turn(&at.axis, armature, tau),
+        Kind::Screw => here.screw(&at.axis, link.joint.pitch(), armature, tau),
+        _ => here.slide(&at.axis, armature, tau),
     }
 }
 

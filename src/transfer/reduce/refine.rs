@@ -48,7 +48,7 @@ pub(super) struct Refinement {
     /// Residual hinge forces, and what they accelerate; one per velocity.
     left: Vec<f64>,
     step: Vec<f64>,
-    /// Those of a trial.
+    /// Forces of a trial (N, N m).
     force: Vec<f64>,
     /// Of flexible elements.
     rods: Vec<RodBalance>,

@@ -16,6 +16,7 @@ const CIRCLES: &[&[&str]] = &[&[
     "model/couplings",
     "model/description",
     "model/hinge_curve",
+    "model/modal",
     "model/motor",
     "model/output",
     "model/parameter",
