@@ -17,6 +17,9 @@ const MOST_ROUNDS: usize = 200;
 /// that.
 const SETTLED: f64 = 1e-13;
 
+/// Changes below this part that fall no more are round-off.
+const ROUND_OFF: f64 = 1e-9;
+
 /// The lowest `count` modes of `K x = ω² M x`, by columns; `factors` are those of `K`.
 ///
 /// # Errors
@@ -34,6 +37,7 @@ pub(super) fn lowest(
     let block = n.min((2 * count).max(count + 8));
     let mut vectors: Vec<Vec<f64>> = (0..block).map(|k| start(n, k)).collect();
     let mut before = vec![f64::INFINITY; count.min(block)];
+    let mut last = f64::INFINITY;
     for _ in 0..MOST_ROUNDS {
         for x in &mut vectors {
             *x = mass.times(x);
@@ -46,12 +50,15 @@ pub(super) fn lowest(
         }
         let change = |(now, before): (&f64, &f64)| ((now - before) / now).abs();
         let worst = flexible.iter().zip(&before).map(change).fold(0.0, f64::max);
-        if worst < SETTLED || vectors.len() == n {
+        // Eigenvalues settle no further than their round-off, which is that of the stiffness against its least.
+        let floor = worst < ROUND_OFF && worst > 0.5 * last;
+        if worst < SETTLED || floor || vectors.len() == n {
             vectors.truncate(count);
             vectors.iter_mut().for_each(|x| straighten(x));
             return Ok(vectors);
         }
         before = flexible[..count].to_vec();
+        last = worst;
     }
     Err(Flaw::new(format!("{count} modes of the body did not settle in {MOST_ROUNDS} rounds"))
         .help("ask for fewer `modes`"))

@@ -17,10 +17,9 @@ pub(super) struct Made {
 /// Reads and reduces the file of a body of this name; `None` for a rigid one, or where something is wrong.
 pub(super) fn modal(body: &Reader<'_>, owner: &str, folder: &Path) -> Option<Made> {
     if !body.has("modal") {
-        for key in ["modes", "damping", "geometric"].into_iter().filter(|key| body.has(key)) {
+        for key in ["modes", "modal_damping", "geometric"].into_iter().filter(|key| body.has(key)) {
             let message = format!("body `{owner}`: `{key}` without `modal`");
-            let help =
-                "it is for bodies that are made of a file of finite elements; a hinge has a `damping` of its own";
+            let help = "it is for bodies that are made of a file of finite elements";
             body.findings.push(Finding::error(body.key_span(key), message).help(help));
         }
         return None;
@@ -51,7 +50,7 @@ pub(super) fn modal(body: &Reader<'_>, owner: &str, folder: &Path) -> Option<Mad
 }
 
 fn damping(body: &Reader<'_>) -> ModalDamping {
-    let Some(table) = body.table("damping") else { return ModalDamping::None };
+    let Some(table) = body.table("modal_damping") else { return ModalDamping::None };
     let number = |key: &str| table.number(key).unwrap_or(0.0);
     match table.number("ratio") {
         Some(ratio) => {

@@ -76,7 +76,7 @@ pub const BODY: Table = Table {
         )
         .default("true")
         .example("false"),
-        Key::new("damping", Kind::Table(&MODAL_DAMPING), "Of a body with `modal`: its damping.")
+        Key::new("modal_damping", Kind::Table(&MODAL_DAMPING), "Of a body with `modal`: its damping.")
             .example("{ ratio = 0.01 }"),
         Key::new("burn", Kind::Table(&BURN), "In place of `mass`, `center` and `inertia`: they follow a table over time. What leaves has the body's velocity; thrust is a load.")
             .example("{ times = [0.0, 2.0], mass = [12.0, 4.0] }"),
@@ -97,7 +97,7 @@ pub const BODY: Table = Table {
 
 /// The damping of a modal body.
 const MODAL_DAMPING: Table = Table {
-    name: "damping",
+    name: "modal_damping",
     doc: "Damping of a modal body: `ratio`, or the sum of `mass` times its mass matrix and `stiffness` times its stiffness matrix.",
     types: &[],
     keys: &[

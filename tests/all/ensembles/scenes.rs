@@ -9,7 +9,8 @@ use stillpoint::model::description::*;
 /// A random tree with every kind of hinge and force, and as many like it as an ensemble has: masses, inertias, centres, stiffnesses,
 /// states and gravity are each one's own. `None` for one that nothing moves in.
 pub(crate) fn varied(seed: u64) -> Option<[Arc<Model>; WIDTH]> {
-    let options = Options { bodies: 1 + seed as usize % 25, springs: seed % 4 != 0, welds: seed % 3 != 0 };
+    let options =
+        Options { bodies: 1 + seed as usize % 25, springs: !seed.is_multiple_of(4), welds: !seed.is_multiple_of(3) };
     let mut description = random_scene(seed + 90_000, &options);
     if seed % 2 == 1 {
         preload(&mut description);

@@ -3,6 +3,9 @@
 use super::{Strip, lattice};
 use stillpoint::fem::{FiniteElements, ModalDamping, Symmetric};
 
+/// Names of an archive's members, and what is in them.
+type Members = Vec<(&'static str, Vec<u8>)>;
+
 /// A model with something wrong with it, and a part of what is said.
 fn refused(change: impl Fn(&mut FiniteElements), words: &[&str]) {
     let mut model = Strip::unit(3).model(&[0, 3], false);
@@ -140,7 +143,7 @@ mod files {
 
     #[test]
     fn what_is_missing_or_misspelt_is_named() {
-        let told = |change: &dyn Fn(&mut Vec<(&'static str, Vec<u8>)>)| {
+        let told = |change: &dyn Fn(&mut Members)| {
             let mut all = members();
             change(&mut all);
             let flaw = npz::read(&archive(&all)).expect_err("something is wrong");

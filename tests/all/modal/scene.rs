@@ -50,7 +50,7 @@ fn a_boom_sinks_slews_and_swings() {
     // Four modes with the tip held carry the weight along the boom: none is missing at the tip.
     assert!((sunk / expected - 1.0).abs() < 1e-6, "{sunk} m and not {expected}");
     let start = State { position: found.position.clone(), velocity: vec![0.0; model.velocity_count()] };
-    let settings = stillpoint::simulate::Settings { duration: 1.5, ..scenario.simulate.clone() };
+    let settings = stillpoint::simulate::Settings { duration: 1.5, ..scenario.simulate };
     let summary = run(&model, &settings, 10.0, &start, &mut Fanout::new(), &mut |_, _| true).expect("a run");
     assert!(summary.energy_drift < 1e-5 * summary.work.abs(), "{:e} of {}", summary.energy_drift, summary.work);
     let pose = summary.poses[tip];
