@@ -143,7 +143,7 @@ mod files {
 
     #[test]
     fn what_is_missing_or_misspelt_is_named() {
-        let told = |change: &dyn Fn(&mut Members)| {
+        let told = |change: &dyn Fn(&mut super::Members)| {
             let mut all = members();
             change(&mut all);
             let flaw = npz::read(&archive(&all)).expect_err("something is wrong");
