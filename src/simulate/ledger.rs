@@ -106,7 +106,10 @@ impl Ledger {
         if !self.flows {
             return Ok(());
         }
-        if self.stages.evaluate(motion, stepper) {
+        // Stages know nothing of what jumps within a step.
+        let model = motion.model();
+        let is_smooth = model.stops.is_empty() && model.controllers.is_empty() && !model.has_boundaries();
+        if is_smooth && self.stages.evaluate(motion, stepper) {
             let Powers { input, dissipated } = self.stages.integral(stepper, [from, until]);
             self.work += input;
             self.dissipated += dissipated;
