@@ -113,7 +113,7 @@ fn error_text(error: &Discretization) -> String {
     format!(
         "{} of the section forces, {} of deflections, by {}; {advice}",
         small(error.forces),
-        small(error.deflections),
+        small(without_noise(error.deflections, 1.0)),
         elements(error.elements)
     )
 }

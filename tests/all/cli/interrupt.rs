@@ -125,7 +125,7 @@ fn what_waits_for_a_pipe_ends_when_it_is_told_to() {
         &["statics", "pipe"],
         &["precision", "pipe"],
         &["report", "pipe", "-o", "x.html"],
-        &["sweep", "s.toml", "--vary", "rod.mass=normal(1, 0.1)", "--correlate", "pipe"],
+        &["sweep", "s.toml", "--vary", "rod.mass=normal(1, 0.1)", "--cases", "4", "--correlate", "pipe"],
         &["convert", "pipe"],
     ];
     for arguments in waiting {
