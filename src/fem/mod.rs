@@ -2,7 +2,7 @@
 //! bodies.
 //!
 //! What a file must hold is in [`npz`] and in the guide (docs/guide/modal_bodies.md). The reduction is that of Craig and Bampton
-//! ([`reduction`]): the displacements of the interfaces and modes with all interfaces held.
+//! (`reduction`): the displacements of the interfaces and modes with all interfaces held.
 
 mod check;
 mod damping;

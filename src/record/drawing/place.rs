@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub struct Part {
     /// Name of the body, line, load or hinge.
     pub name: String,
-    /// In the part's axes. Parts of one form share them. Empty of a beam, whose surface changes: [`Part::shape`] has it.
+    /// In the part's axes. Parts of one form share them. Empty of a beam, whose surface changes with its coordinates.
     pub triangles: Arc<Triangles>,
     /// Red, green, blue, opacity, 0…1.
     pub color: [f64; 4],
