@@ -1,6 +1,6 @@
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -112,7 +112,14 @@ class Scene:
 class Table(dict[str, Any]):
     def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
 
-class Modes(list[Mode]):
+class Modes:
+    def __init__(self, modes: Iterable[Mode] = ()) -> None: ...
+    def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, which: int) -> Mode: ...
+    @overload
+    def __getitem__(self, which: slice) -> Modes: ...
+    def __iter__(self) -> Iterator[Mode]: ...
     def __arrow_c_stream__(self, requested_schema: object = None) -> object: ...
 
 class Fit:

@@ -14,8 +14,30 @@ class Table(dict):
         return arrow_stream(list(self.items()))
 
 
-class Modes(list):
-    """Small motions, slowest first; `polars.DataFrame(modes)` is their table."""
+class Modes:
+    """Small motions, slowest first, as a list has them; `polars.DataFrame(modes)` is their table.
+
+    Not a `list`: polars takes lists for a column of objects before it asks for a table.
+    """
+
+    def __init__(self, modes=()):
+        self._modes = list(modes)
+
+    def __len__(self) -> int:
+        return len(self._modes)
+
+    def __getitem__(self, which):
+        found = self._modes[which]
+        return Modes(found) if isinstance(which, slice) else found
+
+    def __iter__(self):
+        return iter(self._modes)
+
+    def __eq__(self, other) -> bool:
+        return self._modes == (other._modes if isinstance(other, Modes) else other)
+
+    def __repr__(self) -> str:
+        return repr(self._modes)
 
     def __arrow_c_stream__(self, requested_schema=None):
         names = ("frequency", "damping_ratio", "decay_rate")
