@@ -189,11 +189,10 @@ impl Scene {
         let (py, this) = (slf.py(), slf.get());
         let interrupt = Interrupt::new();
         let before = Instant::now();
-        let Scenario { description, unknown, statics, margin, .. } = &this.scenario;
-        let (description, model) = (description.clone(), Arc::clone(&this.model));
+        let Scenario { description, statics, margin, .. } = &this.scenario;
+        let (sought, description, model) = (this.scenario.sought(), description.clone(), Arc::clone(&this.model));
         let asked = &interrupt;
-        let answer =
-            py.detach(move || statics::answer(description, model, unknown, statics, margin, &|| asked.go_on()));
+        let answer = py.detach(move || statics::answer(description, model, sought, statics, margin, &|| asked.go_on()));
         interrupt.check()?;
         let held = answer.map_err(|error| NoEquilibrium::new_err(error.to_string()))?;
         let equilibrium = Equilibrium::new(slf.clone().unbind(), held, before.elapsed());

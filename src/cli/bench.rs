@@ -9,7 +9,8 @@ use crate::dynamics::{AccelerationJacobians, Coefficients, Fault, System, Tangen
 use crate::integrate::{Method, Options, Start};
 use crate::model::Model;
 use crate::simulate::problem::Motion;
-use crate::statics::{equilibrium, hold};
+use crate::statics::settings::Margin;
+use crate::statics::{answer, equilibrium};
 use anyhow::Context;
 use beside::Beside;
 use clap::Args;
@@ -211,9 +212,10 @@ fn measure(
         [Routine::LaneAcceleration, Routine::LaneStep].map(|routine| routines.cost(routine).map(of_one));
     let statics = match scenario.unknown.is_empty() {
         true => time(|| equilibrium(model, &scenario.statics, &model.start_position).map(drop)),
-        false => {
-            time(|| hold(&scenario.description, &scenario.unknown, &model.start_position, &scenario.statics).map(drop))
-        }
+        false => time(|| {
+            let (scene, model) = (scenario.description.clone(), Arc::clone(model));
+            answer(scene, model, scenario.sought(), &scenario.statics, &Margin::default(), &|| true).map(drop)
+        }),
     };
     Ok(Costs { acceleration, jacobian, tangent_solve, static_step, lane_acceleration, lane_step, statics, allocated })
 }

@@ -138,6 +138,7 @@ pub(super) fn statics(model: &Arc<Model>, found: &Equilibrium, wall_seconds: f64
         "modal": modals::json(model, &found.position, &found.poses),
         "holding": found.holding.iter().map(|(name, force)| json!({ "hinge": bare(name), "force": force })).collect::<Vec<_>>(),
         "stops": found.stops.iter().map(bearing).collect::<Vec<_>>(),
+        "aimed": found.aimed.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "unknowns": found.unknowns.iter().map(|(name, value)| (name.clone(), json!(value))).collect::<Map<_, _>>(),
         "drives": pushes(&found.drive_forces),
         "motors": pushes(&model.motor_forces(&found.position, &found.velocity)),

@@ -1,5 +1,6 @@
 //! Loading a scenario for a command: everything that is wrong is said here, once.
 
+use super::output::Interrupt;
 use super::{Common, Exit, output, text};
 use crate::constraint::{self, Constraints};
 use crate::dynamics::System;
@@ -7,7 +8,7 @@ use crate::model::problem::number;
 use crate::model::{Model, Problem};
 use crate::scenario::{Diagnostics, LoadError, Override, Scenario, load_start, load_with};
 use crate::simulate::at_stage;
-use crate::statics::residual;
+use crate::statics::{answer, residual};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use std::path::Path;
@@ -93,14 +94,39 @@ pub(super) fn load_structure(
         Err(exit) => return Ok(Err(exit)),
     };
     if let Some(stage) = &structure.stage {
+        if !scenario.aim.is_empty() {
+            aim_first(common, &mut scenario, &model)?;
+        }
         if !scenario.unknown.is_empty() || scenario.path.is_some() {
-            bail!("{}: `--stage` goes without `[statics] unknown` and `[statics.path]`", scenario.name);
+            bail!(
+                "{}: `--stage` goes without a pose that is given, `[statics] unknown`, and `[statics.path]`",
+                scenario.name
+            );
         }
         let whole = &scenario.description;
         scenario.description = at_stage(whole, stage).map_err(|why| anyhow!("{}: {why}", scenario.name))?;
         model = assemble(common, Model::build(&scenario.description).map_err(listed)?)?;
     }
     start_at(common, start, (scenario, model))
+}
+
+/// What is aimed at before the first stage is aimed at once: the numbers that were found are those of the scene from then on.
+fn aim_first(common: &Common, scenario: &mut Scenario, model: &Arc<Model>) -> anyhow::Result<()> {
+    let interrupt = Interrupt::install()?;
+    let (description, model) = (scenario.description.clone(), Arc::clone(model));
+    let go_on = || !interrupt.requested();
+    let held = answer(description, model, scenario.sought(), &scenario.statics, &scenario.margin, &go_on)
+        .with_context(|| format!("{}: statics cannot start", scenario.name))?;
+    if let (false, note) = (held.found.converged, held.found.notes.first()) {
+        bail!("{}: {}", scenario.name, note.map_or("no equilibrium found", String::as_str));
+    }
+    for (address, value) in held.found.unknowns.iter().filter(|_| !common.quiet) {
+        output::note(&format!("aimed before the first stage: `{address}` = {}", number(*value)));
+    }
+    scenario.description = held.description;
+    scenario.unknown.clear();
+    scenario.aim.clear();
+    Ok(())
 }
 
 /// Puts a scene at the start that a file gives.

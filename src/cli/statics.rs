@@ -256,8 +256,8 @@ fn find_watched(
         let found = equilibrium_observed(model, &scenario.statics, &model.start_position, observers);
         return Ok((found.with_context(context)?, before.elapsed()));
     }
-    let (description, unknown) = (scenario.description.clone(), &scenario.unknown);
-    let held = answer(description, model.clone(), unknown, &scenario.statics, &scenario.margin, &go_on)
+    let description = scenario.description.clone();
+    let held = answer(description, model.clone(), scenario.sought(), &scenario.statics, &scenario.margin, &go_on)
         .with_context(context)?;
     (scenario.description, *model) = (held.description, held.model);
     Ok((held.found, before.elapsed()))

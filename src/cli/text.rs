@@ -134,6 +134,12 @@ pub(super) fn statics(model: &Model, found: &Equilibrium, wall: Duration) -> Str
         let head = if line == 0 { "inputs" } else { "" };
         let _ = writeln!(out, "  {head:<12} {name:<width$} = {}", value.trim_end());
     }
+    for (line, (name, value)) in found.aimed.iter().enumerate() {
+        let output =
+            model.outputs.iter().find_map(|one| one.labels().position(|label| label == *name).map(|at| &one.units[at]));
+        let unit = output.map_or("", String::as_str);
+        let _ = writeln!(out, "  {:<12} {name} = {} {unit}", if line == 0 { "aimed" } else { "" }, number(*value));
+    }
     if found.stages.len() > 1 {
         stages(&mut out, found);
     }

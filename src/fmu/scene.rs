@@ -57,7 +57,7 @@ pub fn at_start(scene: &Scene) -> Result<(Arc<Model>, State), FmuError> {
     let answer = statics::answer(
         description,
         Arc::clone(model),
-        &scenario.unknown,
+        scenario.sought(),
         &scenario.statics,
         &scenario.margin,
         &|| true,

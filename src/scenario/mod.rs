@@ -28,6 +28,7 @@ pub mod format;
 pub mod overrides;
 mod schema;
 
+mod aim;
 mod beam;
 mod body;
 mod check;
@@ -105,8 +106,11 @@ pub struct Scenario {
     pub simulate: simulate::settings::Settings,
     /// What is asked of statics.
     pub statics: statics::settings::Settings,
-    /// Numbers that inverse statics finds; none if the pose is looked for.
+    /// Numbers that statics finds: those that hold the pose or, with an aim, those that give the equilibrium its outputs; none if
+    /// the scene has all of its numbers.
     pub unknown: Vec<Parameter>,
+    /// What outputs of the equilibrium shall be.
+    pub aim: Vec<statics::Aim>,
     /// Numbers that a start file gave it: address and value.
     pub given: Vec<(String, f64)>,
     /// What may move while a pose with friction or contact stands.
@@ -119,6 +123,13 @@ pub struct Scenario {
     pub models: Vec<Imported>,
     /// What will not happen although it is written.
     pub warnings: Diagnostics,
+}
+
+impl Scenario {
+    /// What statics finds besides the pose.
+    pub fn sought(&self) -> statics::Sought<'_> {
+        statics::Sought { unknown: &self.unknown, aim: &self.aim }
+    }
 }
 
 /// Reads a scenario file; `-` is standard input. The file of a model (URDF, MJCF) is read as a scenario of nothing but
@@ -251,6 +262,7 @@ fn read(
 ) -> Scenario {
     let whole = Reader::new(document, 0..0, findings);
     let unknown = unknown::read(&whole, &description);
+    let aim = aim::read(&whole, &description, &unknown, numbers);
     let margin = unknown::margin(&whole, &description);
     let path = path::read(&whole, &description, numbers);
     let (simulate, record) = (settings::simulate(&whole), settings::record(&whole));
@@ -265,6 +277,7 @@ fn read(
         simulate,
         statics: settings::statics(&whole),
         unknown,
+        aim,
         given: Vec::new(),
         margin,
         path,

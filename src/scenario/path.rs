@@ -3,6 +3,7 @@
 use super::findings::Finding;
 use super::quantities::Numbers;
 use super::reader::{Reader, Value};
+use super::unknown::is_guess;
 use crate::model::parameter::{Field, Parameter};
 use crate::model::{Description, Model};
 use crate::quantity::Dimension;
@@ -16,7 +17,7 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description, texts: &Num
         table.findings.push(Finding::error(table.span_of(key), message).maybe_help(help));
     };
     if scenario.table("statics").is_some_and(|statics| statics.has("unknown")) {
-        let help = "a path follows an equilibrium that is looked for; with `unknown` the pose is given";
+        let help = "a path follows the equilibrium of given numbers";
         refuse("parameter", "`path` and `unknown` do not go together".to_owned(), Some(help.to_owned()));
     }
     let numbers = numbers(&table, description)?;
@@ -98,16 +99,7 @@ fn numbers(table: &Reader<'_>, description: &Description) -> Option<Vec<Paramete
         refuse(format!("`{address}` stands for numbers in {} and in {}", units.0, units.1), None);
         return None;
     }
-    let loose = |one: &&Parameter| match one.element {
-        crate::model::Element::Body(body) => {
-            let driven = description.drives.iter().any(|drive| {
-                drive.coordinate.body == description.bodies[body].name && drive.coordinate.index == one.component()
-            });
-            one.field == Field::Position && !description.bodies[body].hinge.lock && !driven
-        }
-        _ => false,
-    };
-    if let Some(one) = found.iter().find(loose) {
+    if let Some(one) = found.iter().find(|one| is_guess(one, description)) {
         let help = "a path can move a hinge that is held: add `lock = true` to it, or a drive";
         refuse(format!("`{}` is a guess, statics finds it", one.address), Some(help.to_owned()));
         return None;

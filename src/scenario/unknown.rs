@@ -3,6 +3,7 @@
 
 use super::findings::Finding;
 use super::reader::Reader;
+use crate::model::couplings::DriveDescription;
 use crate::model::description::BodyDescription;
 use crate::model::parameter::Field;
 use crate::model::{Description, Element, Parameter};
@@ -13,21 +14,27 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Para
     let Some(table) = scenario.table("statics") else { return Vec::new() };
     let Some(list) = table.value("unknown").and_then(|value| value.get_ref().as_array()) else { return Vec::new() };
     let mut all: Vec<Parameter> = Vec::new();
+    // With an aim the pose follows from the numbers, as in every search; only guesses are no numbers of an equilibrium.
+    let is_aimed = table.has("aim");
     for item in list {
         let Some(address) = item.get_ref().as_str() else { continue };
         let refuse = |message: String, help: Option<String>| {
             table.findings.push_value(Finding::error(item.span(), message).maybe_help(help));
         };
         match Parameter::find(description, address) {
-            Ok(found) if found.iter().any(|one| matches!(one.element, Element::Loop(_))) => {
+            Ok(found) if is_aimed && found.iter().any(|one| is_guess(one, description)) => {
+                let help = "a position can be unknown where a hinge is held: add `lock = true` to it, or a drive";
+                refuse(format!("`{address}` is a guess, statics finds it"), Some(help.to_owned()));
+            }
+            Ok(found) if !is_aimed && found.iter().any(|one| matches!(one.element, Element::Loop(_))) => {
                 let help = "lengths of rods follow from the pose; unknown can be forces, springs, loads and masses";
                 refuse(format!("`{address}` is part of the pose, which is given"), Some(help.to_owned()));
             }
-            Ok(found) if found.iter().any(|one| one.field == Field::Position) => {
+            Ok(found) if !is_aimed && found.iter().any(|one| one.field == Field::Position) => {
                 let help = "the pose is what inverse statics starts from; for a pose leave `unknown` out";
                 refuse(format!("`{address}` is part of the pose, which is given"), Some(help.to_owned()));
             }
-            Ok(found) if found.iter().any(|one| moves_pose(one, description)) => {
+            Ok(found) if !is_aimed && found.iter().any(|one| moves_pose(one, description)) => {
                 let help = "unknown can be what leaves the pose and the points of loops where they are";
                 refuse(format!("`{address}` moves the pose, which is given"), Some(help.to_owned()));
             }
@@ -39,6 +46,16 @@ pub(super) fn read(scenario: &Reader<'_>, description: &Description) -> Vec<Para
         }
     }
     all
+}
+
+/// Whether a number is where the search begins: a position of a hinge that nothing holds there.
+pub(super) fn is_guess(one: &Parameter, description: &Description) -> bool {
+    let Element::Body(body) = one.element else { return false };
+    let driven = |drive: &DriveDescription| {
+        drive.coordinate.body == description.bodies[body].name && drive.coordinate.index == one.component()
+    };
+    let is_held = description.bodies[body].hinge.lock || description.drives.iter().any(driven);
+    one.field == Field::Position && !is_held
 }
 
 /// Whether coordinates, or where loops close, follow from a named number: seen at another value of it.

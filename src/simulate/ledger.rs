@@ -5,8 +5,8 @@
 //!
 //! Of methods with implicit stages that is done with the powers at those stages and the method's own weights, as it would
 //! integrate one more equation. Between them, stiff forces belong to no solution: the interpolant of a beam's axial strain is wrong
-//! by less than the tolerance, and what a drive needs to hold that up by many times the power that flows. Of other methods the powers along
-//! the interpolant are integrated by a Gauss rule.
+//! by less than the tolerance, and what a drive needs to hold that up by many times the power that flows. Of other methods, and
+//! of steps that an event ends before their last stage, the powers along the interpolant are integrated by a Gauss rule.
 
 use super::error::{RunError, named};
 use super::problem::Motion;
@@ -41,6 +41,8 @@ pub(super) struct Ledger {
     pub drift: f64,
     /// Whether any power flows that no potential stands for.
     flows: bool,
+    /// Whether nothing happens within the last step or cuts it short: the powers at its stages lie on one curve.
+    pub undisturbed: bool,
     stages: StagePowers,
 }
 
@@ -83,7 +85,7 @@ impl Ledger {
             || !model.drives.is_empty()
             || !model.motors.is_empty();
         let stages = StagePowers { step: [f64::NAN; 2], powers: Vec::with_capacity(MOST_STAGES) };
-        Self { start, time, work: 0.0, dissipated: 0.0, drift: 0.0, flows, stages }
+        Self { start, time, work: 0.0, dissipated: 0.0, drift: 0.0, flows, undisturbed: true, stages }
     }
 
     /// Integrates powers up to a time within the last step, `state` being scratch: a scene without dampers, loads and motors
@@ -106,10 +108,7 @@ impl Ledger {
         if !self.flows {
             return Ok(());
         }
-        // Stages know nothing of what jumps within a step.
-        let model = motion.model();
-        let is_smooth = model.stops.is_empty() && model.controllers.is_empty() && !model.has_boundaries();
-        if is_smooth && self.stages.evaluate(motion, stepper) {
+        if self.undisturbed && self.stages.evaluate(motion, stepper) {
             let Powers { input, dissipated } = self.stages.integral(stepper, [from, until]);
             self.work += input;
             self.dissipated += dissipated;
@@ -166,7 +165,9 @@ impl StagePowers {
             self.powers.clear();
             self.powers.extend((0..stages.count()).map(|i| {
                 let (q, v) = stages.state(i);
-                motion.powers(step[0] + stages.node(i) * (step[1] - step[0]), q, v)
+                let time = step[0] + stages.node(i) * (step[1] - step[0]);
+                // What jumps where the step ends, as a table does, has not jumped yet.
+                motion.powers(time.min(step[1].next_down()), q, v)
             }));
         }
         true

@@ -445,6 +445,7 @@ impl Run<'_, '_> {
             return Ok(None);
         };
         let hit = events.look(motion, stepper)?;
+        self.ledger.undisturbed = hit.is_none() && events.happened.is_empty();
         let until = hit.map_or(stepper.time(), |hit| hit.time);
         interpolate(motion, stepper, until, &mut self.state)?;
         motion.guard(until, &self.state)?;

@@ -1,15 +1,16 @@
 //! What every command asks of a scene: its equilibrium, or the inputs that hold its pose.
 
+use super::aim::aim;
 use super::inverse::{Held, hold};
 use super::search::{Observers, equilibrium_observed};
-use super::settings::{Margin, Settings};
+use super::settings::{Margin, Settings, Sought};
 use super::standing::{self, Unanswered};
+use crate::model::Model;
 use crate::model::description::Description;
-use crate::model::{Model, Parameter};
 use std::sync::Arc;
 
-/// The equilibrium of a scene from its start position, or, when numbers of it are `unknown`, the values that hold that
-/// position; with the scene and the model that it belongs to. With dry friction or contact it is the pose as given if that
+/// The equilibrium of a scene from its start position; when numbers of it are `sought`, the values that hold that position, or those
+/// whose equilibrium has the outputs that are aimed at; with the scene and the model that it belongs to. With dry friction or contact it is the pose as given if that
 /// stands, and `margin` says what may move while it does. `go_on` is asked once for every step of the search: `false` ends
 /// it, and the answer says so.
 ///
@@ -19,14 +20,17 @@ use std::sync::Arc;
 pub fn answer(
     description: Description,
     model: Arc<Model>,
-    unknown: &[Parameter],
+    sought: Sought<'_>,
     settings: &Settings,
     margin: &Margin,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Held, Unanswered> {
-    if !unknown.is_empty() {
-        let held = hold(&description, unknown, &model.start_position, settings)?;
-        return standing::inputs(&description, held, &model, unknown, settings, margin);
+    if !sought.aim.is_empty() {
+        return Ok(aim(description, model, sought, settings, go_on)?);
+    }
+    if !sought.unknown.is_empty() {
+        let held = hold(&description, sought.unknown, &model.start_position, settings)?;
+        return standing::inputs(&description, held, &model, sought.unknown, settings, margin);
     }
     let search = || {
         let observers = Observers { go_on: Some(go_on), ..Observers::default() };

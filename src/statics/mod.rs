@@ -9,11 +9,12 @@
 //! | [`path`] | an equilibrium followed while one number of the scene moves |
 //! | `sensitivity` | how much every number of the scene moves an equilibrium, its outputs and frequencies |
 //!
-//! If the pose is given and inputs are unknown, `inverse` finds those.
+//! If the pose is given and inputs are unknown, `inverse` finds those; `aim` finds those that give outputs of the equilibrium.
 //!
 //! The search and the baselines end with Newton steps until round-off. Nothing is called an equilibrium unless its residual says
 //! so.
 
+mod aim;
 pub mod answer;
 mod baseline;
 mod certify;
@@ -39,4 +40,4 @@ pub use inverse::{Held, hold};
 pub use outputs::{beams, diagrams, outputs};
 pub use search::{Observers, Residual, equilibrium, equilibrium_observed, residual};
 pub use sensitivity::{Influence, Response, Sensitivities, SensitivityError, influences, sensitivities};
-pub use settings::{Method, Settings, Want};
+pub use settings::{Aim, Method, Settings, Sought, Want};

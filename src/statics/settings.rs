@@ -26,6 +26,25 @@ pub struct Margin {
     pub tilt: bool,
 }
 
+/// A number that an output shall have at the equilibrium.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Aim {
+    /// The output, or one number of it: `camber`, `tip[2]`.
+    pub output: String,
+    /// In its SI unit.
+    pub value: f64,
+}
+
+/// Numbers of the scene that are found: so that they hold the pose as it is given, or, with an aim, so that the equilibrium has
+/// these outputs.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sought<'a> {
+    /// The numbers; none if the scene has all of its numbers.
+    pub unknown: &'a [Parameter],
+    /// What outputs shall be.
+    pub aim: &'a [Aim],
+}
+
 impl Settings {
     /// The time limit of a scene that gives none (s).
     pub const TIME_LIMIT: f64 = 60.0;

@@ -136,7 +136,7 @@ impl Cases {
             let direct = found.get_or_insert_with(|| Direct { scenario: read.clone(), numbers: numbers.clone() });
             let settings = |one: &Scenario| {
                 let settings = (one.simulate, one.statics, one.record, one.path.clone());
-                (settings, one.unknown.clone(), one.margin.clone())
+                (settings, one.unknown.clone(), one.aim.clone(), one.margin.clone())
             };
             if direct.description(&values)? != read.description || settings(&direct.scenario) != settings(&read) {
                 return None;
@@ -321,8 +321,8 @@ impl Cases {
         if !self.question.asks_statics(scenario) {
             return Ok(Begun { model, start, found: None });
         }
-        let Scenario { statics, unknown, margin, .. } = scenario;
-        let held = statics::answer(description, model, unknown, statics, margin, goes_on)
+        let Scenario { statics, margin, .. } = scenario;
+        let held = statics::answer(description, model, scenario.sought(), statics, margin, goes_on)
             .map_err(|error| no(format!("statics cannot start: {error}")))?;
         let (model, found) = (held.model, held.found);
         if found.converged {

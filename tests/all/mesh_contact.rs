@@ -10,8 +10,8 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::{Scenario, load};
 use stillpoint::simulate::{self, Integrator, Settings, Start, State, run};
-use stillpoint::statics::answer;
 use stillpoint::statics::standing::Standing;
+use stillpoint::statics::{Sought, answer};
 
 struct Folder(tempfile::TempDir);
 
@@ -63,7 +63,8 @@ fn read(folder: &Folder, text: &str) -> (Scenario, Arc<Model>) {
 }
 
 fn stands((scenario, model): (Scenario, Arc<Model>)) -> Standing {
-    let held = answer(scenario.description, model, &[], &scenario.statics, &scenario.margin, &|| true).unwrap();
+    let held =
+        answer(scenario.description, model, Sought::default(), &scenario.statics, &scenario.margin, &|| true).unwrap();
     *held.found.standing.unwrap()
 }
 

@@ -10,7 +10,8 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening, OwnedSample};
 use stillpoint::scenario::{Override, Scenario, load_with};
 use stillpoint::simulate::{self, Start, State, Summary, run};
-use stillpoint::statics::{Equilibrium, Verdict, equilibrium, hold};
+use stillpoint::statics::settings::Margin;
+use stillpoint::statics::{Equilibrium, Verdict, answer, equilibrium};
 
 const G: f64 = 9.80665;
 
@@ -38,8 +39,9 @@ pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Arc<Model>) {
     let mut scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
     let mut model = build(&scenario.description);
     if !scenario.unknown.is_empty() {
-        let pose = model.start_position.clone();
-        let held = hold(&scenario.description, &scenario.unknown, &pose, &scenario.statics).expect("statics");
+        let description = scenario.description.clone();
+        let held = answer(description, model, scenario.sought(), &scenario.statics, &Margin::default(), &|| true);
+        let held = held.unwrap_or_else(|error| panic!("{error}"));
         assert!(held.found.converged, "{:?}", held.found.notes);
         (scenario.description, model) = (held.description, held.model);
     }

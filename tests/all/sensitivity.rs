@@ -329,7 +329,9 @@ fn the_program_prints_and_gives_json() {
     let few = run(&["--json", "--parameter", "strut.length", "gravity[2]"]);
     let few: Value = serde_json::from_slice(&few.stdout).unwrap();
     assert_eq!(few["sensitivities"]["camber"].as_object().unwrap().len(), 2);
-    assert_eq!(few["sensitivities"]["camber"]["strut.length"], by["strut.length"]);
+    // Few numbers go the direct way, many the adjoint one: the same to round-off.
+    let [few, all] = [&few["sensitivities"]["camber"], by].map(|of| of["strut.length"].as_f64().unwrap());
+    assert!((few / all - 1.0).abs() < 1e-12, "{few} {all}");
     let text = String::from_utf8(run(&[]).stdout).unwrap();
     assert!(text.contains("sensitivity  camber = ") && text.contains("strut.length"), "{text}");
     let unknown = run(&["--parameter", "strut.lenght"]);

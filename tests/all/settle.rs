@@ -10,14 +10,21 @@ use stillpoint::motion::Motion;
 use stillpoint::scenario::parse;
 use stillpoint::statics::settings::Margin;
 use stillpoint::statics::standing::{Standing, Unanswered, standing};
-use stillpoint::statics::{Equilibrium, Settings, answer};
+use stillpoint::statics::{Equilibrium, Settings, Sought, answer};
 
 fn settled(text: &str) -> (Arc<Model>, Result<Equilibrium, Unanswered>) {
     let text = format!("[statics]\ncontact = \"settle\"\n{text}");
     let scenario =
         parse("scene.toml", &text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
     let model = Model::build(&scenario.description).unwrap();
-    let found = answer(scenario.description, Arc::clone(&model), &[], &scenario.statics, &Margin::default(), &|| true);
+    let found = answer(
+        scenario.description,
+        Arc::clone(&model),
+        Sought::default(),
+        &scenario.statics,
+        &Margin::default(),
+        &|| true,
+    );
     (model, found.map(|held| held.found))
 }
 
@@ -169,9 +176,8 @@ fn the_shipped_scenes_stand() {
         }
         let scenario = stillpoint::scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let model = Model::build(&scenario.description).unwrap();
-        let unknown = &scenario.unknown;
-        let held =
-            answer(scenario.description.clone(), model, unknown, &scenario.statics, &Margin::default(), &|| true);
+        let (description, sought) = (scenario.description.clone(), scenario.sought());
+        let held = answer(description, model, sought, &scenario.statics, &Margin::default(), &|| true);
         let found = held.unwrap_or_else(|error| panic!("{}: {error}", path.display())).found;
         assert!(found.converged, "{}: {:?}", path.display(), found.notes);
         count += 1;

@@ -1,5 +1,6 @@
 //! Statics that can be trusted: it finds the equilibrium, proves it, says what it is, or says why there is none.
 
+mod aim;
 mod cascade;
 mod crowns;
 mod falling;

@@ -79,6 +79,13 @@ pub const STATICS: Table = Table {
         )
         .example("[\"upper.force\", \"strut.length\"]"),
         Key::new(
+            "aim",
+            Kind::Map(&NUMBER),
+            "What outputs of the equilibrium shall be: the `unknown` numbers are found so that they are, the pose follows.",
+        )
+        .unit(ANY_UNIT)
+        .example("{ elevation = 0.8 }"),
+        Key::new(
             "contact",
             Kind::Choice(CONTACTS),
             "What is asked of a scene with `[[contact]]`.",

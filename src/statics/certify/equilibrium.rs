@@ -78,6 +78,8 @@ pub struct Equilibrium {
     pub loops: Vec<LoopReaction>,
     /// Of inverse statics: address and value of every unknown.
     pub unknowns: Vec<(String, f64)>,
+    /// With an aim: what was aimed at, and its value here.
+    pub aimed: Vec<(String, f64)>,
     /// What a person should know: saddles that were left, what is unbalanced.
     pub notes: Vec<String>,
     /// For `lagrange`: what its multipliers say of [`Equilibrium::reactions`]; empty for the others.
@@ -219,6 +221,7 @@ pub(in crate::statics) fn certify(
         redundant,
         loops,
         unknowns: Vec::new(),
+        aimed: Vec::new(),
         notes,
         multiplier_reactions: by_body(model, &effort.reactions),
         history,

@@ -36,8 +36,8 @@ pub(super) struct Observed {
 fn solve(scenario: &Scenario, go_on: &dyn Fn() -> bool) -> Result<Solved, Stop> {
     let model = Model::build(&scenario.description).map_err(listed)?;
     let (model, _) = constraint::assemble(model).map_err(listed)?;
-    let Scenario { description, unknown, statics, margin, .. } = scenario;
-    let held = statics::answer(description.clone(), model, unknown, statics, margin, go_on)
+    let Scenario { description, statics, margin, .. } = scenario;
+    let held = statics::answer(description.clone(), model, scenario.sought(), statics, margin, go_on)
         .map_err(|why| Stop::No(format!("statics cannot start: {why}")))?;
     if !go_on() {
         return Err(Stop::Interrupted);

@@ -9,7 +9,7 @@ use stillpoint::record::Fanout;
 use stillpoint::scenario::{Scenario, parse};
 use stillpoint::simulate::{State, run};
 use stillpoint::statics::settings::Margin;
-use stillpoint::statics::{Equilibrium, answer, beams};
+use stillpoint::statics::{Equilibrium, Sought, answer, beams};
 
 fn read(text: &str) -> (Scenario, Arc<Model>) {
     let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
@@ -19,7 +19,14 @@ fn read(text: &str) -> (Scenario, Arc<Model>) {
 
 fn found(text: &str) -> (Arc<Model>, Equilibrium) {
     let (scenario, model) = read(text);
-    let found = answer(scenario.description, Arc::clone(&model), &[], &scenario.statics, &Margin::default(), &|| true);
+    let found = answer(
+        scenario.description,
+        Arc::clone(&model),
+        Sought::default(),
+        &scenario.statics,
+        &Margin::default(),
+        &|| true,
+    );
     (model, found.unwrap_or_else(|error| panic!("{error}\n{text}")).found)
 }
 

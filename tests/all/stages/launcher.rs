@@ -5,7 +5,8 @@ use crate::common::build;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::{Override, load_with};
 use stillpoint::simulate::{self, State, Summary};
-use stillpoint::statics::{equilibrium, outputs};
+use stillpoint::statics::settings::Margin;
+use stillpoint::statics::{Held, answer, outputs};
 
 /// A salvo with an interval between its shots (s).
 fn salvo(interval: f64) -> Summary {
@@ -13,10 +14,11 @@ fn salvo(interval: f64) -> Summary {
     let change = Override::parse(&format!("parameters.interval={interval}")).expect("a change");
     let scenario = load_with(path.as_ref(), &[change]).unwrap_or_else(|error| panic!("{error}"));
     let model = build(&scenario.description);
-    let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("an equilibrium");
+    let description = scenario.description.clone();
+    let held = answer(description, model, scenario.sought(), &scenario.statics, &Margin::default(), &|| true);
+    let Held { model, found, .. } = held.expect("an equilibrium");
     assert!(found.converged && found.stability.as_ref().is_some_and(|stability| stability.modes[0].frequency_hz > 1.0));
     let elevation = outputs(&model, &found).expect("outputs")[0];
-    // The length of the oil in the file has nine decimals, and turns the tubes by 0.83 rad/m.
     assert!((elevation - std::f64::consts::FRAC_PI_4).abs() < 1e-9, "aimed at {elevation} rad");
     let start = State { position: found.position.clone(), velocity: found.velocity.clone() };
     simulate::run(&model, &scenario.simulate, 1.0, &start, &mut Fanout::new(), &mut |_, _| true)

@@ -1,0 +1,275 @@
+//! Aimed equilibria: what outputs shall be is given, the numbers of the scene that make them so are found.
+//!
+//! The outputs `y` of the equilibrium are functions of the unknown numbers `u`. Newton's method on
+//!
+//! ```text
+//! y(u) = ŷ,      (dy/du) Δu = ŷ − y(u),      least |S⁻¹ Δu|                                   (1)
+//! ```
+//!
+//! with the sensitivities of the equilibrium, an equilibrium searched for from the last one at every step, and steps that are halved
+//! until they bring the outputs nearer. `S` and the units of the outputs are the scene's own, as in `inverse`. The answer is the
+//! equilibrium of a scene that is built with the numbers, and proved as every other; how far its outputs are from the aim is told.
+
+use super::certify::equilibrium::Equilibrium;
+use super::inverse::{Held, unit};
+use super::outputs::outputs;
+use super::search::{Observers, equilibrium_observed};
+use super::sensitivity::sensitivities;
+use super::settings::{Aim, Settings, Sought};
+use crate::constraint;
+use crate::dynamics::Fault;
+use crate::model::description::Description;
+use crate::model::parameter::Quantity;
+use crate::model::problem::number;
+use crate::model::{Model, Parameter};
+use faer::Mat;
+use std::sync::Arc;
+
+/// Outputs this near to the aim, in their units, are there: equilibria are known to some 1e-12 of the scene's size, outputs of them
+/// to a hundred times that where the stiffness is bad.
+const AIMED: f64 = 1e-9;
+/// Below this part of their units outputs are round-off, and no step can bring them nearer.
+const ROUND_OFF: f64 = 1e-14;
+/// Singular values below this part of the largest one: sensitivities are proved to 1e-7.
+const RANK: f64 = 1e-7;
+/// Newton steps; halved ones of strongly bent outputs count as others.
+const MOST_STEPS: usize = 40;
+/// Halvings of a step.
+const MOST_HALVINGS: i32 = 12;
+/// Part of the decrease that (1) promises which a step has to give (Armijo).
+const DECREASE: f64 = 1e-4;
+
+/// A scene of the way, and where it stands.
+struct Stand {
+    description: Description,
+    model: Arc<Model>,
+    found: Equilibrium,
+    /// What its outputs miss the aim by, in their units.
+    miss: Vec<f64>,
+}
+
+impl Stand {
+    fn size(&self) -> f64 {
+        self.miss.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+
+    fn is_within(&self, part: f64) -> bool {
+        self.miss.iter().all(|x| x.abs() <= part)
+    }
+}
+
+struct Search<'a> {
+    sought: Sought<'a>,
+    settings: &'a Settings,
+    /// Places of the aims among the numbers of the outputs.
+    places: Vec<usize>,
+    /// Of the outputs.
+    units: Vec<f64>,
+    /// `S`.
+    scales: Vec<f64>,
+    go_on: &'a dyn Fn() -> bool,
+}
+
+/// The equilibrium whose outputs are what is aimed at, by the values of the unknown numbers that make it so.
+///
+/// # Errors
+/// If the system cannot be evaluated at the start.
+pub(super) fn aim(
+    description: Description,
+    model: Arc<Model>,
+    sought: Sought<'_>,
+    settings: &Settings,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Held, Fault> {
+    let labels: Vec<(String, String)> =
+        model.outputs.iter().flat_map(|output| output.labels().zip(output.units.clone())).collect();
+    let place = |aim: &Aim| labels.iter().position(|(label, _)| *label == aim.output);
+    let first = search(&model, settings, go_on)?;
+    let Some(places) = sought.aim.iter().map(place).collect::<Option<Vec<_>>>() else {
+        let known = labels.iter().map(|(label, _)| format!("`{label}`")).collect::<Vec<_>>().join(", ");
+        let note = format!("an output that is aimed at is none of the scene: it has {known}");
+        return Ok(missed(description, model, first, sought, note));
+    };
+    let largest = first.reactions.iter().map(|wrench| wrench.force.norm()).fold(0.0, f64::max);
+    let of_output = |(place, aim): (&usize, &Aim)| {
+        let quantity = Quantity::of_unit(&labels[*place].1).unwrap_or(Quantity::Plain);
+        unit(quantity, aim.value, &model, largest).max(aim.value.abs())
+    };
+    let units = places.iter().zip(sought.aim).map(of_output).collect();
+    let scales = sought.unknown.iter().map(|one| {
+        let value = one.value(&description);
+        unit(one.quantity, value, &model, largest).max(value.abs())
+    });
+    let search = Search { sought, settings, places, units, scales: scales.collect(), go_on };
+    let Some(stand) = search.stand(description.clone(), Arc::clone(&model), first.clone()) else {
+        let note = "there is no equilibrium to begin with, whose outputs could be brought to the aim".to_owned();
+        return Ok(missed(description, model, first, sought, note));
+    };
+    Ok(search.go(stand))
+}
+
+fn search(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Result<Equilibrium, Fault> {
+    let observers = Observers { go_on: Some(go_on), ..Observers::default() };
+    equilibrium_observed(model, settings, &model.start_position, observers)
+}
+
+impl Search<'_> {
+    /// What is missed at an equilibrium; `None` if it is none.
+    fn stand(&self, description: Description, model: Arc<Model>, found: Equilibrium) -> Option<Stand> {
+        if !found.converged {
+            return None;
+        }
+        let values = outputs(&model, &found).ok()?;
+        let miss = |((place, aim), unit): ((&usize, &Aim), &f64)| (values[*place] - aim.value) / unit;
+        let miss = self.places.iter().zip(self.sought.aim).zip(&self.units).map(miss).collect();
+        Some(Stand { description, model, found, miss })
+    }
+
+    /// Newton steps from an equilibrium to the end.
+    fn go(&self, mut now: Stand) -> Held {
+        let mut trouble = None;
+        for _ in 0..MOST_STEPS {
+            if now.is_within(ROUND_OFF) || !(self.go_on)() {
+                break;
+            }
+            match self.change(&now).and_then(|change| self.step(&now, &change)) {
+                Ok(next) => now = next,
+                Err(why) => {
+                    trouble = Some(why);
+                    break;
+                }
+            }
+        }
+        let arrived = now.is_within(AIMED);
+        let Stand { description, model, mut found, .. } = now;
+        found.aimed = self.told(&model, &found);
+        found.unknowns = values(&description, self.sought.unknown);
+        if !arrived {
+            let why = match (trouble, (self.go_on)()) {
+                (Some(why), true) => why,
+                (None, true) => format!("{MOST_STEPS} steps did not bring it there"),
+                (_, false) => "interrupted".to_owned(),
+            };
+            found.notes.insert(0, format!("the aim is missed: {}; {why}", self.words(&found)));
+            found.converged = false;
+        }
+        Held { description, model, found }
+    }
+
+    /// The values of what is aimed at.
+    fn told(&self, model: &Arc<Model>, found: &Equilibrium) -> Vec<(String, f64)> {
+        let values = outputs(model, found).unwrap_or_default();
+        let value = |place: &usize| values.get(*place).copied().unwrap_or(f64::NAN);
+        self.sought.aim.iter().zip(&self.places).map(|(aim, place)| (aim.output.clone(), value(place))).collect()
+    }
+
+    /// What is where, and where it should be.
+    fn words(&self, found: &Equilibrium) -> String {
+        let one = |((name, value), aim): (&(String, f64), &Aim)| {
+            format!("`{name}` is {} and not {}", number(*value), number(aim.value))
+        };
+        found.aimed.iter().zip(self.sought.aim).map(one).collect::<Vec<_>>().join(", ")
+    }
+
+    /// `Δu` of (1), or why there is none.
+    fn change(&self, now: &Stand) -> Result<Vec<f64>, String> {
+        let Sought { unknown, aim } = self.sought;
+        let names: Vec<String> = aim.iter().map(|one| one.output.clone()).collect();
+        let (description, numbers) = (&now.description, Some(unknown.to_vec()));
+        let table = sensitivities(description, &now.model, &now.found, &names, numbers, self.go_on)
+            .map_err(|why| why.to_string())?;
+        let mut slopes = Mat::<f64>::zeros(aim.len(), unknown.len());
+        for (i, (row, unit)) in table.derivatives.iter().zip(&self.units).enumerate() {
+            for (j, (slope, scale)) in row.iter().zip(&self.scales).enumerate() {
+                let Some(slope) = slope else { return Err(table.notes.join("; ")) };
+                slopes[(i, j)] = slope * scale / unit;
+            }
+        }
+        let useless = |i: &usize| (0..unknown.len()).all(|j| slopes[(*i, j)] == 0.0);
+        if let Some(row) = (0..aim.len()).find(useless) {
+            return Err(format!("no unknown moves `{}`", aim[row].output));
+        }
+        let svd = slopes.thin_svd().map_err(|_| "its sensitivities are not finite".to_owned())?;
+        let (u, s, v) = (svd.U(), svd.S(), svd.V());
+        let rank = (0..s.dim()).take_while(|k| s[*k] > RANK * s[0]).count();
+        let mut change = vec![0.0; unknown.len()];
+        for k in 0..rank {
+            let part: f64 = (0..aim.len()).map(|i| u[(i, k)] * now.miss[i]).sum();
+            for (j, (change, scale)) in change.iter_mut().zip(&self.scales).enumerate() {
+                *change -= scale * v[(j, k)] * part / s[k];
+            }
+        }
+        Ok(change)
+    }
+
+    /// The longest step of `change`, halved and halved again, that brings the outputs nearer; or why there is none.
+    fn step(&self, now: &Stand, change: &[f64]) -> Result<Stand, String> {
+        let mut why = String::new();
+        for halving in 0..MOST_HALVINGS {
+            let part = 0.5_f64.powi(halving);
+            let next = self.moved(now, change, part);
+            match next {
+                Ok(next) if next.size() <= (1.0 - DECREASE * part) * now.size() => return Ok(next),
+                Ok(_) => why = "no step of the unknown numbers brings it nearer".to_owned(),
+                Err(refused) => why = refused,
+            }
+            if !(self.go_on)() {
+                break;
+            }
+        }
+        Err(why)
+    }
+
+    /// The equilibrium with a part of the change made.
+    fn moved(&self, now: &Stand, change: &[f64], part: f64) -> Result<Stand, String> {
+        let mut description = now.description.clone();
+        for (one, change) in self.sought.unknown.iter().zip(change) {
+            let value = one.value(&description) + part * change;
+            let place = |why| format!("`{}` = {} {}: {why}", one.address, number(value), one.quantity.unit());
+            one.set(&mut description, value).map_err(place)?;
+        }
+        let told = |problems: Vec<crate::model::problem::Problem>| {
+            let values = values(&description, self.sought.unknown);
+            let values = values.iter().map(|(name, value)| format!("`{name}` = {}", number(*value)));
+            let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
+            format!("{}: {}", values.collect::<Vec<_>>().join(", "), problems.join("; "))
+        };
+        let built = Model::build(&description).map_err(&told)?;
+        let near = beginning(&built, &now.found.position);
+        let (model, _) = constraint::assemble(built.starting_at(&near)).map_err(&told)?;
+        let found = search(&model, self.settings, self.go_on).map_err(|fault| fault.to_string())?;
+        let notes = found.notes.join("; ");
+        self.stand(description, model, found).ok_or_else(|| format!("no equilibrium on the way: {notes}"))
+    }
+}
+
+/// Where the search of a model begins beside another equilibrium: there, except in what hinges hold.
+fn beginning(model: &Model, beside: &[f64]) -> Vec<f64> {
+    let mut pose = beside.to_vec();
+    for link in &model.links {
+        let (positions, velocities) = link.joint.counts();
+        if velocities > 0 && model.coordinates[link.velocity].lock {
+            let held = link.position..link.position + positions;
+            pose[held.clone()].copy_from_slice(&model.start_position[held]);
+        }
+    }
+    pose
+}
+
+fn values(description: &Description, unknown: &[Parameter]) -> Vec<(String, f64)> {
+    unknown.iter().map(|one| (one.address.clone(), one.value(description))).collect()
+}
+
+/// The scene as it was, and why it stays so.
+fn missed(
+    description: Description,
+    model: Arc<Model>,
+    mut found: Equilibrium,
+    sought: Sought<'_>,
+    note: String,
+) -> Held {
+    found.converged = false;
+    found.unknowns = values(&description, sought.unknown);
+    found.notes.insert(0, note);
+    Held { description, model, found }
+}
