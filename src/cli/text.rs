@@ -64,6 +64,9 @@ fn numbers(list: impl Iterator<Item = f64>) -> String {
 /// The verdict of statics, how it was found, and how long that took.
 fn found_by(found: &Equilibrium, wall: Duration) -> String {
     let (text, fine) = match (&found.stability, found.balanced) {
+        (Some(stability), true) if !found.converged && !found.aimed.is_empty() => {
+            (format!("aim missed, {} equilibrium", stability.verdict.name()), false)
+        }
         (Some(stability), true) => {
             (format!("{} equilibrium", stability.verdict.name()), stability.verdict != Verdict::Unstable)
         }

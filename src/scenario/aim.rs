@@ -34,7 +34,7 @@ pub(super) fn read(
         );
     }
     // What is wrong with the scene itself is said elsewhere.
-    let Ok(model) = Model::build(description) else { return Vec::new() };
+    let Ok(model) = Model::build(&Description { stages: Vec::new(), ..description.clone() }) else { return Vec::new() };
     let labels = model.outputs.iter().flat_map(|output| output.labels().zip(&output.units));
     let labels: Vec<(String, &String)> = labels.collect();
     let mut all: Vec<Aim> = Vec::new();

@@ -21,7 +21,7 @@ use crate::dynamics::Fault;
 use crate::model::description::Description;
 use crate::model::parameter::Quantity;
 use crate::model::problem::number;
-use crate::model::{Model, Parameter};
+use crate::model::{Model, Parameter, Problem};
 use faer::Mat;
 use std::sync::Arc;
 
@@ -101,11 +101,26 @@ pub(super) fn aim(
         unit(one.quantity, value, &model, largest).max(value.abs())
     });
     let search = Search { sought, settings, places, units, scales: scales.collect(), go_on };
-    let Some(stand) = search.stand(description.clone(), Arc::clone(&model), first.clone()) else {
+    // What happens later in a run is not built at every step.
+    let now = Description { stages: Vec::new(), ..description.clone() };
+    let Some(stand) = search.stand(now, Arc::clone(&model), first.clone()) else {
         let note = "there is no equilibrium to begin with, whose outputs could be brought to the aim".to_owned();
         return Ok(missed(description, model, first, sought, note));
     };
-    Ok(search.go(stand))
+    let Held { description: now, model, found } = search.go(stand);
+    if description.stages.is_empty() {
+        return Ok(Held { description: now, model, found });
+    }
+    let whole = Description { stages: description.stages, ..now };
+    let model = built(&whole, &found.position).expect("stages that were built with other numbers");
+    Ok(Held { description: whole, model, found })
+}
+
+/// The model of a description, put together beside a pose.
+fn built(description: &Description, pose: &[f64]) -> Result<Arc<Model>, Vec<Problem>> {
+    let model = Model::build(description)?;
+    let near = beginning(&model, pose);
+    Ok(constraint::assemble(model.starting_at(&near))?.0)
 }
 
 fn search(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> Result<Equilibrium, Fault> {
@@ -228,15 +243,13 @@ impl Search<'_> {
             let place = |why| format!("`{}` = {} {}: {why}", one.address, number(value), one.quantity.unit());
             one.set(&mut description, value).map_err(place)?;
         }
-        let told = |problems: Vec<crate::model::problem::Problem>| {
+        let told = |problems: Vec<Problem>| {
             let values = values(&description, self.sought.unknown);
             let values = values.iter().map(|(name, value)| format!("`{name}` = {}", number(*value)));
             let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
             format!("{}: {}", values.collect::<Vec<_>>().join(", "), problems.join("; "))
         };
-        let built = Model::build(&description).map_err(&told)?;
-        let near = beginning(&built, &now.found.position);
-        let (model, _) = constraint::assemble(built.starting_at(&near)).map_err(&told)?;
+        let model = built(&description, &now.found.position).map_err(&told)?;
         let found = search(&model, self.settings, self.go_on).map_err(|fault| fault.to_string())?;
         let notes = found.notes.join("; ");
         self.stand(description, model, found).ok_or_else(|| format!("no equilibrium on the way: {notes}"))

@@ -155,7 +155,8 @@ pub fn sensitivities(
     if standing::is_for(model) {
         return Err(SensitivityError::Friction);
     }
-    if !found.unknowns.is_empty() {
+    let is_aimed = !found.aimed.is_empty();
+    if !found.unknowns.is_empty() && !is_aimed {
         return Err(SensitivityError::Unknown);
     }
     let (mut outputs, mut rows) = (Vec::new(), Vec::new());
@@ -182,7 +183,10 @@ pub fn sensitivities(
         columns.push(column.unwrap_or_else(|| study.by(one, number)));
     }
     let derivatives = (0..rows.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
-    let notes = study.notes;
+    let mut notes = study.notes;
+    if is_aimed {
+        notes.push("numbers that were found for the aim stay as they are: nothing is aimed again".to_owned());
+    }
     Ok(Sensitivities { outputs, parameters: numbers, derivatives, notes })
 }
 
