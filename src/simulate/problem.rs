@@ -6,7 +6,7 @@ use super::coordinates::Coordinates;
 use super::error::RunError;
 use super::passage::Passage;
 use super::state::State;
-use crate::dynamics::{Coefficients, DenseTangent, Energies, Evaluated, Fault, Powers, System, TangentSolver};
+use crate::dynamics::{Coefficients, Energies, Evaluated, Fault, Powers, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
 use crate::model::{End, Model, Side};
 use crate::simulate::nonsmooth::{Held, Nonsmooth, within};
@@ -59,10 +59,8 @@ pub struct Motion {
 enum Tangent {
     /// Not asked for yet.
     None,
-    /// In O(n), by sweeps.
-    Sweep(Box<TangentSolver>),
-    /// Dense: where more forces reach across the tree than it has coordinates.
-    Dense(Box<DenseTangent>),
+    /// Of a tree.
+    Tree(Box<TangentSolver>),
     /// With loops, drives or gears: bordered by their rows.
     Bordered(Box<Bordered>),
 }
@@ -406,10 +404,9 @@ impl ImplicitProblem for Motion {
     fn reserve(&mut self) {
         let model = self.system.model();
         if matches!(self.tangent, Tangent::None) {
-            self.tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
-                (true, _) => Tangent::Bordered(Box::new(Bordered::new(&self.system))),
-                (false, false) => Tangent::Sweep(Box::new(TangentSolver::new(model))),
-                (false, true) => Tangent::Dense(Box::new(DenseTangent::new(model))),
+            self.tangent = match model.is_constrained() {
+                true => Tangent::Bordered(Box::new(Bordered::new(&self.system))),
+                false => Tangent::Tree(Box::new(TangentSolver::new(model))),
             };
         }
     }
@@ -421,11 +418,10 @@ impl ImplicitProblem for Motion {
         let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(phase, v, c1));
         let regular = match &mut self.tangent {
             Tangent::None => false,
-            Tangent::Sweep(solver) => {
+            Tangent::Tree(solver) => {
                 let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
                 system.at(time, q, v).factorize_tangent(solver, a, &with)?
             }
-            Tangent::Dense(factors) => system.at(time, q, v).factorize_dense(factors, a, [c1, c2], shift)?,
             Tangent::Bordered(factors) => {
                 let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
                 factors.factorize(system, at, [c1, c2], shift, weak)?
@@ -440,8 +436,7 @@ impl ImplicitProblem for Motion {
     fn solve(&mut self, rhs: &mut [f64]) {
         match &mut self.tangent {
             Tangent::None => {}
-            Tangent::Sweep(solver) => solver.solve(rhs),
-            Tangent::Dense(factors) => factors.solve(rhs),
+            Tangent::Tree(solver) => solver.solve(rhs),
             Tangent::Bordered(factors) => factors.solve(&mut self.system, rhs),
         }
     }
