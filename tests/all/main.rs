@@ -29,6 +29,7 @@ mod formulas;
 mod friction;
 mod guides;
 mod halves;
+mod heavy;
 mod hinges;
 mod identities;
 mod import;
