@@ -12,7 +12,8 @@ use stillpoint::simulate::{self, RunError, State, Summary};
 fn chain(random: &mut Random) -> String {
     let count = 2 + random.below(3);
     let ratio = 10_f64.powf(random.between(6.0, 9.5));
-    let mut text = "[simulate]\nstart = \"given\"\nduration = 0.2\ntolerance = 1e-8\n[record]\nrate = 10.0\n".to_owned();
+    let mut text =
+        "[simulate]\nstart = \"given\"\nduration = 0.05\ntolerance = 1e-8\n[record]\nrate = 10.0\n".to_owned();
     for index in 0..count {
         let is_last = index + 1 == count;
         let mass = if is_last { ratio } else { random.between(0.3, 3.0) };
@@ -39,7 +40,8 @@ fn chain(random: &mut Random) -> String {
 
 fn scenario(text: &str, integrator: &str) -> (Scenario, Arc<Model>) {
     let by = Override::parse(&format!("simulate.integrator={integrator}")).expect("a change");
-    let scenario = stillpoint::scenario::parse("heavy.toml", text, &[by]).unwrap_or_else(|found| panic!("{found}\n{text}"));
+    let scenario =
+        stillpoint::scenario::parse("heavy.toml", text, &[by]).unwrap_or_else(|found| panic!("{found}\n{text}"));
     let model = build(&scenario.description);
     (scenario, model)
 }
@@ -49,28 +51,34 @@ fn go((scenario, model): &(Scenario, Arc<Model>), most_steps: u64) -> Result<Sum
     let scene = simulate::scene(model);
     let mut memory = Memory::new(&Opening { scene: &scene, scenario: &scenario.text, statics: None });
     let mut steps = 0;
-    simulate::run(model, &scenario.simulate, 0.2, &start, &mut memory, &mut |_, _| {
+    simulate::run(model, &scenario.simulate, 10.0, &start, &mut memory, &mut |_, _| {
         steps += 1;
         steps < most_steps
     })
 }
 
+/// As an explicit method finds them, whose accelerations are compared with long numbers in `light`. Chains with zigzags that are too
+/// fast for it are left out: their steps are short whatever the method.
 #[test]
 fn implicit_methods_carry_heavy_bodies_on_light_balls() {
+    let mut compared = 0;
     for seed in 0..24 {
         let text = chain(&mut Random::new(seed));
-        let expected = go(&scenario(&text, "dop853"), 4000).unwrap_or_else(|error| panic!("seed {seed}: {error}\n{text}"));
-        // Zigzags of light links that are nearly in line are fast: the explicit method says so in steps.
-        if expected.end_time < 0.2 {
+        let expected =
+            go(&scenario(&text, "dop853"), 300).unwrap_or_else(|error| panic!("seed {seed}: {error}\n{text}"));
+        if expected.interrupted {
             continue;
         }
-        for integrator in ["radau5", "radau9", "gauss", "sdirk4"] {
-            let found = go(&scenario(&text, integrator), 4000)
+        compared += 1;
+        for integrator in ["radau5", "radau9", "sdirk4"] {
+            let found = go(&scenario(&text, integrator), 3000)
                 .unwrap_or_else(|error| panic!("seed {seed}, {integrator}: {error}\n{text}"));
-            assert!(found.end_time >= 0.2, "seed {seed}, {integrator}: creeps at {} s\n{text}", found.end_time);
+            assert!(!found.interrupted, "seed {seed}, {integrator}: creeps at {} s\n{text}", found.end_time);
             let pairs = found.state.position.iter().zip(&expected.state.position);
             let error = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(error < 1e-5, "seed {seed}, {integrator}: {error:.1e}\n{text}");
+            // The tolerance, times what a fast zigzag makes of it.
+            assert!(error < 1e-6, "seed {seed}, {integrator}: {error:.1e}\n{text}");
         }
     }
+    assert!(compared > 12, "{compared} chains were slow enough to compare");
 }
