@@ -29,7 +29,6 @@ mod formulas;
 mod friction;
 mod guides;
 mod halves;
-mod heavy;
 mod hinges;
 mod identities;
 mod import;
