@@ -95,7 +95,7 @@ def toml(made):
 
 
 def ours(made):
-    """Places at both times by two runs from the start; CPU seconds of the difference, of all of the process where the first time is 0."""
+    """Places at both times, by a run from the start to each; CPU seconds of the longer one, the whole process."""
     scenario = beside.write(f"contact_{made['name']}.toml", toml(made))
     answers = []
     for end in made["times"]:
