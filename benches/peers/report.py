@@ -39,7 +39,12 @@ class Head:
         self.load, self.commit = os.getloadavg()[0], commit()
 
     def markdown(self):
-        options = [option for option in self.options if option != "--docs"]
+        options, skip = [], False
+        for option in self.options:
+            # Where the program lies and where results go says nothing to others.
+            if not skip and option not in ("--docs", "--program", "--binary", "--out"):
+                options.append(option)
+            skip = option in ("--program", "--binary", "--out")
         command = shlex.join(["benches/peers/run", *options])
         return (
             f"`{command}` on {datetime.date.today()}, commit {self.commit}: {processor()}, {os.cpu_count()} cores, "

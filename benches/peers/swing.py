@@ -29,9 +29,10 @@ NAMES = {
 TITLES = {"bend": "swing, bending alone", "full": "swing, with stretch and shear"}
 COUNTS = {"mujoco": (4, 8, 16, 32, 64), "pyelastica": (10, 20, 40, 80)}
 # Degrees and numbers of elements.
-OURS = {"bend": ((1, 1), (1, 2), (1, 4), (2, 1), (2, 2), (2, 4)), "full": ((1, 1), (1, 2), (2, 1), (2, 2))}
-TOLERANCES = {"bend": (1e-3, 1e-5), "full": (1e-3, 1e-5)}
-REFERENCE = {"degree": 2, "elements": 4, "tolerance": 1e-6}
+OURS = {"bend": ((1, 1), (1, 2), (1, 4), (2, 1), (2, 2), (2, 4)), "full": ((1, 1), (1, 2), (1, 4), (2, 2))}
+# Waves of stretch and shear are what the steps of the second follow, whatever the tolerance: one is enough, and one pass.
+TOLERANCES = {"bend": (1e-3, 1e-5), "full": (1e-3,)}
+REFERENCE = {"degree": 2, "elements": 4, "tolerance": 1e-5}
 
 
 def rod():
@@ -112,6 +113,7 @@ def ours(kind, passes):
 def measure(kind, passes, quick):
     """Runs of both programs with their errors; ends everything where they do not come to the same place."""
     program = PEER[kind]
+    passes = 1 if kind == "full" else passes
     programs = {"stillpoint": ours(kind, passes), program: theirs(program, passes, quick)}
     finest = programs[program][-1]["place"]
     own, _ = run(kind, *REFERENCE.values())
