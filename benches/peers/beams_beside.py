@@ -228,8 +228,8 @@ def swing_table(passes, quick, rows):
         rows += csv_rows(f"swing, {kind}", programs)
     text = (
         "A rod of rubber (1 m, 20 mm thick, E = 10 MPa) on a pin falls from horizontal for half a second: CPU milliseconds to an error of the tip of at most so "
-        "many metres, in brackets the number of elements (ours with degree and tolerance of `dop853`). Ours is the whole process, the peers' is integration "
-        "alone, Python, Numba's compilation and building of the model not counted. The last column is how far our finest run is from the peer's."
+        "many metres, in brackets the number of elements (ours with degree and tolerance of `dop853`). Our process is CPU time of all of `stillpoint run`, our steps "
+        "what it says of them (wall time); the peers' is CPU time of the integration alone, Python, Numba's compilation and building of the model not counted. The last column is how far our finest run is from the peer's."
     )
     columns = ["case", "program", *(f"{level:.0e} m" for level in swing.LEVELS), "apart"]
     return report.Table("A rod swings", text, columns, table)

@@ -77,7 +77,7 @@ of = "rod.tip"
 
 
 def run(kind, degree, elements, tolerance):
-    """Where our tip is at the end, and the CPU seconds of the whole process."""
+    """Where our tip is at the end, the CPU seconds of the whole process and the wall seconds of its steps."""
     scenario = beside.write(f"swing_{kind}.toml", toml(kind))
     command = ["run", scenario, "--quiet", "--out", beside.WORK / "swing.mcap"]
     for key, value in (
@@ -88,7 +88,7 @@ def run(kind, degree, elements, tolerance):
     ):
         command += ["--set", f"{key}={value}"]
     found, cpu = beside.ours(command, patience=1800.0)
-    return found["outputs"]["tip"], cpu
+    return found["outputs"]["tip"], cpu, found["wall_seconds"]
 
 
 def theirs(program, passes, quick):
@@ -106,7 +106,8 @@ def ours(kind, passes):
         for tolerance in TOLERANCES[kind]:
             found = [run(kind, degree, elements, tolerance) for _ in range(passes)]
             label = f"{elements} of degree {degree}, {tolerance:.0e}"
-            runs.append({"elements": label, "place": found[0][0], "seconds": min(cpu for _, cpu in found)})
+            cpu, wall = (min(times) for times in list(zip(*found))[1:])
+            runs.append({"elements": label, "place": found[0][0], "seconds": cpu, "search": wall})
     return runs
 
 
@@ -116,7 +117,7 @@ def measure(kind, passes, quick):
     passes = 1 if kind == "full" else passes
     programs = {"stillpoint": ours(kind, passes), program: theirs(program, passes, quick)}
     finest = programs[program][-1]["place"]
-    own, _ = run(kind, *REFERENCE.values())
+    own, _, _ = run(kind, *REFERENCE.values())
     apart = math.dist(own, finest)
     if not apart < CLOSE[kind] * (4.0 if quick else 1.0):
         stop(f"swing: {program}'s tip ends {apart:.1e} m from ours, {own} and {finest}")
@@ -127,17 +128,19 @@ def measure(kind, passes, quick):
     return programs, apart
 
 
+def cells(runs, key):
+    """The quickest run to each error."""
+    for level in LEVELS:
+        reached = [one for one in runs if one["error"] <= level]
+        best = min(reached, key=lambda one: one[key], default=None)
+        yield "not reached" if best is None else f"{beside.milliseconds(best[key])} ({best['elements']})"
+
+
 def rows(kind, programs, apart):
-    """Lines of the table: the quickest run to each error."""
-    lines = []
-    for program, runs in programs.items():
-        cells = []
-        for level in LEVELS:
-            reached = [one for one in runs if one["error"] <= level]
-            best = min(reached, key=lambda one: one["seconds"], default=None)
-            cells.append("not reached" if best is None else f"{beside.milliseconds(best['seconds'])} ({best['elements']})")
-        mine = program == "stillpoint"
-        lines.append(
-            [TITLES[kind] if mine else "", "stillpoint, process" if mine else NAMES[program], *cells, "" if mine else f"{apart:.0e} m"]
-        )
-    return lines
+    """Lines of the table."""
+    mine, program = programs["stillpoint"], PEER[kind]
+    return [
+        [TITLES[kind], "stillpoint, process", *cells(mine, "seconds"), ""],
+        ["", "stillpoint, steps", *cells(mine, "search"), ""],
+        ["", NAMES[program], *cells(programs[program], "seconds"), f"{apart:.0e} m"],
+    ]
