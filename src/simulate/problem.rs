@@ -401,10 +401,6 @@ impl ImplicitProblem for Motion {
         Ok(())
     }
 
-    fn asks_for_care(&self) -> bool {
-        self.system.has_light_links()
-    }
-
     fn reserve(&mut self) {
         let model = self.system.model();
         if matches!(self.tangent, Tangent::None) {

@@ -97,9 +97,8 @@ pub(crate) struct Stages {
     best: f64,
     /// Steps that are to renew it unasked.
     renewals: u32,
-    /// Whether every correction takes a tangent of its own; whether it always does.
+    /// Whether every correction takes a tangent of its own.
     careful: bool,
-    delicate: bool,
 }
 
 /// Which sweep over the stages it is.
@@ -142,8 +141,7 @@ impl Stages {
             tangent: TangentCache::default(),
             best: 1.0,
             renewals: 0,
-            careful: problem.asks_for_care(),
-            delicate: problem.asks_for_care(),
+            careful: false,
             method,
         }
     }
@@ -201,7 +199,7 @@ impl Stages {
         let s = self.method.stages();
         self.history.advance(step, &self.method.nodes, &mut self.rates[..s]);
         self.stiff = self.stiff.and_then(|steps| steps.checked_sub(1));
-        self.careful = self.delicate;
+        self.careful = false;
         self.tangent.advance();
     }
 
