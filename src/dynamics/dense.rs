@@ -43,6 +43,8 @@ pub(super) struct DenseTangent {
     /// By rows, without a shift.
     written: Vec<f64>,
     matrix: Dense,
+    /// What was factorized last.
+    whole: Mat<f64>,
     /// A unit vector, and `c₁` and `c₂` times it.
     unit: [Vec<f64>; 3],
     column: Vec<f64>,
@@ -53,7 +55,8 @@ impl DenseTangent {
     pub(super) fn new(model: &Model) -> Self {
         let n = model.velocity_count();
         let unit = [(); 3].map(|()| vec![0.0; n]);
-        Self { written: vec![0.0; n * n], matrix: Dense::new(n), unit, column: vec![0.0; n] }
+        let whole = Mat::zeros(n, n);
+        Self { written: vec![0.0; n * n], matrix: Dense::new(n), whole, unit, column: vec![0.0; n] }
     }
 
     /// Factorizes what was written last with `shift` added to the diagonal, infinite for a coordinate that is held, empty for
@@ -70,14 +73,19 @@ impl DenseTangent {
                 };
             }
         }
-        if definite {
-            let matrix = &mut self.matrix;
-            let whole = Mat::from_fn(n, n, |i, j| *matrix.entry(i, j));
-            if whole.llt(Side::Lower).is_err() {
-                return false;
-            }
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            self.whole[(i, j)] = *self.matrix.entry(i, j);
+        }
+        if definite && self.whole.llt(Side::Lower).is_err() {
+            return false;
         }
         self.matrix.eliminate()
+    }
+
+    /// Negative eigenvalues of the matrix that was factorized last, which has to be symmetric.
+    pub(super) fn negatives(&self) -> Option<usize> {
+        let values = self.whole.self_adjoint_eigenvalues(Side::Lower).ok()?;
+        Some(values.iter().filter(|value| **value < 0.0).count())
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.

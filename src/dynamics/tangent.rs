@@ -176,10 +176,10 @@ impl TangentSolver {
     /// Negative eigenvalues of the matrix that was factorized last, where that is symmetric; elements that reach far
     /// count. `None` if they could not be counted. Not after a factorization for a definite matrix.
     pub fn negatives(&self) -> Option<usize> {
-        match &self.sparse {
-            Some(sparse) => sparse.negatives(),
-            None if self.dense.is_some() => None,
-            None => Some(self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())),
+        match (&self.sparse, &self.dense) {
+            (Some(sparse), _) => sparse.negatives(),
+            (None, Some(dense)) => dense.negatives(),
+            (None, None) => Some(self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())),
         }
     }
 }

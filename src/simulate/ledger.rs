@@ -108,7 +108,9 @@ impl Ledger {
         if !self.flows {
             return Ok(());
         }
-        if self.undisturbed && self.stages.evaluate(motion, stepper) {
+        // Compliant stops take power out in bursts: of parts of a step a few stages know it only with either sign.
+        let is_steady = self.undisturbed && motion.model().stops.is_empty();
+        if is_steady && self.stages.evaluate(motion, stepper) {
             let Powers { input, dissipated } = self.stages.integral(stepper, [from, until]);
             self.work += input;
             self.dissipated += dissipated;
