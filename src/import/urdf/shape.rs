@@ -79,10 +79,6 @@ impl<'a> Looks<'a> {
         let mut shape = self.shape(collision, TOUCHES)?;
         let solid = collision.child("geometry")?.all_children().next()?;
         match solid.name() {
-            "cylinder" => {
-                solid.note(Taken::Ignored, "a cylinder touches nothing yet");
-                return None;
-            }
             "mesh" => {
                 let file = solid.attribute("filename")?;
                 let path = files::find(file.value, self.path, self.options)?;

@@ -223,7 +223,8 @@ impl Contacts {
     pub(in crate::simulate) fn deepest(&self) -> Option<([String; 2], f64)> {
         let near = self.pairs.near(&vec![0.0; self.pairs.pieces.len()]).into_iter();
         let depth = |couple: usize| (couple, self.pairs.depth(couple) / self.pairs.couples[couple].size);
-        let (couple, depth) = near.map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (couple, depth) =
+            near.filter(|couple| self.is_rigid(*couple)).map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((self.between(couple), depth))
     }
 
@@ -335,6 +336,18 @@ impl Contacts {
     }
 }
 
+/// The force of a support in a list of contacts by couples, and then of hinges.
+fn remembered(forces: &[(Id, Vector3<f64>)], wanted: Id) -> Option<Vector3<f64>> {
+    let from = match wanted {
+        Id::Contact(key) => {
+            forces.partition_point(|(id, _)| matches!(id, Id::Contact(other) if other.couple < key.couple))
+        }
+        Id::Stop(..) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
+    };
+    let end = |id: &Id| matches!((id, wanted), (Id::Contact(other), Id::Contact(key)) if other.couple > key.couple);
+    forces[from..].iter().take_while(|(id, _)| !end(id)).find(|(id, _)| *id == wanted).map(|(_, force)| *force)
+}
+
 /// (1) and (2).
 fn moreau(
     motion: &mut Motion,
@@ -366,7 +379,7 @@ fn moreau(
     };
     // Of hinges the three numbers are their own.
     let basis = |i: usize| frames.get(i).map_or_else(Matrix3::identity, |frame| frame.basis);
-    let known = |support: &Support| warm.iter().find(|(id, _)| *id == support.id).map(|(_, force)| force * h);
+    let known = |support: &Support| remembered(warm, support.id).map(|force| force * h);
     let guess = |i: usize| known(&supports[i]).map_or_else(Vector3::zeros, |force| basis(i).tr_mul(&force));
     let problem = Problem {
         blocks: blocks.matrix(),
