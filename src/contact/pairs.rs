@@ -1,6 +1,7 @@
 //! Which shapes of a model may touch, and how they stand to each other in a place.
 
-use super::geometry::feature::{Boundary, Feature, Meeting, Near, Standing, meeting, pairs};
+use super::geometry::feature::{Boundary, Feature, Meeting, Near, Standing};
+use super::geometry::meet::{meeting, pairs};
 use super::geometry::{Core, Placed, Solid, touch};
 use crate::model::shape::{Geometry, Hull, Shape};
 use crate::model::{ContactRule, Model};

@@ -36,6 +36,7 @@ mod staged;
 mod state;
 mod stiffness;
 mod switching;
+mod tangent;
 mod timetable;
 pub mod verify;
 

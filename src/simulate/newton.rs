@@ -4,22 +4,9 @@ use super::bordered::Bordered;
 use super::differenced::{Differenced, Displaced};
 use super::passage::Passage;
 use super::problem::Motion;
+use super::tangent::Tangent;
 use crate::dynamics::{Coefficients, DenseTangent, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point};
-
-/// The factorized tangent of an implicit step.
-pub(super) enum Tangent {
-    /// Not asked for yet.
-    None,
-    /// In O(n), by sweeps.
-    Sweep(Box<TangentSolver>),
-    /// Dense: where more forces reach across the tree than it has coordinates.
-    Dense(Box<DenseTangent>),
-    /// With loops, drives or gears: bordered by their rows.
-    Bordered(Box<Bordered>),
-    /// Beside contacts that move: by differences of the accelerations.
-    Differenced(Box<Differenced>),
-}
 
 fn singular() -> Failure {
     Failure { message: "the tangent of the implicit step is singular".to_owned() }

@@ -3,9 +3,9 @@
 use super::contact::Contacts;
 use super::coordinates::Coordinates;
 use super::error::RunError;
-use super::newton::Tangent;
 use super::passage::Passage;
 use super::state::State;
+use super::tangent::Tangent;
 use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
 use crate::model::{End, Model, Side};

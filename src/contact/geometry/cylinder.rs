@@ -9,8 +9,7 @@
 //! Its faces, and its side against edges and corners, have normals in closed form. A rim (tangent `e(φ)`) that an edge (direction `u`)
 //! touches has the normal `e(φ) × u / |e(φ) × u|` at a stationary point of the distance along it, a root in φ.
 
-use super::solid::Placed;
-use super::touch::apart;
+use super::solid::{Placed, apart};
 use nalgebra::Vector3;
 
 /// Corners of the polygon that stands for a disc of contact, two of them on each tangent of its plane: what tips along these

@@ -10,7 +10,6 @@
 //! A pair counts where the foot of the perpendicular is inside its face or edge, and where no other vertex of a solid is
 //! further along the normal than its feature: [`Meeting::inside`] says by how much (m).
 
-use super::rim::{self, Rim};
 use super::solid::{Core, Solid};
 use nalgebra::{Isometry3, Vector3};
 
@@ -53,6 +52,17 @@ pub struct Standing<'a> {
     pub(super) pose: Isometry3<f64>,
 }
 
+/// A point on the rim of a cylinder.
+#[derive(Debug, Clone, Copy)]
+pub struct Rim {
+    /// From the axis to the point (m).
+    pub(super) arm: Vector3<f64>,
+    /// Unit vector along the rim.
+    pub(super) tangent: Vector3<f64>,
+    /// Sine of the angle between the axis and the normal; 0 if it meets no face.
+    pub(super) tilt: f64,
+}
+
 /// Two features and how they stand to each other.
 #[derive(Debug, Clone, Copy)]
 pub struct Meeting {
@@ -72,7 +82,8 @@ pub struct Meeting {
     pub edges: [Vector3<f64>; 2],
     /// How far the pair is inside of where it counts (m), negative outside.
     pub inside: f64,
-    /// The same of points that are fixed to a rim, which count only while its disc lies flat; infinite for others.
+    /// How far points that are fixed to a rim are inside of where they count, which they do only while its disc lies flat (m); infinite
+    /// for others.
     pub flat: f64,
     /// Halfway between both surfaces (m).
     pub point: Vector3<f64>,
@@ -215,29 +226,6 @@ impl Standing<'_> {
     }
 }
 
-/// All pairs of features of two solids that may be nearest to each other: faces first, then edges, then vertices.
-pub fn pairs(a: &Standing<'_>, b: &Standing<'_>) -> Vec<[Feature; 2]> {
-    if a.of.rim + b.of.rim > 0.0 {
-        return rim::pairs(a, b);
-    }
-    let mut all = Vec::new();
-    let cross =
-        |one: &mut dyn Iterator<Item = Feature>, other: &dyn Fn() -> Vec<Feature>, all: &mut Vec<[Feature; 2]>| {
-            for x in one {
-                all.extend(other().into_iter().map(|y| [x, y]));
-            }
-        };
-    cross(&mut a.face_list(), &|| b.vertex_list().collect(), &mut all);
-    cross(&mut a.vertex_list(), &|| b.face_list().collect(), &mut all);
-    cross(&mut a.edge_list(), &|| b.edge_list().collect(), &mut all);
-    if a.of.radius + b.of.radius > 0.0 {
-        cross(&mut a.edge_list(), &|| b.vertex_list().collect(), &mut all);
-        cross(&mut a.vertex_list(), &|| b.edge_list().collect(), &mut all);
-        cross(&mut a.vertex_list(), &|| b.vertex_list().collect(), &mut all);
-    }
-    all
-}
-
 /// Which pairs of features are asked for: those that are inside of where they count by at least so much, and whose gap is below that (m).
 #[derive(Debug, Clone, Copy)]
 pub struct Near {
@@ -250,61 +238,6 @@ pub struct Near {
 impl Near {
     /// All pairs.
     pub const ALL: Self = Self { inside: f64::NEG_INFINITY, gap: f64::INFINITY };
-}
-
-/// How two features stand to each other; `None` if they have no normal, and for pairs that are found not to be `near` early.
-pub fn meeting(a: &Standing<'_>, b: &Standing<'_>, features: [Feature; 2], near: &Near) -> Option<Meeting> {
-    if a.of.rim + b.of.rim > 0.0 {
-        return rim::meeting(a, b, features, near);
-    }
-    let none = Vector3::zeros();
-    let radii = [a.of.radius, b.of.radius];
-    let make = |normal: Vector3<f64>, cores: [Vector3<f64>; 2], edges: [Vector3<f64>; 2], inside: f64| {
-        Meeting::new(features, normal, cores, edges, radii, inside)
-    };
-    match features {
-        [Feature::Face(face), Feature::Vertex(vertex)] => {
-            if a.above(face, &b.vertices[usize::from(vertex)]) - radii[0] - radii[1] >= near.gap {
-                return None;
-            }
-            let (normal, foot, inside) = on_face(a, face, &b.vertices[usize::from(vertex)]);
-            let inside = if a.of.plane.is_some() { inside } else { inside.min(b.before(&normal, vertex)) };
-            Some(make(normal, [foot, b.vertices[usize::from(vertex)]], [none; 2], inside))
-        }
-        [Feature::Vertex(vertex), Feature::Face(face)] => {
-            if b.above(face, &a.vertices[usize::from(vertex)]) - radii[0] - radii[1] >= near.gap {
-                return None;
-            }
-            let (normal, foot, inside) = on_face(b, face, &a.vertices[usize::from(vertex)]);
-            let inside = if b.of.plane.is_some() { inside } else { inside.min(a.before(&normal, vertex)) };
-            Some(make(-normal, [a.vertices[usize::from(vertex)], foot], [none; 2], inside))
-        }
-        [Feature::Edge(one), Feature::Edge(other)] => crossing(a, b, [one, other], radii, near),
-        [Feature::Edge(edge), Feature::Vertex(vertex)] => {
-            let (point, own) = (b.vertices[usize::from(vertex)], a.of.edges[usize::from(edge)]);
-            let (foot, u, along) = on_edge(a.ends(edge), &point);
-            let normal = (point - foot).try_normalize(0.0)?;
-            let inside =
-                along.min(a.below(&normal, &foot, &own)).min(b.below(&-normal, &point, &[usize::from(vertex)]));
-            Some(make(normal, [foot, point], [u, none], inside))
-        }
-        [Feature::Vertex(vertex), Feature::Edge(edge)] => {
-            let (point, own) = (a.vertices[usize::from(vertex)], b.of.edges[usize::from(edge)]);
-            let (foot, u, along) = on_edge(b.ends(edge), &point);
-            let normal = (foot - point).try_normalize(0.0)?;
-            let inside =
-                along.min(b.below(&-normal, &foot, &own)).min(a.below(&normal, &point, &[usize::from(vertex)]));
-            Some(make(normal, [point, foot], [none, u], inside))
-        }
-        [Feature::Vertex(one), Feature::Vertex(other)] => {
-            let (from, to) = (a.vertices[usize::from(one)], b.vertices[usize::from(other)]);
-            let normal = (to - from).try_normalize(0.0)?;
-            let inside =
-                a.below(&normal, &from, &[usize::from(one)]).min(b.below(&-normal, &to, &[usize::from(other)]));
-            Some(make(normal, [from, to], [none; 2], inside))
-        }
-        [Feature::Face(_), _] | [_, Feature::Face(_)] => None,
-    }
 }
 
 /// Two edges, with radii about them.

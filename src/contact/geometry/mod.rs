@@ -17,6 +17,7 @@
 mod cylinder;
 mod drift;
 pub mod feature;
+pub mod meet;
 mod polygon;
 mod rim;
 mod solid;

@@ -17,7 +17,7 @@
 //! (2) has no limit as the disc comes to lie flat: there points that are fixed to the rim take over, as corners of a polygon. Rims that meet
 //! edges, or each other askew, are no features here.
 
-use super::feature::{Feature, Meeting, Near, PARALLEL, Standing, TILTED, crossing, on_edge, on_face};
+use super::feature::{Feature, Meeting, Near, PARALLEL, Rim, Standing, TILTED, crossing, on_edge, on_face};
 use nalgebra::Vector3;
 
 /// Points that are fixed to each rim.
@@ -30,17 +30,6 @@ const STEEP: f64 = 0.2;
 const NONE: f64 = 1e-9;
 /// The end of a side counts as that of a line along it if it is turned against the other surface by no more (rad).
 const ALONG: f64 = 1e-3;
-
-/// A point on a rim.
-#[derive(Debug, Clone, Copy)]
-pub struct Rim {
-    /// From the axis to the point (m).
-    arm: Vector3<f64>,
-    /// Unit vector along the rim.
-    tangent: Vector3<f64>,
-    /// `σ` of eq. (1).
-    tilt: f64,
-}
 
 /// Pairs of features of two solids of which one, at least, is a cylinder.
 pub(super) fn pairs(a: &Standing<'_>, b: &Standing<'_>) -> Vec<[Feature; 2]> {
@@ -173,7 +162,6 @@ fn cap(of: &Standing<'_>, face: u16) -> Vector3<f64> {
 
 /// A point of a rim that may touch a face along a unit vector towards that: the lowest of an end (0 and 1), or one that is fixed to it. With
 /// that come [`Meeting::flat`], and how far the other end is before the face.
-#[expect(clippy::type_complexity, reason = "the parts of one feature, taken apart at once")]
 fn corner(of: &Standing<'_>, vertex: u16, towards: &Vector3<f64>) -> Option<(Vector3<f64>, Option<Rim>, f64, f64)> {
     let along = axis(of);
     let (low, high) = (of.vertices[0], of.vertices[1]);

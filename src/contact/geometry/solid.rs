@@ -181,3 +181,8 @@ impl Placed {
         if self.rim > 0.0 { corners + self.rim * self.edges[0].cross(n).norm() } else { corners }
     }
 }
+
+/// How far two cores are apart along a unit vector from the first to the second (m).
+pub(super) fn apart(a: &Placed, b: &Placed, n: &Vector3<f64>) -> f64 {
+    -b.support(&-n) - a.support(n)
+}

@@ -2,7 +2,7 @@
 
 use super::cylinder;
 use super::polygon::{common, hull};
-use super::solid::Placed;
+use super::solid::{Placed, apart};
 use nalgebra::Vector3;
 
 /// How two solids touch.
@@ -97,11 +97,6 @@ fn axes(a: &Placed, b: &Placed, slack: f64) -> Option<(f64, Vector3<f64>)> {
         }
     }
     Some((best, sum.try_normalize(1e-9).unwrap_or(taken[0])))
-}
-
-/// How far two cores are apart along a unit vector from the first to the second (m).
-pub(super) fn apart(a: &Placed, b: &Placed, n: &Vector3<f64>) -> f64 {
-    -b.support(&-n) - a.support(n)
 }
 
 /// Nearest points of two cores of which one is a point or a segment.
