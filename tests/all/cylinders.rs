@@ -1,7 +1,8 @@
 //! Cylinders that touch: gaps and their rates against sampled surfaces and differences, then scenes against closed forms.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use stillpoint::contact::geometry::feature::{Boundary, Near, meeting, pairs};
+use stillpoint::contact::geometry::feature::{Boundary, Near};
+use stillpoint::contact::geometry::meet::{meeting, pairs};
 use stillpoint::contact::geometry::{Core, Solid, touch};
 
 struct Random(u64);

@@ -171,7 +171,7 @@ impl Standing<'_> {
     }
 
     /// How far a point is before the plane of a face (m).
-    fn above(&self, face: u16, point: &Vector3<f64>) -> f64 {
+    pub(super) fn above(&self, face: u16, point: &Vector3<f64>) -> f64 {
         let (normal, on) = self.plane_of(face);
         normal.dot(&(point - on))
     }
