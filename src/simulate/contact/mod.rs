@@ -22,6 +22,7 @@ mod capture;
 mod decide;
 mod impact;
 mod rows;
+mod spring;
 mod watch;
 
 use super::state::State;
@@ -49,6 +50,8 @@ const MOST_COUPLES: usize = 1000;
 /// So many events within this part of the scene's time are a storm.
 const STORM: usize = 60;
 const BRIEF: f64 = 1e-2;
+/// So many events are a storm, too, if fewer steps than this went undisturbed between them.
+const SPARSE: usize = 20;
 /// A gap that is found open by this part of the size below zero was missed.
 pub(super) const MISSED: f64 = 1e-6;
 
@@ -81,6 +84,8 @@ pub(super) struct Closed {
     /// Whether it slips along a straight line, and the force across that, in parts of friction.
     straight: bool,
     across: f64,
+    /// Whether it may bear: a compliant one does not where it would pull.
+    pushes: bool,
 }
 
 /// The contacts of a run.
@@ -117,8 +122,10 @@ pub(super) struct Contacts {
     /// The last span of theirs (s).
     span: f64,
     memory: capture::Memory,
-    /// Times of the last events (s).
-    recent: VecDeque<f64>,
+    /// Times of the last events (s), and how many steps without any had been made then.
+    recent: VecDeque<(f64, usize)>,
+    /// Steps at whose end nothing happened.
+    undisturbed: usize,
     /// A gap below this part of a shape's size is none.
     closing: f64,
 }
@@ -165,6 +172,7 @@ impl Contacts {
             span: 0.0,
             memory: capture::Memory::default(),
             recent: VecDeque::new(),
+            undisturbed: 0,
             closing,
         })
     }
@@ -212,16 +220,23 @@ impl Contacts {
             }
             let first = found.len();
             let closed = &self.closed;
+            let (rigid, overlap) = (self.is_rigid(couple), OnceCell::new());
+            let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
             self.pairs.meetings(couple, loose * size, loose * size, |meeting| {
                 let key = Key { couple, features: meeting.features };
                 let was = closed.iter().any(|closed| closed.key == key);
-                let counts = was || meeting.inside >= -closing * size && meeting.gap < closing * size;
+                let inside = meeting.inside.min(meeting.flat);
+                let counts = was || inside >= -closing * size && meeting.gap < closing * size;
                 // Deeper than that it is the far side of something thin.
                 let double = |(_, other): &(Key, Meeting)| {
                     (other.point - meeting.point).norm() < 10.0 * LOOSE * size
                         && other.normal.dot(&meeting.normal) > 1.0 - 1e-6
                 };
-                if counts && meeting.gap > -closing.max(MISSED) * size && !found[first..].iter().any(double) {
+                let near = match rigid {
+                    true => meeting.gap > -closing.max(MISSED) * size,
+                    false => self.touches_springs(&meeting, depth, size),
+                };
+                if counts && near && !found[first..].iter().any(double) {
                     found.push((key, meeting));
                 }
             });
@@ -285,14 +300,15 @@ impl Contacts {
 
     /// Takes note of an event; whether events come too often, or too much touches, to go on by them.
     pub(super) fn storms(&mut self, time: f64) -> bool {
-        self.recent.push_back(time);
+        self.recent.push_back((time, self.undisturbed));
         let brief = BRIEF * self.model.time_scale();
         if self.recent.len() > STORM {
             self.recent.pop_front();
         }
         let crowd = 3 * self.closed.len() > MOST_ROWS || self.pairs.couples.len() > MOST_COUPLES;
         let crowd = crowd && !self.resting;
-        let storm = self.recent.len() >= STORM && time - self.recent[0] < brief;
+        let storms = |(first, steps): &(f64, usize)| time - first < brief || self.undisturbed - steps < SPARSE;
+        let storm = self.recent.len() >= STORM && self.recent.front().is_some_and(storms);
         if storm || crowd {
             self.storms_at(time);
         }
@@ -314,7 +330,7 @@ impl Contacts {
 
     /// Power that slips take out at the last place (W).
     pub(super) fn dissipated(&self) -> f64 {
-        self.closed.iter().map(|closed| -closed.force.dot(&closed.slip)).sum()
+        self.closed.iter().map(|closed| -closed.force.dot(&closed.slip)).sum::<f64>() + self.damped()
     }
 }
 
