@@ -32,7 +32,7 @@ use crate::integrate::{
     implicit::filter::{End, filter},
     implicit::stage::{Newton, Stage},
     method::predict::Predictor,
-    method::tableau::sdirk4::{A, C, CUBES, E, GAMMA, SQUARES},
+    method::tableau::sdirk4::{A, B, C, CUBES, E, GAMMA, SQUARES},
     problem::{ImplicitProblem, Point},
     step::control::{Controller, Trial},
     step::error::{Limit, StepError},
@@ -40,6 +40,7 @@ use crate::integrate::{
     step::options::{Options, Start},
     step::progress::Progress,
     step::rates::{combine, require_finite, settle, weighted_sum},
+    step::stages::StepStages,
     step::start::Begun,
 };
 
@@ -62,6 +63,10 @@ pub struct Sdirk4 {
     predictor: Predictor,
     /// `k₁ … k₅`, each `(N(q) v, a)`.
     rates: Vec<Vec<f64>>,
+    /// `X₁ … X₅`.
+    states: Vec<Vec<f64>>,
+    /// The weights of the cubic beyond the line, as [`StepStages`] has them.
+    nested: [Vec<f64>; 2],
     /// The known part of a stage.
     known: Vec<f64>,
     /// State of a stage, then of the end of the step tried.
@@ -91,6 +96,8 @@ impl Sdirk4 {
             next: rate.clone(),
             error: rate.clone(),
             filter: acceleration.clone(),
+            states: vec![rate.clone(); C.len()],
+            nested: nested(),
             rates: vec![rate; C.len()],
             acceleration,
             norm,
@@ -133,6 +140,7 @@ impl Implicit for Sdirk4 {
             let at = Stage { time: *time + C[stage] * trial.step, step: gamma_step, known: &self.known, start: state };
             self.newton.solve(problem, &self.norm, at, &mut self.next, &mut self.acceleration, statistics)?;
             self.predictor.record(stage, &self.acceleration);
+            self.states[stage].copy_from_slice(&self.next);
             let (q, v) = self.next.split_at(*position_count);
             let (position_rate, acceleration) = self.rates[stage].split_at_mut(*position_count);
             problem.position_rate(q, v, position_rate);
@@ -160,5 +168,39 @@ impl Implicit for Sdirk4 {
 
     fn discard_old(&mut self) -> bool {
         self.newton.discard_old()
+    }
+
+    fn step_stages(&self) -> Option<StepStages<'_>> {
+        let (states, nested, position_count) = (&self.states[..], &self.nested[..], self.progress.position_count);
+        Some(StepStages { nodes: &C, states, weights: &B, nested, position_count })
+    }
+}
+
+/// `r₂` and `r₃` of the cubic, whose `θ²` and `θ³` come of `θ (1 − θ) (r₂ + θ r₃)`.
+fn nested() -> [Vec<f64>; 2] {
+    [(0..C.len()).map(|i| -SQUARES[i] - CUBES[i]).collect(), CUBES.iter().map(|cube| -cube).collect()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_step_is_integrated_with_the_weights_of_the_cubic() {
+        let nested = nested();
+        let stages = StepStages { nodes: &C, states: &[], weights: &B, nested: &nested, position_count: 0 };
+        for theta in [0.0_f64, 0.3, 0.8, 1.0] {
+            for degree in 0..3 {
+                let sum: f64 = (0..C.len()).map(|i| stages.weight(i, theta) * C[i].powi(degree)).sum();
+                let exact = theta.powi(degree + 1) / f64::from(degree + 1);
+                // Sums of five terms up to 20.
+                assert!((sum - exact).abs() < 1e-13, "degree {degree} up to {theta}: {sum} for {exact}");
+            }
+            let cubic = |i: usize| theta * theta * (SQUARES[i] + theta * CUBES[i]);
+            let linear = |i: usize| theta * (B[i] - SQUARES[i] - CUBES[i]);
+            assert!((0..C.len()).all(|i| (stages.weight(i, theta) - linear(i) - cubic(i)).abs() < 1e-13));
+        }
+        let at_end: f64 = (0..C.len()).map(|i| stages.weight(i, 1.0) * C[i].powi(3)).sum();
+        assert!((at_end - 0.25).abs() < 1e-14, "order 4 at the end: {at_end}");
     }
 }

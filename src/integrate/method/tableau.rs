@@ -52,6 +52,8 @@ pub(crate) mod sdirk4 {
         &[371.0 / 1360.0, -137.0 / 2720.0, 15.0 / 544.0],
         &[25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0],
     ];
+    /// That row, `GAMMA` included: the weights of the step.
+    pub(crate) const B: [f64; 5] = [25.0 / 24.0, -49.0 / 48.0, 125.0 / 16.0, -85.0 / 12.0, GAMMA];
     /// The step less the embedded rule `(59/48, −17/96, 225/32, −85/12, 0)` of order 3.
     pub(crate) const E: [f64; 5] = [-3.0 / 16.0, -27.0 / 32.0, 25.0 / 32.0, 0.0, 1.0 / 4.0];
     /// Weights `b_i(θ) = … + θ² SQUARES_i + θ³ CUBES_i` of the continuous extension.
@@ -219,6 +221,7 @@ mod tests {
     fn sdirk4_has_order_4_and_its_estimate_order_3() {
         let rows = full(&sdirk4::A, sdirk4::GAMMA);
         let step = rows[4].clone();
+        assert_eq!(step, sdirk4::B);
         let embedded = minus(&step, &sdirk4::E);
         assert_order(4, &rows, &step, 1.0);
         assert_order(3, &rows, &embedded, 1.0);
