@@ -14,6 +14,7 @@ mod common;
 mod compliant_contact;
 mod contact_beside_stops;
 mod contact_in_motion;
+mod contact_reference;
 mod control;
 mod creep;
 mod cylinders;
