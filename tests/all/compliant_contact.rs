@@ -92,7 +92,13 @@ fn what_is_not_there_is_refused() {
     assert!(rubs.unwrap_err().render(false).contains("is compliant, and has friction"));
     let scenario = parse("scene.toml", &(text + "stiffness = 1e4\n"), &[]).unwrap();
     let model = assemble(Model::build(&scenario.description).unwrap()).unwrap().0;
-    let answer =
-        stillpoint::statics::answer(scenario.description, model, &[], &scenario.statics, &scenario.margin, &|| true);
+    let answer = stillpoint::statics::answer(
+        scenario.description,
+        model,
+        stillpoint::statics::Sought::default(),
+        &scenario.statics,
+        &scenario.margin,
+        &|| true,
+    );
     assert!(answer.err().expect("refused").to_string().contains("is compliant"));
 }

@@ -8,8 +8,8 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::parse;
 use stillpoint::simulate::{self, Integrator, Settings, State, Summary, run};
-use stillpoint::statics::answer;
 use stillpoint::statics::standing::Standing;
+use stillpoint::statics::{Sought, answer};
 
 const G: f64 = 9.80665;
 const FLOOR: &str = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n";
@@ -38,7 +38,9 @@ fn go(text: &str, duration: f64, tolerance: f64, method: Method) -> Summary {
 
 fn standing(text: &str) -> Standing {
     let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
-    let held = answer(scenario.description, read(text), &[], &scenario.statics, &scenario.margin, &|| true).unwrap();
+    let held =
+        answer(scenario.description, read(text), Sought::default(), &scenario.statics, &scenario.margin, &|| true)
+            .unwrap();
     *held.found.standing.expect("there is contact")
 }
 
