@@ -3,6 +3,7 @@
 use super::findings::Finding;
 use super::quantities::Numbers;
 use super::reader::{Reader, number};
+use crate::model::structure::Structure;
 use crate::model::{Description, Model, Parameter};
 use crate::quantity::Dimension;
 use crate::statics::Aim;
@@ -34,7 +35,7 @@ pub(super) fn read(
         );
     }
     // What is wrong with the scene itself is said elsewhere.
-    let Ok(model) = Model::build(&Description { stages: Vec::new(), ..description.clone() }) else { return Vec::new() };
+    let Ok(model) = Model::build(&Structure::first(description).describe(description)) else { return Vec::new() };
     let labels = model.outputs.iter().flat_map(|output| output.labels().zip(&output.units));
     let labels: Vec<(String, &String)> = labels.collect();
     let mut all: Vec<Aim> = Vec::new();

@@ -19,8 +19,9 @@ use super::settings::{Aim, Settings, Sought};
 use crate::constraint;
 use crate::dynamics::Fault;
 use crate::model::description::Description;
-use crate::model::parameter::Quantity;
+use crate::model::parameter::{Field, Quantity};
 use crate::model::problem::number;
+use crate::model::structure::Structure;
 use crate::model::{Model, Parameter, Problem};
 use faer::Mat;
 use std::sync::Arc;
@@ -42,6 +43,8 @@ const DECREASE: f64 = 1e-4;
 /// A scene of the way, and where it stands.
 struct Stand {
     description: Description,
+    /// As the search sees it: without what happens later in a run.
+    scene: Description,
     model: Arc<Model>,
     found: Equilibrium,
     /// What its outputs miss the aim by, in their units.
@@ -60,6 +63,10 @@ impl Stand {
 
 struct Search<'a> {
     sought: Sought<'a>,
+    /// The unknown numbers in the scenes of the search.
+    unknown: Vec<Parameter>,
+    /// Whether these are the first structure of a scene with stages, which costs many times less to build than all of them.
+    of_first: bool,
     settings: &'a Settings,
     /// Places of the aims among the numbers of the outputs.
     places: Vec<usize>,
@@ -100,20 +107,37 @@ pub(super) fn aim(
         let value = one.value(&description);
         unit(one.quantity, value, &model, largest).max(value.abs())
     });
-    let search = Search { sought, settings, places, units, scales: scales.collect(), go_on };
-    // What happens later in a run is not built at every step.
-    let now = Description { stages: Vec::new(), ..description.clone() };
-    let Some(stand) = search.stand(now, Arc::clone(&model), first.clone()) else {
+    // Named numbers make the whole scene anew.
+    let of_first = !description.stages.is_empty() && sought.unknown.iter().all(|one| one.field != Field::Named);
+    let scene = of(&description, of_first);
+    let found = |one: &Parameter| Parameter::find(&scene, &one.address).ok().and_then(|found| found.into_iter().next());
+    let Some(unknown) = sought.unknown.iter().map(found).collect::<Option<Vec<_>>>() else {
+        let note = "a number is unknown of what is not there before the first stage".to_owned();
+        return Ok(missed(description, model, first, sought, note));
+    };
+    let search = Search { sought, unknown, of_first, settings, places, units, scales: scales.collect(), go_on };
+    let Some(stand) = search.stand(description.clone(), scene, Arc::clone(&model), first.clone()) else {
         let note = "there is no equilibrium to begin with, whose outputs could be brought to the aim".to_owned();
         return Ok(missed(description, model, first, sought, note));
     };
-    let Held { description: now, model, found } = search.go(stand);
-    if description.stages.is_empty() {
-        return Ok(Held { description: now, model, found });
+    let Held { description, model, mut found } = search.go(stand);
+    if !of_first {
+        return Ok(Held { description, model, found });
     }
-    let whole = Description { stages: description.stages, ..now };
-    let model = built(&whole, &found.position).expect("stages that were built with other numbers");
-    Ok(Held { description: whole, model, found })
+    match built(&description, &found.position) {
+        Ok(model) => Ok(Held { description, model, found }),
+        Err(problems) => {
+            let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
+            found.converged = false;
+            found.notes.insert(0, format!("with these numbers the stages cannot be: {}", problems.join("; ")));
+            Ok(Held { description, model, found })
+        }
+    }
+}
+
+/// A scene as a search sees it.
+fn of(whole: &Description, of_first: bool) -> Description {
+    if of_first { Structure::first(whole).describe(whole) } else { whole.clone() }
 }
 
 /// The model of a description, put together beside a pose.
@@ -130,14 +154,20 @@ fn search(model: &Arc<Model>, settings: &Settings, go_on: &dyn Fn() -> bool) -> 
 
 impl Search<'_> {
     /// What is missed at an equilibrium; `None` if it is none.
-    fn stand(&self, description: Description, model: Arc<Model>, found: Equilibrium) -> Option<Stand> {
+    fn stand(
+        &self,
+        description: Description,
+        scene: Description,
+        model: Arc<Model>,
+        found: Equilibrium,
+    ) -> Option<Stand> {
         if !found.converged {
             return None;
         }
         let values = outputs(&model, &found).ok()?;
         let miss = |((place, aim), unit): ((&usize, &Aim), &f64)| (values[*place] - aim.value) / unit;
         let miss = self.places.iter().zip(self.sought.aim).zip(&self.units).map(miss).collect();
-        Some(Stand { description, model, found, miss })
+        Some(Stand { description, scene, model, found, miss })
     }
 
     /// Newton steps from an equilibrium to the end.
@@ -190,8 +220,8 @@ impl Search<'_> {
     fn change(&self, now: &Stand) -> Result<Vec<f64>, String> {
         let Sought { unknown, aim } = self.sought;
         let names: Vec<String> = aim.iter().map(|one| one.output.clone()).collect();
-        let (description, numbers) = (&now.description, Some(unknown.to_vec()));
-        let table = sensitivities(description, &now.model, &now.found, &names, numbers, self.go_on)
+        let numbers = Some(self.unknown.clone());
+        let table = sensitivities(&now.scene, &now.model, &now.found, &names, numbers, self.go_on)
             .map_err(|why| why.to_string())?;
         let mut slopes = Mat::<f64>::zeros(aim.len(), unknown.len());
         for (i, (row, unit)) in table.derivatives.iter().zip(&self.units).enumerate() {
@@ -249,10 +279,11 @@ impl Search<'_> {
             let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
             format!("{}: {}", values.collect::<Vec<_>>().join(", "), problems.join("; "))
         };
-        let model = built(&description, &now.found.position).map_err(&told)?;
+        let scene = of(&description, self.of_first);
+        let model = built(&scene, &now.found.position).map_err(&told)?;
         let found = search(&model, self.settings, self.go_on).map_err(|fault| fault.to_string())?;
         let notes = found.notes.join("; ");
-        self.stand(description, model, found).ok_or_else(|| format!("no equilibrium on the way: {notes}"))
+        self.stand(description, scene, model, found).ok_or_else(|| format!("no equilibrium on the way: {notes}"))
     }
 }
 
