@@ -47,6 +47,9 @@ pub const FEM_FREEDOMS: usize = 200_000;
 /// Entries of one matrix of finite elements in a list.
 pub const FEM_ENTRIES: usize = 20_000_000;
 
+/// Estimated bytes of the matrices that statics or an implicit step takes for a scene.
+pub const MATRIX_BYTES: usize = 8_000_000_000;
+
 /// Bytes of a mesh file, and of each buffer beside it.
 pub const MESH_BYTES: u64 = 256 << 20;
 

@@ -2,7 +2,7 @@
 
 use super::output::Interrupt;
 use super::{Common, Exit, output, text};
-use crate::constraint::{self, Constraints};
+use crate::constraint::{self, Assembly, Constraints};
 use crate::dynamics::System;
 use crate::model::problem::number;
 use crate::model::{Model, Problem};
@@ -26,7 +26,7 @@ pub(super) fn load_changed(
 ) -> anyhow::Result<Result<(Scenario, Arc<Model>), Exit>> {
     let set = common.set.iter().map(|text| Override::parse(text));
     let overrides: Vec<Override> = set.chain(change.map(Ok)).collect::<Result<_, _>>()?;
-    let scenario = match load_with(&common.scenario, &overrides) {
+    let mut scenario = match load_with(&common.scenario, &overrides) {
         Ok(scenario) => scenario,
         Err(LoadError::Problems(problems)) => return Ok(Err(refused(&problems))),
         Err(other) => return Err(other.into()),
@@ -39,11 +39,15 @@ pub(super) fn load_changed(
         let counted = crate::import::counted(&taken.notes);
         output::note(&format!("{path}: {counted}; `stillpoint convert {path}` lists them"));
     }
-    let model = Model::build(&scenario.description).map_err(listed)?;
+    let (model, assembly) = match scenario.built.take() {
+        Some(built) => built,
+        None => constraint::assemble(Model::build(&scenario.description).map_err(listed)?).map_err(listed)?,
+    };
     if model.halves.is_some() {
         join_threads();
     }
-    Ok(Ok((scenario, assemble(common, model)?)))
+    note(common, &assembly);
+    Ok(Ok((scenario, model)))
 }
 
 /// This thread is one of the two that compute the halves of a large tree: it need not be woken then.
@@ -60,10 +64,13 @@ fn listed(problems: Vec<Problem>) -> anyhow::Error {
 /// Closes the loops, and says what that took.
 fn assemble(common: &Common, model: Arc<Model>) -> anyhow::Result<Arc<Model>> {
     let (model, assembly) = constraint::assemble(model).map_err(listed)?;
-    for note in assembly.notes.iter().filter(|_| !common.quiet) {
-        output::note(note);
-    }
+    note(common, &assembly);
     Ok(model)
+}
+
+/// What a person should know of an assembly.
+fn note(common: &Common, assembly: &Assembly) {
+    assembly.notes.iter().filter(|_| !common.quiet).for_each(|note| output::note(note));
 }
 
 /// A scenario with its model at the start that a file gives, or the exit code after its problems were printed.

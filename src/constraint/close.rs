@@ -95,6 +95,8 @@ pub(super) struct Closing {
     tau: Vec<f64>,
     step: Vec<f64>,
     rest: Vec<f64>,
+    /// Of [`Closing::bend`]: its order is used again.
+    gram: Option<Gram>,
     /// Of every velocity coordinate, what is as far as a turn by 1 rad: the scene's length for a slide.
     units: Vec<f64>,
     /// Of every velocity coordinate, its longest step (m or rad): infinite outside of loops, for drives and gears are linear.
@@ -118,6 +120,7 @@ impl Closing {
         }
         Self {
             longest,
+            gram: None,
             rows,
             motion: Motion::new(model),
             reduction: Reduction::new(model),
@@ -261,18 +264,40 @@ impl Closing {
 
     /// `step ← −Bᵀ (B Bᵀ + μ)⁻¹ g`, the rows `B` taken in equal units of coordinates and gaps.
     fn bend(&mut self, model: &Model, damping: f64) {
-        let weights: Vec<f64> = self.rows.plan.rows().map(|row| self.rows.relative(row, 1.0)).collect();
+        let (weights, rows) = self.equal_rows(model);
         let mut gaps = vec![0.0; self.rows.rank()];
         self.rows.rates(&self.motion, Rate::Gap, &mut gaps);
         gaps.iter_mut().zip(&weights).for_each(|(gap, weight)| *gap *= -weight);
-        let rows = SparseRows::of(self.rows.sparse_rows(model, &self.motion));
-        let rows = rows.map(|row, column, entry| weights[row] * entry * self.units[column]);
         self.step.fill(0.0);
         // Rows that are all nothing give no step.
-        let Some(gram) = Gram::damped(&rows, &vec![1.0; self.step.len()], damping) else { return };
+        self.gram = Gram::damped(&rows, &vec![1.0; self.step.len()], damping, self.gram.as_ref());
+        let Some(gram) = &self.gram else { return };
         gram.solve(&mut gaps);
         rows.add_transposed(1.0, &gaps, &mut self.step);
         self.step.iter_mut().zip(&self.units).for_each(|(step, unit)| *step *= unit);
+    }
+
+    /// Takes off a step (m or rad) what opens the rows to first order at the position placed last, in the metric of the
+    /// coordinates: the way back onto the rows from its end is short.
+    pub(super) fn keep_closed(&mut self, model: &Model, step: &mut [f64]) {
+        let (_, rows) = self.equal_rows(model);
+        let mut along: Vec<f64> = step.iter().zip(&self.units).map(|(step, unit)| step / unit).collect();
+        let mut opens = rows.times(&along);
+        // Damped, for rows may be linearly dependent.
+        let Some(gram) = Gram::damped(&rows, &vec![1.0; along.len()], LEAST_DAMPING, self.gram.as_ref()) else {
+            return;
+        };
+        gram.solve(&mut opens);
+        rows.add_transposed(-1.0, &opens, &mut along);
+        step.iter_mut().zip(&along).zip(&self.units).for_each(|((step, along), unit)| *step = along * unit);
+    }
+
+    /// The rows as placed last in equal units of coordinates and gaps, and what each was multiplied by.
+    fn equal_rows(&mut self, model: &Model) -> (Vec<f64>, SparseRows) {
+        let weights: Vec<f64> = self.rows.plan.rows().map(|row| self.rows.relative(row, 1.0)).collect();
+        let rows = SparseRows::of(self.rows.sparse_rows(model, &self.motion));
+        let rows = rows.map(|row, column, entry| weights[row] * entry * self.units[column]);
+        (weights, rows)
     }
 
     fn shorten(&mut self) {

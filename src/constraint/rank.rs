@@ -9,7 +9,7 @@
 //! centre) rows are linearly dependent that are not elsewhere, and those have to be kept.
 
 use super::choose::{self, DEPENDENT};
-use super::close::Closing;
+use super::close::{Closing, Metric};
 use super::component::{between_ends, components, lengths, levers, members};
 use super::row::Rule;
 use super::rows::Owner;
@@ -42,10 +42,15 @@ pub(super) fn decide(model: &Model, mode: &Mode, q: &[f64], time: f64) -> Rankin
     let components = members(&components(model, &closing.rows.elements));
     let steps = (1..=OTHERS).map(|attempt| around(model, &closing, &components, attempt)).collect::<Vec<_>>();
     let mut singular = false;
-    for step in steps {
+    let metric = closing.nearby();
+    for mut step in steps {
         let mut near = q.to_vec();
+        // From a step without a pattern a long chain needs many back onto its rows.
+        if metric == Metric::Coordinates {
+            closing.gap(model, q);
+            closing.keep_closed(model, &mut step);
+        }
         crate::motion::displace(model, &mut near, &step);
-        let metric = closing.nearby();
         if closing.close(model, &mut near, metric).is_err() {
             continue;
         }

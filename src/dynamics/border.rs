@@ -76,6 +76,11 @@ impl Border {
         self.links.is_empty()
     }
 
+    /// No link feels another.
+    pub(super) fn clear_felt(&mut self) {
+        self.felt.iter_mut().for_each(|row| row.fill(Applied::default()));
+    }
+
     /// What one link of an element feels when another moves.
     pub(super) fn felt(&mut self, element: usize, feels: usize, moves: usize) -> &mut Applied {
         &mut self.felt[self.first[element] + feels][moves]

@@ -4,6 +4,7 @@ use super::{Evaluated, Fault};
 use crate::element::lu;
 use crate::model::Model;
 use crate::motion::variation::Direction;
+use faer::{Mat, Side};
 
 /// A square matrix by rows, and its factorization in place.
 #[derive(Debug, Clone, Default)]
@@ -38,7 +39,9 @@ impl Dense {
 
 /// The tangent `c₂ M + c₁ C + K` as a dense matrix.
 #[derive(Debug, Clone)]
-pub struct DenseTangent {
+pub(super) struct DenseTangent {
+    /// By rows, without a shift.
+    written: Vec<f64>,
     matrix: Dense,
     /// A unit vector, and `c₁` and `c₂` times it.
     unit: [Vec<f64>; 3],
@@ -47,33 +50,57 @@ pub struct DenseTangent {
 
 impl DenseTangent {
     /// Room for a model.
-    pub fn new(model: &Model) -> Self {
+    pub(super) fn new(model: &Model) -> Self {
         let n = model.velocity_count();
-        Self { matrix: Dense::new(n), unit: [(); 3].map(|()| vec![0.0; n]), column: vec![0.0; n] }
+        let unit = [(); 3].map(|()| vec![0.0; n]);
+        Self { written: vec![0.0; n * n], matrix: Dense::new(n), unit, column: vec![0.0; n] }
+    }
+
+    /// Factorizes what was written last with `shift` added to the diagonal, infinite for a coordinate that is held, empty for
+    /// nothing. False if that is singular, or not definite and that is wanted.
+    pub(super) fn factorize(&mut self, shift: &[f64], definite: bool) -> bool {
+        let n = self.column.len();
+        let held = |i: usize| shift.get(i).is_some_and(|shift| shift.is_infinite());
+        for i in 0..n {
+            for j in 0..n {
+                let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };
+                *self.matrix.entry(i, j) = match held(i) || held(j) {
+                    true => f64::from(u8::from(i == j)),
+                    false => self.written[i * n + j] + own,
+                };
+            }
+        }
+        if definite {
+            let matrix = &mut self.matrix;
+            let whole = Mat::from_fn(n, n, |i, j| *matrix.entry(i, j));
+            if whole.llt(Side::Lower).is_err() {
+                return false;
+            }
+        }
+        self.matrix.eliminate()
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
-    pub fn solve(&mut self, x: &mut [f64]) {
+    pub(super) fn solve(&mut self, x: &mut [f64]) {
         self.matrix.solve(x);
     }
 }
 
 impl Evaluated<'_> {
-    /// Factorizes the dense tangent with hinge accelerations `a`; `shift` is added to its diagonal, infinite for a
-    /// coordinate that is held, empty for nothing. `Ok(false)` where it is singular.
+    /// Writes the dense tangent down with hinge accelerations `a`, its symmetric part alone if that is wanted.
     ///
     /// # Errors
     /// The element whose numbers are not finite.
-    pub fn factorize_dense(
+    pub(super) fn write_dense(
         &mut self,
         dense: &mut DenseTangent,
         a: &[f64],
         [c1, c2]: [f64; 2],
-        shift: &[f64],
-    ) -> Result<bool, Fault> {
+        symmetric: bool,
+    ) -> Result<(), Fault> {
         self.balance(a)?;
-        let held = |i: usize| shift.get(i).is_some_and(|shift| shift.is_infinite());
-        let DenseTangent { matrix, unit, column } = dense;
+        let DenseTangent { written, unit, column, .. } = dense;
+        let n = column.len();
         for link in 1..self.system.model.links.len() {
             let (first, (_, count)) =
                 (self.system.model.links[link].velocity, self.system.model.links[link].joint.counts());
@@ -84,16 +111,18 @@ impl Evaluated<'_> {
                 let subtree = link..self.system.model.links[link].subtree_end;
                 self.column(a, &Direction { position, velocity, acceleration }, subtree, column);
                 unit.iter_mut().for_each(|unit| unit[j] = 0.0);
-                for (i, x) in column.iter().enumerate() {
-                    let own = if i == j { shift.get(i).copied().unwrap_or(0.0) } else { 0.0 };
-                    *matrix.entry(i, j) = match held(i) || held(j) {
-                        true => f64::from(u8::from(i == j)),
-                        false => x + own,
-                    };
+                column.iter().enumerate().for_each(|(i, x)| written[i * n + j] = *x);
+            }
+        }
+        if symmetric {
+            for i in 0..n {
+                for j in 0..i {
+                    let mean = 0.5 * (written[i * n + j] + written[j * n + i]);
+                    (written[i * n + j], written[j * n + i]) = (mean, mean);
                 }
             }
         }
-        Ok(matrix.eliminate())
+        Ok(())
     }
 }
 

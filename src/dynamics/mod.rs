@@ -12,18 +12,20 @@ mod evaluated;
 mod jacobian;
 mod linearize;
 mod magnitudes;
+mod reach;
 mod reactions;
 mod sparse;
 mod tangent;
 
 pub use beams::{BeamState, DiagramPoint, Discretization, SectionForces};
 pub use constrained::Settled;
-pub use dense::{Dense, DenseTangent};
+pub use dense::Dense;
 pub use ensemble::Ensemble;
 pub use evaluated::{Balanced, Evaluated, Factorized};
 pub use jacobian::AccelerationJacobians;
 pub use linearize::Linearization;
 pub use magnitudes::Magnitudes;
+pub use reach::Matrices;
 pub use tangent::{Coefficients, TangentSolver};
 
 use crate::constraint::Constraints;
@@ -146,6 +148,21 @@ pub enum Fault {
     Undecided {
         /// Part of the size of the stiffness terms that it was shifted by, or the eigenvalue below which was counted (1/s²).
         part: f64,
+    },
+    /// A scene whose matrices are too large.
+    #[error(
+        "the matrices of this scene's {coordinates} coordinates would take about {gigabytes:.1} GB, and {allowed:.1} GB are allowed: \
+         they are {kind}; a smaller scene, or one whose far springs and loops span fewer hinges, takes less"
+    )]
+    Memory {
+        /// Velocity coordinates.
+        coordinates: usize,
+        /// Which matrices.
+        kind: &'static str,
+        /// Estimate (10⁹ bytes).
+        gigabytes: f64,
+        /// What is allowed (10⁹ bytes).
+        allowed: f64,
     },
     /// A number that is not finite.
     #[error("{what} of `{element}` is not a finite number")]

@@ -50,6 +50,8 @@ pub(super) struct Sparse {
     starts: Vec<usize>,
     indices: Vec<usize>,
     upper: Vec<f64>,
+    /// Entries below the diagonal of an unsymmetric matrix with rows.
+    lower: Vec<f64>,
     held: Vec<bool>,
     rows: SparseRows,
     /// With rows: what unknowns are divided by, and the equilibrated entries.
@@ -79,6 +81,7 @@ impl Sparse {
             felt: vec![Applied::default(); pairs.len()],
             symmetric: true,
             upper: vec![0.0; indices.len()],
+            lower: Vec::new(),
             held: vec![false; n],
             rows: SparseRows::default(),
             scales: Vec::new(),
@@ -96,6 +99,11 @@ impl Sparse {
             indices,
             matrix,
         }
+    }
+
+    /// No link feels another.
+    pub(super) fn clear_felt(&mut self) {
+        self.felt.fill(Applied::default());
     }
 
     /// What the first link of a pair feels when the second moves.
@@ -120,6 +128,7 @@ impl Sparse {
             self.starts.push(self.indices.len());
         }
         self.upper.resize(self.indices.len(), 0.0);
+        self.lower.resize(if rows.is_empty() { 0 } else { self.indices.len() }, 0.0);
         self.cholesky = Cholesky::new((&self.starts, &self.indices));
         self.general = None;
         let whole = n + rows.len();
@@ -267,8 +276,17 @@ impl Sparse {
 
     fn factorize_by_pivoting(&mut self) -> bool {
         self.by_pivoting = true;
-        let Self { matrix, general, starts, indices, upper, held, symmetric, .. } = self;
-        let lower = if *symmetric { &*upper } else { matrix.lower() };
+        let Self { matrix, general, starts, indices, upper, lower, held, symmetric, .. } = self;
+        let lower = match (*symmetric, lower.is_empty()) {
+            (true, _) => &*upper,
+            (false, true) => matrix.lower(),
+            (false, false) => {
+                let entries = matrix.lower().len();
+                lower[..entries].copy_from_slice(matrix.lower());
+                lower[entries..].copy_from_slice(&upper[entries..]);
+                &*lower
+            }
+        };
         let general = general.get_or_insert_with(|| Box::new(General::new((starts, indices))));
         general.factorize((starts, indices), [&*upper, lower], held)
     }
@@ -307,10 +325,16 @@ impl Sparse {
 
     /// `x ← A⁻¹ x`, with rows that of eq. (1); zero for coordinates that are held.
     pub(super) fn solve(&mut self, x: &mut [f64]) {
+        self.solve_with_rows(x, &[]);
+    }
+
+    /// Eq. (1) with `s` in place of the zeros on the right; empty for zeros.
+    pub(super) fn solve_with_rows(&mut self, x: &mut [f64], s: &[f64]) {
         let n = x.len();
         x.iter_mut().zip(&self.held).filter(|(_, held)| **held).for_each(|(x, _)| *x = 0.0);
         self.rhs[..n].copy_from_slice(x);
         self.rhs[n..].fill(0.0);
+        self.rhs[n..].iter_mut().zip(s).for_each(|(rhs, s)| *rhs = *s);
         if self.by_pivoting {
             let Some(general) = &mut self.general else { return x.fill(f64::NAN) };
             general.solve(&mut self.rhs);

@@ -1,17 +1,20 @@
 //! The tangent of a system with its forces: gathers what the sweep of [`crate::transfer::tangent`] needs.
 
 use super::applied;
-use super::border::{Border, PER_LINK};
+use super::border::Border;
+use super::dense::DenseTangent;
+use super::reach::{Reach, reaches};
 use super::sparse::Sparse;
 use super::{Evaluated, Fault, System};
 use crate::force::Act;
-use crate::model::{End, Joint, Model};
+use crate::model::Model;
 use crate::motion::LinkMotion;
 use crate::motion::variation::LinkVariation;
 use crate::sparse::SparseRows;
 use crate::spatial::Wrench;
-use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Pair, Tangent, TangentMatrix};
+use crate::transfer::tangent::{Applied, At, Breakdown, Column, Coupling, Tangent};
 use nalgebra::{Matrix3, Vector3};
+use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 /// A factorized tangent: solves `(c₂ M + c₁ C + K) x = rhs`. Valid until the next factorization, whatever the system evaluates
@@ -22,8 +25,9 @@ use std::ops::AddAssign;
 /// | none | the sweep, O(n) |
 /// | few | the sweep, bordered by six unknowns for each link that they act on |
 /// | many | a sparse matrix in hinge coordinates |
+/// | more than coordinates, in a small scene | a dense matrix |
 ///
-/// Which of the last two it is follows from the estimated number of operations.
+/// Whether a border or a sparse matrix follows from the estimated number of operations.
 #[derive(Debug, Clone)]
 pub struct TangentSolver {
     tangent: Tangent,
@@ -43,68 +47,7 @@ pub struct TangentSolver {
     border: Border,
     /// Instead of the sweep and the border.
     sparse: Option<Box<Sparse>>,
-}
-
-/// Up to so many coordinates the border or a dense matrix is the simplest.
-const SMALL: usize = 64;
-/// Operations of a solution of the sweep for each coordinate and right side, of the border's elimination and eigenvalues for
-/// the cube of its size, and of writing down an entry of the sparse matrix; its factorization takes about the square of its
-/// entries over its size.
-const PER_SOLUTION: f64 = 50.0;
-const PER_BORDER: f64 = 100.0;
-const PER_ENTRY: f64 = 60.0;
-/// A gigabyte for pattern and values.
-const MOST_ENTRIES: usize = 20_000_000;
-
-/// The links that an element acts on.
-#[derive(Debug, Clone)]
-struct Reach {
-    /// Each once, without the ground.
-    links: Vec<usize>,
-    /// Of each end its place among them; none for the ground.
-    places: Vec<Option<usize>>,
-    /// Of an element that reaches further than from a link to its parent its index in the border; with a sparse matrix of
-    /// every element between links the index of its first pair.
-    far: Option<usize>,
-}
-
-/// Whether a link is the frame or an interface of a modal body.
-fn is_of_modal(joint: &Joint) -> bool {
-    joint.modal().is_some() || joint.interface().is_some()
-}
-
-impl Reach {
-    fn of(ends: &[End]) -> Self {
-        let mut links = Vec::new();
-        for end in ends {
-            if end.link != 0 && !links.contains(&end.link) {
-                links.push(end.link);
-            }
-        }
-        let places = ends.iter().map(|end| links.iter().position(|link| *link == end.link)).collect();
-        Self { links, places, far: None }
-    }
-
-    /// Whether it acts on the ground, on one link, or on a link and its parent.
-    fn is_near(&self, model: &Model) -> bool {
-        let parent = |link: usize| model.links[link].parent;
-        match self.links[..] {
-            [] | [_] => true,
-            // The tip of an element is coupled to its root through stations.
-            [a, b] if [a, b].iter().any(|link| model.links[*link].joint.rod().is_some()) => false,
-            // An interface is coupled to the frame through coordinates that other interfaces share.
-            [a, b] if [a, b].iter().any(|link| is_of_modal(&model.links[*link].joint)) => false,
-            [a, b] => parent(a) == b || parent(b) == a,
-            _ => false,
-        }
-    }
-
-    /// The pairs of its links: of the one that moves first, of the ones that feel it in their order.
-    fn pairs(&self) -> impl Iterator<Item = Pair> {
-        let links = &self.links;
-        let feel = |moves: usize| links.iter().filter(move |feels| **feels != moves).map(move |feels| (*feels, moves));
-        links.iter().flat_map(move |moves| feel(*moves)).map(|(feels, moves)| Pair { feels, moves })
-    }
+    dense: Option<Box<DenseTangent>>,
 }
 
 /// Coefficients of a tangent.
@@ -126,15 +69,20 @@ impl TangentSolver {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
         let mut elements: Vec<Reach> = reaches(model).collect();
-        let (mut further, mut pairs) = (Vec::new(), Vec::new());
-        let is_sparse = Self::is_sparse(model);
+        let (mut further, mut pairs, mut known) = (Vec::new(), Vec::new(), BTreeMap::new());
+        let (is_sparse, is_dense) = (Self::is_sparse(model), Self::is_for_dense(model));
         for element in &mut elements {
             if is_sparse && element.links.len() > 1 {
-                element.far = Some(pairs.len());
-                pairs.extend(element.pairs());
-            } else if !is_sparse && !element.is_near(model) {
-                element.far = Some(further.len());
-                further.push(element.links.clone());
+                element.far = Some(*known.entry(element.links.clone()).or_insert_with(|| {
+                    let first = pairs.len();
+                    pairs.extend(element.pairs());
+                    first
+                }));
+            } else if !is_sparse && !is_dense && !element.is_near(model) {
+                element.far = Some(*known.entry(element.links.clone()).or_insert_with(|| {
+                    further.push(element.links.clone());
+                    further.len() - 1
+                }));
             }
         }
         let most = elements.iter().map(|element| element.links.len()).max().unwrap_or(0);
@@ -157,34 +105,8 @@ impl TangentSolver {
             blocks: vec![Applied::default(); most],
             border: Border::new(model, &further),
             sparse: is_sparse.then(|| Box::new(Sparse::new(model, &pairs))),
+            dense: is_dense.then(|| Box::new(DenseTangent::new(model))),
         }
-    }
-
-    /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent, and no
-    /// loop, drive or gear ties coordinates together. Forces that reach further cost six more right sides for each link
-    /// that they act on.
-    pub fn covers(model: &Model) -> bool {
-        !model.is_constrained() && reaches(model).all(|element| element.is_near(model))
-    }
-
-    /// Whether the dense tangent has to do: in a small scene far elements, loops among them, bring more unknowns than it has.
-    pub fn is_for_dense(model: &Model) -> bool {
-        Self::further_sides(model) > model.velocity_count()
-    }
-
-    /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way, and that
-    /// has no flexible elements.
-    pub fn is_sparse(model: &Model) -> bool {
-        let (n, sides) = (model.velocity_count(), bordering_sides(model));
-        if n <= SMALL || sides == 0 || !model.rods.is_empty() || !model.modals.is_empty() {
-            return false;
-        }
-        let pairs: Vec<Pair> = reaches(model).flat_map(|element| element.pairs().collect::<Vec<_>>()).collect();
-        let entries = TangentMatrix::most_entries(model, &pairs);
-        let (n, sides, size) = (n as f64, sides as f64, entries as f64);
-        let border = PER_SOLUTION * n * sides + PER_BORDER * sides.powi(3);
-        let matrix = PER_ENTRY * size + size * size / n;
-        entries <= MOST_ENTRIES && matrix < border
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.
@@ -192,20 +114,27 @@ impl TangentSolver {
         if let Some(sparse) = &mut self.sparse {
             return sparse.solve(x);
         }
+        if let Some(dense) = &mut self.dense {
+            return dense.solve(x);
+        }
         self.tangent.solve(x);
         if !self.border.is_empty() {
             self.border.complete(&self.tangent, x);
         }
     }
 
+    /// `[T Gᵀ; G 0] [x; λ] = [x; s]` with the rows `G` of [`TangentSolver::set_rows`] and `s` for each of them; not numbers of a
+    /// tangent that is no sparse matrix.
+    pub fn solve_with_rows(&mut self, x: &mut [f64], s: &[f64]) {
+        match &mut self.sparse {
+            Some(sparse) => sparse.solve_with_rows(x, s),
+            None => x.fill(f64::NAN),
+        }
+    }
+
     /// A direction of negative curvature after a factorization that broke down at `link` for not being definite.
     pub fn negative_direction(&mut self, model: &Model, breakdown: Breakdown, x: &mut [f64]) {
         self.tangent.negative_direction(model, breakdown, x);
-    }
-
-    /// Number of right sides that elements which reach far take at each factorization: none beside a sparse matrix.
-    pub fn further_sides(model: &Model) -> usize {
-        if Self::is_sparse(model) { 0 } else { bordering_sides(model) }
     }
 
     /// Holds what these rows hold from the next factorization on: then solutions are those along the motions that they
@@ -216,9 +145,9 @@ impl TangentSolver {
         }
     }
 
-    /// Whether far elements border the sweep: then a pivot of it says nothing of the whole.
+    /// Whether far elements border the sweep or make it dense: then a pivot of it says nothing of the whole.
     pub fn is_bordered(&self) -> bool {
-        !self.border.is_empty()
+        !self.border.is_empty() || self.dense.is_some()
     }
 
     /// Negative eigenvalues of the matrix that was factorized last, where that is symmetric; elements that reach far
@@ -226,6 +155,7 @@ impl TangentSolver {
     pub fn negatives(&self) -> Option<usize> {
         match &self.sparse {
             Some(sparse) => sparse.negatives(),
+            None if self.dense.is_some() => None,
             None => Some(self.tangent.negative_pivots().saturating_add_signed(self.border.negatives())),
         }
     }
@@ -256,6 +186,11 @@ impl Evaluated<'_> {
         a: &[f64],
         with: &Coefficients<'_>,
     ) -> Result<(), Fault> {
+        if let Some(mut dense) = solver.dense.take() {
+            let written = self.write_dense(&mut dense, a, [with.c1, with.c2], with.symmetric);
+            solver.dense = Some(dense);
+            return written;
+        }
         self.balance(a)?;
         let model = &*self.system.model;
         for (i, coordinate) in model.coordinates.iter().enumerate() {
@@ -307,6 +242,10 @@ impl Evaluated<'_> {
     fn gather_forces(&self, solver: &mut TangentSolver, rated: bool) {
         solver.applied.clear();
         solver.coupled.clear();
+        match &mut solver.sparse {
+            Some(sparse) => sparse.clear_felt(),
+            None => solver.border.clear_felt(),
+        }
         for (index, element) in solver.elements.iter().enumerate() {
             for (moved, link) in element.links.iter().copied().enumerate() {
                 let blocks = &mut solver.blocks[..element.links.len()];
@@ -317,9 +256,9 @@ impl Evaluated<'_> {
                         Some(far) => match &mut solver.sparse {
                             Some(sparse) => {
                                 let others = element.links.len() - 1;
-                                *sparse.felt(far + moved * others + felt - usize::from(felt > moved)) = *block;
+                                add(sparse.felt(far + moved * others + felt - usize::from(felt > moved)), block);
                             }
-                            None => *solver.border.felt(far, felt, moved) = *block,
+                            None => add(solver.border.felt(far, felt, moved), block),
                         },
                         None if at < link => {
                             solver.coupled.push((link, Coupling { on_parent: *block, ..Coupling::default() }));
@@ -399,8 +338,12 @@ impl System {
         a: &[f64],
         with: &Coefficients<'_>,
     ) -> Result<(), Breakdown> {
-        if let Some(sparse) = &mut solver.sparse {
-            let regular = sparse.factorize(with.shift, with.definite);
+        let regular = match (&mut solver.sparse, &mut solver.dense) {
+            (Some(sparse), _) => Some(sparse.factorize(with.shift, with.definite)),
+            (_, Some(dense)) => Some(dense.factorize(with.shift, with.definite)),
+            _ => None,
+        };
+        if let Some(regular) = regular {
             return if regular { Ok(()) } else { Err(Breakdown { link: 0, axis: None }) };
         }
         solver.shifted.copy_from_slice(&solver.diagonal);
@@ -431,18 +374,6 @@ fn add(sum: &mut Applied, more: &Applied) {
         sum.force += more.force;
         sum.moment += more.moment;
     }
-}
-
-/// Unknowns of a border for the elements that reach far.
-fn bordering_sides(model: &Model) -> usize {
-    let far = reaches(model).filter(|element| !element.is_near(model));
-    PER_LINK * far.map(|element| element.links.len()).sum::<usize>()
-}
-
-/// What every element that pushes on links acts on: forces, then loops.
-fn reaches(model: &Model) -> impl Iterator<Item = Reach> {
-    let forces = model.forces.iter().map(|force| force.law.ends());
-    forces.chain(model.loops.iter().map(|closed| &closed.ends[..])).map(Reach::of)
 }
 
 /// One small turn, shift, or change of velocity, in the order of [`Applied`]. What a link turns with turns with it.

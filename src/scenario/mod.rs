@@ -80,6 +80,7 @@ use reader::Reader;
 use sources::Sources;
 use spans::SpanTable;
 use std::path::Path;
+use std::sync::Arc;
 use toml::de::DeTable;
 
 /// Why a scenario cannot be loaded.
@@ -123,6 +124,26 @@ pub struct Scenario {
     pub models: Vec<Imported>,
     /// What will not happen although it is written.
     pub warnings: Diagnostics,
+    /// The model that its check has built.
+    pub built: Built,
+}
+
+/// The model of a description with its loops closed, as checking has built it: whoever needs it first may take it.
+#[derive(Debug, Clone, Default)]
+pub struct Built(Option<(Arc<Model>, constraint::Assembly)>);
+
+impl Built {
+    /// The model and what assembly found, once; `None` if they have been taken.
+    pub fn take(&mut self) -> Option<(Arc<Model>, constraint::Assembly)> {
+        self.0.take()
+    }
+}
+
+/// It follows from the description, which is compared.
+impl PartialEq for Built {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Scenario {
@@ -163,13 +184,11 @@ pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Scenario,
     parse_owned(name, text.to_owned(), overrides)
 }
 
-/// What the model finds wrong with a description, and what keeps its loops from closing.
-fn problems(description: &Description, has_others: bool) -> Vec<Problem> {
-    let model = if has_others { Model::build_loosely(description) } else { Model::build(description) };
-    match model {
-        Ok(model) => constraint::assemble(model).err().unwrap_or_default(),
-        Err(problems) => problems,
-    }
+/// The model of a description; else what is wrong with it, and what keeps its loops from closing.
+fn build(description: &Description, has_others: bool) -> Result<Built, Vec<Problem>> {
+    let model = if has_others { Model::build_loosely(description) } else { Model::build(description) }?;
+    let assembled = constraint::assemble(model)?;
+    Ok(Built((!has_others).then_some(assembled)))
 }
 
 fn parse_owned(name: &str, text: String, overrides: &[Override]) -> Result<Scenario, Diagnostics> {
@@ -186,9 +205,9 @@ fn parse_text(name: &str, text: &str, overrides: &[Override]) -> (Option<Scenari
     document(name, text, &changes, |document, models, numbers, findings| {
         let (mut description, spans) = checked(document, folder(name), findings);
         description.named = named(numbers, (name, text, overrides));
-        report(document, &description, &spans, findings);
+        let built = report(document, &description, &spans, findings);
         lint::check(document, numbers, findings);
-        read(name, document, description, models, numbers, findings)
+        Scenario { built, ..read(name, document, description, models, numbers, findings) }
     })
 }
 
@@ -284,6 +303,7 @@ fn read(
         record,
         models: models.iter().filter_map(|model| model.result.as_ref().ok().cloned()).collect(),
         warnings: Diagnostics::default(),
+        built: Built::default(),
     }
 }
 
@@ -293,11 +313,15 @@ fn checked<'a>(document: &'a DeTable<'a>, folder: &Path, findings: &'a Findings)
     lower::lower(document, folder, findings)
 }
 
-/// What is wrong with the model of a scene, at its places in the document.
-fn report(document: &DeTable<'_>, description: &Description, spans: &SpanTable<'_>, findings: &Findings) {
+/// Builds the model of a scene; what is wrong with it is told at its places in the document.
+fn report(document: &DeTable<'_>, description: &Description, spans: &SpanTable<'_>, findings: &Findings) -> Built {
     // Of elements that could not be read it is said why; that there are none would be said besides.
     let written = ["body", "beam", "cable"].iter().any(|key| document.contains_key(*key));
-    if !(description.bodies.is_empty() && description.beams.is_empty() && written) {
-        spans::report(spans, problems(description, findings.errors() > 0), findings);
+    if description.bodies.is_empty() && description.beams.is_empty() && written {
+        return Built::default();
     }
+    build(description, findings.errors() > 0).unwrap_or_else(|problems| {
+        spans::report(spans, problems, findings);
+        Built::default()
+    })
 }

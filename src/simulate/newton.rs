@@ -5,7 +5,7 @@ use super::differenced::{Differenced, Displaced};
 use super::passage::Passage;
 use super::problem::Motion;
 use super::tangent::Tangent;
-use crate::dynamics::{Coefficients, DenseTangent, System, TangentSolver};
+use crate::dynamics::{Coefficients, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point};
 
 fn singular() -> Failure {
@@ -77,10 +77,9 @@ impl ImplicitProblem for Motion {
             let counts = (model.position_count(), model.velocity_count());
             self.tangent = Tangent::Differenced(Box::new(Differenced::new(counts.0, counts.1)));
         } else if matches!(self.tangent, Tangent::None) {
-            self.tangent = match (model.is_constrained(), TangentSolver::is_for_dense(model)) {
-                (true, _) => Tangent::Bordered(Box::new(Bordered::new(&self.system))),
-                (false, false) => Tangent::Sweep(Box::new(TangentSolver::new(model))),
-                (false, true) => Tangent::Dense(Box::new(DenseTangent::new(model))),
+            self.tangent = match model.is_constrained() {
+                true => Tangent::Bordered(Box::new(Bordered::new(&self.system))),
+                false => Tangent::Tree(Box::new(TangentSolver::new(model))),
             };
         }
     }
@@ -95,11 +94,10 @@ impl ImplicitProblem for Motion {
         let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(phase, v, c1));
         let regular = match &mut self.tangent {
             Tangent::None | Tangent::Differenced(_) => false,
-            Tangent::Sweep(solver) => {
+            Tangent::Tree(solver) => {
                 let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
                 system.at(time, q, v).factorize_tangent(solver, a, &with)?
             }
-            Tangent::Dense(factors) => system.at(time, q, v).factorize_dense(factors, a, [c1, c2], shift)?,
             Tangent::Bordered(factors) => {
                 let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
                 factors.factorize(system, at, [c1, c2], shift, weak)?
@@ -114,8 +112,7 @@ impl ImplicitProblem for Motion {
     fn solve(&mut self, rhs: &mut [f64]) {
         match &mut self.tangent {
             Tangent::None => {}
-            Tangent::Sweep(solver) => solver.solve(rhs),
-            Tangent::Dense(factors) => factors.solve(rhs),
+            Tangent::Tree(solver) => solver.solve(rhs),
             Tangent::Bordered(factors) => factors.solve(&mut self.system, rhs),
             Tangent::Differenced(factors) => factors.solve(rhs),
         }

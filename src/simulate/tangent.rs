@@ -2,16 +2,14 @@
 
 use super::bordered::Bordered;
 use super::differenced::Differenced;
-use crate::dynamics::{DenseTangent, TangentSolver};
+use crate::dynamics::TangentSolver;
 
 /// The factorized tangent of an implicit step.
 pub(super) enum Tangent {
     /// Not asked for yet.
     None,
-    /// In O(n), by sweeps.
-    Sweep(Box<TangentSolver>),
-    /// Dense: where more forces reach across the tree than it has coordinates.
-    Dense(Box<DenseTangent>),
+    /// Of a tree.
+    Tree(Box<TangentSolver>),
     /// With loops, drives or gears: bordered by their rows.
     Bordered(Box<Bordered>),
     /// Beside contacts that move: by differences of the accelerations.

@@ -65,6 +65,12 @@ impl Cholesky {
         }
     }
 
+    /// Room for another matrix of the same pattern, whose order is not looked for again.
+    pub(super) fn of_same_order(&self) -> Self {
+        let values = vec![0.0; self.values.len()];
+        Self { symbolic: Arc::clone(&self.symbolic), values, workspace: self.workspace.clone(), is_llt: false }
+    }
+
     pub(crate) fn llt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> bool {
         let (matrix, none) = (SparseColMatRef::new(square(pattern), upper), Default::default());
         let stack = MemStack::new(&mut self.workspace.1);

@@ -2,7 +2,11 @@
 
 use super::Pattern;
 use super::cholesky::Cholesky;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
 
+/// Rows with more than this part of their entries are multiplied as dense ones: what ways up a long chain share.
+const DENSE: f64 = 0.25;
 /// Inverse iterations for the smallest singular value.
 const ITERATIONS: usize = 12;
 
@@ -89,17 +93,26 @@ pub struct Gram {
 impl Gram {
     /// Of rows and the weight of each column; `None` if the rows are linearly dependent to working precision.
     pub fn of(rows: &SparseRows, weights: &[f64]) -> Option<Self> {
-        Self::damped(rows, weights, 0.0)
+        Self::damped(rows, weights, 0.0, None)
     }
 
-    /// The Gram matrix with `damping` times its largest diagonal entry added to the diagonal; `None` if it is singular to working
-    /// precision.
-    pub(crate) fn damped(rows: &SparseRows, weights: &[f64], damping: f64) -> Option<Self> {
+    /// As [`Gram::of`], with the order of another Gram matrix if that has the same pattern.
+    pub(crate) fn of_like(rows: &SparseRows, weights: &[f64], like: Option<&Self>) -> Option<Self> {
+        Self::damped(rows, weights, 0.0, like)
+    }
+
+    /// The Gram matrix with `damping` times its largest diagonal entry added to the diagonal, in the order of another Gram matrix if
+    /// that has the same pattern; `None` if it is singular to working precision.
+    pub(crate) fn damped(rows: &SparseRows, weights: &[f64], damping: f64, like: Option<&Self>) -> Option<Self> {
         let (starts, columns, mut values) = products(rows, weights);
         let diagonal = || starts[1..].iter().map(|next| next - 1);
         let largest = diagonal().map(|at| values[at]).fold(0.0, f64::max);
         diagonal().for_each(|at| values[at] += damping * largest);
-        let mut cholesky = Cholesky::new((&starts, &columns));
+        let same = like.filter(|like| like.starts == starts && like.columns == columns);
+        let mut cholesky = match same {
+            Some(like) => like.cholesky.of_same_order(),
+            None => Cholesky::new((&starts, &columns)),
+        };
         cholesky.llt((&starts, &columns), &values).then_some(())?;
         Some(Self { starts, columns, values, cholesky })
     }
@@ -138,6 +151,9 @@ impl Gram {
 /// The upper triangle of `G W Gᵀ` with weights `W` of the columns: where each column begins, its rows, ascending, and the
 /// entries. Every diagonal entry is there.
 pub(crate) fn products(rows: &SparseRows, weights: &[f64]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+    if rows.values.len() as f64 > DENSE * rows.len() as f64 * weights.len() as f64 {
+        return dense_products(rows, weights);
+    }
     let mut of_column: Vec<Vec<(usize, f64)>> = vec![Vec::new(); weights.len()];
     for row in 0..rows.len() {
         rows.row(row).for_each(|(column, value)| of_column[column].push((row, value)));
@@ -163,4 +179,41 @@ pub(crate) fn products(rows: &SparseRows, weights: &[f64]) -> (Vec<usize>, Vec<u
         starts.push(columns.len());
     }
     (starts, columns, values)
+}
+
+/// [`products`] of rows that have most of their entries.
+fn dense_products(rows: &SparseRows, weights: &[f64]) -> (Vec<usize>, Vec<usize>, Vec<f64>) {
+    let (m, n) = (rows.len(), weights.len());
+    // By columns: each row stands in one.
+    let mut transposed = Mat::<f64>::zeros(n, m);
+    (0..m).for_each(|row| rows.row(row).for_each(|(column, value)| transposed[(column, row)] = value));
+    let weighted = Mat::from_fn(n, m, |column, row| weights[column] * transposed[(column, row)]);
+    let mut whole = Mat::<f64>::zeros(m, m);
+    matmul(whole.as_mut(), Accum::Replace, transposed.transpose(), weighted.as_ref(), 1.0, Par::Seq);
+    let starts = (0..=m).map(|row| row * (row + 1) / 2).collect();
+    let columns = (0..m).flat_map(|row| 0..=row).collect();
+    let values = (0..m).flat_map(|row| (0..=row).map(move |other| (other, row)));
+    (starts, columns, values.map(|at| whole[at]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows with all of their entries, and those among as many columns without any, have the same products.
+    #[test]
+    fn dense_rows_have_the_products_of_sparse_ones() {
+        let entry =
+            |row: usize, column: usize| ((3 * row + 7 * column + 1) as f64 * 0.618_033_988_749_894_9).fract() - 0.5;
+        let rows: Vec<Vec<(usize, f64)>> =
+            (0..9).map(|row| (0..13).map(|column| (column, entry(row, column))).collect()).collect();
+        let rows = SparseRows::of(rows);
+        let weights: Vec<f64> = (0..13).map(|column| 1.0 + column as f64).collect();
+        // Columns that are in no row make the same rows sparse.
+        let many: Vec<f64> = weights.iter().copied().chain(vec![1.0; 100]).collect();
+        let (dense, sparse) = (products(&rows, &weights), products(&rows, &many));
+        assert_eq!((&dense.0, &dense.1), (&sparse.0, &sparse.1));
+        // Sums of 13 products below 4 in another order.
+        assert!(dense.2.iter().zip(&sparse.2).all(|(a, b)| (a - b).abs() < 1e-13), "{:?} {:?}", dense.2, sparse.2);
+    }
 }

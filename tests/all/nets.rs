@@ -371,3 +371,86 @@ fn redundant_rows_are_the_same_in_all_units() {
         assert_eq!(of(&scales, seed), alone, "seed {seed}: {scales:?}");
     }
 }
+
+/// Implicit steps beside many loops take their rows in the sparse matrix: a frame that swings for a while ends where an explicit
+/// method of high order puts it.
+#[test]
+fn implicit_steps_beside_many_loops_end_where_explicit_ones_do() {
+    use stillpoint::integrate::Method;
+    use stillpoint::record::Memory;
+    use stillpoint::simulate::{Integrator, Settings, State, run, scene};
+    let mut description = frame(3, 24);
+    description.forces.clear();
+    let model = stillpoint::constraint::assemble(build(&description)).expect("an assembly").0;
+    assert!(is_sparse(&model) && model.loops.len() == 23);
+    let start = State { position: model.start_position.clone(), velocity: vec![0.0; model.velocity_count()] };
+    let end = |method: Method| {
+        let integrator = Integrator::Method(method);
+        let settings = Settings { duration: 0.15, integrator, tolerance: 1e-9, ..Settings::default() };
+        let mut memory =
+            Memory::new(&stillpoint::record::Opening { scene: &scene(&model), scenario: "", statics: None });
+        run(&model, &settings, 10.0, &start, &mut memory, &mut |_, _| true).expect("a run");
+        memory.samples.last().expect("an end").positions.clone()
+    };
+    let (implicit, explicit) = (end(Method::Radau5), end(Method::Dop853));
+    let error = relative_difference(&implicit, &explicit);
+    // Both keep to a part in 10⁹ of the motion, which is amplified by the frame's fall.
+    assert!(error < 1e-6, "{error}");
+    assert!(relative_difference(&implicit, &start.position) > 1e-3);
+}
+
+/// A chain of sliding points with springs between points that are far apart.
+fn chain(links: usize, springs: usize) -> Description {
+    let mut random = Random::new(77_000);
+    let mut chain = Description::new("chain").gravity([0.0, 0.0, -9.81]);
+    let mut parent = GROUND.to_owned();
+    for index in 0..links {
+        let hinge = HingeDescription::prismatic([1.0, 0.0, 0.0]).on(&parent, [0.0; 3]).position([0.1]);
+        parent = format!("b{index}");
+        chain = chain.body(BodyDescription::new(&parent, hinge).mass(1.0));
+    }
+    for index in 0..springs {
+        let ends = [random.below(links / 3), links - 1 - random.below(links / 3)];
+        let [a, b] = ends.map(|end| Attachment::from((format!("b{end}").as_str(), [0.0; 3])));
+        chain = chain.force(ForceDescription::spring(&format!("s{index}"), a, b, 10.0, 0.1, 0.0));
+    }
+    chain
+}
+
+/// A long chain with far springs all over fills its matrix: it is refused with the estimate, and before any of it is asked for.
+#[test]
+fn a_scene_too_large_for_the_memory_is_refused_with_its_estimate() {
+    use stillpoint::statics::{Settings, equilibrium};
+    let model = build(&chain(13_000, 1000));
+    let said = equilibrium(&model, &Settings::default(), &model.start_position).expect_err("too large").to_string();
+    let bytes = 8.0 * 6.0 * 13_000_f64.powi(2);
+    assert!(said.contains(&format!("{:.1} GB", bytes / 1e9)) && said.contains("13000 coordinates"), "{said}");
+}
+
+/// Springs between the same two bodies are one block of the tangent, however many there are and in whichever order their ends are
+/// given.
+#[test]
+fn springs_between_the_same_bodies_are_one_block() {
+    let mut description = chain(6, 0);
+    for index in 0..400 {
+        let ends = if index % 2 == 0 { ["b1", "b4"] } else { ["b4", "b1"] };
+        let [a, b] = ends.map(|end| Attachment::from((end, [0.0; 3])));
+        description = description.force(ForceDescription::spring(&format!("s{index}"), a, b, 0.5, 0.1, 0.0));
+    }
+    let model = build(&description);
+    assert_eq!(TangentSolver::further_sides(&model), 12);
+    let n = model.velocity_count();
+    let zero = vec![0.0; n];
+    let (mut system, mut solver) = (System::new(&model), TangentSolver::new(&model));
+    let q = &model.start_position;
+    let dense = system.at(0.0, q, &zero).linearize(&zero).unwrap();
+    let matrix = &dense.stiffness + &dense.mass * 3.0;
+    let with = Coefficients { c2: 3.0, ..Coefficients::default() };
+    assert!(system.at(0.0, q, &zero).factorize_tangent(&mut solver, &zero, &with).unwrap());
+    let mut x: Vec<f64> = (0..n).map(|i| 1.0 + i as f64).collect();
+    let rhs = Mat::from_fn(n, 1, |i, _| x[i]);
+    solver.solve(&mut x);
+    let residual = &matrix * Mat::from_fn(n, 1, |i, _| x[i]) - &rhs;
+    // Round-off of 400 springs that add up to 200 N/m.
+    assert!((0..n).all(|i| residual[(i, 0)].abs() < 1e-11), "{residual:?}");
+}

@@ -6,10 +6,10 @@
 
 use super::damped::{self, DampedMode};
 use super::modes::{Mode, momentum, rates_of, scaled, shares};
-use crate::dynamics::{Fault, Linearization, System, TangentSolver};
+use crate::dynamics::{Fault, Linearization, Matrices, System, TangentSolver};
 use crate::model::Model;
 use crate::statics::problem::sizes::{NEUTRAL, relative, symmetric};
-use crate::statics::problem::{Across, MOST_MODES, by_sweeps};
+use crate::statics::problem::{Across, DENSE, MOST_MODES, by_sweeps};
 use faer::{Mat, Side};
 use std::sync::Arc;
 
@@ -83,6 +83,7 @@ pub(in crate::statics) fn classify(
     if !by_matrices(model, free.len()) && conservative && sweeps() {
         return classify_by_sweeps(system, q, free, magnitude, Across::Full(Vec::new()));
     }
+    Matrices::Dense(DENSE).check(model)?;
     let rest = vec![0.0; model.velocity_count()];
     let full = system.at(0.0, q, &rest).linearize(&rest)?;
     let pick = |m: &Mat<f64>| Mat::from_fn(free.len(), free.len(), |i, j| m[(free[i], free[j])]);

@@ -89,7 +89,15 @@ pub(in crate::statics) fn lowest(
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
     let mut solver = TangentSolver::new(model);
-    let is_held = !matches!(&rows, Across::Full(rows) if rows.is_empty());
+    let held = match &rows {
+        Across::Full(rows) => rows.len(),
+        Across::Sparse(held) => held.rows().len(),
+    };
+    if held >= free.len() {
+        // Nothing moves.
+        return Ok(Lowest { unstable: 0, neutral: 0, neutral_modes: 0, modes: Vec::new(), momenta: Vec::new() });
+    }
+    let is_held = held > 0;
     let rows = hold(&mut solver, free, rows);
     let (zero, mass) = (vec![0.0; n], MassAction::new(model));
     let (rest, full) = (zero.clone(), zero.clone());

@@ -23,10 +23,16 @@ pub(in crate::statics) struct Held {
 }
 
 impl Held {
-    /// Rows of unit size in the metric; `None` if they are linearly dependent to working precision.
-    pub(super) fn of(rows: SparseRows, metric: &[f64]) -> Option<Self> {
+    /// Rows of unit size in the metric; `None` if they are linearly dependent to working precision. The order of `like` is taken
+    /// if its pattern is the same.
+    pub(super) fn of(rows: SparseRows, metric: &[f64], like: &Gram) -> Option<Self> {
         let weights: Vec<f64> = metric.iter().map(|b| 1.0 / b).collect();
-        Some(Self { gram: Gram::of(&rows, &weights)?, rows })
+        Some(Self { gram: Gram::of_like(&rows, &weights, Some(like))?, rows })
+    }
+
+    /// `A`.
+    pub(super) fn gram(&self) -> &Gram {
+        &self.gram
     }
 
     /// Over the free coordinates.

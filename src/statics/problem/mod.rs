@@ -14,7 +14,7 @@ mod ties;
 
 use super::certify::falling::{Fall, falling};
 use super::watch::Watch;
-use crate::dynamics::{Fault, System};
+use crate::dynamics::{Fault, Matrices, System, TangentSolver};
 use crate::model::Model;
 use faer::Mat;
 use limits::Limits;
@@ -30,6 +30,8 @@ use ties::{Ties, by_sparse_rows};
 
 /// Least part of the largest inertia of a ball's three turns that any of them counts with.
 const ROUND: f64 = 0.1;
+/// Dense matrices that a search and its certificate hold at once: stiffness, mass, damping, factors and vectors.
+pub(in crate::statics) const DENSE: usize = 6;
 /// Units of round-off that a sum of force terms may err by.
 const ROUNDING: f64 = 16.0;
 
@@ -116,6 +118,8 @@ impl<'s> Landscape<'s> {
             }
         };
         let bordered = conservative && ties.is_none() && by_sweeps(model, &free, &steady);
+        let sweeps = ties.as_ref().map_or_else(|| bordered || TangentSolver::covers(model), |ties| ties.sweeps);
+        if sweeps { Matrices::OfTangent } else { Matrices::Dense(DENSE) }.check(model)?;
         let stiffness = Stiffness::new(model, &free, bordered);
         let (residuals, stiffnesses, factorizations) = (0, 0, 0);
         Ok(Self {

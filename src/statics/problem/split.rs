@@ -280,17 +280,22 @@ pub(super) struct SparseGiven<'a> {
 }
 
 /// Splits at a position where rows are independent by more than round-off, also compared with the largest of the smallest singular
-/// values `met` so far; else `None`.
-pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>) -> Option<Split> {
+/// values `met` so far; else `None`. `before` are the motions of another position, if there are any.
+pub(super) fn split_clearly(given: SparseGiven<'_>, met: Option<f64>, before: Option<&Motions>) -> Option<Split> {
     let SparseGiven { rows, plain, force, metric } = given;
     let ones = vec![1.0; metric.len()];
-    let least = Gram::of(&plain, &ones)?.smallest_singular_value();
+    let like = match before {
+        Some(Motions::Held(held)) => Some(held.gram()),
+        _ => None,
+    };
+    let of_plain = Gram::of_like(&plain, &ones, like)?;
+    let least = of_plain.smallest_singular_value();
     // Not a number is not clear. A long chain of loops has small values everywhere: only beside those met before do they mean
     // that this position is singular.
     if !(least >= met.map_or(CLEAR, |met| CLEAR.max(NEARLY * met))) {
         return None;
     }
-    let held = Held::of(rows, metric)?;
+    let held = Held::of(rows, metric, &of_plain)?;
     let multipliers = held.multipliers(force, metric);
     let regular = met.map_or(least, |met| met.max(least));
     Some(Split { motions: Motions::Held(Arc::new(held)), multipliers, singular: false, regular })

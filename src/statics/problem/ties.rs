@@ -267,7 +267,8 @@ impl Landscape<'_> {
             metric,
         };
         let branch = self.ties.as_ref().and_then(|ties| ties.branch.as_ref());
-        let Some(split) = split_clearly(given, branch.map(|branch| branch.regular)) else { return Ok(None) };
+        let before = self.ties.as_ref().and_then(|ties| ties.view.as_ref()).map(|view| &view.motions);
+        let Some(split) = split_clearly(given, branch.map(|branch| branch.regular), before) else { return Ok(None) };
         let mut columns = vec![Vec::new(); self.free.len()];
         for row in 0..all.len() {
             all.row(row).for_each(|(j, value)| columns[j].push((row, value)));

@@ -222,7 +222,7 @@ impl TangentMatrix {
         mut across: usize,
     ) -> usize {
         let mut B = Carried::default();
-        B.take_applied::<ALL>(felt);
+        B.take_applied::<PARTS>(felt);
         let mut b = pair.moves;
         while b != link {
             for j in self.of_link(b) {

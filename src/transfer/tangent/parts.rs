@@ -1,6 +1,6 @@
 //! The parts of a marker's varied state, and the matrix that goes with them, in registers of four lanes.
 
-use super::applied::Applied;
+use super::applied::{Applied, Column};
 use crate::model::Link;
 use crate::motion::LinkMotion;
 use crate::spatial::Wrench;
@@ -95,6 +95,11 @@ pub(super) struct Block {
 }
 
 impl Block {
+    #[inline(always)]
+    fn of(column: &Column) -> Self {
+        Self { force: Columns::of(&column.force), moment: Columns::of(&column.moment) }
+    }
+
     /// `self −= other [d]×`.
     #[inline(always)]
     pub(super) fn minus_cross(&mut self, other: &Self, d: &Vector3<f64>) {
@@ -136,8 +141,7 @@ pub(super) struct Carried {
 impl Carried {
     /// The blocks of a force element.
     pub(super) fn of(applied: &Applied) -> Self {
-        let [turn, place, rate, speed] =
-            applied.map(|column| Block { force: Columns::of(&column.force), moment: Columns::of(&column.moment) });
+        let [turn, place, rate, speed] = applied.map(|column| Block::of(&column));
         Self { turn, place, rate, speed, ..Self::default() }
     }
 
@@ -223,7 +227,17 @@ impl Carried {
 
     /// Takes off what force elements add to a link, on which they push with `wrench`.
     pub(super) fn take_applied<const PARTS: u8>(&mut self, applied: &Applied) {
-        self.take::<PARTS>(&Self::of(applied));
+        let [turn, place, rate, speed] = applied;
+        if has(PARTS, RATES) {
+            self.rate.take(&Block::of(rate));
+        }
+        if has(PARTS, PLACES) {
+            self.turn.take(&Block::of(turn));
+            self.place.take(&Block::of(place));
+        }
+        if has(PARTS, PLACES | RATES) {
+            self.speed.take(&Block::of(speed));
+        }
     }
 
     /// `δ'f = δf − δθ × f` of what pushes on a link.

@@ -1,0 +1,182 @@
+//! Which elements reach further than from a link to its parent, and what follows: by which matrices the tangent is solved, and how
+//! much memory these take.
+
+use super::Fault;
+use super::border::PER_LINK;
+use super::tangent::TangentSolver;
+use crate::force::Act;
+use crate::model::{End, Joint, Model};
+use crate::transfer::tangent::{Pair, TangentMatrix};
+use std::collections::BTreeSet;
+
+/// Up to so many coordinates the border or a dense matrix is the simplest.
+const SMALL: usize = 64;
+/// Operations of a solution of the sweep for each coordinate and right side, of the border's elimination and eigenvalues for
+/// the cube of its size, and of writing down an entry of the sparse matrix; its factorization takes about the square of its
+/// entries over its size.
+const PER_SOLUTION: f64 = 50.0;
+const PER_BORDER: f64 = 100.0;
+const PER_ENTRY: f64 = 60.0;
+/// A gigabyte for pattern and values.
+const MOST_ENTRIES: usize = 20_000_000;
+
+/// Bytes of a number; of an entry of a sparse matrix with its places, without its factor; numbers for each entry of the border's
+/// small system, twice as large where its eigenvalues are counted.
+const NUMBER: usize = 8;
+const OF_ENTRY: usize = 60;
+const OF_BORDER: usize = 10;
+
+/// The links that an element acts on.
+#[derive(Debug, Clone)]
+pub(super) struct Reach {
+    /// Each once, ascending, without the ground.
+    pub(super) links: Vec<usize>,
+    /// Of each end its place among them; none for the ground.
+    pub(super) places: Vec<Option<usize>>,
+    /// Of an element that reaches further than from a link to its parent its index in the border; with a sparse matrix of
+    /// every element between links the index of its first pair. Elements that act on the same links share it.
+    pub(super) far: Option<usize>,
+}
+
+/// Whether a link is the frame or an interface of a modal body.
+fn is_of_modal(joint: &Joint) -> bool {
+    joint.modal().is_some() || joint.interface().is_some()
+}
+
+impl Reach {
+    fn of(ends: &[End]) -> Self {
+        let mut links = Vec::new();
+        for end in ends {
+            if end.link != 0 && !links.contains(&end.link) {
+                links.push(end.link);
+            }
+        }
+        links.sort_unstable();
+        let places = ends.iter().map(|end| links.iter().position(|link| *link == end.link)).collect();
+        Self { links, places, far: None }
+    }
+
+    /// Whether it acts on the ground, on one link, or on a link and its parent.
+    pub(super) fn is_near(&self, model: &Model) -> bool {
+        let parent = |link: usize| model.links[link].parent;
+        match self.links[..] {
+            [] | [_] => true,
+            // The tip of an element is coupled to its root through stations.
+            [a, b] if [a, b].iter().any(|link| model.links[*link].joint.rod().is_some()) => false,
+            // An interface is coupled to the frame through coordinates that other interfaces share.
+            [a, b] if [a, b].iter().any(|link| is_of_modal(&model.links[*link].joint)) => false,
+            [a, b] => parent(a) == b || parent(b) == a,
+            _ => false,
+        }
+    }
+
+    /// The pairs of its links: of the one that moves first, of the ones that feel it in their order.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = Pair> {
+        pairs(&self.links)
+    }
+}
+
+fn pairs(links: &[usize]) -> impl Iterator<Item = Pair> {
+    let feel = |moves: usize| links.iter().filter(move |feels| **feels != moves).map(move |feels| (*feels, moves));
+    links.iter().flat_map(move |moves| feel(*moves)).map(|(feels, moves)| Pair { feels, moves })
+}
+
+/// Which matrices a scene takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Matrices {
+    /// Those of the tangent: none for the sweep alone, a small one for far elements that border it, a sparse one.
+    OfTangent,
+    /// Dense ones, about so many at once.
+    Dense(usize),
+}
+
+impl Matrices {
+    /// Refuses a scene whose matrices would take more memory than [`MATRIX_BYTES`](crate::budget::MATRIX_BYTES), before any of it
+    /// is asked for.
+    ///
+    /// # Errors
+    /// The estimate.
+    pub fn check(self, model: &Model) -> Result<(), Fault> {
+        let coordinates = model.velocity_count();
+        let (bytes, kind) = match self {
+            Self::Dense(count) => (coordinates.saturating_mul(coordinates).saturating_mul(count * NUMBER), "dense"),
+            Self::OfTangent if TangentSolver::is_sparse(model) => (TangentSolver::memory(model), "sparse"),
+            Self::OfTangent => {
+                (TangentSolver::memory(model), "what far springs and loops add to the sweep of the tree")
+            }
+        };
+        let allowed = crate::budget::MATRIX_BYTES;
+        if bytes <= allowed {
+            return Ok(());
+        }
+        let [gigabytes, allowed] = [bytes, allowed].map(|bytes| bytes as f64 / 1e9);
+        Err(Fault::Memory { coordinates, kind, gigabytes, allowed })
+    }
+}
+
+impl TangentSolver {
+    /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent, and no
+    /// loop, drive or gear ties coordinates together. Forces that reach further cost six more right sides for each link
+    /// that they act on.
+    pub fn covers(model: &Model) -> bool {
+        !model.is_constrained() && reaches(model).all(|element| element.is_near(model))
+    }
+
+    /// Whether the dense tangent has to do: in a small scene far elements, loops among them, bring more unknowns than it has.
+    pub fn is_for_dense(model: &Model) -> bool {
+        Self::further_sides(model) > model.velocity_count()
+    }
+
+    /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way, and that
+    /// has no flexible elements.
+    pub fn is_sparse(model: &Model) -> bool {
+        let (n, sides) = (model.velocity_count(), bordering_sides(model));
+        if n <= SMALL || sides == 0 || !model.rods.is_empty() || !model.modals.is_empty() {
+            return false;
+        }
+        let entries = entries(model);
+        let (n, sides, size) = (n as f64, sides as f64, entries as f64);
+        let border = PER_SOLUTION * n * sides + PER_BORDER * sides.powi(3);
+        let matrix = PER_ENTRY * size + size * size / n;
+        entries <= MOST_ENTRIES && matrix < border
+    }
+
+    /// Number of right sides that elements which reach far take at each factorization: none beside a sparse matrix.
+    pub fn further_sides(model: &Model) -> usize {
+        if Self::is_sparse(model) { 0 } else { bordering_sides(model) }
+    }
+
+    /// Estimated memory of the tangent of a model (bytes): of the sweep alone nothing that counts.
+    pub fn memory(model: &Model) -> usize {
+        let (n, sides) = (model.velocity_count(), bordering_sides(model));
+        if Self::is_sparse(model) {
+            // A planar net fills by about the logarithm of its size (George 1973).
+            let fill = (n.max(2) as f64).log2().ceil() as usize;
+            return entries(model).saturating_mul(OF_ENTRY + NUMBER * fill);
+        }
+        let small = sides.saturating_mul(sides).saturating_mul(OF_BORDER * NUMBER);
+        small.saturating_add(sides.saturating_mul(n).saturating_mul(NUMBER))
+    }
+}
+
+/// Unknowns of a border for the elements that reach far.
+fn bordering_sides(model: &Model) -> usize {
+    PER_LINK * groups(model, |element| !element.is_near(model)).iter().map(Vec::len).sum::<usize>()
+}
+
+/// Entries of a sparse matrix, at most.
+fn entries(model: &Model) -> usize {
+    let pairs: Vec<Pair> = groups(model, |_| true).iter().flat_map(|links| pairs(links)).collect();
+    TangentMatrix::most_entries(model, &pairs)
+}
+
+/// The links that such elements act on together, each group once: a million springs between two bodies are one.
+fn groups(model: &Model, are: impl Fn(&Reach) -> bool) -> BTreeSet<Vec<usize>> {
+    reaches(model).filter(are).map(|element| element.links).collect()
+}
+
+/// What every element that pushes on links acts on: forces, then loops.
+pub(super) fn reaches(model: &Model) -> impl Iterator<Item = Reach> {
+    let forces = model.forces.iter().map(|force| force.law.ends());
+    forces.chain(model.loops.iter().map(|closed| &closed.ends[..])).map(Reach::of)
+}
