@@ -236,6 +236,11 @@ impl System {
         &self.model
     }
 
+    /// Whether some links carry bodies that are far heavier: what is left of their balance is far more than what moves the links.
+    pub fn has_light_links(&self) -> bool {
+        self.balance.is_light()
+    }
+
     /// What follows from positions and velocities at a time (s), with everything of the model acting; stops and sliding friction of
     /// hinges push in the phase of a run alone, at first none does. Positions are `position_count` numbers, velocities `velocity_count`. Costs one outward sweep.
     pub fn at<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {

@@ -54,6 +54,11 @@ pub trait ImplicitProblem: Problem {
     /// # Errors
     /// If a number is not finite.
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure>;
+    /// Whether every correction asks for a tangent of its own place: if residuals of some rows are 10⁸ times those of others, what
+    /// a tangent of a place that is turned by 10⁻⁵ takes over from the ones to the others leads these astray.
+    fn asks_for_care(&self) -> bool {
+        false
+    }
     /// Makes room for a factorization; asked once, when a method starts.
     fn reserve(&mut self);
     /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates).

@@ -37,6 +37,11 @@ impl Balance {
         }
     }
 
+    /// Whether some links carry bodies that are far heavier.
+    pub fn is_light(&self) -> bool {
+        self.is_light
+    }
+
     /// Root → tips by eq. (2), tips → root by eq. (1); `residual ← Hᵀ f + A q̈ − τ`, which vanishes for the true
     /// accelerations (eq. (3)).
     pub fn update(

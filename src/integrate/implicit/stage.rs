@@ -51,6 +51,8 @@ pub(crate) struct Newton {
     /// Corrections that stall below this are rounding, in tolerances.
     stalled: f64,
     tangent: TangentCache,
+    /// Whether every correction takes a tangent of its own.
+    delicate: bool,
     /// Contraction last seen in this step.
     contraction: Option<f64>,
     /// Residual, then correction; in velocity coordinates.
@@ -73,9 +75,11 @@ pub(crate) struct Stage<'a> {
 }
 
 impl Newton {
-    /// For steps that are `fixed` or not.
-    pub(crate) fn new(fixed: bool, velocity_count: usize, state_count: usize) -> Self {
+    /// For steps of a problem that are `fixed` or not, from a start with this `rate`.
+    pub(crate) fn new<P: ImplicitProblem>(problem: &P, fixed: bool, rate: &[f64]) -> Self {
+        let (velocity_count, state_count) = (rate.len() - problem.position_count(), rate.len());
         Self {
+            delicate: problem.asks_for_care(),
             stalled: STALLED_PARTS[usize::from(fixed)],
             tangent: TangentCache::default(),
             contraction: None,
@@ -124,7 +128,8 @@ impl Newton {
         acceleration: &mut [f64],
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
-        let Shift { c1, c2, .. } = self.tangent.shift()?;
+        let shift = self.tangent.shift()?;
+        let Shift { c1, c2, .. } = shift;
         let fraction = norm.tolerance().sqrt().min(LARGEST_FRACTION);
         place(problem, stage, acceleration, state);
         let rounding = ROUNDINGS * norm.rounding(state);
@@ -134,6 +139,10 @@ impl Newton {
         let prior = self.contraction.map(|contraction| contraction.powf(TRUST));
         let mut iteration = Iteration::new(accuracy, MAX_ITERATIONS).expecting(prior);
         loop {
+            if self.delicate {
+                let (q, v) = state.split_at(problem.position_count());
+                self.tangent.renew(problem, Point { time: stage.time, q, v, a: acceleration }, shift, statistics)?;
+            }
             correct(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
             displace(problem, state, &self.correction, c1, &mut self.displacement);

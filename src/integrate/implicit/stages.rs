@@ -97,8 +97,9 @@ pub(crate) struct Stages {
     best: f64,
     /// Steps that are to renew it unasked.
     renewals: u32,
-    /// Whether every correction takes a tangent of its own.
+    /// Whether every correction takes a tangent of its own; whether it always does.
     careful: bool,
+    delicate: bool,
 }
 
 /// Which sweep over the stages it is.
@@ -141,7 +142,8 @@ impl Stages {
             tangent: TangentCache::default(),
             best: 1.0,
             renewals: 0,
-            careful: false,
+            careful: problem.asks_for_care(),
+            delicate: problem.asks_for_care(),
             method,
         }
     }
@@ -199,7 +201,7 @@ impl Stages {
         let s = self.method.stages();
         self.history.advance(step, &self.method.nodes, &mut self.rates[..s]);
         self.stiff = self.stiff.and_then(|steps| steps.checked_sub(1));
-        self.careful = false;
+        self.careful = self.delicate;
         self.tangent.advance();
     }
 

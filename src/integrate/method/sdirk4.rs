@@ -90,7 +90,7 @@ impl Sdirk4 {
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
             control: Controller::new(options, ESTIMATE_ORDER, step, &progress, ADVICE).holding_below(HOLD_BELOW),
-            newton: Newton::new(options.fixed, acceleration.len(), rate.len()),
+            newton: Newton::new(problem, options.fixed, &rate),
             predictor: Predictor::new(&acceleration),
             known: rate.clone(),
             next: rate.clone(),
