@@ -50,8 +50,6 @@ const MOST_COUPLES: usize = 1000;
 /// So many events within this part of the scene's time are a storm.
 const STORM: usize = 60;
 const BRIEF: f64 = 1e-2;
-/// So many events are a storm, too, if fewer steps than this went undisturbed between them.
-const SPARSE: usize = 20;
 /// A gap that is found open by this part of the size below zero was missed.
 pub(super) const MISSED: f64 = 1e-6;
 
@@ -122,10 +120,8 @@ pub(super) struct Contacts {
     /// The last span of theirs (s).
     span: f64,
     memory: capture::Memory,
-    /// Times of the last events (s), and how many steps without any had been made then.
-    recent: VecDeque<(f64, usize)>,
-    /// Steps at whose end nothing happened.
-    undisturbed: usize,
+    /// Times of the last events (s).
+    recent: VecDeque<f64>,
     /// A gap below this part of a shape's size is none.
     closing: f64,
 }
@@ -172,7 +168,6 @@ impl Contacts {
             span: 0.0,
             memory: capture::Memory::default(),
             recent: VecDeque::new(),
-            undisturbed: 0,
             closing,
         })
     }
@@ -300,15 +295,14 @@ impl Contacts {
 
     /// Takes note of an event; whether events come too often, or too much touches, to go on by them.
     pub(super) fn storms(&mut self, time: f64) -> bool {
-        self.recent.push_back((time, self.undisturbed));
+        self.recent.push_back(time);
         let brief = BRIEF * self.model.time_scale();
         if self.recent.len() > STORM {
             self.recent.pop_front();
         }
         let crowd = 3 * self.closed.len() > MOST_ROWS || self.pairs.couples.len() > MOST_COUPLES;
         let crowd = crowd && !self.resting;
-        let storms = |(first, steps): &(f64, usize)| time - first < brief || self.undisturbed - steps < SPARSE;
-        let storm = self.recent.len() >= STORM && self.recent.front().is_some_and(storms);
+        let storm = self.recent.len() >= STORM && time - self.recent[0] < brief;
         if storm || crowd {
             self.storms_at(time);
         }
