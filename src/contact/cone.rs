@@ -7,12 +7,9 @@
 //!
 //! `w` are accelerations or velocities of the contacts, three numbers each: along the normal and two tangents. Solved by
 //! the nonsmooth Gauss–Seidel method (Jean, Moreau 1992; Jean 1999) with (2) exact at each contact: there the direction of slip is the
-//! root of one function of one angle. Where many forces are wanted to some digits its sweeps are mixed ([`Mixing`]). Next to the edge of a
-//! cone, where a direction of slip follows from a small difference, mixed sweeps stall (four corners of a box at 1 + 10⁻⁶ of its cone: at
-//! 3·10⁻⁷ of the forces), so that what is decided to rounding is swept plainly.
+//! root of one function of one angle.
 
 use super::bounded::bounded;
-use super::mixing::Mixing;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 
 /// The law of one contact.
@@ -104,15 +101,6 @@ const MOST_NEWTON: usize = 8;
 impl Problem {
     /// Sweeps until no force changes by more than `tolerance` of the largest, or `most` times. `forces` is the guess.
     pub(crate) fn solve(&self, forces: &[Vector3<f64>], tolerance: f64, most: usize) -> Answer {
-        self.swept(forces, tolerance, most, None)
-    }
-
-    /// As [`Problem::solve`], with mixed sweeps: for tolerances of some digits.
-    pub(crate) fn solve_mixed(&self, forces: &[Vector3<f64>], tolerance: f64, most: usize) -> Answer {
-        self.swept(forces, tolerance, most, Some(Mixing::new(self.rates.len())))
-    }
-
-    fn swept(&self, forces: &[Vector3<f64>], tolerance: f64, most: usize, mut mixing: Option<Mixing>) -> Answer {
         let n = self.rates.len();
         let own: Vec<Matrix3<f64>> = (0..n).map(|i| self.own(i)).collect();
         let inverse: Vec<Inverse> = own.iter().map(Inverse::of).collect();
@@ -120,12 +108,6 @@ impl Problem {
         let mut states = vec![State::Open; n];
         let (mut change, mut sweeps, mut attempt) = (f64::INFINITY, 0, FIRST_ATTEMPT);
         while sweeps < most && change > tolerance {
-            if let Some(mixing) = &mut mixing {
-                if sweeps > 0 {
-                    mixing.mix(&mut forces);
-                }
-                mixing.begin(&forces);
-            }
             let (mut moved, mut largest, mut steady) = (0.0_f64, f64::MIN_POSITIVE, true);
             for i in 0..n {
                 let mut rate = self.rates[i];

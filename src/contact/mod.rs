@@ -8,6 +8,5 @@ pub(crate) mod cone;
 pub(crate) mod frame;
 pub mod geometry;
 pub(crate) mod hinges;
-mod mixing;
 pub(crate) mod pairs;
 pub mod support;

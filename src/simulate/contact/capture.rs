@@ -432,7 +432,7 @@ fn moreau(
         laws: supports.iter().map(|support| support.law.times(h)).collect(),
     };
     let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
-    let found = problem.solve_mixed(&guesses, FOUND, MOST_SWEEPS);
+    let found = problem.solve(&guesses, FOUND, MOST_SWEEPS);
     let before: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     blocks.push(&found.forces, &mut velocity);
     let (mut lost, mut raised) = (0.0, 0.0);
