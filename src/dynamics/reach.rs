@@ -3,7 +3,6 @@
 
 use super::Fault;
 use super::border::PER_LINK;
-use super::tangent::TangentSolver;
 use crate::force::Act;
 use crate::model::{End, Joint, Model};
 use crate::transfer::tangent::{Pair, TangentMatrix};
@@ -100,10 +99,8 @@ impl Matrices {
         let coordinates = model.velocity_count();
         let (bytes, kind) = match self {
             Self::Dense(count) => (coordinates.saturating_mul(coordinates).saturating_mul(count * NUMBER), "dense"),
-            Self::OfTangent if TangentSolver::is_sparse(model) => (TangentSolver::memory(model), "sparse"),
-            Self::OfTangent => {
-                (TangentSolver::memory(model), "what far springs and loops add to the sweep of the tree")
-            }
+            Self::OfTangent if is_sparse(model) => (memory(model), "sparse"),
+            Self::OfTangent => (memory(model), "what far springs and loops add to the sweep of the tree"),
         };
         let allowed = crate::budget::MATRIX_BYTES;
         if bytes <= allowed {
@@ -114,49 +111,39 @@ impl Matrices {
     }
 }
 
-impl TangentSolver {
-    /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent, and no
-    /// loop, drive or gear ties coordinates together. Forces that reach further cost six more right sides for each link
-    /// that they act on.
-    pub fn covers(model: &Model) -> bool {
-        !model.is_constrained() && reaches(model).all(|element| element.is_near(model))
-    }
+/// Whether the sweep alone covers every force of a model.
+pub(super) fn covers(model: &Model) -> bool {
+    !model.is_constrained() && reaches(model).all(|element| element.is_near(model))
+}
 
-    /// Whether the dense tangent has to do: in a small scene far elements, loops among them, bring more unknowns than it has.
-    pub fn is_for_dense(model: &Model) -> bool {
-        Self::further_sides(model) > model.velocity_count()
+/// Whether the tangent is a sparse matrix: by the estimated number of operations.
+pub(super) fn is_sparse(model: &Model) -> bool {
+    let (n, sides) = (model.velocity_count(), bordering_sides(model));
+    if n <= SMALL || sides == 0 || !model.rods.is_empty() || !model.modals.is_empty() {
+        return false;
     }
+    let entries = entries(model);
+    let (n, sides, size) = (n as f64, sides as f64, entries as f64);
+    let border = PER_SOLUTION * n * sides + PER_BORDER * sides.powi(3);
+    let matrix = PER_ENTRY * size + size * size / n;
+    entries <= MOST_ENTRIES && matrix < border
+}
 
-    /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way, and that
-    /// has no flexible elements.
-    pub fn is_sparse(model: &Model) -> bool {
-        let (n, sides) = (model.velocity_count(), bordering_sides(model));
-        if n <= SMALL || sides == 0 || !model.rods.is_empty() || !model.modals.is_empty() {
-            return false;
-        }
-        let entries = entries(model);
-        let (n, sides, size) = (n as f64, sides as f64, entries as f64);
-        let border = PER_SOLUTION * n * sides + PER_BORDER * sides.powi(3);
-        let matrix = PER_ENTRY * size + size * size / n;
-        entries <= MOST_ENTRIES && matrix < border
-    }
+/// Right sides that elements which reach far take at each factorization.
+pub(super) fn further_sides(model: &Model) -> usize {
+    if is_sparse(model) { 0 } else { bordering_sides(model) }
+}
 
-    /// Number of right sides that elements which reach far take at each factorization: none beside a sparse matrix.
-    pub fn further_sides(model: &Model) -> usize {
-        if Self::is_sparse(model) { 0 } else { bordering_sides(model) }
+/// Estimated memory of the tangent of a model (bytes): of the sweep alone nothing that counts.
+fn memory(model: &Model) -> usize {
+    let (n, sides) = (model.velocity_count(), bordering_sides(model));
+    if is_sparse(model) {
+        // A planar net fills by about the logarithm of its size (George 1973).
+        let fill = (n.max(2) as f64).log2().ceil() as usize;
+        return entries(model).saturating_mul(OF_ENTRY + NUMBER * fill);
     }
-
-    /// Estimated memory of the tangent of a model (bytes): of the sweep alone nothing that counts.
-    pub fn memory(model: &Model) -> usize {
-        let (n, sides) = (model.velocity_count(), bordering_sides(model));
-        if Self::is_sparse(model) {
-            // A planar net fills by about the logarithm of its size (George 1973).
-            let fill = (n.max(2) as f64).log2().ceil() as usize;
-            return entries(model).saturating_mul(OF_ENTRY + NUMBER * fill);
-        }
-        let small = sides.saturating_mul(sides).saturating_mul(OF_BORDER * NUMBER);
-        small.saturating_add(sides.saturating_mul(n).saturating_mul(NUMBER))
-    }
+    let small = sides.saturating_mul(sides).saturating_mul(OF_BORDER * NUMBER);
+    small.saturating_add(sides.saturating_mul(n).saturating_mul(NUMBER))
 }
 
 /// Unknowns of a border for the elements that reach far.

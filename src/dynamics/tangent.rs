@@ -3,7 +3,7 @@
 use super::applied;
 use super::border::Border;
 use super::dense::DenseTangent;
-use super::reach::{Reach, reaches};
+use super::reach::{self, Reach, reaches};
 use super::sparse::Sparse;
 use super::{Evaluated, Fault, System};
 use crate::force::Act;
@@ -107,6 +107,29 @@ impl TangentSolver {
             sparse: is_sparse.then(|| Box::new(Sparse::new(model, &pairs))),
             dense: is_dense.then(|| Box::new(DenseTangent::new(model))),
         }
+    }
+
+    /// Whether the sweep alone covers every force of a model: none reaches further than from a link to its parent, and no
+    /// loop, drive or gear ties coordinates together. Forces that reach further cost six more right sides for each link
+    /// that they act on.
+    pub fn covers(model: &Model) -> bool {
+        reach::covers(model)
+    }
+
+    /// Whether the dense tangent has to do: in a small scene far elements, loops among them, bring more unknowns than it has.
+    pub fn is_for_dense(model: &Model) -> bool {
+        reach::further_sides(model) > model.velocity_count()
+    }
+
+    /// Whether the tangent is a sparse matrix: in a large scene whose far elements would make the border the longer way, and that
+    /// has no flexible elements.
+    pub fn is_sparse(model: &Model) -> bool {
+        reach::is_sparse(model)
+    }
+
+    /// Number of right sides that elements which reach far take at each factorization: none beside a sparse matrix.
+    pub fn further_sides(model: &Model) -> usize {
+        reach::further_sides(model)
     }
 
     /// `x ← (c₂ M + c₁ C + K)⁻¹ x`.

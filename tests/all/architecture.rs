@@ -35,7 +35,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("transfer", &["element", "model", "motion", "pages", "spatial"]),
     ("contact", &["dynamics", "model", "motion", "spatial"]),
     ("constraint", &["element", "hinge", "model", "motion", "transfer", "sparse", "spatial"]),
-    ("dynamics", &["element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
+    // `budget` for the memory of matrices.
+    ("dynamics", &["budget", "element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
     ("output", &["model", "motion", "force", "constraint", "dynamics", "spatial"]),
     ("linear", &["model", "motion", "force", "dynamics", "output", "spatial", "suggest"]),
     // `motion` and `force` for the baseline in maximal coordinates: poses that no tree sweep gives.

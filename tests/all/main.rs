@@ -32,7 +32,6 @@ mod formulas;
 mod friction;
 mod guides;
 mod halves;
-mod heavy;
 mod hinges;
 mod identities;
 mod import;
