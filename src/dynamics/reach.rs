@@ -83,7 +83,7 @@ fn pairs(links: &[usize]) -> impl Iterator<Item = Pair> {
 /// Which matrices a scene takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Matrices {
-    /// Those of the tangent: none for the sweep alone, a small one for far elements that border it, a sparse one.
+    /// Matrices of the tangent: none for the sweep alone, a small one for far elements that border it, a sparse one.
     OfTangent,
     /// Dense ones, about so many at once.
     Dense(usize),

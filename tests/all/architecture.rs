@@ -62,7 +62,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("record", &["budget", "element", "foreign", "markup", "mesh", "spatial", "whole_file"]),
     (
         "simulate",
-        // `constraint` for the assembly of what a stage closes, `suggest` for names of stages.
+        // `constraint` for the assembly of what a stage closes, `sparse` for rows beside a sparse tangent, `suggest` for names of
+        // stages.
         &[
             "constraint",
             "contact",
@@ -75,6 +76,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "statics",
             "integrate",
             "record",
+            "sparse",
             "spatial",
             "suggest",
         ],
