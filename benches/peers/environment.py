@@ -22,6 +22,15 @@ BOOST = [
     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 ]
+# The packages that a table needs, and those of all others.
+USUAL = ("drake", "example-robot-data", "exudyn", "matplotlib", "mujoco", "numpy", "pin", "scipy")
+NEEDS = {
+    "nets": ("numpy", "scipy", "exudyn"),
+    "many": ("numpy", "mujoco", "mujoco-mjx"),
+    "beams": ("numpy", "scipy", "exudyn", "mujoco", "pyelastica"),
+    "contact": ("numpy", "mujoco", "drake"),
+}
+MODELS_ONLY = ("mujoco-mjx",)
 OPTIMIZED = ["-std=c++17", "-O3", "-march=native", "-DNDEBUG"]
 
 
@@ -40,26 +49,42 @@ def call(command, **more):
         stop("failed: " + " ".join(command))
 
 
-def prepare(ode):
-    """The virtual environment and the timing programs; what is there already is kept."""
+def prepare(table):
+    """The virtual environment, and the timing programs of `ode` and of the evaluations (None); what is there already is
+    kept."""
     BASE.mkdir(parents=True, exist_ok=True)
-    install()
-    if ode:
+    install(NEEDS.get(table, USUAL))
+    if table == "ode":
         compile_mujoco("mujoco_integrate")
-    else:
+    elif table is None:
         compile_mujoco("mujoco")
         compile_pinocchio()
 
 
-def install():
-    wanted = HERE / "requirements.txt"
+def pinned(names):
+    """The lines of requirements.txt for these packages."""
+    lines = (HERE / "requirements.txt").read_text().split()
+    return [line for line in lines if line.split("==")[0] in names]
+
+
+def install(names):
+    """What is needed of requirements.txt into target/peers/venv, which may be a link to another folder."""
     stamp = BASE / "venv" / "installed"
-    if stamp.exists() and stamp.read_bytes() == wanted.read_bytes():
+    present = stamp.read_text().split() if stamp.exists() else []
+    missing = [line for line in pinned(names) if line not in present]
+    if not missing:
         return
-    say("installing the peers into target/peers/venv (1.5 GB)")
-    call([sys.executable, "-m", "venv", BASE / "venv"])
-    call([PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", wanted])
-    stamp.write_bytes(wanted.read_bytes())
+    say("installing into target/peers/venv: " + " ".join(missing))
+    if not PYTHON.exists():
+        call([sys.executable, "-m", "venv", BASE / "venv"])
+    pip = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    # Of these the files of models are wanted, not what they would run with.
+    alone = [line for line in missing if line.split("==")[0] in MODELS_ONLY]
+    if len(alone) < len(missing):
+        call([*pip, *(line for line in missing if line not in alone)])
+    if alone:
+        call([*pip, "--no-deps", *alone])
+    stamp.write_text("\n".join([*present, *missing]) + "\n")
 
 
 def packages():
@@ -119,3 +144,14 @@ def build_ours():
     call(["cargo", "build", "--release", "--locked", "--no-default-features", "--features", "cli", "--quiet"], cwd=ROOT)
     target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     return (ROOT / target / "release" / "stillpoint").resolve()
+
+
+def built(given):
+    """The stillpoint that is measured without being built here: the one that was given, or the release binary."""
+    path = (given or ROOT / "target" / "release" / "stillpoint").resolve()
+    if not path.is_file():
+        stop(
+            f"there is no {path}: build it with `cargo build --release --no-default-features --features cli,friction,parquet`, or name another "
+            "with --program"
+        )
+    return path

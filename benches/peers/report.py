@@ -10,7 +10,7 @@ import platform
 import shlex
 import subprocess
 
-from environment import BASE, HERE, ROOT, say
+from environment import BASE, ROOT, pinned, say
 
 
 @dataclasses.dataclass
@@ -33,19 +33,23 @@ class Table:
 class Head:
     """When, where and how: made before measuring, for the load of the machine."""
 
-    def __init__(self, options, passes):
-        self.options, self.passes = options, passes
+    def __init__(self, options, passes, peers=("pin", "mujoco", "drake", "exudyn"), threads="One thread"):
+        self.options, self.passes, self.threads = options, passes, threads
+        self.peers = ", ".join(line.replace("==", " ") for line in pinned(peers))
         self.load, self.commit = os.getloadavg()[0], commit()
 
     def markdown(self):
-        options = [option for option in self.options if option != "--docs"]
+        options, skip = [], False
+        for option in self.options:
+            # Where the program lies and where results go says nothing to others.
+            if not skip and option not in ("--docs", "--program", "--binary", "--out"):
+                options.append(option)
+            skip = option in ("--program", "--binary", "--out")
         command = shlex.join(["benches/peers/run", *options])
-        versions = (HERE / "requirements.txt").read_text().split()
-        peers = ", ".join(v.replace("==", " ") for v in versions if v.startswith(("pin=", "mujoco", "drake", "exudyn")))
         return (
             f"`{command}` on {datetime.date.today()}, commit {self.commit}: {processor()}, {os.cpu_count()} cores, "
-            f"{platform.system()}; load {self.load:.1f} before and {os.getloadavg()[0]:.1f} after. One thread, "
-            f"{self.passes} pass{'es' if self.passes > 1 else ''}; {peers}.\n"
+            f"{platform.system()}; load {self.load:.1f} before and {os.getloadavg()[0]:.1f} after. "
+            f"{self.threads}, {self.passes} pass{'es' if self.passes > 1 else ''}; {self.peers}.\n"
         )
 
 
@@ -66,8 +70,8 @@ def commit():
     return (git("rev-parse", "--short", "HEAD") or "unknown") + (" with changes" if changed else "")
 
 
-def write(given, name, head, tables, columns, rows):
-    """Prints the tables and writes NAME.md and NAME.csv; with --docs also into the documentation."""
+def write(given, name, head, tables, columns, rows, heading=None):
+    """Prints the tables and writes NAME.md and NAME.csv; with --docs also into the documentation, under its heading."""
     folder = given.out or BASE / "results"
     folder.mkdir(parents=True, exist_ok=True)
     text = "\n".join([head.markdown(), *(table.markdown() for table in tables)])
@@ -79,16 +83,21 @@ def write(given, name, head, tables, columns, rows):
         writer.writerows(rows)
     say(f"written: {folder / name}.md, {folder / name}.csv")
     if given.docs:
-        into_docs(name, text)
+        into_docs(name, text, heading)
 
 
-def into_docs(name, text):
-    """Replaces what stands between `<!-- NAME -->` and `<!-- end of NAME -->` in docs/speed.md."""
+def into_docs(name, text, heading=None):
+    """Replaces what stands between `<!-- NAME -->` and `<!-- end of NAME -->` in docs/speed.md; a section that is not there yet
+    is added before what is not met."""
     page = ROOT / "docs" / "speed.md"
     whole = page.read_text(encoding="utf-8")
-    before, rest = whole.split(f"<!-- {name} -->\n", 1)
-    after = rest.split(f"<!-- end of {name} -->", 1)[1]
-    page.write_text(f"{before}<!-- {name} -->\n{text}<!-- end of {name} -->{after}", encoding="utf-8")
+    begin, end, next_section = f"<!-- {name} -->\n", f"<!-- end of {name} -->", "## What is not met"
+    if begin not in whole and heading:
+        section = f"## {heading}\n\n{begin}{end}\n\n"
+        whole = whole.replace(next_section, section + next_section, 1)
+    before, rest = whole.split(begin, 1)
+    after = rest.split(end, 1)[1]
+    page.write_text(f"{before}{begin}{text}{end}{after}", encoding="utf-8")
 
 
 # Warm colours for us, one for each integrator; one cold colour for each peer.
