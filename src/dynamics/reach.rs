@@ -90,7 +90,7 @@ pub enum Matrices {
 }
 
 impl Matrices {
-    /// Refuses a scene whose matrices would take more memory than [`MATRIX_BYTES`](crate::budget::MATRIX_BYTES), before any of it
+    /// Refuses a scene whose matrices would take more memory than `MATRIX_BYTES`, before any of it
     /// is asked for.
     ///
     /// # Errors

@@ -146,7 +146,7 @@ impl TangentSolver {
         }
     }
 
-    /// `[T Gᵀ; G 0] [x; λ] = [x; s]` with the rows `G` of [`TangentSolver::set_rows`] and `s` for each of them; not numbers of a
+    /// `[T Gᵀ; G 0] [x; λ] = [x; s]` with the rows `G` of `TangentSolver::set_rows` and `s` for each of them; not numbers of a
     /// tangent that is no sparse matrix.
     pub fn solve_with_rows(&mut self, x: &mut [f64], s: &[f64]) {
         match &mut self.sparse {

@@ -65,7 +65,7 @@ pub struct Sdirk4 {
     rates: Vec<Vec<f64>>,
     /// `X₁ … X₅`.
     states: Vec<Vec<f64>>,
-    /// The weights of the cubic beyond the line, as [`StepStages`] has them.
+    /// The weights of the cubic beyond the line, as `StepStages` has them.
     nested: [Vec<f64>; 2],
     /// The known part of a stage.
     known: Vec<f64>,
