@@ -124,8 +124,8 @@ fn aim_first(common: &Common, scenario: &mut Scenario, model: &Arc<Model>) -> an
     let go_on = || !interrupt.requested();
     let held = answer(description, model, scenario.sought(), &scenario.statics, &scenario.margin, &go_on)
         .with_context(|| format!("{}: statics cannot start", scenario.name))?;
-    if let (false, note) = (held.found.converged, held.found.notes.first()) {
-        bail!("{}: {}", scenario.name, note.map_or("no equilibrium found", String::as_str));
+    if !held.found.converged {
+        bail!("{}: {}", scenario.name, held.found.notes.first().map_or("no equilibrium found", String::as_str));
     }
     for (address, value) in held.found.unknowns.iter().filter(|_| !common.quiet) {
         output::note(&format!("aimed before the first stage: `{address}` = {}", number(*value)));

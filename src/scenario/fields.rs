@@ -40,7 +40,7 @@ pub struct Key {
 }
 
 /// In place of a unit: it is that of another number of the scene.
-pub const ANY_UNIT: &str = "unit of the parameter";
+pub const ANY_UNIT: &str = "unit of what it stands for";
 
 /// What a key holds.
 #[derive(Debug)]

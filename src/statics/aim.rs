@@ -25,6 +25,7 @@ use crate::model::structure::Structure;
 use crate::model::{Model, Parameter, Problem};
 use faer::Mat;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Outputs this near to the aim, in their units, are there: equilibria are known to some 1e-12 of the scene's size, outputs of them
 /// to a hundred times that where the stiffness is bad.
@@ -77,7 +78,8 @@ struct Search<'a> {
     go_on: &'a dyn Fn() -> bool,
 }
 
-/// The equilibrium whose outputs are what is aimed at, by the values of the unknown numbers that make it so.
+/// The equilibrium whose outputs are what is aimed at, by the values of the unknown numbers that make it so. The time limit of the
+/// settings is that of all searches together.
 ///
 /// # Errors
 /// If the system cannot be evaluated at the start.
@@ -88,6 +90,8 @@ pub(super) fn aim(
     settings: &Settings,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Held, Fault> {
+    let (before, limit) = (Instant::now(), settings.time_limit);
+    let go_on = &|| before.elapsed().as_secs_f64() < limit && go_on();
     let labels: Vec<(String, String)> =
         model.outputs.iter().flat_map(|output| output.labels().zip(output.units.clone())).collect();
     let place = |aim: &Aim| labels.iter().position(|(label, _)| *label == aim.output);
@@ -193,7 +197,7 @@ impl Search<'_> {
             let why = match (trouble, (self.go_on)()) {
                 (Some(why), true) => why,
                 (None, true) => format!("{MOST_STEPS} steps did not bring it there"),
-                (_, false) => "interrupted".to_owned(),
+                (_, false) => "interrupted, or the time limit came first".to_owned(),
             };
             found.notes.insert(0, format!("the aim is missed: {}; {why}", self.words(&found)));
             found.converged = false;
@@ -314,6 +318,10 @@ fn missed(
 ) -> Held {
     found.converged = false;
     found.unknowns = values(&description, sought.unknown);
+    let numbers = outputs(&model, &found).unwrap_or_default();
+    let labels = model.outputs.iter().flat_map(|output| output.labels());
+    let of_aim = |(label, _): &(String, f64)| sought.aim.iter().any(|aim| aim.output == *label);
+    found.aimed = labels.zip(numbers).filter(of_aim).collect();
     found.notes.insert(0, note);
     Held { description, model, found }
 }

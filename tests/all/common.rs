@@ -6,11 +6,19 @@ use std::time::UNIX_EPOCH;
 use stillpoint::constraint::assemble;
 use stillpoint::model::Model;
 use stillpoint::model::description::*;
+use stillpoint::scenario::Scenario;
 use stillpoint::spatial::{Principal, Sym3};
+use stillpoint::statics::standing::Unanswered;
+use stillpoint::statics::{Held, answer};
 
 /// How many damaged inputs the environment asks for: `ROBUST_CASES=100000` looks longer than a test usually does.
 pub(crate) fn robust_cases() -> Option<u32> {
     std::env::var("ROBUST_CASES").ok().map(|cases| cases.parse().expect("ROBUST_CASES is a number"))
+}
+
+/// What statics answers to a scenario, from a model of it.
+pub(crate) fn answered(scenario: &Scenario, model: Arc<Model>) -> Result<Held, Unanswered> {
+    answer(scenario.description.clone(), model, scenario.sought(), &scenario.statics, &scenario.margin, &|| true)
 }
 
 /// A small deterministic generator (splitmix64): failures are reproducible from the seed.

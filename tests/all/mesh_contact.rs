@@ -1,6 +1,6 @@
 //! Meshes that touch: their convex parts.
 
-use crate::common::Random;
+use crate::common::{Random, answered};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,7 +11,6 @@ use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::{Scenario, load};
 use stillpoint::simulate::{self, Integrator, Settings, Start, State, run};
 use stillpoint::statics::standing::Standing;
-use stillpoint::statics::{Sought, answer};
 
 struct Folder(tempfile::TempDir);
 
@@ -63,8 +62,7 @@ fn read(folder: &Folder, text: &str) -> (Scenario, Arc<Model>) {
 }
 
 fn stands((scenario, model): (Scenario, Arc<Model>)) -> Standing {
-    let held =
-        answer(scenario.description, model, Sought::default(), &scenario.statics, &scenario.margin, &|| true).unwrap();
+    let held = answered(&scenario, model).unwrap();
     *held.found.standing.unwrap()
 }
 

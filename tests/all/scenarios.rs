@@ -1,7 +1,7 @@
 //! The shipped scenarios: every one runs, and each makes good one physical claim that is worked out here, apart from
 //! the program.
 
-use crate::common::build;
+use crate::common::{answered, build};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
@@ -10,8 +10,7 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening, OwnedSample};
 use stillpoint::scenario::{Override, Scenario, load_with};
 use stillpoint::simulate::{self, Start, State, Summary, run};
-use stillpoint::statics::settings::Margin;
-use stillpoint::statics::{Equilibrium, Verdict, answer, equilibrium};
+use stillpoint::statics::{Equilibrium, Verdict, equilibrium};
 
 const G: f64 = 9.80665;
 
@@ -39,9 +38,7 @@ pub(crate) fn shipped(name: &str, changes: &[&str]) -> (Scenario, Arc<Model>) {
     let mut scenario = load_with(&file(name), &changes).unwrap_or_else(|error| panic!("{error}"));
     let mut model = build(&scenario.description);
     if !scenario.unknown.is_empty() {
-        let description = scenario.description.clone();
-        let held = answer(description, model, scenario.sought(), &scenario.statics, &Margin::default(), &|| true);
-        let held = held.unwrap_or_else(|error| panic!("{error}"));
+        let held = answered(&scenario, model).unwrap_or_else(|error| panic!("{error}"));
         assert!(held.found.converged, "{:?}", held.found.notes);
         (scenario.description, model) = (held.description, held.model);
     }

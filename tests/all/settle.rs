@@ -1,6 +1,6 @@
 //! `[statics] contact = "settle"`: guesses that do not stand, moved to where they do.
 
-use crate::common::Random;
+use crate::common::{Random, answered};
 use nalgebra::Vector3;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -10,21 +10,14 @@ use stillpoint::motion::Motion;
 use stillpoint::scenario::parse;
 use stillpoint::statics::settings::Margin;
 use stillpoint::statics::standing::{Standing, Unanswered, standing};
-use stillpoint::statics::{Equilibrium, Settings, Sought, answer};
+use stillpoint::statics::{Equilibrium, Settings};
 
 fn settled(text: &str) -> (Arc<Model>, Result<Equilibrium, Unanswered>) {
     let text = format!("[statics]\ncontact = \"settle\"\n{text}");
     let scenario =
         parse("scene.toml", &text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
     let model = Model::build(&scenario.description).unwrap();
-    let found = answer(
-        scenario.description,
-        Arc::clone(&model),
-        Sought::default(),
-        &scenario.statics,
-        &Margin::default(),
-        &|| true,
-    );
+    let found = answered(&scenario, Arc::clone(&model));
     (model, found.map(|held| held.found))
 }
 
@@ -176,9 +169,7 @@ fn the_shipped_scenes_stand() {
         }
         let scenario = stillpoint::scenario::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let model = Model::build(&scenario.description).unwrap();
-        let (description, sought) = (scenario.description.clone(), scenario.sought());
-        let held = answer(description, model, sought, &scenario.statics, &Margin::default(), &|| true);
-        let found = held.unwrap_or_else(|error| panic!("{}: {error}", path.display())).found;
+        let found = answered(&scenario, model).unwrap_or_else(|error| panic!("{}: {error}", path.display())).found;
         assert!(found.converged, "{}: {:?}", path.display(), found.notes);
         count += 1;
     }

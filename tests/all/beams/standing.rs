@@ -1,6 +1,6 @@
 //! Dry friction and contact beside beams: what stands on a beam stands on it as it is bent.
 
-use crate::common::Random;
+use crate::common::{Random, answered};
 use std::sync::Arc;
 use stillpoint::contact::support::Verdict;
 use stillpoint::model::Model;
@@ -8,8 +8,7 @@ use stillpoint::motion::Motion;
 use stillpoint::record::Fanout;
 use stillpoint::scenario::{Scenario, parse};
 use stillpoint::simulate::{State, run};
-use stillpoint::statics::settings::Margin;
-use stillpoint::statics::{Equilibrium, Sought, answer, beams};
+use stillpoint::statics::{Equilibrium, beams};
 
 fn read(text: &str) -> (Scenario, Arc<Model>) {
     let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
@@ -19,14 +18,7 @@ fn read(text: &str) -> (Scenario, Arc<Model>) {
 
 fn found(text: &str) -> (Arc<Model>, Equilibrium) {
     let (scenario, model) = read(text);
-    let found = answer(
-        scenario.description,
-        Arc::clone(&model),
-        Sought::default(),
-        &scenario.statics,
-        &Margin::default(),
-        &|| true,
-    );
+    let found = answered(&scenario, Arc::clone(&model));
     (model, found.unwrap_or_else(|error| panic!("{error}\n{text}")).found)
 }
 

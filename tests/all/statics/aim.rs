@@ -1,10 +1,9 @@
 //! Aimed equilibria: outputs are given, the numbers that make them so are found, or it is said that none can.
 
-use crate::common::Random;
+use crate::common::{Random, answered};
 use stillpoint::model::{Model, Parameter};
 use stillpoint::scenario::{self, Scenario};
-use stillpoint::statics::settings::Margin;
-use stillpoint::statics::{Aim, Held, answer, outputs};
+use stillpoint::statics::{Aim, Held, outputs};
 
 fn read(text: &str) -> Scenario {
     scenario::parse("aim.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"))
@@ -20,8 +19,7 @@ fn refused(text: &str) -> String {
 fn aimed(scenario: &Scenario) -> Held {
     let model = Model::build(&scenario.description).expect("a model");
     let (model, _) = stillpoint::constraint::assemble(model).expect("loops that close");
-    let description = scenario.description.clone();
-    answer(description, model, scenario.sought(), &scenario.statics, &Margin::default(), &|| true).expect("numbers")
+    answered(scenario, model).expect("numbers")
 }
 
 /// An arm of 1 m and 2 kg (10 N at its end) that a strut from 1.5 m above the pin holds; the strut of 1 kN/m.
