@@ -9,6 +9,7 @@
 //! the nonsmooth Gauss–Seidel method (Jean, Moreau 1992; Jean 1999) with (2) exact at each contact: there the direction of slip is the
 //! root of one function of one angle.
 
+use super::bounded::bounded;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 
 /// The law of one contact.
@@ -94,8 +95,6 @@ const MOST_POLISHED: usize = 8;
 const POLISHED: f64 = 1e-12;
 /// Eigenvalues of a contact's own matrix below this part of the largest are zero.
 const RANK: f64 = 1e-12;
-/// Steps of Newton's method on the secular equation of bounded forces.
-const MOST_SECULAR: usize = 60;
 /// Steps of Newton's method from the direction of the last sweep.
 const MOST_NEWTON: usize = 8;
 
@@ -109,19 +108,21 @@ impl Problem {
         let mut states = vec![State::Open; n];
         let (mut change, mut sweeps, mut attempt) = (f64::INFINITY, 0, FIRST_ATTEMPT);
         while sweeps < most && change > tolerance {
-            let (mut moved, mut largest) = (0.0_f64, f64::MIN_POSITIVE);
+            let (mut moved, mut largest, mut steady) = (0.0_f64, f64::MIN_POSITIVE, true);
             for i in 0..n {
                 let mut rate = self.rates[i];
                 self.blocks[i].iter().filter(|(j, _)| *j != i).for_each(|(j, block)| rate += block * forces[*j]);
                 let (force, state) = local(&own[i], &inverse[i], &rate, &self.laws[i], &forces[i]);
                 moved = moved.max((force - forces[i]).amax());
                 largest = largest.max(force.amax());
+                steady &= states[i] == state;
                 (forces[i], states[i]) = (force, state);
             }
             change = moved / largest;
             sweeps += 1;
-            if sweeps == attempt && change > tolerance {
-                attempt += 2 * attempt;
+            // States that still change are not the right ones.
+            if sweeps >= attempt && change > tolerance && steady {
+                attempt = 3 * sweeps;
                 if let Some(found) = self.polished(&forces, &states) {
                     (forces, change) = (found, 0.0);
                 }
@@ -242,7 +243,8 @@ fn local(
     guess: &Vector3<f64>,
 ) -> (Vector3<f64>, State) {
     if let Law::Bounded { bound } = *law {
-        return bounded(a, rate, bound);
+        let (force, holds) = bounded(a, rate, bound);
+        return (force, if holds { State::Stick } else { State::Slip });
     }
     if rate.x >= 0.0 || !(a[(0, 0)] > 0.0) {
         return (Vector3::zeros(), State::Open);
@@ -301,38 +303,6 @@ fn held_otherwise(a: &Matrix3<f64>, rate: &Vector3<f64>, stick: f64, hold: &Vect
         let force = (resist > 0.0).then(|| push * (-rate.x / resist))?;
         ((rate + a * force).norm() <= RANK.sqrt() * rate.norm()).then_some(force)
     })
-}
-
-/// The force that holds, or the one at its bound that opposes what is left: `(A + κ) λ = −b`, `|λ| = bound`, with κ the root of the
-/// secular equation.
-fn bounded(a: &Matrix3<f64>, rate: &Vector3<f64>, bound: f64) -> (Vector3<f64>, State) {
-    let parts = a.symmetric_eigen();
-    let along = parts.eigenvectors.tr_mul(rate);
-    let cut = f64::EPSILON * parts.eigenvalues.amax();
-    let parted = |shift: f64| {
-        let part = |i: usize| if parts.eigenvalues[i] > cut { -along[i] / (parts.eigenvalues[i] + shift) } else { 0.0 };
-        Vector3::from_fn(|i, _| part(i))
-    };
-    let hold = parted(0.0);
-    if hold.norm() <= bound {
-        return (parts.eigenvectors * hold, State::Stick);
-    }
-    if bound == 0.0 {
-        return (Vector3::zeros(), State::Slip);
-    }
-    let mut shift = 0.0;
-    for _ in 0..MOST_SECULAR {
-        let force = parted(shift);
-        let (size, slope) =
-            (force.norm(), -(0..3).map(|i| force[i] * force[i] / (parts.eigenvalues[i].max(cut) + shift)).sum::<f64>());
-        let step = (size / bound - 1.0) * size * size / -slope;
-        shift += step;
-        if !(step.abs() > f64::EPSILON * shift) {
-            break;
-        }
-    }
-    let force = parted(shift);
-    (parts.eigenvectors * (force * (bound / force.norm())), State::Slip)
 }
 
 /// The force of slip: the direction of `w_t` is that against which it acts.

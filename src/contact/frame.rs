@@ -76,7 +76,7 @@ impl Frame {
         let (at, velocities) = (moving.map(|link| link.position), moving.map(|link| link.velocity));
         let spins = moving.map(|link| link.angular_velocity);
         let p = meeting.point;
-        let drift = meeting.drift(at, velocities, spins, pieces[0].radius);
+        let drift = meeting.drift(at, velocities, spins);
         // Of a material point at `x`: its velocity, and its acceleration without those of the hinges.
         let speed = |i: usize, x: &Vector3<f64>| velocities[i] + spins[i].cross(&(x - at[i]));
         let accelerated = |i: usize, x: &Vector3<f64>| {

@@ -1,6 +1,7 @@
 //! Which shapes of a model may touch, and how they stand to each other in a place.
 
-use super::geometry::feature::{Boundary, Feature, Meeting, Standing, meeting, pairs};
+use super::geometry::feature::{Boundary, Feature, Meeting, Near, Standing};
+use super::geometry::meet::{meeting, pairs};
 use super::geometry::{Core, Placed, Solid, touch};
 use crate::model::shape::{Geometry, Hull, Shape};
 use crate::model::{ContactRule, Model};
@@ -66,8 +67,6 @@ pub(crate) struct Piece {
     pub(crate) reach: f64,
     /// What sizes are compared with (m): that of the solid, infinite for a plane or a point.
     pub(crate) size: f64,
-    /// About its core (m).
-    pub(crate) radius: f64,
 }
 
 /// Two shapes that a rule lets touch, in its order.
@@ -118,7 +117,6 @@ impl Pairs {
                     place: body.link_from_body * shape.pose,
                     reach: solid.reach(),
                     size: solid.size(),
-                    radius: solid.radius(),
                     solid,
                 }));
             }
@@ -236,8 +234,11 @@ impl Pairs {
     pub(crate) fn meetings(&self, couple: usize, loose: f64, far: f64, mut put: impl FnMut(Meeting)) {
         let Couple { pieces: [a, b], .. } = &self.couples[couple];
         let (a, b) = (self.standing(*a), self.standing(*b));
+        let near = Near { inside: -loose, gap: far };
         for features in pairs(&a, &b) {
-            if let Some(found) = meeting(&a, &b, features).filter(|found| found.inside >= -loose && found.gap < far) {
+            if let Some(found) =
+                meeting(&a, &b, features, &near).filter(|found| found.inside >= -loose && found.gap < far)
+            {
                 put(found);
             }
         }
@@ -273,7 +274,7 @@ impl Pairs {
     /// One pair of features.
     pub(crate) fn meeting(&self, key: &Key) -> Option<Meeting> {
         let [a, b] = self.couples[key.couple].pieces;
-        meeting(&self.standing(a), &self.standing(b), key.features)
+        meeting(&self.standing(a), &self.standing(b), key.features, &Near::ALL)
     }
 }
 
@@ -295,9 +296,6 @@ pub(crate) fn rule_of(model: &Model, one: usize, other: usize) -> Option<(usize,
     model.contacts.iter().enumerate().rev().find_map(|(index, rule)| Some((index, fits(rule)?)))
 }
 
-/// What there is to do about a shape that cannot touch.
-const REFUSED: &str = "cannot yet: give the body boxes, capsules or spheres, and this shape `contact = false`";
-
 /// The convex solids of a shape, in the shape's axes.
 fn solids_of(shape: &Shape) -> Result<Vec<Solid>, String> {
     Ok(vec![match &shape.geometry {
@@ -305,7 +303,7 @@ fn solids_of(shape: &Shape) -> Result<Vec<Solid>, String> {
         Geometry::Sphere(radius) => Solid::Round(Core::point(), *radius),
         Geometry::Capsule { radius, length } => Solid::Round(Core::segment(*length), *radius),
         Geometry::Box(edges) => Solid::Round(Core::cuboid(edges), 0.0),
-        Geometry::Cylinder { .. } => return Err(format!("cylinders {REFUSED}")),
+        Geometry::Cylinder { radius, length } => Solid::Round(Core::cylinder(*radius, *length), 0.0),
         Geometry::Mesh { parts, .. } if parts.is_empty() => {
             return Err("the convex parts of its mesh are not known".to_owned());
         }

@@ -111,6 +111,12 @@ pub(super) fn check(description: &Description) -> Vec<Problem> {
         {
             add("friction", message, Some(help));
         }
+        let compliant = matches!(contact.law, super::StopLaw::Compliant { .. });
+        if compliant && contact.friction.stick > 0.0 {
+            let message = format!("contact `{}` is compliant, and has friction", contact.name);
+            let help = "compliant contact has no friction yet: leave out `friction` or `stiffness`";
+            add("friction", message, Some(help.to_owned()));
+        }
         for (side, pattern) in contact.between.iter().enumerate() {
             let field = format!("between[{side}]");
             let fitting: Vec<&BodyDescription> =

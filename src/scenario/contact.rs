@@ -18,12 +18,32 @@ pub(super) fn contact(table: &Reader<'_>, index: usize) -> Option<ContactDescrip
     let sides = table.value("between")?.get_ref().as_array()?;
     let mut sides = sides.iter().map(|side| side.get_ref().as_str().map(str::to_owned));
     let friction = table.value("friction").and_then(|value| friction(table, value));
+    let law = law(table, &format!("contact `{name}`"), "a contact");
     Some(ContactDescription {
         name,
         between: [sides.next()??, sides.next()??],
         friction: friction.unwrap_or(DryFriction::new(0.0)),
-        law: StopLaw::Rigid { restitution: table.number("restitution").unwrap_or(0.0) },
+        law,
     })
+}
+
+/// A rigid or a compliant law; `owner` is what has it, `kind` what that is.
+pub(super) fn law(table: &Reader<'_>, owner: &str, kind: &str) -> StopLaw {
+    let compliant = table.has("stiffness");
+    for (key, other) in [("restitution", true), ("damping", false)] {
+        if table.has(key) && compliant == other {
+            let message = match other {
+                true => format!("{owner}: {kind} with `stiffness` has no `restitution`"),
+                false => format!("{owner}: {kind} with `damping` needs a `stiffness`"),
+            };
+            let help = format!("{kind} is rigid, with `restitution`, or compliant, with `stiffness` and `damping`");
+            table.findings.push(Finding::error(table.key_span(key), message).help(help));
+        }
+    }
+    match table.number("stiffness") {
+        Some(stiffness) => StopLaw::Compliant { stiffness, damping: table.number("damping").unwrap_or(0.0) },
+        None => StopLaw::Rigid { restitution: table.number("restitution").unwrap_or(0.0) },
+    }
 }
 
 /// Pairs that are named in a warning.

@@ -199,25 +199,11 @@ fn limits(table: &Reader<'_>, owner: &str) -> Vec<LimitDescription> {
 }
 
 fn limit(table: &Reader<'_>, owner: &str) -> Option<LimitDescription> {
-    let compliant = table.has("stiffness");
-    for (key, other) in [("restitution", true), ("damping", false)] {
-        if table.has(key) && compliant == other {
-            let message = match other {
-                true => format!("hinge of body `{owner}`: a stop with `stiffness` has no `restitution`"),
-                false => format!("hinge of body `{owner}`: a stop with `damping` needs a `stiffness`"),
-            };
-            let help = "a stop is rigid, with `restitution`, or compliant, with `stiffness` and `damping`";
-            table.findings.push(Finding::error(table.key_span(key), message).help(help));
-        }
-    }
     if !table.has("low") && !table.has("high") {
         let message = format!("hinge of body `{owner}`: `limits` without `low` and `high` limit nothing");
         table.findings.push(Finding::error(table.span.clone(), message));
     }
-    let law = match table.number("stiffness") {
-        Some(stiffness) => StopLaw::Compliant { stiffness, damping: table.number("damping").unwrap_or(0.0) },
-        None => StopLaw::Rigid { restitution: table.number("restitution").unwrap_or(0.0) },
-    };
+    let law = super::contact::law(table, &format!("hinge of body `{owner}`"), "a stop");
     let coordinate = table.count("coordinate").unwrap_or(0);
     let (low, high) = (table.number("low"), table.number("high"));
     (low.is_some() || high.is_some()).then(|| LimitDescription {

@@ -9,7 +9,7 @@
 //! table or a ramp begins another piece, nor with loops,
 //! onto which every one of its many short steps would be projected.
 //!
-//! A run from an equilibrium starts with the implicit method: what rests has only its fastest vibrations left, and a
+//! A run from an equilibrium without contact starts with the implicit method: what rests has only its fastest vibrations left, and a
 //! method that need not follow them takes long steps. A run from a given state starts with the explicit one.
 //!
 //! **From explicit to implicit** where the step is held by stability (`integrate/method/explicit.rs`), and the fastest rate bears that out:
@@ -66,15 +66,12 @@ impl Choice {
         let implicit = if settings.tolerance <= HIGH_ORDER_STIFF { Method::Radau9 } else { Method::Sdirk4 };
         let (method, said) = match (settings.integrator, settings.start) {
             (Integrator::Method(method), _) => (method, String::new()),
-            (Integrator::Auto, _) if touches => {
-                (explicit, format!("{}, as contact in motion asks for", explicit.name()))
-            }
-            (Integrator::Auto, Start::Equilibrium) => {
+            (Integrator::Auto, Start::Equilibrium) if !touches => {
                 (implicit, format!("{}, the run starts at rest", implicit.name()))
             }
-            (Integrator::Auto, Start::Given) => (explicit, format!("{}, no stiffness was met", explicit.name())),
+            (Integrator::Auto, _) => (explicit, format!("{}, no stiffness was met", explicit.name())),
         };
-        let auto = settings.integrator == Integrator::Auto && !touches;
+        let auto = settings.integrator == Integrator::Auto;
         let before =
             settings.resume.map(|resume| resume.method).filter(|was| auto && (*was == explicit || *was == implicit));
         let (method, said) = match before {
@@ -96,7 +93,8 @@ impl Choice {
 
     /// Looks at the last step; true where another method goes on from here.
     pub(super) fn review(&mut self, motion: &mut Motion, stepper: &dyn Stepper<Motion>) -> bool {
-        if !self.auto {
+        // Captured steps are those of no method.
+        if !self.auto || motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing) {
             return false;
         }
         let time = stepper.time();

@@ -1,13 +1,13 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
-use super::bordered::Bordered;
 use super::contact::Contacts;
 use super::coordinates::Coordinates;
 use super::error::RunError;
 use super::passage::Passage;
 use super::state::State;
-use crate::dynamics::{Coefficients, Energies, Evaluated, Fault, Powers, System, TangentSolver};
-use crate::integrate::{Failure, ImplicitProblem, Point, Problem};
+use super::tangent::Tangent;
+use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
+use crate::integrate::{Failure, Problem};
 use crate::model::{End, Model, Side};
 use crate::simulate::nonsmooth::{Held, Nonsmooth, within};
 use crate::spatial::Wrench;
@@ -40,29 +40,19 @@ use std::sync::Arc;
 /// [`simulate::run`](super::run)'s.
 pub struct Motion {
     pub(super) system: System,
-    coordinates: Coordinates,
+    pub(super) coordinates: Coordinates,
     position_scales: Vec<f64>,
-    velocity_scales: Vec<f64>,
-    tangent: Tangent,
+    pub(super) velocity_scales: Vec<f64>,
+    pub(super) tangent: Tangent,
     /// `None` for a model without stops and dry friction.
     pub(super) nonsmooth: Option<Nonsmooth>,
     /// What touches; `None` for a model without contact, and one that contact holds at rest.
     pub(super) contacts: Option<Box<Contacts>>,
     /// Where a run stands with respect to singular positions; `None` without loops.
-    passage: Option<Passage>,
+    pub(super) passage: Option<Passage>,
     /// Scratch for residuals near those.
-    allowed: Vec<f64>,
-    balance: Vec<f64>,
-}
-
-/// The factorized tangent of an implicit step.
-enum Tangent {
-    /// Not asked for yet.
-    None,
-    /// Of a tree.
-    Tree(Box<TangentSolver>),
-    /// With loops, drives or gears: bordered by their rows.
-    Bordered(Box<Bordered>),
+    pub(super) allowed: Vec<f64>,
+    pub(super) balance: Vec<f64>,
 }
 
 impl From<Fault> for Failure {
@@ -152,6 +142,9 @@ impl Motion {
     pub fn energies(&mut self, time: f64, q: &[f64], v: &[f64]) -> Energies {
         let mut energies = self.at(time, q, v).energies();
         energies.potential += self.nonsmooth.as_ref().map_or(0.0, |nonsmooth| nonsmooth.potential(q));
+        if let Some(contacts) = &mut self.contacts {
+            energies.potential += contacts.potential(&self.system);
+        }
         energies
     }
 
@@ -361,83 +354,5 @@ impl Problem for Motion {
 
     fn scales(&self) -> (&[f64], &[f64]) {
         (&self.position_scales, &self.velocity_scales)
-    }
-}
-
-impl ImplicitProblem for Motion {
-    fn implicit_position(&self, start: &[f64], step: f64, v: &[f64], q: &mut [f64]) {
-        self.coordinates.implicit(start, step, v, q);
-    }
-
-    fn displace(&self, from: &[f64], by: &[f64], q: &mut [f64]) {
-        q.copy_from_slice(from);
-        System::displace(self.system.model(), q, by);
-    }
-
-    fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure> {
-        match &mut self.passage {
-            // The accelerations that the rows allow, see `passage`; at equal multipliers the difference is M (a − a_c).
-            Some(passage) if passage.is_near() => {
-                passage.accelerations(&mut self.system, time, q, v, r)?;
-                self.allowed.copy_from_slice(r);
-                let mut at = self.system.at(time, q, v);
-                at.residual(&self.allowed, &mut self.balance)?;
-                at.residual(a, r)?;
-                r.iter_mut().zip(&self.balance).for_each(|(r, allowed)| *r -= allowed);
-            }
-            // The multipliers of this state, see `bordered`.
-            Some(_) => {
-                let mut at = self.system.at(time, q, v);
-                at.accelerations(r)?;
-                at.residual(a, r)?;
-            }
-            None => {
-                self.system.at(time, q, v).residual(a, r)?;
-            }
-        }
-        if let Some(nonsmooth) = &self.nonsmooth {
-            nonsmooth.balance(r);
-        }
-        Ok(())
-    }
-
-    fn reserve(&mut self) {
-        let model = self.system.model();
-        if matches!(self.tangent, Tangent::None) {
-            self.tangent = match model.is_constrained() {
-                true => Tangent::Bordered(Box::new(Bordered::new(&self.system))),
-                false => Tangent::Tree(Box::new(TangentSolver::new(model))),
-            };
-        }
-    }
-
-    fn factorize(&mut self, at: Point<'_>, c1: f64, c2: f64) -> Result<(), Failure> {
-        let Point { time, q, v, a } = at;
-        let system = &mut self.system;
-        let phase = system.phase();
-        let shift = self.nonsmooth.as_mut().map_or(&[][..], |nonsmooth| nonsmooth.diagonal(phase, v, c1));
-        let regular = match &mut self.tangent {
-            Tangent::None => false,
-            Tangent::Tree(solver) => {
-                let with = Coefficients { c1, c2, shift, ..Coefficients::default() };
-                system.at(time, q, v).factorize_tangent(solver, a, &with)?
-            }
-            Tangent::Bordered(factors) => {
-                let weak = self.passage.as_ref().filter(|passage| passage.is_near()).map_or(0.0, Passage::weak);
-                factors.factorize(system, at, [c1, c2], shift, weak)?
-            }
-        };
-        match regular {
-            true => Ok(()),
-            false => Err(Failure { message: "the tangent of the implicit step is singular".to_owned() }),
-        }
-    }
-
-    fn solve(&mut self, rhs: &mut [f64]) {
-        match &mut self.tangent {
-            Tangent::None => {}
-            Tangent::Tree(solver) => solver.solve(rhs),
-            Tangent::Bordered(factors) => factors.solve(&mut self.system, rhs),
-        }
     }
 }

@@ -86,7 +86,7 @@ pub fn verify(
     // What stability held, or could have held, is not given to an explicit method.
     let last = first.integrators.last().copied().unwrap_or(Method::Radau9);
     let method = match last {
-        // Contact in motion has explicit methods only.
+        // Implicit methods take an evaluation per coordinate for each of their matrices there.
         Method::Dop853 if !model.contacts.is_empty() => Method::Dopri5,
         Method::Rk4 | Method::Dopri5 | Method::Adams | Method::Gauss => Method::Dop853,
         Method::Radau9 => Method::Radau5,

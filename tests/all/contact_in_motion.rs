@@ -232,7 +232,7 @@ fn thrown_cubes_come_to_rest() {
     }
 }
 
-/// The error follows the tolerance across blows and slips, with any explicit method.
+/// The error follows the tolerance across blows and slips, with any method that adapts its steps.
 #[test]
 fn errors_follow_the_tolerance_across_events() {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 0.3);
@@ -241,13 +241,43 @@ fn errors_follow_the_tolerance_across_events() {
         body("block", 1.0, [0.03, 0.04, 0.01], "{ box = [0.2, 0.2, 0.6] }", (at, turn), [0.3, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let model = read(&(FLOOR.to_owned() + &block + &contact(0.3, 0.0)));
     let best = go(&model, 0.6, 1e-13, Method::Dop853).state;
-    for method in [Method::Dopri5, Method::Dop853] {
+    for method in [Method::Dopri5, Method::Dop853, Method::Radau5, Method::Radau9, Method::Sdirk4] {
         for tolerance in [1e-5, 1e-7, 1e-9] {
             let found = go(&model, 0.6, tolerance, method).state;
             let off = found.position.iter().zip(&best.position).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 20.0 * tolerance, "{method:?} {tolerance:e}: {off:e}");
         }
     }
+}
+
+/// Two blocks that slide with a stiff damped spring between them: `auto` goes over to an implicit method, and the middle of both slows down by
+/// friction alone.
+#[test]
+fn stiff_springs_beside_contact_are_followed_implicitly() {
+    let block = |name: &str, x: f64| {
+        let at = (Vector3::new(x, 0.0, 0.1), UnitQuaternion::identity());
+        body(name, 1.0, [0.01, 0.01, 0.01], "{ box = [0.2, 0.2, 0.2] }", at, [4.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    };
+    let spring = "[[force]]\ntype = \"spring\"\nbetween = [\"rear\", \"front\"]\nstiffness = 1e7\nlength = 0.4999\ndamping = 1e5\n";
+    let floors = "[[contact]]\nbetween = [\"floor\", \"*\"]\nfriction = 0.2\n";
+    let text = FLOOR.to_owned() + &block("rear", 0.0) + &block("front", 0.5) + spring + floors;
+    let model = read(&text);
+    let settings = Settings {
+        start: simulate::Start::Given,
+        duration: 1.0,
+        tolerance: 1e-7,
+        absolute_tolerance: 1e-7,
+        ..Settings::default()
+    };
+    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
+    let scene = simulate::scene(&model);
+    let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
+    let summary =
+        run(&model, &settings, 1.0, &start, &mut memory, &mut |_, _| true).unwrap_or_else(|error| panic!("{error}"));
+    assert!(summary.integrators.iter().any(|method| method.stability_reach().is_none()), "{:?}", summary.choice);
+    let middle = 0.5 * (summary.state.position[0] + summary.state.position[7]);
+    assert!((middle - (0.25 + 4.0 - 0.1 * G)).abs() < 1e-9, "{middle}");
+    assert!(summary.capture_steps == 0 && summary.statistics.steps < 300, "{:?}", summary.statistics);
 }
 
 /// Every shipped scene loads without a warning and runs to its end; the last domino lies flat, and none has sunk.

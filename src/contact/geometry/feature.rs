@@ -28,11 +28,13 @@ pub enum Feature {
 #[derive(Debug, Clone, Default)]
 pub struct Boundary {
     vertices: Vec<Vector3<f64>>,
-    edges: Vec<[usize; 2]>,
+    pub(super) edges: Vec<[usize; 2]>,
     faces: Vec<Face>,
     /// Half space with this normal through the origin.
-    plane: Option<Vector3<f64>>,
-    radius: f64,
+    pub(super) plane: Option<Vector3<f64>>,
+    pub(super) radius: f64,
+    /// Radius of a cylinder, along whose z its only edge is (m); else 0.
+    pub(super) rim: f64,
 }
 
 /// A face: its outward normal, and its corners counter-clockwise as seen from outside.
@@ -45,9 +47,20 @@ struct Face {
 /// A boundary where its shape stands.
 #[derive(Debug, Clone)]
 pub struct Standing<'a> {
-    of: &'a Boundary,
-    vertices: Vec<Vector3<f64>>,
-    pose: Isometry3<f64>,
+    pub(super) of: &'a Boundary,
+    pub(super) vertices: Vec<Vector3<f64>>,
+    pub(super) pose: Isometry3<f64>,
+}
+
+/// A point on the rim of a cylinder.
+#[derive(Debug, Clone, Copy)]
+pub struct Rim {
+    /// From the axis to the point (m).
+    pub(super) arm: Vector3<f64>,
+    /// Unit vector along the rim.
+    pub(super) tangent: Vector3<f64>,
+    /// Sine of the angle between the axis and the normal; 0 if it meets no face.
+    pub(super) tilt: f64,
 }
 
 /// Two features and how they stand to each other.
@@ -61,18 +74,25 @@ pub struct Meeting {
     pub normal: Vector3<f64>,
     /// Nearest points of the cores (m).
     pub cores: [Vector3<f64>; 2],
+    /// Radii of the surfaces about them (m).
+    pub radii: [f64; 2],
+    /// Of points that move along the rim of a cylinder.
+    pub rims: [Option<Rim>; 2],
     /// Directions of the edges, unit vectors; zero for other features.
     pub edges: [Vector3<f64>; 2],
     /// How far the pair is inside of where it counts (m), negative outside.
     pub inside: f64,
+    /// How far points that are fixed to a rim are inside of where they count, which they do only while its disc lies flat (m); infinite
+    /// for others.
+    pub flat: f64,
     /// Halfway between both surfaces (m).
     pub point: Vector3<f64>,
 }
 
 /// Edges that cross at a smaller angle have no normal of their own: their ends and faces do.
-const PARALLEL: f64 = 1e-6;
+pub(super) const PARALLEL: f64 = 1e-6;
 /// A vertex of a solid that is turned by no more may be the next to touch a face (rad).
-const TILTED: f64 = 0.1;
+pub(super) const TILTED: f64 = 0.1;
 /// Triangles whose normals differ by less belong to one face.
 const FLAT: f64 = 1e-9;
 
@@ -111,7 +131,7 @@ impl Boundary {
                 }
             }
         }
-        Self { vertices: core.vertices.clone(), edges, faces, plane: None, radius }
+        Self { vertices: core.vertices.clone(), edges, faces, plane: None, radius, rim: core.rim }
     }
 
     /// The boundary where its shape stands.
@@ -146,12 +166,29 @@ fn rim(triangles: &[[usize; 3]]) -> Vec<usize> {
 }
 
 impl Standing<'_> {
-    fn ends(&self, edge: u16) -> [Vector3<f64>; 2] {
+    pub(super) fn ends(&self, edge: u16) -> [Vector3<f64>; 2] {
         self.of.edges[usize::from(edge)].map(|i| self.vertices[i])
     }
 
+    /// How far a point is before the plane of a face (m).
+    pub(super) fn above(&self, face: u16, point: &Vector3<f64>) -> f64 {
+        let (normal, on) = self.plane_of(face);
+        normal.dot(&(point - on))
+    }
+
+    /// The outward normal of a face, and a point of it.
+    fn plane_of(&self, face: u16) -> (Vector3<f64>, Vector3<f64>) {
+        match &self.of.plane {
+            Some(normal) => (self.pose.rotation * normal, self.pose.translation.vector),
+            None => {
+                let face = &self.of.faces[usize::from(face)];
+                (self.pose.rotation * face.normal, self.vertices[face.corners[0]])
+            }
+        }
+    }
+
     /// How far a point is inside a face, seen along its normal (m).
-    fn inside(&self, face: u16, point: &Vector3<f64>) -> f64 {
+    pub(super) fn inside(&self, face: u16, point: &Vector3<f64>) -> f64 {
         let face = &self.of.faces[usize::from(face)];
         let normal = self.pose.rotation * face.normal;
         let corners = face.corners.iter().enumerate().map(|(i, from)| {
@@ -162,237 +199,108 @@ impl Standing<'_> {
     }
 
     /// How far below `at` along `n` all vertices are that are not among `own` (m); infinite if there are no others.
-    fn below(&self, n: &Vector3<f64>, at: &Vector3<f64>, own: &[usize]) -> f64 {
+    pub(super) fn below(&self, n: &Vector3<f64>, at: &Vector3<f64>, own: &[usize]) -> f64 {
         let others = self.vertices.iter().enumerate().filter(|(i, _)| !own.contains(i));
         others.map(|(_, v)| n.dot(&(at - v))).fold(f64::INFINITY, f64::min)
     }
 
     /// How far all other vertices are before a face with this normal that a vertex touches, or turned behind it by less than
     /// [`TILTED`] (m).
-    fn before(&self, n: &Vector3<f64>, vertex: u16) -> f64 {
+    pub(super) fn before(&self, n: &Vector3<f64>, vertex: u16) -> f64 {
         let at = self.vertices[usize::from(vertex)];
         let others = self.vertices.iter().enumerate().filter(|(i, _)| *i != usize::from(vertex));
         others.map(|(_, v)| n.dot(&(v - at)) + TILTED * (v - at).norm()).fold(f64::INFINITY, f64::min)
     }
 
-    fn vertex_list(&self) -> impl Iterator<Item = Feature> + use<> {
+    pub(super) fn vertex_list(&self) -> impl Iterator<Item = Feature> + use<> {
         (0..self.vertices.len() as u16).map(Feature::Vertex)
     }
 
-    fn edge_list(&self) -> impl Iterator<Item = Feature> + use<> {
+    pub(super) fn edge_list(&self) -> impl Iterator<Item = Feature> + use<> {
         (0..self.of.edges.len() as u16).map(Feature::Edge)
     }
 
-    fn face_list(&self) -> impl Iterator<Item = Feature> + use<> {
+    pub(super) fn face_list(&self) -> impl Iterator<Item = Feature> + use<> {
         let faces = if self.of.plane.is_some() { 1 } else { self.of.faces.len() };
         (0..faces as u16).map(Feature::Face)
     }
 }
 
-/// All pairs of features of two solids that may be nearest to each other: faces first, then edges, then vertices.
-pub fn pairs(a: &Standing<'_>, b: &Standing<'_>) -> Vec<[Feature; 2]> {
-    let mut all = Vec::new();
-    let cross =
-        |one: &mut dyn Iterator<Item = Feature>, other: &dyn Fn() -> Vec<Feature>, all: &mut Vec<[Feature; 2]>| {
-            for x in one {
-                all.extend(other().into_iter().map(|y| [x, y]));
-            }
-        };
-    cross(&mut a.face_list(), &|| b.vertex_list().collect(), &mut all);
-    cross(&mut a.vertex_list(), &|| b.face_list().collect(), &mut all);
-    cross(&mut a.edge_list(), &|| b.edge_list().collect(), &mut all);
-    if a.of.radius + b.of.radius > 0.0 {
-        cross(&mut a.edge_list(), &|| b.vertex_list().collect(), &mut all);
-        cross(&mut a.vertex_list(), &|| b.edge_list().collect(), &mut all);
-        cross(&mut a.vertex_list(), &|| b.vertex_list().collect(), &mut all);
-    }
-    all
+/// Which pairs of features are asked for: those that are inside of where they count by at least so much, and whose gap is below that (m).
+#[derive(Debug, Clone, Copy)]
+pub struct Near {
+    /// Least of [`Meeting::inside`].
+    pub inside: f64,
+    /// Upper bound of [`Meeting::gap`].
+    pub gap: f64,
 }
 
-/// How two features stand to each other; `None` if they have no normal.
-pub fn meeting(a: &Standing<'_>, b: &Standing<'_>, features: [Feature; 2]) -> Option<Meeting> {
-    let none = Vector3::zeros();
-    let radii = [a.of.radius, b.of.radius];
-    let make = |normal: Vector3<f64>, cores: [Vector3<f64>; 2], edges: [Vector3<f64>; 2], inside: f64| {
-        let apart = normal.dot(&(cores[1] - cores[0]));
-        let gap = apart - radii[0] - radii[1];
-        let point = cores[0] + normal * (radii[0] + 0.5 * gap);
-        Meeting { features, gap, normal, cores, edges, inside, point }
+impl Near {
+    /// All pairs.
+    pub const ALL: Self = Self { inside: f64::NEG_INFINITY, gap: f64::INFINITY };
+}
+
+/// Two edges, with radii about them.
+pub(super) fn crossing(
+    a: &Standing<'_>,
+    b: &Standing<'_>,
+    [one, other]: [u16; 2],
+    radii: [f64; 2],
+    near: &Near,
+) -> Option<Meeting> {
+    let ([p, q], [r, s]) = (a.ends(one), b.ends(other));
+    let (u, v) = ((q - p).normalize(), (s - r).normalize());
+    let crossed = u.cross(&v);
+    let normal = crossed.try_normalize(PARALLEL)?;
+    // Parameters of the common perpendicular (m).
+    let (between, square) = (r - p, crossed.norm_squared());
+    let x = between.cross(&v).dot(&crossed) / square;
+    let y = between.cross(&u).dot(&crossed) / square;
+    let (at, to) = (p + u * x, r + v * y);
+    let along = x.min((q - p).norm() - x).min(y).min((s - r).norm() - y);
+    if along < near.inside || normal.dot(&between).abs() - radii[0] - radii[1] >= near.gap {
+        return None;
+    }
+    let side = |normal: Vector3<f64>| {
+        let [mine, other] = [a.of.edges[usize::from(one)], b.of.edges[usize::from(other)]];
+        a.below(&normal, &at, &mine).min(b.below(&-normal, &to, &other))
     };
-    match features {
-        [Feature::Face(face), Feature::Vertex(vertex)] => {
-            let (normal, foot, inside) = on_face(a, face, &b.vertices[usize::from(vertex)]);
-            let inside = if a.of.plane.is_some() { inside } else { inside.min(b.before(&normal, vertex)) };
-            Some(make(normal, [foot, b.vertices[usize::from(vertex)]], [none; 2], inside))
-        }
-        [Feature::Vertex(vertex), Feature::Face(face)] => {
-            let (normal, foot, inside) = on_face(b, face, &a.vertices[usize::from(vertex)]);
-            let inside = if b.of.plane.is_some() { inside } else { inside.min(a.before(&normal, vertex)) };
-            Some(make(-normal, [a.vertices[usize::from(vertex)], foot], [none; 2], inside))
-        }
-        [Feature::Edge(one), Feature::Edge(other)] => {
-            let ([p, q], [r, s]) = (a.ends(one), b.ends(other));
-            let (u, v) = ((q - p).normalize(), (s - r).normalize());
-            let crossed = u.cross(&v);
-            let normal = crossed.try_normalize(PARALLEL)?;
-            // Parameters of the common perpendicular (m).
-            let (between, square) = (r - p, crossed.norm_squared());
-            let x = between.cross(&v).dot(&crossed) / square;
-            let y = between.cross(&u).dot(&crossed) / square;
-            let (at, to) = (p + u * x, r + v * y);
-            let along = x.min((q - p).norm() - x).min(y).min((s - r).norm() - y);
-            let side = |normal: Vector3<f64>| {
-                let [mine, other] = [a.of.edges[usize::from(one)], b.of.edges[usize::from(other)]];
-                a.below(&normal, &at, &mine).min(b.below(&-normal, &to, &other))
-            };
-            // Of both normals the one that has both solids behind it; segments without a body lie on either side.
-            let (ahead, behind) = (side(normal), side(-normal));
-            let flip = if ahead == behind { normal.dot(&(to - at)) < 0.0 } else { behind > ahead };
-            let (normal, outside) = if flip { (-normal, behind) } else { (normal, ahead) };
-            Some(make(normal, [at, to], [u, v], along.min(outside)))
-        }
-        [Feature::Edge(edge), Feature::Vertex(vertex)] => {
-            let (point, own) = (b.vertices[usize::from(vertex)], a.of.edges[usize::from(edge)]);
-            let (foot, u, along) = on_edge(a.ends(edge), &point);
-            let normal = (point - foot).try_normalize(0.0)?;
-            let inside =
-                along.min(a.below(&normal, &foot, &own)).min(b.below(&-normal, &point, &[usize::from(vertex)]));
-            Some(make(normal, [foot, point], [u, none], inside))
-        }
-        [Feature::Vertex(vertex), Feature::Edge(edge)] => {
-            let (point, own) = (a.vertices[usize::from(vertex)], b.of.edges[usize::from(edge)]);
-            let (foot, u, along) = on_edge(b.ends(edge), &point);
-            let normal = (foot - point).try_normalize(0.0)?;
-            let inside =
-                along.min(b.below(&-normal, &foot, &own)).min(a.below(&normal, &point, &[usize::from(vertex)]));
-            Some(make(normal, [point, foot], [none, u], inside))
-        }
-        [Feature::Vertex(one), Feature::Vertex(other)] => {
-            let (from, to) = (a.vertices[usize::from(one)], b.vertices[usize::from(other)]);
-            let normal = (to - from).try_normalize(0.0)?;
-            let inside =
-                a.below(&normal, &from, &[usize::from(one)]).min(b.below(&-normal, &to, &[usize::from(other)]));
-            Some(make(normal, [from, to], [none; 2], inside))
-        }
-        [Feature::Face(_), _] | [_, Feature::Face(_)] => None,
+    // Of both normals the one that has both solids behind it; segments without a body lie on either side.
+    let (ahead, behind) = (side(normal), side(-normal));
+    let flip = if ahead == behind { normal.dot(&(to - at)) < 0.0 } else { behind > ahead };
+    let (normal, outside) = if flip { (-normal, behind) } else { (normal, ahead) };
+    let features = [Feature::Edge(one), Feature::Edge(other)];
+    Some(Meeting::new(features, normal, [at, to], [u, v], radii, along.min(outside)))
+}
+
+impl Meeting {
+    /// Of two points of cores (m) with radii about them (m), a unit normal between them, and directions of edges.
+    pub(super) fn new(
+        features: [Feature; 2],
+        normal: Vector3<f64>,
+        cores: [Vector3<f64>; 2],
+        edges: [Vector3<f64>; 2],
+        radii: [f64; 2],
+        inside: f64,
+    ) -> Self {
+        let gap = normal.dot(&(cores[1] - cores[0])) - radii[0] - radii[1];
+        let point = cores[0] + normal * (radii[0] + 0.5 * gap);
+        Self { features, gap, normal, cores, radii, rims: [None; 2], edges, inside, flat: f64::INFINITY, point }
     }
 }
 
 /// Normal of a face, the foot of a point on it, and how far that is inside.
-fn on_face(of: &Standing<'_>, face: u16, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64) {
-    let (normal, on) = match &of.of.plane {
-        Some(normal) => (of.pose.rotation * normal, of.pose.translation.vector),
-        None => {
-            let face = &of.of.faces[usize::from(face)];
-            (of.pose.rotation * face.normal, of.vertices[face.corners[0]])
-        }
-    };
+pub(super) fn on_face(of: &Standing<'_>, face: u16, point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64) {
+    let (normal, on) = of.plane_of(face);
     let foot = point - normal * normal.dot(&(point - on));
     let inside = if of.of.plane.is_some() { f64::INFINITY } else { of.inside(face, &foot) };
     (normal, foot, inside)
 }
 
 /// The foot of a point on an edge, the direction of the edge, and how far that is between its ends.
-fn on_edge([p, q]: [Vector3<f64>; 2], point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64) {
+pub(super) fn on_edge([p, q]: [Vector3<f64>; 2], point: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>, f64) {
     let length = (q - p).norm();
     let u = (q - p) / length;
     let along = u.dot(&(point - p));
     (p + u * along, u, along.min(length - along))
-}
-
-/// How velocities of both solids move a pair: rate of its normal in inertial axes, and velocity of its point (m/s).
-#[derive(Debug, Clone, Copy)]
-pub struct Drift {
-    /// ṅ (1/s).
-    pub normal: Vector3<f64>,
-    /// Velocity of the geometrical point of contact on the first surface (m/s); it moves along both.
-    pub point: Vector3<f64>,
-}
-
-/// The velocity of a material point of a solid: `(velocity of a point, angular velocity)` at an arm from that.
-fn material(velocity: &Vector3<f64>, spin: &Vector3<f64>, arm: Vector3<f64>) -> Vector3<f64> {
-    velocity + spin.cross(&arm)
-}
-
-impl Meeting {
-    /// Rates of the pair. `at`, `velocities` and `spins` are points of both bodies (m), their velocities and angular velocities;
-    /// `radius` is that of the first solid.
-    pub fn drift(
-        &self,
-        at: [Vector3<f64>; 2],
-        velocities: [Vector3<f64>; 2],
-        spins: [Vector3<f64>; 2],
-        radius: f64,
-    ) -> Drift {
-        let [va, vb] = [0, 1].map(|i| material(&velocities[i], &spins[i], self.cores[i] - at[i]));
-        let n = self.normal;
-        let apart = n.dot(&(self.cores[1] - self.cores[0]));
-        let across = |x: Vector3<f64>, axis: Vector3<f64>| x - axis * axis.dot(&x);
-        // Seen from a solid that carries the direction of an edge, the normal turns with what moves across that edge.
-        let about_edge = |carrier: usize, edge: Vector3<f64>| {
-            let slip = vb - va;
-            // Relative to the carrier's axes.
-            let seen = slip - spins[carrier].cross(&(self.cores[1] - self.cores[0]));
-            spins[carrier].cross(&n) + across(across(seen, edge), n) / apart
-        };
-        match self.features {
-            [Feature::Face(_), _] => {
-                let normal = spins[0].cross(&n);
-                // The foot of the second core point on the face.
-                let point = vb - (apart - radius) * normal - n * n.dot(&(vb - va));
-                Drift { normal, point }
-            }
-            [_, Feature::Face(_)] => {
-                let normal = spins[1].cross(&n);
-                Drift { normal, point: va + radius * normal }
-            }
-            [Feature::Vertex(_), Feature::Vertex(_)] => {
-                let normal = across(vb - va, n) / apart;
-                Drift { normal, point: va + radius * normal }
-            }
-            [Feature::Edge(_), Feature::Vertex(_)] => {
-                let normal = about_edge(0, self.edges[0]);
-                let point = vb - (apart - radius) * normal - n * n.dot(&(vb - va));
-                Drift { normal, point }
-            }
-            [Feature::Vertex(_), Feature::Edge(_)] => {
-                let normal = about_edge(1, self.edges[1]);
-                Drift { normal, point: va + radius * normal }
-            }
-            [Feature::Edge(_), Feature::Edge(_)] => {
-                let [u, v] = self.edges;
-                let [du, dv] = [spins[0].cross(&u), spins[1].cross(&v)];
-                let crossed = u.cross(&v);
-                let sign = if crossed.dot(&n) < 0.0 { -1.0 } else { 1.0 };
-                let normal = across(sign * (du.cross(&v) + u.cross(&dv)), n) / crossed.norm();
-                // The foot on the first edge moves along it by what keeps the line between both feet along n.
-                // x_b − x_a = apart n:  v_b + ẏ v − v_a − ẋ u = d(apart) n + apart ṅ
-                let slip = vb - va - apart * normal;
-                let square = crossed.norm_squared();
-                let x = slip.cross(&v).dot(&crossed) / square;
-                Drift { normal, point: va + x * u + radius * normal }
-            }
-        }
-    }
-
-    /// What velocities add to `g̈` beyond the accelerations of the material core points: with `ν` the rate of the normal
-    /// relative to the inertial axes,
-    ///
-    /// ```text
-    /// (3)  g = n·(x_b − x_a),   g̈ = n·(ẍ_b − ẍ_a) + 2 ṅ·(ẋ_b − ẋ_a) + n̈·(x_b − x_a)
-    /// ```
-    ///
-    /// for material points; of a curved pair the points move along the cores, which the second order of the distance has.
-    pub fn bias(
-        &self,
-        at: [Vector3<f64>; 2],
-        velocities: [Vector3<f64>; 2],
-        spins: [Vector3<f64>; 2],
-        drift: &Drift,
-    ) -> f64 {
-        let [va, vb] = [0, 1].map(|i| material(&velocities[i], &spins[i], self.cores[i] - at[i]));
-        let n = self.normal;
-        let apart = n.dot(&(self.cores[1] - self.cores[0]));
-        2.0 * drift.normal.dot(&(vb - va)) - apart * drift.normal.norm_squared()
-    }
 }

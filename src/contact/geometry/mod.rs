@@ -1,6 +1,6 @@
 //! Solids that touch: the gap between two of them, its normal, and the points at which they press on each other.
 //!
-//! A solid is a convex core (a point, a segment, a polytope) with a radius about it, or a half space. Two solids that touch
+//! A solid is a convex core (a point, a segment, a cylinder, a polytope) with a radius about it, or a half space. Two solids that touch
 //! have a common tangent plane with normal `n`, from the first to the second. The features of both cores in that plane,
 //! projected along `n`, are convex polygons (or segments, or points); what they have in common is the region of contact, and
 //! its corners are the points of contact: pressure anywhere in the region is a convex combination of forces at them.
@@ -14,8 +14,12 @@
 //! normal of largest separation among those of their faces and of pairs of their edges (separating axes: Gottschalk, Lin,
 //! Manocha, "OBBTree", SIGGRAPH 1996); if several are equally good, as of two edges that meet, it is their mean.
 
+mod cylinder;
+mod drift;
 pub mod feature;
+pub mod meet;
 mod polygon;
+mod rim;
 mod solid;
 mod touch;
 

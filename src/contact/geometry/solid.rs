@@ -13,6 +13,8 @@ pub struct Core {
     normals: Vec<Vector3<f64>>,
     /// Unit directions of the edges between faces, each once but for its sign.
     edges: Vec<Vector3<f64>>,
+    /// Radius of a disc about every corner, across the segment (m): that of a cylinder, else 0.
+    pub(super) rim: f64,
 }
 
 /// A solid in the axes of its shape.
@@ -53,6 +55,12 @@ impl Core {
         Self { vertices: vec![-end, end], edges: vec![Vector3::z()], ..Self::default() }
     }
 
+    /// A cylinder along z about the origin (m).
+    pub fn cylinder(radius: f64, length: f64) -> Self {
+        let normals = vec![-Vector3::z(), Vector3::z()];
+        Self { normals, rim: radius, ..Self::segment(length) }
+    }
+
     /// A box about the origin with these edge lengths (m).
     pub fn cuboid(edges: &Vector3<f64>) -> Self {
         let corner = |i: usize| {
@@ -66,6 +74,7 @@ impl Core {
             triangles: quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
             normals,
             edges: (0..3).map(|i| Vector3::ith(i, 1.0)).collect(),
+            rim: 0.0,
         }
     }
 
@@ -102,7 +111,12 @@ impl Core {
                 edges.push(along);
             }
         }
-        Ok(Self { vertices, triangles, normals, edges })
+        Ok(Self { vertices, triangles, normals, edges, rim: 0.0 })
+    }
+
+    /// Radius of a cylinder about its segment (m); 0 of another core.
+    pub fn rim(&self) -> f64 {
+        self.rim
     }
 }
 
@@ -115,22 +129,15 @@ impl Solid {
             let along = core.vertices.iter().map(|v| v[axis]);
             along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
         };
-        let extents = (0..3).map(extent).map(|extent| extent + 2.0 * radius).filter(|extent| *extent > 0.0);
+        let across = |axis: usize| if axis == 2 { 0.0 } else { 2.0 * core.rim };
+        let extents = (0..3).map(|axis| extent(axis) + across(axis) + 2.0 * radius).filter(|extent| *extent > 0.0);
         extents.fold(f64::INFINITY, f64::min)
-    }
-
-    /// Its radius about its core (m); 0 for a plane.
-    pub fn radius(&self) -> f64 {
-        match self {
-            Self::Plane(_) => 0.0,
-            Self::Round(_, radius) => *radius,
-        }
     }
 
     /// Radius of a ball about the origin of its shape that holds it (m); infinite for a plane.
     pub fn reach(&self) -> f64 {
         let Self::Round(core, radius) = self else { return f64::INFINITY };
-        core.vertices.iter().map(|vertex| vertex.norm()).fold(0.0, f64::max) + radius
+        core.vertices.iter().map(|vertex| vertex.norm().hypot(core.rim)).fold(0.0, f64::max) + radius
     }
 
     /// The solid where its shape stands.
@@ -147,6 +154,7 @@ impl Solid {
                 normals: core.normals.iter().map(|n| pose.rotation * n).collect(),
                 edges: core.edges.iter().map(|e| pose.rotation * e).collect(),
                 radius: *radius,
+                rim: core.rim,
             },
         }
     }
@@ -162,11 +170,19 @@ pub struct Placed {
     pub(super) normals: Vec<Vector3<f64>>,
     pub(super) edges: Vec<Vector3<f64>>,
     pub(super) radius: f64,
+    /// Of a cylinder, across its only edge (m); else 0.
+    pub(super) rim: f64,
 }
 
 impl Placed {
     /// The largest `n·x` of the core.
     pub(super) fn support(&self, n: &Vector3<f64>) -> f64 {
-        self.vertices.iter().map(|v| n.dot(v)).fold(f64::NEG_INFINITY, f64::max)
+        let corners = self.vertices.iter().map(|v| n.dot(v)).fold(f64::NEG_INFINITY, f64::max);
+        if self.rim > 0.0 { corners + self.rim * self.edges[0].cross(n).norm() } else { corners }
     }
+}
+
+/// How far two cores are apart along a unit vector from the first to the second (m).
+pub(super) fn apart(a: &Placed, b: &Placed, n: &Vector3<f64>) -> f64 {
+    -b.support(&-n) - a.support(n)
 }

@@ -1,7 +1,8 @@
 //! Gap, normal and points of two solids.
 
+use super::cylinder;
 use super::polygon::{common, hull};
-use super::solid::Placed;
+use super::solid::{Placed, apart};
 use nalgebra::Vector3;
 
 /// How two solids touch.
@@ -80,7 +81,10 @@ fn axes(a: &Placed, b: &Placed, slack: f64) -> Option<(f64, Vector3<f64>)> {
     let crossed = a.edges.iter().flat_map(|one| b.edges.iter().map(move |other| one.cross(other)));
     let crossed = crossed.filter_map(|axis| axis.try_normalize(1e-6)).flat_map(|axis| [axis, -axis]);
     let all = a.normals.iter().copied().chain(b.normals.iter().map(|n| -n)).chain(crossed);
-    let measured: Vec<(f64, Vector3<f64>)> = all.map(|n| (-b.support(&-n) - a.support(&n), n)).collect();
+    let mut measured: Vec<(f64, Vector3<f64>)> = all.map(|n| (apart(a, b, &n), n)).collect();
+    for normal in cylinder::axes(a, b).into_iter().chain(cylinder::axes(b, a).into_iter().map(|n| -n)) {
+        measured.push((apart(a, b, &normal), normal));
+    }
     let best = measured.iter().map(|(apart, _)| *apart).max_by(f64::total_cmp)?;
     let good = measured.iter().filter(|(apart, _)| *apart >= best - EQUAL * slack);
     let mut sum = Vector3::zeros();
@@ -97,6 +101,13 @@ fn axes(a: &Placed, b: &Placed, slack: f64) -> Option<(f64, Vector3<f64>)> {
 
 /// Nearest points of two cores of which one is a point or a segment.
 fn nearest(a: &Placed, b: &Placed) -> (Vector3<f64>, Vector3<f64>) {
+    if b.rim > 0.0 {
+        return cylinder::nearest(a, b);
+    }
+    if a.rim > 0.0 {
+        let (to, from) = cylinder::nearest(b, a);
+        return (from, to);
+    }
     let mut best = (f64::INFINITY, Vector3::zeros(), Vector3::zeros());
     let mut take = |from: Vector3<f64>, to: Vector3<f64>| {
         let far = (to - from).norm_squared();
@@ -173,7 +184,19 @@ fn region(normal: &Vector3<f64>, a: &Placed, b: &Placed, slack: f64) -> Option<T
     }
     let frame = Frame::new(normal);
     let (low, high) = (hull(&frame.lowest(a, 1.0, slack), slack), hull(&frame.lowest(b, -1.0, slack), slack));
-    let corners = common(&low, &high, slack);
+    let mut corners = common(&low, &high, slack);
+    // Within a disc, and not within the polygon that stands for it.
+    let beyond = |core: &Placed, sign: f64, others: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        let Some(middle) = cylinder::disc(core, &(normal * sign), slack) else { return Vec::new() };
+        let [x, y] = [frame.first.dot(&middle), frame.second.dot(&middle)];
+        let within = |other: &&[f64; 2]| (other[0] - x).hypot(other[1] - y) <= core.rim + slack;
+        others.iter().filter(within).copied().collect()
+    };
+    let rest = [beyond(a, 1.0, &high), beyond(b, -1.0, &low)].concat();
+    if !rest.is_empty() {
+        corners.extend(rest);
+        corners = hull(&corners, slack);
+    }
     let height = 0.5 * (top + bottom);
     let mut points: Vec<_> = corners.iter().map(|corner| frame.point(corner, height)).collect();
     if points.is_empty() && gap < -slack {
@@ -202,6 +225,10 @@ impl Frame {
     /// The vertices furthest along `sign` times the normal, in the plane.
     fn lowest(&self, core: &Placed, sign: f64, slack: f64) -> Vec<[f64; 2]> {
         let towards = self.normal * sign;
+        if core.rim > 0.0 {
+            let flat = |point: Vector3<f64>| [self.first.dot(&point), self.second.dot(&point)];
+            return cylinder::lowest(core, &towards, slack, &[self.first, self.second]).into_iter().map(flat).collect();
+        }
         let most = core.support(&towards) - slack;
         let near = core.vertices.iter().filter(|v| towards.dot(v) >= most);
         near.map(|v| [self.first.dot(v), self.second.dot(v)]).collect()

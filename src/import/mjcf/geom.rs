@@ -99,7 +99,7 @@ pub(super) fn geom(
                 return None;
             }
             let (solid, unit) = primitive(settled, kind, &size, shell)?;
-            if matches!(kind, "ellipsoid" | "cylinder") {
+            if kind == "ellipsoid" {
                 touching = Err(format!("{kind}s touch nothing yet"));
             }
             (Some((solid, pose)), Ok(unit))

@@ -78,23 +78,16 @@ impl<'a> Looks<'a> {
     fn touching(&self, collision: &Element<'a>) -> Option<Entry> {
         let mut shape = self.shape(collision, TOUCHES)?;
         let solid = collision.child("geometry")?.all_children().next()?;
-        match solid.name() {
-            "cylinder" => {
-                solid.note(Taken::Ignored, "a cylinder touches nothing yet");
+        if solid.name() == "mesh" {
+            let file = solid.attribute("filename")?;
+            let path = files::find(file.value, self.path, self.options)?;
+            let scale = solid.attribute("scale").and_then(|scale| drawn_numbers::<3>(&scale)).unwrap_or([1.0; 3]);
+            if let Err(why) = hull_of(&path, scale) {
+                solid.note(Taken::Ignored, format!("it {TOUCHES}: {why}"));
                 return None;
             }
-            "mesh" => {
-                let file = solid.attribute("filename")?;
-                let path = files::find(file.value, self.path, self.options)?;
-                let scale = solid.attribute("scale").and_then(|scale| drawn_numbers::<3>(&scale)).unwrap_or([1.0; 3]);
-                if let Err(why) = hull_of(&path, scale) {
-                    solid.note(Taken::Ignored, format!("it {TOUCHES}: {why}"));
-                    return None;
-                }
-                solid.note(Taken::Used, "its convex hull touches");
-                shape.set("hull", true, None);
-            }
-            _ => {}
+            solid.note(Taken::Used, "its convex hull touches");
+            shape.set("hull", true, None);
         }
         Some(shape)
     }

@@ -1,7 +1,7 @@
 //! Contact and dry friction.
 
 use super::super::fields::{Key, Kind, Range, Table};
-use super::NOT_NEGATIVE;
+use super::{NOT_NEGATIVE, POSITIVE};
 
 /// Two numbers in place of one: friction at rest and in motion.
 pub const FRICTION: Table = Table {
@@ -42,9 +42,16 @@ pub const CONTACT: Table = Table {
         Key::new(
             "restitution",
             Kind::Number(Range::Between(0.0, 1.0)),
-            "Part of the approaching speed that they part with.",
+            "Rigid: part of the approaching speed that they part with.",
         )
         .default("0.0")
         .example("0.5"),
+        Key::new("stiffness", POSITIVE, "Compliant: stiffness of every point of contact, along the normal.")
+            .unit("N/m")
+            .example("1e5"),
+        Key::new("damping", NOT_NEGATIVE, "Compliant: damping of every point of contact; a contact never pulls.")
+            .unit("N s/m")
+            .default("0.0")
+            .example("100.0"),
     ],
 };

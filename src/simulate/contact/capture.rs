@@ -46,8 +46,9 @@ const RISES: f64 = 0.2;
 const GAINED: f64 = 0.01;
 /// Energy gain that is rounding, in parts of the scene's weight over its length.
 const ROUNDING: f64 = 1e-9;
-/// What has sunk by more than this part of a shape's size is lost.
+/// What has sunk by more than this part of a shape's size is lost; a longer step than the shortest sinks by no more than a quarter of it.
 pub(super) const LOST: f64 = 1e-2;
+const SINKS: f64 = 0.25 * LOST;
 
 /// What carries over from step to step.
 #[derive(Debug, Default)]
@@ -64,6 +65,8 @@ pub(super) struct Memory {
     pub(super) steps: usize,
     /// The step that is tried next (s).
     step: f64,
+    /// How deep anything has sunk at the end of the last step, in parts of its size, if there was one.
+    depth: Option<f64>,
 }
 
 impl Memory {
@@ -107,6 +110,76 @@ impl Capture {
         let progress = Progress::new(motion, start)?;
         Ok(Self { progress, tolerance: tolerance.sqrt().clamp(COARSE[0], COARSE[1]), before, next: Vec::new() })
     }
+
+    /// A step and its halves, which are what is kept.
+    ///
+    /// # Errors
+    /// A state that cannot be evaluated.
+    fn attempt(&self, motion: &mut Motion, time: f64, [q, v]: [&[f64]; 2], step: f64) -> Result<Tried, Fault> {
+        let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
+        let whole = moreau(motion, time, [q, v], step, &warm)?;
+        let first = moreau(motion, time, [q, v], 0.5 * step, &warm)?;
+        let from = [first.position.as_slice(), first.velocity.as_slice()];
+        let mut made = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces)?;
+        let (scales, _) = motion.scales();
+        let off = whole.position.iter().zip(&made.position).zip(scales).map(|((a, b), scale)| (a - b).abs() / scale);
+        let error = off.fold(0.0, f64::max) / self.tolerance;
+        made.lost += first.lost;
+        made.raised += first.raised;
+        let Motion { contacts: Some(contacts), system, .. } = motion else {
+            return Ok(Tried { made, error, found: true, gained: 0.0, depth: 0.0, sinks: 0.0 });
+        };
+        // Contacts take energy out; what has sunk may rise by a little.
+        let after = system.at(time + step, &made.position, &made.velocity).energies().kinetic;
+        let rounding = ROUNDING * contacts.scale * contacts.model.length_scale();
+        let gained = -made.lost - made.raised - GAINED * after - rounding;
+        let depth = contacts.depth(system);
+        let (found, sinks) = (first.found && made.found, depth - contacts.memory.depth.unwrap_or(0.0));
+        Ok(Tried { found, made, error, gained, depth, sinks })
+    }
+}
+
+/// A step that may be too long.
+struct Tried {
+    /// Its second half, with what both halves took out.
+    made: Made,
+    /// Of its position, in parts of what is allowed.
+    error: f64,
+    /// Whether the forces of both halves are found.
+    found: bool,
+    /// Energy that it gains beyond what it may (J).
+    gained: f64,
+    /// How deep anything has sunk at its end, and how much deeper than at the end of the last step, in parts of its size: positions are
+    /// compared with the scene's length, and shapes may be thin.
+    depth: f64,
+    sinks: f64,
+}
+
+impl Tried {
+    /// Whether it is short enough.
+    fn keeps(&self) -> bool {
+        self.found && self.error <= 1.0 && self.gained <= 0.0 && self.sinks <= SINKS
+    }
+}
+
+/// Carries over what a step did; `next` has the step that is tried next (s) from the one that was.
+fn remember(motion: &mut Motion, tried: Tried, next: impl Fn(f64) -> f64) {
+    let Tried { made, depth, .. } = tried;
+    let span = motion.model().time_scale();
+    let scales = motion.scales().1.to_vec();
+    let Some(contacts) = &mut motion.contacts else { return };
+    let slow = contacts.slow * 1e2 / contacts.model.length_scale();
+    let still = scales.iter().zip(&made.velocity).all(|(scale, v)| v.abs() <= slow * span * scale);
+    let memory = &mut contacts.memory;
+    memory.lost += made.lost;
+    memory.steps += 1;
+    memory.depth = Some(depth);
+    memory.step = next(memory.step);
+    let active: Vec<Id> = made.forces.iter().map(|(id, _)| *id).collect();
+    memory.calm = if active == memory.active { memory.calm + 1 } else { 0 };
+    memory.active = active;
+    memory.forces = made.forces;
+    memory.still = if still { memory.still + 1 } else { 0 };
 }
 
 impl Stepper<Motion> for Capture {
@@ -117,66 +190,32 @@ impl Stepper<Motion> for Capture {
         }
         let span = motion.model().time_scale();
         let (q, v) = (self.progress.position().to_vec(), self.progress.velocity().to_vec());
-        let Some(contacts) = &motion.contacts else { return Ok(()) };
+        let Motion { contacts: Some(contacts), system, .. } = motion else { return Ok(()) };
+        if contacts.memory.depth.is_none() {
+            system.at(time, &q, &v);
+            contacts.memory.depth = Some(contacts.depth(system));
+        }
         let mut h = if contacts.memory.step > 0.0 { contacts.memory.step } else { 0.1 * LONGEST * span };
         loop {
             h = h.min(LONGEST * span).max(SHORTEST * span);
             let last = h >= left * (1.0 - 1e-12);
             let step = if last { left } else { h };
             let fail = |fault: Fault| StepError::Underflow { time, step, limit: Limit::Failure(fault.into()) };
-            let warm = motion.contacts.as_ref().map_or_else(Vec::new, |contacts| contacts.memory.forces.clone());
-            let whole = moreau(motion, time, [&q, &v], step, &warm).map_err(fail)?;
-            let first = moreau(motion, time, [&q, &v], 0.5 * step, &warm).map_err(fail)?;
-            let from = [first.position.as_slice(), first.velocity.as_slice()];
-            let second = moreau(motion, time + 0.5 * step, from, 0.5 * step, &first.forces).map_err(fail)?;
-            let (scales, _) = motion.scales();
-            if !(first.found && second.found) && step > SHORTEST * span {
-                // Of a shorter step fewer supports are in the way.
+            let tried = self.attempt(motion, time, [&q, &v], step).map_err(fail)?;
+            let proposed = h * (0.8 * tried.error.max(1e-9).powf(-0.5)).clamp(0.2, 3.0);
+            if step > SHORTEST * span && !tried.keeps() {
                 self.progress.reject();
-                h = 0.5 * step;
+                // Of a shorter step fewer supports are in the way, and less sinks.
+                h = if tried.found && !(tried.error <= 1.0) { proposed.min(0.5 * step) } else { 0.5 * step };
                 continue;
             }
-            let off =
-                whole.position.iter().zip(&second.position).zip(scales).map(|((a, b), scale)| (a - b).abs() / scale);
-            let error = off.fold(0.0, f64::max) / self.tolerance;
-            let proposed = h * (0.8 * error.max(1e-9).powf(-0.5)).clamp(0.2, 3.0);
-            if !(error <= 1.0) && step > SHORTEST * span {
-                self.progress.reject();
-                h = proposed.min(0.5 * step);
-                continue;
-            }
-            // Contacts take energy out; what has sunk may rise by a little.
-            let after = motion.system.at(time + step, &second.position, &second.velocity).energies().kinetic;
-            let gained = -(first.lost + second.lost) - (first.raised + second.raised);
-            let rounding = motion
-                .contacts
-                .as_ref()
-                .map_or(0.0, |contacts| ROUNDING * contacts.scale * contacts.model.length_scale());
-            if !(gained <= GAINED * after + rounding) {
-                if step <= SHORTEST * span {
-                    let message = format!("captured contacts would gain {gained:.3e} J in it");
-                    return Err(StepError::Underflow { time, step, limit: Limit::Failure(Failure { message }) });
-                }
-                self.progress.reject();
-                h = 0.5 * step;
-                continue;
+            if !(tried.gained <= 0.0) {
+                let message = format!("captured contacts would gain {:.3e} J more in it than rounding", tried.gained);
+                return Err(StepError::Underflow { time, step, limit: Limit::Failure(Failure { message }) });
             }
             self.before = (q, v);
-            self.next = [second.position.as_slice(), second.velocity.as_slice()].concat();
-            let Some(contacts) = &mut motion.contacts else { return Ok(()) };
-            let memory = &mut contacts.memory;
-            memory.lost += first.lost + second.lost;
-            memory.steps += 1;
-            memory.step = if last { memory.step.max(proposed.min(h)) } else { proposed };
-            let active: Vec<Id> = second.forces.iter().map(|(id, _)| *id).collect();
-            memory.calm = if active == memory.active { memory.calm + 1 } else { 0 };
-            memory.active = active;
-            memory.forces = second.forces;
-            let slow = contacts.slow * 1e2 / contacts.model.length_scale();
-            let still = motion.scales().1.iter().zip(&second.velocity).all(|(scale, v)| v.abs() <= slow * span * scale);
-            if let Some(contacts) = &mut motion.contacts {
-                contacts.memory.still = if still { contacts.memory.still + 1 } else { 0 };
-            }
+            self.next = [tried.made.position.as_slice(), tried.made.velocity.as_slice()].concat();
+            remember(motion, tried, |before| if last { before.max(proposed.min(h)) } else { proposed });
             let end = if last { self.progress.end() } else { time + step };
             self.progress.advance(end, &mut self.next);
             return Ok(());
@@ -223,8 +262,15 @@ impl Contacts {
     pub(in crate::simulate) fn deepest(&self) -> Option<([String; 2], f64)> {
         let near = self.pairs.near(&vec![0.0; self.pairs.pieces.len()]).into_iter();
         let depth = |couple: usize| (couple, self.pairs.depth(couple) / self.pairs.couples[couple].size);
-        let (couple, depth) = near.map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (couple, depth) =
+            near.filter(|couple| self.is_rigid(*couple)).map(depth).max_by(|a, b| a.1.total_cmp(&b.1))?;
         Some((self.between(couple), depth))
+    }
+
+    /// How deep anything has sunk at the place of a system, in parts of its size.
+    fn depth(&mut self, system: &System) -> f64 {
+        self.pairs.place_at(system.links());
+        self.deepest().map_or(0.0, |(_, depth)| depth)
     }
 
     /// The couple that has sunk by more than [`LOST`], and how far; places shapes at the place of the system.
@@ -335,6 +381,18 @@ impl Contacts {
     }
 }
 
+/// The force of a support in a list of contacts by couples, and then of hinges.
+fn remembered(forces: &[(Id, Vector3<f64>)], wanted: Id) -> Option<Vector3<f64>> {
+    let from = match wanted {
+        Id::Contact(key) => {
+            forces.partition_point(|(id, _)| matches!(id, Id::Contact(other) if other.couple < key.couple))
+        }
+        Id::Stop(..) | Id::Friction(_) => forces.partition_point(|(id, _)| matches!(id, Id::Contact(_))),
+    };
+    let end = |id: &Id| matches!((id, wanted), (Id::Contact(other), Id::Contact(key)) if other.couple > key.couple);
+    forces[from..].iter().take_while(|(id, _)| !end(id)).find(|(id, _)| *id == wanted).map(|(_, force)| *force)
+}
+
 /// (1) and (2).
 fn moreau(
     motion: &mut Motion,
@@ -366,14 +424,15 @@ fn moreau(
     };
     // Of hinges the three numbers are their own.
     let basis = |i: usize| frames.get(i).map_or_else(Matrix3::identity, |frame| frame.basis);
-    let known = |support: &Support| warm.iter().find(|(id, _)| *id == support.id).map(|(_, force)| force * h);
+    let known = |support: &Support| remembered(warm, support.id).map(|force| force * h);
     let guess = |i: usize| known(&supports[i]).map_or_else(Vector3::zeros, |force| basis(i).tr_mul(&force));
     let problem = Problem {
         blocks: blocks.matrix(),
         rates: supports.iter().map(rate).collect(),
         laws: supports.iter().map(|support| support.law.times(h)).collect(),
     };
-    let found = problem.solve(&(0..supports.len()).map(guess).collect::<Vec<_>>(), FOUND, MOST_SWEEPS);
+    let guesses: Vec<Vector3<f64>> = (0..supports.len()).map(guess).collect();
+    let found = problem.solve(&guesses, FOUND, MOST_SWEEPS);
     let before: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     blocks.push(&found.forces, &mut velocity);
     let (mut lost, mut raised) = (0.0, 0.0);

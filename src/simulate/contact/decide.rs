@@ -67,6 +67,8 @@ impl Contacts {
         for round in 0.. {
             self.lift(system, time, state)?;
             let frames = self.meet(system, time, state)?;
+            let rigid: Vec<Frame> = frames.into_iter().filter(|frame| self.is_rigid(frame.key.couple)).collect();
+            let frames = rigid;
             if !frames.iter().any(|frame| self.approaches(frame)) {
                 break;
             }
@@ -87,10 +89,15 @@ impl Contacts {
             let why = format!("{} contacts are too many", frames.len());
             return Err(Trouble::Undecided { between: self.between(frames[0].key.couple), why });
         }
-        let near = |frame: &Frame| frame.speed.x < self.rest;
+        let near = |frame: &Frame| match self.is_rigid(frame.key.couple) {
+            true => frame.speed.x < self.rest,
+            false => self.bears(frame) || self.is_deep(frame),
+        };
         let frames: Vec<Frame> = frames.into_iter().filter(near).collect();
         self.closing = GAP;
+        let stored = self.potential(system);
         self.close(&frames, struck.is_empty());
+        changed.lost += stored - self.potential(system);
         self.hold(system, time, state)?;
         self.decide(system, time, state, if at_limit { LESS } else { -0.5 * LESS })?;
         self.tell(&before, &struck, &mut changed);
@@ -114,8 +121,12 @@ impl Contacts {
         for _ in 0..6 {
             let frames = self.meet(system, time, state)?;
             let gaps: Vec<f64> = frames.iter().map(|frame| frame.meeting.gap).collect();
-            // What parts may stay open.
-            let off = |(gap, frame): (&f64, &Frame)| if frame.speed.x > self.rest { gap.min(0.0) } else { *gap };
+            // What parts may stay open; what is compliant is where it is.
+            let off = |(gap, frame): (&f64, &Frame)| match self.is_rigid(frame.key.couple) {
+                true if frame.speed.x > self.rest => gap.min(0.0),
+                true => *gap,
+                false => 0.0,
+            };
             let off: Vec<f64> = gaps.iter().zip(&frames).map(off).collect();
             if !off.iter().any(|gap| gap.abs() > 1e-15 * length) {
                 break;
@@ -144,7 +155,8 @@ impl Contacts {
             let meeting = frame.meeting;
             let force = Vector3::zeros();
             let axis = frame.basis.column(1).into_owned();
-            Closed { key: frame.key, mode, axis, gap: meeting.gap, meeting, force, slip, straight: false, across: 0.0 }
+            let (straight, across, pushes) = (false, 0.0, self.bears(frame));
+            Closed { key: frame.key, mode, axis, gap: meeting.gap, meeting, force, slip, straight, across, pushes }
         });
         self.closed = closed.collect();
     }
@@ -164,7 +176,13 @@ impl Contacts {
         }
         let mut a = vec![0.0; state.velocity.len()];
         self.refresh(system, time, &state.position, &state.velocity, &mut a)?;
-        let frames = self.frames.clone();
+        self.press_springs(system, &state.position, &state.velocity, &mut a);
+        let mut frames = self.frames.clone();
+        // Of what is compliant the normal force is known.
+        for frame in frames.iter_mut().filter(|frame| !self.is_rigid(frame.key.couple)) {
+            frame.columns[0].clear();
+            frame.bias.x = 0.0;
+        }
         let answers = responses(system, &state.position, &state.velocity, &frames);
         let rates: Vec<Vector3<f64>> = frames.iter().map(|frame| frame.rates(&a) + frame.bias).collect();
         let size = rates.iter().map(|rate| rate.amax()).fold(0.0, f64::max);
@@ -193,10 +211,12 @@ impl Contacts {
         // What has not been found yet slips if it does so clearly.
         let slips = if found.change <= FOUND { SLIPS } else { SLIPS.max(1e-4) } * size;
         self.closed.clear();
+        let mut springs = 0.0_f64;
         for (k, closed) in touching.iter().enumerate() {
             let (force, rate, mut closed) = (found.forces[k], found.rates[k], closed.clone());
             let frictionless = self.law(closed.key.couple).friction.stick == 0.0;
             closed.mode = match (found.states[k], closed.mode) {
+                (_, mode) if !self.is_rigid(closed.key.couple) => mode,
                 (Did::Open, _) if rate.x > slips => continue,
                 (Did::Open, _) => Mode::Spare,
                 (Did::Stick, _) => Mode::Stick,
@@ -209,12 +229,14 @@ impl Contacts {
                     Mode::Slip(direction.unwrap_or_else(|| frames[k].basis.column(1).into_owned()))
                 }
             };
-            closed.force = frames[k].basis * force;
+            let sprung = self.sprung(&closed, &frames[k]);
+            springs = springs.max(sprung);
+            closed.force = frames[k].basis * (force + Vector3::x() * sprung);
             closed.straight = false;
             self.closed.push(closed);
         }
         self.straighten();
-        let largest = found.forces.iter().map(|f| f.amax()).fold(0.0, f64::max);
+        let largest = found.forces.iter().map(|f| f.amax()).fold(springs, f64::max);
         self.scale = if largest > 0.0 { largest } else { self.scale };
     }
 
@@ -286,8 +308,9 @@ impl Contacts {
             }
             self.turn(turn >= MOST_TURNS);
         }
+        let rigid = |frame: &&Frame| self.is_rigid(frame.key.couple);
         let rises = |frame: &Frame| (frame.rates(&a) + frame.bias).x >= -SINKS * size;
-        Ok(self.reserve() >= -BEYOND && frames.iter().all(rises))
+        Ok(self.reserve() >= -BEYOND && frames.iter().filter(rigid).all(rises))
     }
 
     /// What has changed for couples, beside impacts.
@@ -303,6 +326,10 @@ impl Contacts {
             let of = self.closed.iter().zip(&self.frames).find(|(closed, _)| closed.key.couple == *couple);
             let rolls = of.is_some_and(|(_, frame)| frame.spin.norm() > self.slow / self.model.length_scale());
             let frictionless = self.law(*couple).friction.stick == 0.0;
+            let meets = of.filter(|(_, frame)| was.is_none() && !self.is_rigid(frame.key.couple));
+            if let Some((_, frame)) = meets {
+                changed.told.push(self.say(Kind::Strikes, *couple, -frame.speed.x));
+            }
             let kind = match (was, slips) {
                 (Some(false), true) => Kind::Slip,
                 (Some(true), false) if !frictionless => {

@@ -22,6 +22,7 @@ mod capture;
 mod decide;
 mod impact;
 mod rows;
+mod spring;
 mod watch;
 
 use super::state::State;
@@ -81,6 +82,8 @@ pub(super) struct Closed {
     /// Whether it slips along a straight line, and the force across that, in parts of friction.
     straight: bool,
     across: f64,
+    /// Whether it may bear: a compliant one does not where it would pull.
+    pushes: bool,
 }
 
 /// The contacts of a run.
@@ -212,16 +215,23 @@ impl Contacts {
             }
             let first = found.len();
             let closed = &self.closed;
+            let (rigid, overlap) = (self.is_rigid(couple), OnceCell::new());
+            let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
             self.pairs.meetings(couple, loose * size, loose * size, |meeting| {
                 let key = Key { couple, features: meeting.features };
                 let was = closed.iter().any(|closed| closed.key == key);
-                let counts = was || meeting.inside >= -closing * size && meeting.gap < closing * size;
+                let inside = meeting.inside.min(meeting.flat);
+                let counts = was || inside >= -closing * size && meeting.gap < closing * size;
                 // Deeper than that it is the far side of something thin.
                 let double = |(_, other): &(Key, Meeting)| {
                     (other.point - meeting.point).norm() < 10.0 * LOOSE * size
                         && other.normal.dot(&meeting.normal) > 1.0 - 1e-6
                 };
-                if counts && meeting.gap > -closing.max(MISSED) * size && !found[first..].iter().any(double) {
+                let near = match rigid {
+                    true => meeting.gap > -closing.max(MISSED) * size,
+                    false => self.touches_springs(&meeting, depth, size),
+                };
+                if counts && near && !found[first..].iter().any(double) {
                     found.push((key, meeting));
                 }
             });
@@ -314,7 +324,7 @@ impl Contacts {
 
     /// Power that slips take out at the last place (W).
     pub(super) fn dissipated(&self) -> f64 {
-        self.closed.iter().map(|closed| -closed.force.dot(&closed.slip)).sum()
+        self.closed.iter().map(|closed| -closed.force.dot(&closed.slip)).sum::<f64>() + self.damped()
     }
 }
 

@@ -39,8 +39,11 @@ impl Contacts {
         let mut rows = Vec::new();
         for (of, (closed, frame)) in self.closed.iter().zip(&self.frames).enumerate() {
             let mut add = |measures: Vector3<f64>, pushes: Vector3<f64>| rows.push(Row { of, measures, pushes });
+            let rigid = self.is_rigid(closed.key.couple);
             match closed.mode {
                 Mode::Spare => {}
+                // Its spring presses.
+                _ if !rigid => {}
                 Mode::Stick => [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().for_each(|e| add(e, e)),
                 Mode::Slip(_) => {
                     let friction = self.law(closed.key.couple).friction.slide;
@@ -76,7 +79,12 @@ impl Contacts {
         self.reserve.take();
         self.gaps.iter_mut().for_each(|gap| *gap = OnceCell::new());
         self.closed.iter_mut().for_each(|closed| (closed.force, closed.across) = (Vector3::zeros(), 0.0));
+        self.press_springs(system, q, v, a);
         if rows.is_empty() {
+            if self.resting {
+                a.fill(0.0);
+            }
+            self.press(system);
             return Ok(());
         }
         let answers = self.answers(system, q, v, &rows);
@@ -180,6 +188,7 @@ impl Contacts {
                 self.refresh(system, time, q, v, &mut scratch)?;
                 let off = |(closed, frame): (&Closed, &Frame)| match closed.mode {
                     Mode::Spare => 0.0,
+                    _ if !self.is_rigid(closed.key.couple) => 0.0,
                     _ => frame.meeting.gap - closed.gap,
                 };
                 self.closed.iter().zip(&self.frames).map(off).collect::<Vec<_>>()
@@ -231,10 +240,11 @@ impl Contacts {
     /// The shortest displacement, in the metric of the inertia, that takes these gaps away.
     pub(super) fn lifted(&self, system: &mut System, q: &[f64], v: &[f64], gaps: &[f64]) -> Vec<f64> {
         let e = Vector3::x();
-        let rows: Vec<Row> = (0..gaps.len()).map(|of| Row { of, measures: e, pushes: e }).collect();
+        let rigid = |of: &usize| self.is_rigid(self.frames[*of].key.couple);
+        let rows: Vec<Row> = (0..gaps.len()).filter(rigid).map(|of| Row { of, measures: e, pushes: e }).collect();
         let answers = self.answers(system, q, v, &rows);
-        let found =
-            shortest(self.matrix(&rows, &answers), DVector::from_iterator(gaps.len(), gaps.iter().map(|gap| -gap)));
+        let ways = DVector::from_iterator(rows.len(), rows.iter().map(|row| -gaps[row.of]));
+        let found = shortest(self.matrix(&rows, &answers), ways);
         let mut by = vec![0.0; v.len()];
         for (answer, f) in answers.iter().zip(found.iter()) {
             by.iter_mut().zip(answer).for_each(|(by, x)| *by += f * x);

@@ -1,6 +1,6 @@
 //! Numbers whose change of sign is an event of contact.
 
-use super::{Contacts, GAP, Mode, STRAIGHT};
+use super::{Closed, Contacts, GAP, Mode, STRAIGHT};
 use crate::contact::cone::Law;
 use crate::contact::frame::Frame;
 use crate::contact::pairs::{DEEPER, LOOSE};
@@ -18,6 +18,10 @@ pub(in crate::simulate) enum Aspect {
     Inside,
     /// How far what keeps slips straight is below [`super::STRAIGHT`].
     Straight,
+    /// What the spring of a closed contact bears, or would pull with (in parts of the largest force).
+    Spring(usize),
+    /// How deep a closed contact that bears nothing is (m).
+    Depth(usize),
     /// Slip of a closed contact along the direction in which it began.
     Slip(usize),
 }
@@ -38,6 +42,10 @@ impl Contacts {
         let slips = |at: usize| matches!(self.closed[at].mode, Mode::Slip(direction) if direction != Vector3::zeros());
         aspects.extend(self.closed.iter().any(|closed| closed.straight).then_some(Aspect::Straight));
         aspects.extend((0..self.closed.len()).filter(|at| slips(*at)).map(Aspect::Slip));
+        for at in (0..self.closed.len()).filter(|at| !self.is_rigid(self.closed[*at].key.couple)) {
+            aspects.push(Aspect::Spring(at));
+            aspects.extend((!self.closed[at].pushes).then_some(Aspect::Depth(at)));
+        }
         aspects
     }
 
@@ -47,6 +55,8 @@ impl Contacts {
             Aspect::Gap(couple) => 1e-4 * GAP * self.pairs.couples[couple].size,
             Aspect::Reserve => BEYOND,
             Aspect::Inside | Aspect::Straight => 0.0,
+            Aspect::Spring(_) => 1e-12,
+            Aspect::Depth(at) => 1e-4 * GAP * self.pairs.couples[self.closed[at].key.couple].size,
             Aspect::Slip(_) => 1e-3 * self.slow,
         }
     }
@@ -58,6 +68,11 @@ impl Contacts {
             Aspect::Reserve => [self.reserve(), 0.0],
             Aspect::Inside => [self.inside(), 0.0],
             Aspect::Straight => [STRAIGHT - self.bent(), 0.0],
+            Aspect::Spring(at) => {
+                let force = self.pressure(&self.frames[at]).unwrap_or(0.0) / self.scale;
+                [if self.closed[at].pushes { force } else { -force }, 0.0]
+            }
+            Aspect::Depth(at) => [-self.closed[at].meeting.gap, -self.frames[at].speed.x],
             Aspect::Slip(at) => {
                 let closed = &self.closed[at];
                 let Mode::Slip(held) = closed.mode else { return [1.0, 0.0] };
@@ -84,7 +99,7 @@ impl Contacts {
     fn inside(&self) -> f64 {
         let each = self.closed.iter().map(|closed| {
             let size = self.pairs.couples[closed.key.couple].size;
-            closed.meeting.inside + LOOSE * size
+            closed.meeting.inside.min(closed.meeting.flat) + LOOSE * size
         });
         each.fold(f64::INFINITY, f64::min)
     }
@@ -115,7 +130,7 @@ impl Contacts {
             // Features that are behind each other are none of shapes that are apart, nor those of the far side of others.
             let depth = || *overlap.get_or_init(|| self.pairs.depth(couple));
             let counts = || meeting.gap > -GAP * size || depth() > 0.0 && meeting.gap >= -DEEPER * depth();
-            if !is_closed && meeting.gap < best[0] && counts() {
+            if !is_closed && meeting.flat >= 0.0 && meeting.gap < best[0] && counts() {
                 let u = speed(1, &meeting.cores[1]) - speed(0, &meeting.cores[0]);
                 best = [meeting.gap, meeting.normal.dot(&u)];
             }
@@ -129,7 +144,8 @@ impl Contacts {
     }
 
     fn look(&self) -> f64 {
-        let each = self.closed.iter().filter(|closed| closed.mode != Mode::Spare).map(|closed| {
+        let bears = |closed: &&Closed| closed.mode != Mode::Spare && closed.pushes;
+        let each = self.closed.iter().filter(bears).map(|closed| {
             let n = closed.meeting.normal.dot(&closed.force);
             let across = (closed.force - closed.meeting.normal * n).norm();
             let friction = self.law(closed.key.couple).friction.stick;
@@ -144,9 +160,11 @@ impl Contacts {
         let law = |frame: &Frame| {
             let friction = self.law(frame.key.couple).friction;
             let slip = frame.slip();
-            let held = self.closed.iter().find(|closed| closed.key == frame.key).map(|closed| closed.mode);
-            match (held, slip.norm()) {
-                (_, speed) if speed > self.slow => {
+            if !self.is_rigid(frame.key.couple) {
+                return Law::Bounded { bound: 0.0 };
+            }
+            match slip.norm() {
+                speed if speed > self.slow => {
                     Law::Sliding { friction: friction.slide, direction: frame.flat(&(slip / speed)) }
                 }
                 _ => Law::Coulomb {

@@ -53,27 +53,23 @@ impl Run<'_, '_> {
         }
         if !self.model.hinge_friction.is_empty() && !contacts.resting {
             // Dry friction of hinges beside contacts is followed by captured steps alone.
-            self.catch(motion, time);
-            return Ok(());
+            return self.capture_or(motion, time, || "dry friction of hinges beside it".to_owned());
         }
         let before = system.at(time, &self.state.position, &self.state.velocity).energies();
         let kept = self.state.clone();
         let changed = match contacts.resolve(system, time, &mut self.state, at_limit) {
             Ok(changed) => changed,
             // What one cone problem does not decide steps do, one after the other.
-            Err(Trouble::Undecided { .. }) => {
+            Err(Trouble::Undecided { why, .. }) => {
                 self.state = kept;
-                self.catch(motion, time);
-                return Ok(());
+                return self.capture_or(motion, time, || why);
             }
             Err(trouble) => return Err(told(time, trouble)),
         };
         let after = system.at(time, &self.state.position, &self.state.velocity).energies();
         if contacts.deepest().is_some_and(|(_, depth)| depth > MISSED) {
-            // Shapes overlap that no contact keeps apart.
             self.state = kept;
-            self.catch(motion, time);
-            return Ok(());
+            return self.capture_or(motion, time, || "shapes overlap that no contact keeps apart".to_owned());
         }
         self.ledger.lose(changed.lost);
         // Only an impact does work on what drives move.
@@ -100,7 +96,8 @@ impl Run<'_, '_> {
                 contacts.comes_to_rest(&mut self.state, &a);
             }
         }
-        if motion.contacts.as_mut().is_some_and(|contacts| contacts.storms(time)) {
+        // What is compliant strikes nothing, and steps do not capture it.
+        if motion.contacts.as_mut().is_some_and(|contacts| !contacts.is_compliant() && contacts.storms(time)) {
             self.take_over(motion, time, "capture");
         }
         Ok(())
@@ -125,9 +122,23 @@ impl Run<'_, '_> {
         }
     }
 
+    /// Lets captured steps go on.
+    ///
+    /// # Errors
+    /// [`RunError::Contact`] of compliant contact, which they do not know, with the reason why they have to.
+    fn capture_or(&mut self, motion: &mut Motion, time: f64, why: impl FnOnce() -> String) -> Result<(), RunError> {
+        if self.catch(motion, time) {
+            return Ok(());
+        }
+        let name = self.model.contacts[0].name.clone();
+        let why = format!("at t = {time} s compliant contact cannot go on by events ({})", why());
+        Err(RunError::Contact { name, why })
+    }
+
     /// Lets captured steps go on where events do not; false if there are no contacts that they could capture.
     pub(super) fn catch(&mut self, motion: &mut Motion, time: f64) -> bool {
-        let Some(contacts) = motion.contacts.as_mut().filter(|contacts| !contacts.capturing) else { return false };
+        let can = |contacts: &&mut Box<Contacts>| !contacts.capturing && !contacts.is_compliant();
+        let Some(contacts) = motion.contacts.as_mut().filter(can) else { return false };
         contacts.storms_at(time);
         self.take_over(motion, time, "capture");
         true

@@ -2,8 +2,8 @@
 
 use crate::contact::geometry::{tangents, touch};
 use crate::contact::pairs::{Couple, Pairs, Untouchable};
-use crate::model::Model;
 use crate::model::contact::DryFriction;
+use crate::model::{Model, StopLaw};
 use crate::motion::Motion;
 use nalgebra::Vector3;
 
@@ -68,7 +68,8 @@ impl Scene {
         let [one, other] = pieces.map(|piece| pairs.placed(piece));
         let found = touch(&one, &other, slack).map_err(|_| Untouchable::NoNormal { between: between() })?;
         let Some(found) = found else { return Ok(()) };
-        if found.gap < -slack {
+        let compliant = matches!(model.contacts[rule].law, StopLaw::Compliant { .. });
+        if found.gap < -slack && !compliant {
             let at = found.points.first().map_or([0.0; 3], |point| (*point).into());
             return Err(Untouchable::Overlap { between: between(), depth: -found.gap, at, allowed: slack });
         }

@@ -37,7 +37,7 @@ use super::settings::{Margin, Settings};
 use crate::contact::support::Undecided;
 pub use crate::contact::support::Verdict;
 use crate::dynamics::Fault;
-use crate::model::{Description, Link, Model, Parameter};
+use crate::model::{Description, Link, Model, Parameter, StopLaw};
 use std::sync::Arc;
 
 /// Why the question has no answer.
@@ -168,6 +168,14 @@ pub fn standing(
 ) -> Result<Standing, Unanswered> {
     if let Some(drive) = model.drives.iter().find(|drive| drive.motion.at(0.0).velocity != 0.0) {
         let why = format!("drive `{}` moves at t = 0: whether a scene stands is asked of scenes at rest", drive.name);
+        return Err(Unanswered::Open(why));
+    }
+    if let Some(rule) = model.contacts.iter().find(|rule| matches!(rule.law, StopLaw::Compliant { .. })) {
+        let why = format!(
+            "contact `{}` is compliant, and statics knows rigid contact alone: leave out its `stiffness`, or let a run with `start = \"given\"` find \
+             where the scene comes to rest",
+            rule.name
+        );
         return Err(Unanswered::Open(why));
     }
     let scene = Scene::new(model, pose, settings.gap)?;

@@ -1,0 +1,175 @@
+//! Cylinders that touch: gaps and their rates against sampled surfaces and differences, then scenes against closed forms.
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use stillpoint::contact::geometry::feature::{Boundary, Near};
+use stillpoint::contact::geometry::meet::{meeting, pairs};
+use stillpoint::contact::geometry::{Core, Solid, touch};
+
+struct Random(u64);
+
+impl Random {
+    fn within(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        low + (high - low) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn vector(&mut self) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| self.within(-1.0, 1.0))
+    }
+
+    fn pose(&mut self, far: f64) -> Isometry3<f64> {
+        let turn = UnitQuaternion::from_scaled_axis(self.vector() * 3.0);
+        Isometry3::from_parts(Translation3::from(self.vector() * far), turn)
+    }
+}
+
+fn cylinder(radius: f64, length: f64) -> Solid {
+    Solid::Round(Core::cylinder(radius, length), 0.0)
+}
+
+/// Partners of a cylinder.
+fn partners() -> Vec<(&'static str, Solid)> {
+    vec![
+        ("plane", Solid::Plane(Vector3::z())),
+        ("ball", Solid::Round(Core::point(), 0.3)),
+        ("capsule", Solid::Round(Core::segment(0.8), 0.2)),
+        ("box", Solid::Round(Core::cuboid(&Vector3::new(0.5, 0.7, 0.9)), 0.0)),
+        ("cylinder", cylinder(0.3, 0.7)),
+    ]
+}
+
+/// A rigid motion at constant rates: where a pose is after a time.
+fn moved(pose: &Isometry3<f64>, velocity: &Vector3<f64>, spin: &Vector3<f64>, time: f64) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_scaled_axis(spin * time) * pose.rotation;
+    Isometry3::from_parts(Translation3::from(pose.translation.vector + velocity * time), turn)
+}
+
+/// First and second rates of every pair of features that counts are those of differences, for bodies that turn and move in any way;
+/// its normal and its point move as they are said to.
+#[test]
+fn rates_of_features_are_differences() {
+    let mut random = Random(0x51f1_77aa_02d3);
+    let own = Boundary::new(&cylinder(0.4, 0.6));
+    for (name, solid) in partners() {
+        let (other, mut count) = (Boundary::new(&solid), 0);
+        for _ in 0..300 {
+            let (a, b) = (random.pose(0.0), random.pose(1.0));
+            let velocities = [random.vector(), random.vector()];
+            let spins = [random.vector(), random.vector()];
+            let at =
+                |time: f64| [moved(&a, &velocities[0], &spins[0], time), moved(&b, &velocities[1], &spins[1], time)];
+            for swap in [false, true] {
+                let order = |x: [Isometry3<f64>; 2]| if swap { [x[1], x[0]] } else { x };
+                let flip = |x: [Vector3<f64>; 2]| if swap { [x[1], x[0]] } else { x };
+                let shapes = if swap { [&other, &own] } else { [&own, &other] };
+                let found = |time: f64, features| {
+                    let [p, q] = order(at(time));
+                    meeting(&shapes[0].standing(&p), &shapes[1].standing(&q), features, &Near::ALL)
+                };
+                let [p, q] = order(at(0.0));
+                for features in pairs(&shapes[0].standing(&p), &shapes[1].standing(&q)) {
+                    let Some(now) = found(0.0, features).filter(|now| now.inside > 0.02 && now.gap > -0.05) else {
+                        continue;
+                    };
+                    let h = 1e-4;
+                    let (Some(less), Some(more)) = (found(-h, features), found(h, features)) else { continue };
+                    let (vs, ws, places) =
+                        (flip(velocities), flip(spins), [p.translation.vector, q.translation.vector]);
+                    let arm = |i: usize| now.cores[i] - places[i];
+                    let speed = |i: usize| vs[i] + ws[i].cross(&arm(i));
+                    let drift = now.drift(places, vs, ws);
+                    let rate = now.normal.dot(&(speed(1) - speed(0)));
+                    let core = ws[1].cross(&ws[1].cross(&arm(1))) - ws[0].cross(&ws[0].cross(&arm(0)));
+                    let second = now.normal.dot(&core) + now.bias(places, vs, ws, &drift);
+                    let tilt = now.gap.abs().max(1.0);
+                    let differences =
+                        [(more.gap - less.gap) / (2.0 * h), (more.gap - 2.0 * now.gap + less.gap) / (h * h)];
+                    assert!((rate - differences[0]).abs() < 1e-5 * tilt, "{name} {features:?}: {rate} {differences:?}");
+                    // Differences of the second order are known to 1e-16/h² and to h² times the fourth rate.
+                    let size = 1.0 + second.abs();
+                    assert!(
+                        (second - differences[1]).abs() < 1e-3 * size,
+                        "{name} {features:?}: {second} {differences:?}"
+                    );
+                    let turned = (more.normal - less.normal) / (2.0 * h);
+                    assert!((drift.normal - turned).norm() < 1e-4 * (1.0 + turned.norm()), "{name} {features:?}");
+                    // The point that rates are told for is on the first surface.
+                    let on = |m: &stillpoint::contact::geometry::feature::Meeting| m.cores[0] + m.normal * m.radii[0];
+                    let point = (on(&more) - on(&less)) / (2.0 * h);
+                    assert!(
+                        (drift.point - point).norm() < 1e-3 * (1.0 + point.norm()),
+                        "{name} {features:?}: {:?} {point:?}",
+                        drift.point
+                    );
+                    count += 1;
+                }
+            }
+        }
+        assert!(count > 100, "{name}: {count}");
+    }
+}
+
+/// A ball is as far away as the nearest point of the cylinder is from its middle: on a face, on the side or on a rim.
+#[test]
+fn balls_touch_faces_sides_and_rims() {
+    let mut random = Random(0x7e57_0d1c);
+    let (radius, length, size) = (0.4, 0.6, 0.3);
+    let (solid, ball) = (cylinder(radius, length), Solid::Round(Core::point(), size));
+    for case in 0..200 {
+        // Where it touches, and the outward normal there.
+        let (angle, part, turn) = (random.within(0.0, 6.2), random.within(0.0, 1.0), random.within(0.0, 1.5));
+        let out = Vector3::new(f64::cos(angle), f64::sin(angle), 0.0);
+        let (point, normal) = match case % 3 {
+            0 => (out * radius * part + Vector3::z() * 0.5 * length, Vector3::z()),
+            1 => (out * radius + Vector3::z() * (part - 0.5) * length, out),
+            _ => (out * radius + Vector3::z() * 0.5 * length, out * f64::cos(turn) + Vector3::z() * f64::sin(turn)),
+        };
+        let (gap, a) = (random.within(-1e-4, 1e-4), random.pose(1.0));
+        let b =
+            a * Isometry3::from_parts(Translation3::from(point + normal * (size + gap)), UnitQuaternion::identity());
+        let found = touch(&solid.placed(&a), &ball.placed(&b), 2e-4).unwrap().expect("they touch");
+        assert!((found.gap - gap).abs() < 1e-12, "{case}: {} {gap}", found.gap);
+        assert!((found.normal - a.rotation * normal).norm() < 1e-9, "{case}");
+        let middle = a * (Translation3::from(point + normal * (0.5 * gap)) * nalgebra::Point3::origin());
+        assert!(found.points.len() == 1 && (found.points[0] - middle.coords).norm() < 1e-9, "{case}: {found:?}");
+    }
+}
+
+/// An edge of a box on a rim: their common normal is across both.
+#[test]
+fn edges_touch_rims() {
+    let mut random = Random(0x0b0e_0f15);
+    let (radius, length, edges) = (0.4, 0.6, Vector3::new(0.5, 0.7, 0.9));
+    let (solid, cuboid) = (cylinder(radius, length), Solid::Round(Core::cuboid(&edges), 0.0));
+    for case in 0..200 {
+        let (angle, slope, skew, lean, along) = (
+            random.within(0.0, 6.2),
+            random.within(0.1, 1.4),
+            random.within(0.2, 2.9),
+            random.within(-0.6, 0.6),
+            random.within(-0.3, 0.3),
+        );
+        let out = Vector3::new(f64::cos(angle), f64::sin(angle), 0.0);
+        let (point, tangent) = (out * radius + Vector3::z() * 0.5 * length, Vector3::z().cross(&out));
+        let normal = out * f64::cos(slope) + Vector3::z() * f64::sin(slope);
+        let edge = tangent * f64::cos(skew) + normal.cross(&tangent) * f64::sin(skew);
+        // The box stands on that edge, leaning to one side, its z along the edge.
+        let side = edge.cross(&normal);
+        let diagonal = UnitQuaternion::from_scaled_axis(edge * (lean - std::f64::consts::FRAC_PI_4)) * normal;
+        let x = diagonal;
+        let y = edge.cross(&x);
+        let frame = nalgebra::Matrix3::from_columns(&[x, y, edge]);
+        assert!(x.dot(&normal) > 0.05 && y.dot(&normal) > 0.05 && side.norm() > 0.9, "{case}");
+        let turn = UnitQuaternion::from_matrix(&frame);
+        let middle = point + x * (0.5 * edges.x) + y * (0.5 * edges.y) + edge * along;
+        let a = random.pose(1.0);
+        let b = a * Isometry3::from_parts(Translation3::from(middle), turn);
+        let found = touch(&solid.placed(&a), &cuboid.placed(&b), 1e-6).unwrap().expect("they touch");
+        assert!(found.gap.abs() < 1e-12, "{case}: {}", found.gap);
+        assert!((found.normal - a.rotation * normal).norm() < 1e-7, "{case}: {} {}", found.normal, a.rotation * normal);
+        assert!(found.points.len() == 1, "{case}: {found:?}");
+        assert!((found.points[0] - a.transform_point(&point.into()).coords).norm() < 1e-7, "{case}: {found:?}");
+    }
+}
