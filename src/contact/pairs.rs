@@ -232,9 +232,10 @@ impl Pairs {
 
     /// All pairs of features of a couple that count to `loose` (m) and whose gap is below `far` (m).
     pub(crate) fn meetings(&self, couple: usize, loose: f64, far: f64, mut put: impl FnMut(Meeting)) {
-        let Couple { pieces: [a, b], .. } = &self.couples[couple];
+        let Couple { pieces: [a, b], size, .. } = &self.couples[couple];
         let (a, b) = (self.standing(*a), self.standing(*b));
-        let near = Near { inside: -loose, gap: far };
+        // Nothing is behind another feature by more than the smaller shape is thick.
+        let near = Near { inside: -loose, gap: far, depth: *size };
         for features in pairs(&a, &b) {
             if let Some(found) =
                 meeting(&a, &b, features, &near).filter(|found| found.inside >= -loose && found.gap < far)

@@ -45,7 +45,7 @@ fn contact(friction: f64) -> String {
 #[test]
 fn a_box_slides_for_ten_seconds() {
     let body = "[[body]]\nname = \"box\"\nmass = 2.0\ninertia = [0.0133, 0.0333, 0.0333]\nshape = { box = [0.4, 0.2, 0.2] }\n\
-                hinge = { type = \"free\", position = [0, 0, 0.1] }\n";
+                hinge = { type = \"free\", position = [0, 0, 0.1, 1, 0, 0, 0] }\n";
     let summary = exact(&(slope(0.464_047_528_995_482_35) + FLOOR + body + &contact(0.5)), 10.0);
     assert!((summary.state.position[0] - 0.219_239_494_880_835_8).abs() < 1e-9, "{:?}", summary.state.position);
     assert!(summary.state.position[1].abs() < 1e-12 && summary.capture_steps == 0, "{summary:?}");
@@ -55,7 +55,7 @@ fn a_box_slides_for_ten_seconds() {
 #[test]
 fn a_sphere_rolls_or_slides_down_a_slope() {
     let body = "[[body]]\nname = \"ball\"\nmass = 1.0\ninertia = [0.004, 0.004, 0.004]\nshape = { sphere = 0.1 }\n\
-                hinge = { type = \"free\", position = [0, 0, 0.1] }\n";
+                hinge = { type = \"free\", position = [0, 0, 0.1, 1, 0, 0, 0] }\n";
     let spin = |summary: &Summary| summary.state.velocity[3..6].iter().map(|w| w * w).sum::<f64>().sqrt();
     for (friction, far, fast) in
         [(0.3, 6.716_512_083_075_582, 67.165_120_830_755_82), (0.1, 7.681_887_910_193_37, 43.030_725_152_811_11)]

@@ -226,18 +226,21 @@ impl Standing<'_> {
     }
 }
 
-/// Which pairs of features are asked for: those that are inside of where they count by at least so much, and whose gap is below that (m).
+/// Which pairs of features are asked for: those that are inside of where they count by at least so much, and whose gap is within bounds
+/// (m). Pairs beyond them are left out early where that is cheap, and may be given where it is not.
 #[derive(Debug, Clone, Copy)]
 pub struct Near {
     /// Least of [`Meeting::inside`].
     pub inside: f64,
     /// Upper bound of [`Meeting::gap`].
     pub gap: f64,
+    /// Upper bound of how deep features are behind each other.
+    pub depth: f64,
 }
 
 impl Near {
     /// All pairs.
-    pub const ALL: Self = Self { inside: f64::NEG_INFINITY, gap: f64::INFINITY };
+    pub const ALL: Self = Self { inside: f64::NEG_INFINITY, gap: f64::INFINITY, depth: f64::INFINITY };
 }
 
 /// Two edges, with radii about them.
@@ -258,7 +261,9 @@ pub(super) fn crossing(
     let y = between.cross(&u).dot(&crossed) / square;
     let (at, to) = (p + u * x, r + v * y);
     let along = x.min((q - p).norm() - x).min(y).min((s - r).norm() - y);
-    if along < near.inside || normal.dot(&between).abs() - radii[0] - radii[1] >= near.gap {
+    // Before the solids say which normal is theirs, the features may as well be this far apart as behind each other.
+    let (far, round) = (normal.dot(&between).abs(), radii[0] + radii[1]);
+    if along < near.inside || far - round >= near.gap && far + round > near.depth {
         return None;
     }
     let side = |normal: Vector3<f64>| {
