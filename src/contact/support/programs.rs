@@ -1,6 +1,7 @@
 //! The programs of the module's header, in forces divided by the size of the loads, and what is recomputed from their
 //! answers.
 
+mod balance;
 mod questions;
 
 use super::solver::{Answer, BUILT, Program};
@@ -124,34 +125,6 @@ impl<'a> Scaled<'a> {
 
     fn rates(&self, motion: &[f64]) -> Vec<f64> {
         self.columns.iter().map(|column| column.iter().map(|(row, entry)| entry * motion[*row]).sum()).collect()
-    }
-
-    /// Least change of forces that takes away what their balance lacks: conjugate gradients on the normal equations
-    /// (Björck, "Numerical methods for least squares problems", 1996, 7.4: CGLS).
-    fn polish(&self, forces: &mut [f64]) {
-        let mut rest: Vec<f64> = self.rest(forces).iter().map(|rest| -rest).collect();
-        let mut gradient = self.rates(&rest);
-        let mut direction = gradient.clone();
-        let square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>();
-        let mut steep = square(&gradient);
-        for _ in 0..2 * self.load.len() {
-            let mut along = vec![0.0; self.load.len()];
-            for (column, d) in self.columns.iter().zip(&direction) {
-                column.iter().for_each(|(row, entry)| along[*row] += entry * d);
-            }
-            let curve = square(&along);
-            // The gradient vanishes where no forces do better: of loads that no support feels nothing else is left.
-            if !(curve > 0.0 && steep > 0.0) || square(&rest) < 1e-32 * self.load.len() as f64 {
-                break;
-            }
-            let step = steep / curve;
-            forces.iter_mut().zip(&direction).for_each(|(f, d)| *f += step * d);
-            rest.iter_mut().zip(&along).for_each(|(rest, along)| *rest -= step * along);
-            gradient = self.rates(&rest);
-            let next = square(&gradient);
-            direction.iter_mut().zip(&gradient).for_each(|(d, g)| *d = g + next / steep * *d);
-            steep = next;
-        }
     }
 
     /// The largest distance outside of a cone.
