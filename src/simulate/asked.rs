@@ -1,10 +1,10 @@
 //! What a run is asked for.
 
-use super::control::Function;
-use super::search::Search;
-use super::settings::Settings;
-use super::state::State;
 use crate::record::Recorder;
+use crate::simulate::control::Function;
+use crate::simulate::events::search::Search;
+use crate::simulate::settings::Settings;
+use crate::simulate::state::State;
 
 /// What a run is asked for, beside its model and the state that it starts from.
 pub(super) struct Asked<'a, 'f> {

@@ -19,11 +19,11 @@
 //! [`REVIEW`] steps the fastest rate `ρ` of the system is looked up (`stiffness.rs`), and `h ρ < 1` decides. A scene
 //! that switches more often than [`MOST_SWITCHES`] times stays implicit.
 
-use super::problem::Motion;
-use super::settings::{Integrator, Settings, Start};
-use super::stiffness::fastest;
 use crate::integrate::{Method, Stepper};
 use crate::model::Model;
+use crate::simulate::problem::Motion;
+use crate::simulate::settings::{Integrator, Settings, Start};
+use crate::simulate::stiffness::fastest;
 
 /// Steps between two looks at the fastest rate: its cost, two dozen accelerations, is then below one per step.
 const REVIEW: u64 = 64;

@@ -3,10 +3,10 @@
 //! Instants are `k T` in absolute time, so that a run that goes on keeps them. Steps end just before an instant; there all that are
 //! due read the same outputs, then their inputs change at once. An instant at the end of a run is the first of the run that goes on.
 
-use super::error::RunError;
-use super::state::State;
 use crate::dynamics::System;
 use crate::model::Model;
+use crate::simulate::error::RunError;
+use crate::simulate::state::State;
 use std::sync::Arc;
 
 /// Times that differ by less than this part are one.

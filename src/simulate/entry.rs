@@ -1,16 +1,16 @@
 //! Runs: of a scene as it is, or through the stages that change it.
 
-use super::asked::Asked;
-use super::control::Function;
-use super::error::RunError;
-use super::run::{Summary, run_one};
-use super::scene::of_structure;
-use super::search::Search;
-use super::settings::Settings;
-use super::staged;
-use super::state::State;
 use crate::model::Model;
 use crate::record::{Recorder, Scene};
+use crate::simulate::asked::Asked;
+use crate::simulate::control::Function;
+use crate::simulate::error::RunError;
+use crate::simulate::events::search::Search;
+use crate::simulate::run::{Summary, run_one};
+use crate::simulate::samples::scene::of_structure;
+use crate::simulate::settings::Settings;
+use crate::simulate::staged;
+use crate::simulate::state::State;
 use std::sync::Arc;
 
 /// What a picture of this model needs to know.

@@ -10,22 +10,27 @@
 //! A function that made an event keeps the sign it has afterwards until it is seen with the other one by more than rounding:
 //! that at the start of the next step makes no second event.
 
+pub(super) mod dead_centre;
+mod occurrence;
+pub(super) mod search;
+pub(super) mod switching;
+pub(super) mod timetable;
 mod watched;
 
-use super::contact::Aspect;
-use super::error::RunError;
-use super::ledger::interpolate;
-pub use super::occurrence::{Kind, Occurrence};
-use super::outputs::StateOutputs;
-use super::problem::{Motion, TIMES};
-use super::search::Search;
-use super::state::State;
+pub use self::occurrence::{Kind, Occurrence};
+use self::search::Search;
 use crate::dynamics::Boundary;
 use crate::dynamics::applied::{Rubbing, rate_of};
 use crate::integrate::Stepper;
 use crate::model::stop::sides;
 use crate::model::watch::Direction;
 use crate::model::{Model, Side, StopLaw, Watched};
+use crate::simulate::contact::Aspect;
+use crate::simulate::error::RunError;
+use crate::simulate::problem::{Motion, TIMES};
+use crate::simulate::samples::ledger::interpolate;
+use crate::simulate::samples::outputs::StateOutputs;
+use crate::simulate::state::State;
 use std::sync::Arc;
 
 /// The time of an event is known to this part of the scene's own, or to the rounding of time.

@@ -1,15 +1,15 @@
 //! A system of bodies seen as a problem of time stepping: the only place where mechanics and integrators meet.
 
-use super::contact::Contacts;
-use super::coordinates::Coordinates;
-use super::error::RunError;
-use super::passage::Passage;
-use super::state::State;
-use super::tangent::Tangent;
 use crate::dynamics::{Energies, Evaluated, Fault, Powers, System};
 use crate::integrate::{Failure, Problem};
 use crate::model::{End, Model, Side};
-use crate::simulate::nonsmooth::{Held, Nonsmooth, within};
+use crate::simulate::contact::Contacts;
+use crate::simulate::coordinates::Coordinates;
+use crate::simulate::error::RunError;
+use crate::simulate::implicit::tangent::Tangent;
+use crate::simulate::passage::Passage;
+use crate::simulate::state::State;
+use crate::simulate::stops::nonsmooth::{Held, Nonsmooth, within};
 use crate::spatial::Wrench;
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ use std::sync::Arc;
 /// ```
 ///
 /// Loops want [`constraint::assemble`](crate::constraint::assemble) first; stops and events are
-/// [`simulate::run`](super::run)'s.
+/// [`simulate::run`](crate::simulate::run)'s.
 pub struct Motion {
     pub(super) system: System,
     pub(super) coordinates: Coordinates,

@@ -13,13 +13,13 @@
 //!
 //! If the forces at rest are not unique, those of least norm act. What moves, or does not stand, is refused.
 
-use super::error::RunError;
-use super::problem::Motion;
-use super::settings::Settings;
-use super::state::State;
 use crate::integrate::{Progress, Start, StepError, Stepper};
 use crate::model::Model;
 use crate::record::ContactPush;
+use crate::simulate::error::RunError;
+use crate::simulate::problem::Motion;
+use crate::simulate::settings::Settings;
+use crate::simulate::state::State;
 use crate::statics::standing::{Bearing, ContactForce, Verdict, bearing, overlap, with_contacts};
 use std::sync::Arc;
 

@@ -7,27 +7,27 @@ pub(super) mod together;
 mod touching;
 mod turning;
 
-use super::asked::Asked;
-use super::choice::Choice;
-use super::control::{Control, Function};
-use super::dead_centre;
-use super::error::{RunError, component_name, named};
-use super::events::{Events, Hit, Kind, Occurrence};
-use super::instant;
-use super::ledger::{Booked, Ledger, interpolate};
-use super::pace::{Creep, Pace, Turns};
-use super::problem::Motion;
-use super::resting;
-use super::sampler::Sampler;
-use super::search::Search;
-use super::settings::{Integrator, Resume, Settings};
-use super::state::State;
-use super::stiffness::fastest;
-use super::timetable::Timetable;
 use crate::integrate::{Method, Statistics, Stepper};
 use crate::model::Model;
 use crate::model::stop::sides;
 use crate::record::{Event, Recorder};
+use crate::simulate::asked::Asked;
+use crate::simulate::checks::pace::{Creep, Pace, Turns};
+use crate::simulate::choice::Choice;
+use crate::simulate::control::{Control, Function};
+use crate::simulate::error::{RunError, component_name, named};
+use crate::simulate::events::dead_centre;
+use crate::simulate::events::search::Search;
+use crate::simulate::events::timetable::Timetable;
+use crate::simulate::events::{Events, Hit, Kind, Occurrence};
+use crate::simulate::problem::Motion;
+use crate::simulate::resting;
+use crate::simulate::samples::ledger::{Booked, Ledger, interpolate};
+use crate::simulate::samples::sampler::Sampler;
+use crate::simulate::settings::{Integrator, Resume, Settings};
+use crate::simulate::state::State;
+use crate::simulate::stiffness::fastest;
+use crate::simulate::stops::instant;
 use crate::spatial::Pose;
 use prepared::Prepared;
 use std::sync::Arc;
@@ -102,7 +102,7 @@ pub struct Summary {
 /// A run of one structure. If it goes on where the run of another one ended, `booked` is what that one's ledger has.
 ///
 /// # Errors
-/// As [`super::run`].
+/// As [`crate::simulate::run`].
 pub(super) fn run_one(
     model: &Arc<Model>,
     start: &State,

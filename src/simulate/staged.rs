@@ -11,21 +11,12 @@
 //! It never gains energy unless a drive of a moving coordinate does work in it. A spring of a hinge that opens keeps its energy:
 //! (2) has it among what goes out.
 //!
-//! A scene without stages does not come here: [`super::entry`] asks once whether there are any.
+//! A scene without stages does not come here: [`crate::simulate::entry`] asks once whether there are any.
 
 mod relay;
 
 pub(super) use relay::scene;
 
-use super::asked::Asked;
-use super::error::RunError;
-use super::ledger::Booked;
-use super::occurrence::{Kind, Occurrence};
-use super::problem::Motion;
-use super::run::{Summary, run_one};
-use super::scene::of_structure;
-use super::settings::{Resume, Settings, Start};
-use super::state::State;
 use crate::constraint::assemble;
 use crate::dynamics::System;
 use crate::model::description::{Description, When};
@@ -33,6 +24,15 @@ use crate::model::problem::in_one_line;
 use crate::model::structure::Structure;
 use crate::model::{Model, Problem};
 use crate::record::{Event, Recorder};
+use crate::simulate::asked::Asked;
+use crate::simulate::error::RunError;
+use crate::simulate::events::occurrence::{Kind, Occurrence};
+use crate::simulate::problem::Motion;
+use crate::simulate::run::{Summary, run_one};
+use crate::simulate::samples::ledger::Booked;
+use crate::simulate::samples::scene::of_structure;
+use crate::simulate::settings::{Resume, Settings, Start};
+use crate::simulate::state::State;
 use crate::spatial::Pose;
 use crate::suggest;
 use nalgebra::{UnitQuaternion, Vector3};

@@ -10,8 +10,8 @@
 //! direction in every round, and grows in one a thousand times what it shrinks in another: `ρ` is the mean growth of the last
 //! rounds. It costs two accelerations per round, and no tangent: what it sees is what an explicit method sees.
 
-use super::problem::Motion;
 use crate::integrate::{ImplicitProblem, Problem};
+use crate::simulate::problem::Motion;
 
 /// Rounds of two applications. Twelve of them find a rate that is twice the next one to a part in a thousand.
 const ROUNDS: usize = 12;

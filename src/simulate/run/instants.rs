@@ -4,9 +4,9 @@ use super::{ROUNDING, Run};
 use crate::simulate::control::{Control, Sensed};
 use crate::simulate::error::RunError;
 use crate::simulate::events::Kind;
-use crate::simulate::instant;
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
+use crate::simulate::stops::instant;
 
 impl Run<'_, '_> {
     /// The next time at which steps have to end (s): a break of the timetable, an instant of a controller, the end of the run.

@@ -5,9 +5,9 @@ use crate::integrate::Method;
 use crate::model::CurveEnd;
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Hit, Kind, Turn};
-use crate::simulate::instant::{self, Outcome};
 use crate::simulate::problem::Motion;
 use crate::simulate::settings::Settings;
+use crate::simulate::stops::instant::{self, Outcome};
 
 /// A guard behind the search for events: the end of a curve is passed by no more than this part of its slack.
 const PASSED: f64 = 1e3;

@@ -13,7 +13,7 @@ const STILL: &[(&str, usize)] = &[
     ("hinge/declared.rs", 3),
     ("hinge/question.rs", 1),
     ("simulate/events.rs", 1),
-    ("simulate/instant.rs", 1),
+    ("simulate/stops/instant.rs", 1),
 ];
 
 #[test]

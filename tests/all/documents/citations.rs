@@ -118,8 +118,8 @@ fn the_guide_has_the_equations_of_the_core() {
         ("## The tangent", "transfer/tangent.rs"),
         ("## Jacobians", "transfer/jacobian.rs"),
         ("## Loops", "constraint/mod.rs"),
-        ("## Stops", "simulate/nonsmooth.rs"),
-        ("## Impacts", "simulate/instant.rs"),
+        ("## Stops", "simulate/stops/nonsmooth.rs"),
+        ("## Impacts", "simulate/stops/instant.rs"),
     ] {
         let text = fs::read_to_string(root().join("src").join(file)).expect("a source");
         let part = section(heading);

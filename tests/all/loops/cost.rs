@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 /// Sources in which loops are all there is to do.
 const OF_LOOPS: [&str; 4] =
-    ["src/constraint/", "src/dynamics/constrained.rs", "src/simulate/bordered.rs", "src/simulate/passage.rs"];
+    ["src/constraint/", "src/dynamics/constrained.rs", "src/simulate/implicit/bordered.rs", "src/simulate/passage.rs"];
 
 /// Instructions of a call of the program: all, and those of lines in [`OF_LOOPS`], inlined ones too.
 fn count(folder: &TempDir, arguments: &[&str]) -> [f64; 2] {

@@ -4,25 +4,25 @@
 //! search for events finds where one is crossed; the step ends there. An impact changes speeds, and so may put a state on the
 //! other side of a boundary at once.
 
-use super::events::{Kind, Occurrence};
-use super::problem::Motion;
-use super::state::State;
+use super::{Kind, Occurrence};
 use crate::dynamics::Boundary;
 use crate::force::{Act, Switch};
+use crate::simulate::problem::Motion;
+use crate::simulate::state::State;
 
 impl Motion {
     /// Where a law stands with respect to one of its boundaries.
-    pub(super) fn switch(&mut self, time: f64, boundary: Boundary, state: &State) -> Switch {
+    pub(in crate::simulate) fn switch(&mut self, time: f64, boundary: Boundary, state: &State) -> Switch {
         self.at(time, &state.position, &state.velocity).switch(boundary)
     }
 
     /// A state on the other side of a boundary by less than this is on it: a position or speed is known to the tolerance.
-    pub(super) fn level(&mut self, boundary: Boundary, is_speed: bool, tolerance: f64) -> f64 {
+    pub(in crate::simulate) fn level(&mut self, boundary: Boundary, is_speed: bool, tolerance: f64) -> f64 {
         tolerance * self.system.switch_scale(boundary, is_speed)
     }
 
     /// What is told of a boundary that is crossed; `None` if nothing is.
-    pub(super) fn occurrence(
+    pub(in crate::simulate) fn occurrence(
         &mut self,
         time: f64,
         boundary: Boundary,
@@ -36,7 +36,7 @@ impl Motion {
     }
 
     /// Keeps laws where an impact has put the state; what is told of that.
-    pub(super) fn switch_laws(&mut self, time: f64, state: &State, tolerance: f64) -> Vec<Occurrence> {
+    pub(in crate::simulate) fn switch_laws(&mut self, time: f64, state: &State, tolerance: f64) -> Vec<Occurrence> {
         let mut told = Vec::new();
         while let Some(boundary) = self.passed(time, state, tolerance) {
             let positive = !self.system.side(boundary);

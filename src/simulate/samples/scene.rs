@@ -21,7 +21,7 @@ const CABLE_POINT: f64 = 0.002;
 const MODAL_POINT: f64 = 0.01;
 
 /// The still part of a recording whose structure does not change.
-pub(super) fn of_structure(model: &Arc<Model>) -> Scene {
+pub(in crate::simulate) fn of_structure(model: &Arc<Model>) -> Scene {
     let mut by_position: Vec<&Body> = model.bodies.iter().collect();
     by_position.sort_by_key(|body| (body.hinge.position, body.hinge.kind.counts().0));
     let channels = |names: fn(&HingeKind) -> Names, units: [&str; 2]| -> Vec<Channel> {

@@ -16,12 +16,12 @@
 //! iteration `d ← (w + ρ d) / |w + ρ d|`, `ρ = slide · mean A_ii` (De Saxcé and Feng's).
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
-use super::error::RunError;
-use super::events::{Kind, Occurrence, Turn};
 use super::instant::{ANSWERED, Instant, Of};
 use super::nonsmooth::Held;
 use crate::dynamics::Fault;
 use crate::dynamics::applied::{Rubbing, rate_of};
+use crate::simulate::error::RunError;
+use crate::simulate::events::{Kind, Occurrence, Turn};
 use nalgebra::Vector3;
 
 /// A row that others hold up to this part presses with what a free one would press with.
@@ -52,7 +52,7 @@ struct Rest {
 
 impl Instant<'_> {
     /// What dry friction does after the impacts: what moves slides, the rest is to be decided. What it did before.
-    pub(super) fn rub(&mut self, turn: Option<Turn>) -> Vec<Rubbing> {
+    pub(in crate::simulate) fn rub(&mut self, turn: Option<Turn>) -> Vec<Rubbing> {
         let model = self.motion.model().clone();
         let mut now = Vec::with_capacity(model.hinge_friction.len());
         for (index, friction) in model.hinge_friction.iter().enumerate() {
@@ -70,7 +70,7 @@ impl Instant<'_> {
     }
 
     /// (1): what is held from now on.
-    pub(super) fn decide(&mut self, turn: Option<Turn>) -> Result<Vec<Held>, RunError> {
+    pub(in crate::simulate) fn decide(&mut self, turn: Option<Turn>) -> Result<Vec<Held>, RunError> {
         let mut rest = self.at_rest();
         if rest.is_empty() {
             return Ok(Vec::new());
@@ -358,7 +358,7 @@ impl Instant<'_> {
     }
 
     /// Puts what is held onto its limits, at rest; says what came to rest and what left.
-    pub(super) fn settle(
+    pub(in crate::simulate) fn settle(
         &mut self,
         before: &[Held],
         held: &[Held],

@@ -21,15 +21,15 @@
 //! **Dry friction** has no part in impacts: its forces are bounded, and an impact takes no time. What an impact sets in motion slides.
 
 use super::complementarity::{ONE_SIDED, Problem, Solution};
-use super::error::RunError;
-use super::events::{Kind, Occurrence, Turn};
 use super::nonsmooth::Held;
-use super::problem::Motion;
-use super::state::State;
 use crate::dynamics::Fault;
 use crate::integrate::Problem as _;
 use crate::model::stop::sides;
 use crate::model::{Side, StopLaw};
+use crate::simulate::error::RunError;
+use crate::simulate::events::{Kind, Occurrence, Turn};
+use crate::simulate::problem::Motion;
+use crate::simulate::state::State;
 
 /// A rebound that would rise by less than about this part of the scene's length (1 rad), some roundings of a coordinate, counts as
 /// none: a fall by rounding alone is as fast.
@@ -41,22 +41,22 @@ const ROUND_OFF: f64 = 1e-12;
 /// Impacts at one instant; each lets all stops that are approached answer.
 const MOST_IMPACTS: usize = 50;
 /// A row is answered when what is left of its rate is this part of the largest one.
-pub(super) const ANSWERED: f64 = 1e-10;
+pub(in crate::simulate) const ANSWERED: f64 = 1e-10;
 
 /// What an instant changed.
 #[derive(Debug, Default)]
-pub(super) struct Outcome {
+pub(in crate::simulate) struct Outcome {
     /// What happened to stops.
-    pub(super) happened: Vec<Occurrence>,
+    pub(in crate::simulate) happened: Vec<Occurrence>,
     /// Energy that impacts took out (J).
-    pub(super) lost: f64,
+    pub(in crate::simulate) lost: f64,
     /// Work of drives in impacts (J).
-    pub(super) work: f64,
+    pub(in crate::simulate) work: f64,
 }
 
 /// What a row is of.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Of {
+pub(in crate::simulate) enum Of {
     /// A stop that is touched; its rate is that of parting.
     Stop(Side),
     /// The dry friction of this index in the model, and which of its coordinates; its rate is the coordinate's.
@@ -64,24 +64,24 @@ pub(super) enum Of {
 }
 
 /// An instant being resolved: the stops that are touched and the dry friction, and how coordinates answer to what pushes there.
-pub(super) struct Instant<'a> {
-    pub(super) motion: &'a mut Motion,
-    pub(super) time: f64,
-    pub(super) state: &'a mut State,
+pub(in crate::simulate) struct Instant<'a> {
+    pub(in crate::simulate) motion: &'a mut Motion,
+    pub(in crate::simulate) time: f64,
+    pub(in crate::simulate) state: &'a mut State,
     /// Absolute tolerance of the run.
     tolerance: f64,
     /// Stops that are touched, then dry friction.
-    pub(super) rows: Vec<Of>,
+    pub(in crate::simulate) rows: Vec<Of>,
     /// `H M⁻¹ Hᵀ` by rows, and its diagonal without loops, drives and gears.
-    pub(super) matrix: Vec<f64>,
-    pub(super) free: Vec<f64>,
+    pub(in crate::simulate) matrix: Vec<f64>,
+    pub(in crate::simulate) free: Vec<f64>,
     /// Accelerations towards the stops as nothing holds, ≥ 0 (m/s², rad/s²).
     inward: Vec<f64>,
     /// Rows that parted from their stops before the impacts.
-    pub(super) parted: Vec<bool>,
+    pub(in crate::simulate) parted: Vec<bool>,
     /// The last speed of each coordinate before an impact that left it none (m/s, rad/s).
-    pub(super) stopped: Vec<Option<f64>>,
-    pub(super) outcome: Outcome,
+    pub(in crate::simulate) stopped: Vec<Option<f64>>,
+    pub(in crate::simulate) outcome: Outcome,
 }
 
 /// Resolves what happens at an instant: the state after it, and the mode in which the run goes on. `turn` is the event that
@@ -89,7 +89,7 @@ pub(super) struct Instant<'a> {
 ///
 /// # Errors
 /// A stop that nothing can keep from being passed, or a system that cannot be evaluated.
-pub(super) fn resolve(
+pub(in crate::simulate) fn resolve(
     motion: &mut Motion,
     time: f64,
     state: &mut State,
@@ -191,13 +191,13 @@ impl Instant<'_> {
     }
 
     /// Accelerations as no stop and no friction holds; contacts push as they did last.
-    pub(super) fn accelerate(&mut self, a: &mut [f64]) -> Result<(), Fault> {
+    pub(in crate::simulate) fn accelerate(&mut self, a: &mut [f64]) -> Result<(), Fault> {
         let State { position, velocity } = &*self.state;
         self.motion.system.at(self.time, position, velocity).accelerations(a).map(drop)
     }
 
     /// The velocity coordinate of a row, and the side of its stop; −1 for dry friction.
-    pub(super) fn coordinate(&self, row: usize) -> (usize, f64) {
+    pub(in crate::simulate) fn coordinate(&self, row: usize) -> (usize, f64) {
         let model = self.motion.model();
         match self.rows[row] {
             Of::Stop(side) => (model.stops[side.stop].velocity, side.sign),
@@ -206,24 +206,24 @@ impl Instant<'_> {
     }
 
     /// A row's component of velocities or accelerations: > 0 if they part it from the stop.
-    pub(super) fn rate(&self, row: usize, of: &[f64]) -> f64 {
+    pub(in crate::simulate) fn rate(&self, row: usize, of: &[f64]) -> f64 {
         let (i, sign) = self.coordinate(row);
         -sign * of[i]
     }
 
-    pub(super) fn rates(&self, of: &[f64]) -> Vec<f64> {
+    pub(in crate::simulate) fn rates(&self, of: &[f64]) -> Vec<f64> {
         (0..self.rows.len()).map(|row| self.rate(row, of)).collect()
     }
 
     /// Round-off of a row's component: of the scene's speed, or that times `per` second, or of the largest component.
-    pub(super) fn round_off(&self, row: usize, of: &[f64], per: f64) -> f64 {
+    pub(in crate::simulate) fn round_off(&self, row: usize, of: &[f64], per: f64) -> f64 {
         let (_, scales) = self.motion.scales();
         let largest = of.iter().zip(scales).map(|(x, scale)| x.abs() / scale).fold(per, f64::max);
         ROUND_OFF * largest * scales[self.coordinate(row).0]
     }
 
     /// The speed below which nothing comes back from an impact: that of the tolerance, or of a rise `u² / (2 a)` by rounding.
-    pub(super) fn least(&self, row: usize) -> f64 {
+    pub(in crate::simulate) fn least(&self, row: usize) -> f64 {
         let (positions, velocities) = self.motion.scales();
         let model = self.motion.model();
         let speed = velocities[self.coordinate(row).0];
@@ -236,7 +236,7 @@ impl Instant<'_> {
     }
 
     /// A speed that is no more than the tolerance of one.
-    pub(super) fn slow(&self, velocity: usize) -> f64 {
+    pub(in crate::simulate) fn slow(&self, velocity: usize) -> f64 {
         self.motion.rest_speed(velocity, self.tolerance)
     }
 
@@ -289,14 +289,20 @@ impl Instant<'_> {
     }
 
     /// `A` and its diagonal without ties, of some of the rows.
-    pub(super) fn among(&self, rows: &[usize]) -> (Vec<f64>, Vec<f64>) {
+    pub(in crate::simulate) fn among(&self, rows: &[usize]) -> (Vec<f64>, Vec<f64>) {
         let (m, all) = (self.rows.len(), &self.matrix);
         let matrix = rows.iter().flat_map(|row| rows.iter().map(move |column| all[row * m + column]));
         (matrix.collect(), rows.iter().map(|row| self.free[*row]).collect())
     }
 
     /// The problem of some of the rows.
-    pub(super) fn solve(&self, rows: &[usize], rates: &[f64], bounds: &[[f64; 2]], floor: &[f64]) -> Solution {
+    pub(in crate::simulate) fn solve(
+        &self,
+        rows: &[usize],
+        rates: &[f64],
+        bounds: &[[f64; 2]],
+        floor: &[f64],
+    ) -> Solution {
         let (matrix, free) = self.among(rows);
         let largest = rates.iter().zip(&free).map(|(rate, free)| rate.abs() / free.sqrt()).fold(0.0, f64::max);
         let tolerances: Vec<f64> =
@@ -322,7 +328,7 @@ impl Instant<'_> {
     ///
     /// # Errors
     /// As [`Evaluated::accelerations`](crate::dynamics::Evaluated::accelerations).
-    pub(super) fn apply(&mut self, rows: &[usize], impulses: &[f64], before: &[f64]) -> Result<(), Fault> {
+    pub(in crate::simulate) fn apply(&mut self, rows: &[usize], impulses: &[f64], before: &[f64]) -> Result<(), Fault> {
         let n = self.state.velocity.len();
         let (mut impulse, mut change) = (vec![0.0; n], vec![0.0; n]);
         for (row, push) in rows.iter().zip(impulses) {
@@ -369,13 +375,13 @@ impl Instant<'_> {
         }
     }
 
-    pub(super) fn note(&mut self, row: usize, kind: Kind, speed: f64) {
+    pub(in crate::simulate) fn note(&mut self, row: usize, kind: Kind, speed: f64) {
         if let Of::Stop(side) = self.rows[row] {
             self.note_side(side, kind, speed);
         }
     }
 
-    pub(super) fn note_side(&mut self, side: Side, kind: Kind, speed: f64) {
+    pub(in crate::simulate) fn note_side(&mut self, side: Side, kind: Kind, speed: f64) {
         let model = self.motion.model();
         let stop = &model.stops[side.stop];
         let (name, value) = (model.bodies[stop.body].name.clone(), stop.limit(side.sign));
@@ -383,7 +389,7 @@ impl Instant<'_> {
     }
 
     /// A stop that something without another way runs through.
-    pub(super) fn jam(&self, side: Side) -> RunError {
+    pub(in crate::simulate) fn jam(&self, side: Side) -> RunError {
         let model = self.motion.model();
         let stop = &model.stops[side.stop];
         let drives: Vec<String> = model.drives.iter().map(|drive| format!("`{}`", drive.name)).collect();

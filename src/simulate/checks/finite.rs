@@ -1,18 +1,18 @@
 //! Numbers that are not finite, found before they are recorded.
 
-use super::couplings;
-use super::error::RunError;
-use super::state::State;
 use crate::dynamics::Fault;
 use crate::model::Model;
 use crate::record::{ContactPush, Energy, Sample};
+use crate::simulate::error::RunError;
+use crate::simulate::samples::couplings;
+use crate::simulate::state::State;
 use crate::spatial::Wrench;
 
 /// The first number of a sample and of its contacts that is not finite is an error that names its owner; outputs have been checked.
 ///
 /// # Errors
 /// [`Fault::NotFinite`].
-pub(super) fn check(model: &Model, sample: &Sample<'_>, contacts: &[ContactPush]) -> Result<(), RunError> {
+pub(in crate::simulate) fn check(model: &Model, sample: &Sample<'_>, contacts: &[ContactPush]) -> Result<(), RunError> {
     let Sample { time, positions, velocities, accelerations, bodies, reactions, couplings, energy, .. } = *sample;
     let owner = |index: usize| model.owner(index).to_owned();
     let body = |index: usize| model.bodies[index].name.clone();
@@ -64,7 +64,7 @@ pub(super) fn check(model: &Model, sample: &Sample<'_>, contacts: &[ContactPush]
 ///
 /// # Errors
 /// [`RunError::Coarse`], with the hinge.
-pub(super) fn check_start(model: &Model, start: &State, tolerance: f64) -> Result<(), RunError> {
+pub(in crate::simulate) fn check_start(model: &Model, start: &State, tolerance: f64) -> Result<(), RunError> {
     for link in model.links.iter().filter(|link| link.joint.is_angle()) {
         let angle = start.position[link.position];
         let rounding = f64::EPSILON * angle.abs();

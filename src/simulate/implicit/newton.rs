@@ -2,11 +2,11 @@
 
 use super::bordered::Bordered;
 use super::differenced::{Differenced, Displaced};
-use super::passage::Passage;
-use super::problem::Motion;
 use super::tangent::Tangent;
 use crate::dynamics::{Coefficients, System, TangentSolver};
 use crate::integrate::{Failure, ImplicitProblem, Point};
+use crate::simulate::passage::Passage;
+use crate::simulate::problem::Motion;
 
 fn singular() -> Failure {
     Failure { message: "the tangent of the implicit step is singular".to_owned() }

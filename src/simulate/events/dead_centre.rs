@@ -3,17 +3,17 @@
 //! There the rows are linearly dependent, and without the drive they are not. A run that fails next to one says which drive it
 //! is: steps that shrink, or loops that cannot be closed, only tell what follows from it.
 
-use super::RunError;
-use super::state::State;
 use crate::dynamics::{Mode, System};
 use crate::model::Model;
+use crate::simulate::RunError;
+use crate::simulate::state::State;
 use std::sync::Arc;
 
 /// A drive next to a dead centre leaves this part of the clearance that the rows have without it.
 const NEXT_TO: f64 = 0.1;
 
 /// The error of a step from `time`, or of steps that creep, with the drives that are next to a dead centre there.
-pub(super) fn beside(error: RunError, model: &Arc<Model>, time: f64, state: &State) -> RunError {
+pub(in crate::simulate) fn beside(error: RunError, model: &Arc<Model>, time: f64, state: &State) -> RunError {
     if !matches!(error, RunError::Step(_) | RunError::Creep { .. }) {
         return error;
     }

@@ -2,7 +2,7 @@
 
 /// How a time is closed in on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Root {
+pub(in crate::simulate) enum Root {
     /// Halving.
     Bisection,
     /// The Illinois variant of regula falsi (Dowell and Jarratt, *BIT* 11, 1971).
@@ -11,18 +11,18 @@ pub(super) enum Root {
 
 /// How events are looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Search {
+pub(in crate::simulate) struct Search {
     /// Looks within a step, its end included.
-    pub(super) looks: u32,
+    pub(in crate::simulate) looks: u32,
     /// Between two looks.
-    pub(super) root: Root,
+    pub(in crate::simulate) root: Root,
 }
 
 impl Search {
     /// That of a run.
-    pub(super) const RUN: Self = Self { looks: 5, root: Root::Bisection };
+    pub(in crate::simulate) const RUN: Self = Self { looks: 5, root: Root::Bisection };
     /// That of the run which checks another: it shares no time with the first.
-    pub(super) const CHECK: Self = Self { looks: 13, root: Root::Illinois };
+    pub(in crate::simulate) const CHECK: Self = Self { looks: 13, root: Root::Illinois };
 }
 
 impl Root {
@@ -31,7 +31,7 @@ impl Root {
     ///
     /// # Errors
     /// The errors of the function.
-    pub(super) fn locate<E>(
+    pub(in crate::simulate) fn locate<E>(
         self,
         interval: [f64; 2],
         ends: [f64; 2],

@@ -9,12 +9,12 @@
 //! its scale (1 rad, the scene's length, the same per the scene's time); between steps as dense output gives it. The
 //! time is that of the steps alone.
 
-use super::error::{RunError, named};
-use super::problem::Motion;
-use super::state::State;
-use super::stiffness::fastest;
 use crate::integrate::{Method, Options, Problem, Start, Statistics, StepError, Stepper};
 use crate::model::Model;
+use crate::simulate::error::{RunError, named};
+use crate::simulate::problem::Motion;
+use crate::simulate::state::State;
+use crate::simulate::stiffness::fastest;
 use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -15,39 +15,39 @@
 const DEPENDENT: f64 = 1e-9;
 
 /// Of a row that pushes and never pulls.
-pub(super) const ONE_SIDED: [f64; 2] = [0.0, f64::INFINITY];
+pub(in crate::simulate) const ONE_SIDED: [f64; 2] = [0.0, f64::INFINITY];
 
 /// The problem (1).
 #[derive(Debug, Clone)]
-pub(super) struct Problem<'a> {
+pub(in crate::simulate) struct Problem<'a> {
     /// `A` by rows.
-    pub(super) matrix: &'a [f64],
+    pub(in crate::simulate) matrix: &'a [f64],
     /// The diagonal of `A` without loops, drives and gears, > 0: what pivots are compared with.
-    pub(super) free: &'a [f64],
+    pub(in crate::simulate) free: &'a [f64],
     /// `b`.
-    pub(super) rates: &'a [f64],
+    pub(in crate::simulate) rates: &'a [f64],
     /// `l ≤ 0` and `h ≥ 0`, per row.
-    pub(super) bounds: &'a [[f64; 2]],
+    pub(in crate::simulate) bounds: &'a [[f64; 2]],
     /// A rate between −tolerance and tolerance counts as zero, per row.
-    pub(super) tolerances: &'a [f64],
+    pub(in crate::simulate) tolerances: &'a [f64],
 }
 
 /// A solution, as far as there is one.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Solution {
+pub(in crate::simulate) struct Solution {
     /// `λ`.
-    pub(super) multipliers: Vec<f64>,
+    pub(in crate::simulate) multipliers: Vec<f64>,
     /// Rows whose multipliers are free, so that their rates vanish; they are linearly independent.
-    pub(super) active: Vec<bool>,
+    pub(in crate::simulate) active: Vec<bool>,
     /// `w`.
-    pub(super) rates: Vec<f64>,
+    pub(in crate::simulate) rates: Vec<f64>,
     /// Rows whose rates no multipliers satisfy.
-    pub(super) violated: Vec<bool>,
+    pub(in crate::simulate) violated: Vec<bool>,
 }
 
 impl Problem<'_> {
     /// Solves (1). Rows that cannot be satisfied show in the rates.
-    pub(super) fn solve(&self) -> Solution {
+    pub(in crate::simulate) fn solve(&self) -> Solution {
         let n = self.rates.len();
         let mut state = Solution {
             multipliers: vec![0.0; n],
@@ -167,7 +167,7 @@ impl Problem<'_> {
     }
 
     /// Whether a row depends linearly on the free rows of a solution: it moves as they do.
-    pub(super) fn follows(&self, solution: &Solution, row: usize) -> bool {
+    pub(in crate::simulate) fn follows(&self, solution: &Solution, row: usize) -> bool {
         let active = solution.rows();
         let combination = self.combine(&active, row);
         combination.is_some_and(|c| self.pivot(&active, &c, row) <= DEPENDENT * self.free[row])
@@ -191,7 +191,7 @@ impl Problem<'_> {
     }
 
     /// The multipliers with which the rates of these rows vanish, all others being zero; `None` if the rows are linearly dependent.
-    pub(super) fn stationary(&self, rows: &[usize]) -> Option<Vec<f64>> {
+    pub(in crate::simulate) fn stationary(&self, rows: &[usize]) -> Option<Vec<f64>> {
         self.solve_among(rows, rows.iter().map(|row| -self.rates[*row]).collect())
     }
 

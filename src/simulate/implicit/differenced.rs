@@ -17,7 +17,7 @@ use crate::dynamics::Dense;
 const DIFFERENCE: f64 = 1e-7;
 
 /// A factorized matrix (1), and room to make it.
-pub(super) struct Differenced {
+pub(in crate::simulate) struct Differenced {
     matrix: Dense,
     /// `a_c` at the point, and displaced.
     base: Vec<f64>,
@@ -28,18 +28,18 @@ pub(super) struct Differenced {
 }
 
 /// One displacement of (2).
-pub(super) struct Displaced<'a> {
+pub(in crate::simulate) struct Displaced<'a> {
     /// Where from (velocity coordinates).
-    pub(super) by: &'a [f64],
-    pub(super) position: &'a mut [f64],
-    pub(super) velocity: &'a [f64],
+    pub(in crate::simulate) by: &'a [f64],
+    pub(in crate::simulate) position: &'a mut [f64],
+    pub(in crate::simulate) velocity: &'a [f64],
     /// Where accelerations go.
-    pub(super) a: &'a mut [f64],
+    pub(in crate::simulate) a: &'a mut [f64],
 }
 
 impl Differenced {
     /// Room for so many positions and velocities.
-    pub(super) fn new(positions: usize, velocities: usize) -> Self {
+    pub(in crate::simulate) fn new(positions: usize, velocities: usize) -> Self {
         let room = || vec![0.0; velocities];
         let (matrix, position) = (Dense::new(velocities), vec![0.0; positions]);
         Self { matrix, base: room(), moved: room(), position, velocity: room(), by: room() }
@@ -50,7 +50,7 @@ impl Differenced {
     ///
     /// # Errors
     /// Those of `accelerations`.
-    pub(super) fn factorize<E>(
+    pub(in crate::simulate) fn factorize<E>(
         &mut self,
         v: &[f64],
         [c1, c2]: [f64; 2],
@@ -76,7 +76,7 @@ impl Differenced {
     }
 
     /// `rhs ← N⁻¹ rhs`.
-    pub(super) fn solve(&mut self, rhs: &mut [f64]) {
+    pub(in crate::simulate) fn solve(&mut self, rhs: &mut [f64]) {
         self.matrix.solve(rhs);
     }
 }

@@ -10,7 +10,7 @@ const PASSAGE: u32 = 4;
 
 /// The pace of the last steps of a run.
 #[derive(Debug)]
-pub(super) struct Pace {
+pub(in crate::simulate) struct Pace {
     steps: u64,
     /// When they began (s).
     since: f64,
@@ -20,21 +20,21 @@ pub(super) struct Pace {
 
 /// A run that creeps.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Creep {
+pub(in crate::simulate) struct Creep {
     /// The mean step (s).
-    pub(super) step: f64,
+    pub(in crate::simulate) step: f64,
     /// Steps to the end at that pace.
-    pub(super) left: f64,
+    pub(in crate::simulate) left: f64,
 }
 
 impl Pace {
     /// Of a run that starts at a time (s).
-    pub(super) fn new(time: f64) -> Self {
+    pub(in crate::simulate) fn new(time: f64) -> Self {
         Self { steps: 0, since: time, slow: 0 }
     }
 
     /// Looks at the time (s) a step has reached; tells where the `end` is out of reach.
-    pub(super) fn see(&mut self, time: f64, end: f64) -> Option<Creep> {
+    pub(in crate::simulate) fn see(&mut self, time: f64, end: f64) -> Option<Creep> {
         self.steps += 1;
         if self.steps < STEPS {
             return None;
@@ -57,7 +57,7 @@ const PATIENCE: u32 = 25;
 
 /// The pace of the last events that changed how a run goes on.
 #[derive(Debug)]
-pub(super) struct Turns {
+pub(in crate::simulate) struct Turns {
     window: u64,
     count: u64,
     /// When they began (s).
@@ -68,21 +68,21 @@ pub(super) struct Turns {
 
 /// Events that creep.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Storm {
+pub(in crate::simulate) struct Storm {
     /// Events counted.
-    pub(super) count: u64,
+    pub(in crate::simulate) count: u64,
     /// The time they took (s).
-    pub(super) span: f64,
+    pub(in crate::simulate) span: f64,
 }
 
 impl Turns {
     /// Of a scene whose stops have so many sides: many of them have many events at once.
-    pub(super) fn new(sides: usize) -> Self {
+    pub(in crate::simulate) fn new(sides: usize) -> Self {
         Self { window: TURNS * (1 + sides as u64), count: 0, since: 0.0, fast: 0 }
     }
 
     /// Looks at the time (s) of an event; tells if the `end` is out of reach.
-    pub(super) fn see(&mut self, time: f64, end: f64) -> Option<Storm> {
+    pub(in crate::simulate) fn see(&mut self, time: f64, end: f64) -> Option<Storm> {
         self.count += 1;
         if self.count < self.window {
             return None;

@@ -9,17 +9,17 @@
 //! each stop and each watched number is compared in order; and between the events of the second run its dense output is
 //! scanned for states beyond a rigid stop, by nothing but their coordinates.
 
-use super::asked::Asked;
-use super::entry::run_with;
-use super::error::RunError;
-use super::events::{Kind, Occurrence};
-use super::run::Summary;
-use super::search::Search;
-use super::settings::{Integrator, Settings};
-use super::state::State;
 use crate::integrate::Method;
 use crate::model::{Model, Stop};
 use crate::record::{Outcome, RecordError, Recorder, Sample};
+use crate::simulate::asked::Asked;
+use crate::simulate::entry::run_with;
+use crate::simulate::error::RunError;
+use crate::simulate::events::search::Search;
+use crate::simulate::events::{Kind, Occurrence};
+use crate::simulate::run::Summary;
+use crate::simulate::settings::{Integrator, Settings};
+use crate::simulate::state::State;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

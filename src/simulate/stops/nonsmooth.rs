@@ -29,26 +29,26 @@ use std::sync::Arc;
 
 /// A coordinate, or the three of a spherical hinge, at rest by what holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Held {
+pub(in crate::simulate) struct Held {
     /// First velocity coordinate, and how many: 1, or 3 of a spherical hinge.
-    pub(super) velocity: usize,
-    pub(super) count: usize,
+    pub(in crate::simulate) velocity: usize,
+    pub(in crate::simulate) count: usize,
     /// The rigid stop that it rests on.
-    pub(super) stop: Option<Side>,
+    pub(in crate::simulate) stop: Option<Side>,
     /// The dry friction that acts, by its index in the model.
-    pub(super) friction: Option<usize>,
+    pub(in crate::simulate) friction: Option<usize>,
     /// What holds it can push with this along the coordinate; of a spherical hinge the norm counts (N or N m).
-    pub(super) range: [f64; 2],
+    pub(in crate::simulate) range: [f64; 2],
     /// It lets go when it would have to leave its range by more than this, the round-off of what presses (N or N m).
-    pub(super) slack: f64,
+    pub(in crate::simulate) slack: f64,
 }
 
 /// The stops and the dry friction of a model, and what they do.
 #[derive(Debug)]
-pub(super) struct Nonsmooth {
-    pub(super) model: Arc<Model>,
+pub(in crate::simulate) struct Nonsmooth {
+    pub(in crate::simulate) model: Arc<Model>,
     /// What is at rest.
-    pub(super) held: Vec<Held>,
+    pub(in crate::simulate) held: Vec<Held>,
     /// Whether what is held has rows beside those of loops, drives and gears.
     tied: bool,
     /// `M⁻¹ Hᵀ` of the held coordinates, one after the other.
@@ -63,7 +63,7 @@ pub(super) struct Nonsmooth {
 
 impl Nonsmooth {
     /// `None` for a model without stops and dry friction.
-    pub(super) fn new(model: &Arc<Model>) -> Option<Self> {
+    pub(in crate::simulate) fn new(model: &Arc<Model>) -> Option<Self> {
         let n = model.velocity_count();
         let any = !(model.stops.is_empty() && model.hinge_friction.is_empty());
         any.then(|| Self {
@@ -79,7 +79,7 @@ impl Nonsmooth {
     }
 
     /// Holds these from now on, and no others.
-    pub(super) fn set_held(&mut self, held: &[Held]) {
+    pub(in crate::simulate) fn set_held(&mut self, held: &[Held]) {
         self.held.clear();
         self.held.extend_from_slice(held);
         if !self.tied {
@@ -93,7 +93,7 @@ impl Nonsmooth {
     }
 
     /// Corrects the free accelerations of a tree by (1); `solve` is `x ← M⁻¹ rhs`.
-    pub(super) fn correct(&mut self, a: &mut [f64], solve: &mut dyn FnMut(&[f64], &mut [f64])) {
+    pub(in crate::simulate) fn correct(&mut self, a: &mut [f64], solve: &mut dyn FnMut(&[f64], &mut [f64])) {
         if self.coordinates.is_empty() || self.tied {
             return;
         }
@@ -118,7 +118,7 @@ impl Nonsmooth {
     }
 
     /// What is held from now on, as rows with those of loops, drives and gears: stops at their limits, the rest where it is.
-    pub(super) fn rows(&self, held: &[Held], q: &[f64]) -> Vec<Row> {
+    pub(in crate::simulate) fn rows(&self, held: &[Held], q: &[f64]) -> Vec<Row> {
         let row = |held: &Held| {
             let link = self
                 .model
@@ -137,7 +137,7 @@ impl Nonsmooth {
     }
 
     /// A coordinate on the stop of a side, with the speed that it has.
-    pub(super) fn row(&self, side: Side, q: &[f64], v: &[f64]) -> Option<Row> {
+    pub(in crate::simulate) fn row(&self, side: Side, q: &[f64], v: &[f64]) -> Option<Row> {
         let velocity = self.model.stops[side.stop].velocity;
         let held = Held { velocity, count: 1, stop: Some(side), friction: None, range: [0.0; 2], slack: 0.0 };
         let mut row = self.rows(&[held], q).pop()?;
@@ -149,20 +149,20 @@ impl Nonsmooth {
 
     /// How far the forces of what is held in this place of the list are within their range, of the last corrected accelerations
     /// of a tree; below zero if it has to let go.
-    pub(super) fn reserve(&self, held: usize) -> f64 {
+    pub(in crate::simulate) fn reserve(&self, held: usize) -> f64 {
         let first: usize = self.held[..held].iter().map(|held| held.count).sum();
         let held = &self.held[held];
         within(held, &self.multipliers[first..first + held.count])
     }
 
     /// What holds the first coordinate in this place of the list, of the last corrected accelerations of a tree (N or N m).
-    pub(super) fn held_force(&self, held: usize) -> f64 {
+    pub(in crate::simulate) fn held_force(&self, held: usize) -> f64 {
         let first: usize = self.held[..held].iter().map(|held| held.count).sum();
         self.multipliers[first]
     }
 
     /// Takes the rows that are held off the force balance of a tree.
-    pub(super) fn balance(&self, residual: &mut [f64]) {
+    pub(in crate::simulate) fn balance(&self, residual: &mut [f64]) {
         if !self.tied {
             self.coordinates.iter().for_each(|i| residual[*i] = 0.0);
         }
@@ -170,7 +170,7 @@ impl Nonsmooth {
 
     /// What the stops add to the diagonal of a tangent, and dry friction of spherical hinges, across its direction and along it: a
     /// bound, for Newton's method alone. Infinite for what is held in a tree.
-    pub(super) fn diagonal(&mut self, phase: &Phase, v: &[f64], c1: f64) -> &[f64] {
+    pub(in crate::simulate) fn diagonal(&mut self, phase: &Phase, v: &[f64], c1: f64) -> &[f64] {
         self.force.fill(0.0);
         for side in &phase.pushing {
             let stop = &self.model.stops[side.stop];
@@ -192,12 +192,12 @@ impl Nonsmooth {
     }
 
     /// (2) of all stops (J).
-    pub(super) fn potential(&self, q: &[f64]) -> f64 {
+    pub(in crate::simulate) fn potential(&self, q: &[f64]) -> f64 {
         sides(&self.model.stops).map(|side| self.model.stops[side.stop].potential(side.sign, q)).sum()
     }
 
     /// (3) of all stops and what friction takes out of all that slides (W).
-    pub(super) fn dissipated(&self, phase: &Phase, q: &[f64], v: &[f64]) -> f64 {
+    pub(in crate::simulate) fn dissipated(&self, phase: &Phase, q: &[f64], v: &[f64]) -> f64 {
         let of_side = |side: Side| {
             let stop = &self.model.stops[side.stop];
             let StopLaw::Compliant { stiffness: k, damping: d } = stop.law else { return 0.0 };
@@ -209,7 +209,7 @@ impl Nonsmooth {
 }
 
 /// How far the forces of what is held are within their range; below zero beyond it.
-pub(super) fn within(held: &Held, forces: &[f64]) -> f64 {
+pub(in crate::simulate) fn within(held: &Held, forces: &[f64]) -> f64 {
     let [low, high] = held.range;
     match forces {
         [force] => (force - low).min(high - force),

@@ -7,7 +7,7 @@ use crate::record::scene::{Channel, WRENCH};
 use std::sync::Arc;
 
 /// The names, in the order of [`fill`]: drives, motors, gears, loops, ropes and curves, each in the order of the model.
-pub(super) fn channels(model: &Model) -> Vec<Channel> {
+pub(in crate::simulate) fn channels(model: &Model) -> Vec<Channel> {
     let channel = |owner: &str, name: &str, unit: &str| Channel {
         body: owner.to_owned(),
         name: name.to_owned(),
@@ -35,7 +35,7 @@ pub(super) fn channels(model: &Model) -> Vec<Channel> {
 }
 
 /// The numbers at a place with its accelerations, after its multipliers have been shared.
-pub(super) fn fill(at: &mut Evaluated<'_>, accelerations: &[f64], out: &mut Vec<f64>) {
+pub(in crate::simulate) fn fill(at: &mut Evaluated<'_>, accelerations: &[f64], out: &mut Vec<f64>) {
     out.clear();
     let rows = at.system().constraints();
     out.extend(rows.into_iter().flat_map(|rows| rows.drive_pushes(at.system().model(), accelerations)));
@@ -53,7 +53,7 @@ pub(super) fn fill(at: &mut Evaluated<'_>, accelerations: &[f64], out: &mut Vec<
 }
 
 /// Loops whose reactions are not unique at the given start; none if that cannot be evaluated.
-pub(super) fn not_unique(model: &Arc<Model>) -> Vec<String> {
+pub(in crate::simulate) fn not_unique(model: &Arc<Model>) -> Vec<String> {
     if model.loops.is_empty() {
         return Vec::new();
     }

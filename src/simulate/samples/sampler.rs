@@ -1,15 +1,15 @@
 //! What is recorded of a run, and when.
 
 use super::couplings;
-use super::error::RunError;
-use super::finite;
 use super::ledger::{Ledger, interpolate};
 use super::outputs::StateOutputs;
-use super::problem::Motion;
-use super::state::State;
 use crate::integrate::Stepper;
 use crate::model::Model;
 use crate::record::{ContactPush, Recorder, Sample};
+use crate::simulate::checks::finite;
+use crate::simulate::error::RunError;
+use crate::simulate::problem::Motion;
+use crate::simulate::state::State;
 use crate::spatial::{Pose, Wrench};
 use std::time::{Duration, Instant};
 
@@ -20,10 +20,10 @@ const PATIENCE: Duration = Duration::from_millis(50);
 const ROUNDING: f64 = 1e-12;
 
 /// Samples at equal times, and at the very end.
-pub(super) struct Sampler {
+pub(in crate::simulate) struct Sampler {
     rate: f64,
     end: f64,
-    pub(super) count: usize,
+    pub(in crate::simulate) count: usize,
     /// Index of the next sample: due at `next / rate`.
     next: u64,
     /// Scratch.
@@ -34,14 +34,14 @@ pub(super) struct Sampler {
     reactions: Vec<Wrench>,
     couplings: Vec<f64>,
     /// What contacts push with; of what rests the same at all times.
-    pub(super) contacts: Vec<ContactPush>,
+    pub(in crate::simulate) contacts: Vec<ContactPush>,
     /// `None` for a model without outputs.
     outputs: Option<StateOutputs>,
 }
 
 impl Sampler {
     /// Of a run from one time to another (s).
-    pub(super) fn new(model: &Model, rate: f64, [begin, end]: [f64; 2]) -> Self {
+    pub(in crate::simulate) fn new(model: &Model, rate: f64, [begin, end]: [f64; 2]) -> Self {
         let n = model.velocity_count();
         Self {
             rate,
@@ -61,7 +61,7 @@ impl Sampler {
     }
 
     /// Every sample due within the last step up to a time, the ledger with them; false if `go_on` asked to stop.
-    pub(super) fn up_to(
+    pub(in crate::simulate) fn up_to(
         &mut self,
         motion: &mut Motion,
         ledger: &mut Ledger,
@@ -96,7 +96,7 @@ impl Sampler {
     }
 
     /// The ledger up to the end of a step or to what happens before.
-    pub(super) fn close(
+    pub(in crate::simulate) fn close(
         &mut self,
         motion: &mut Motion,
         ledger: &mut Ledger,
@@ -107,7 +107,7 @@ impl Sampler {
     }
 
     /// The outputs at a state; empty for a model without.
-    pub(super) fn outputs(
+    pub(in crate::simulate) fn outputs(
         &mut self,
         motion: &mut Motion,
         ledger: &Ledger,
@@ -121,7 +121,7 @@ impl Sampler {
     }
 
     /// One sample. Nothing is recorded that is not a number, nor a state beyond a rigid stop.
-    pub(super) fn sample(
+    pub(in crate::simulate) fn sample(
         &mut self,
         motion: &mut Motion,
         ledger: &mut Ledger,

@@ -38,7 +38,7 @@ use crate::motion::displace;
 use crate::sparse::SparseRows;
 
 /// A factorized matrix. Valid until the next factorization, whatever the system evaluates in between.
-pub(super) struct Bordered {
+pub(in crate::simulate) struct Bordered {
     tree: TangentSolver,
     /// `None` while the rows are those of a sparse matrix.
     border: Option<Border>,
@@ -95,7 +95,7 @@ const CORRECTIONS: usize = 2;
 
 impl Bordered {
     /// Room for a system.
-    pub(super) fn new(system: &System) -> Self {
+    pub(in crate::simulate) fn new(system: &System) -> Self {
         let model = system.model();
         let (m, n) = (system.constraint_rank(), model.velocity_count());
         let is_sparse = TangentSolver::is_sparse(model);
@@ -118,7 +118,7 @@ impl Bordered {
 
     /// Factorizes at a point, `shift` added to the diagonal of the tree's tangent; rows with a clearance below `weak` are
     /// left out. `Ok(false)` where it is singular.
-    pub(super) fn factorize(
+    pub(in crate::simulate) fn factorize(
         &mut self,
         system: &mut System,
         at: Point<'_>,
@@ -221,7 +221,7 @@ impl Bordered {
     }
 
     /// `rhs ← N⁻¹ rhs`; not numbers where the rows cannot be evaluated.
-    pub(super) fn solve(&mut self, system: &mut System, rhs: &mut [f64]) {
+    pub(in crate::simulate) fn solve(&mut self, system: &mut System, rhs: &mut [f64]) {
         let mut border = self.border.take();
         let solved = match &mut border {
             Some(border) => self.solve_bordered(system, border, rhs),

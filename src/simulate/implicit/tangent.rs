@@ -5,7 +5,7 @@ use super::differenced::Differenced;
 use crate::dynamics::TangentSolver;
 
 /// The factorized tangent of an implicit step.
-pub(super) enum Tangent {
+pub(in crate::simulate) enum Tangent {
     /// Not asked for yet.
     None,
     /// Of a tree.

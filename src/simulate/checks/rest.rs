@@ -6,14 +6,14 @@
 //! step, so adaptive methods run with a tolerance well below that, whatever the scene asks for in other runs. An unstable one would stay too, as long as round-off leaves it alone; it is pushed by 10⁻⁶ along
 //! the direction that runs away fastest, and the growth that is observed is compared with the eigenvalue that predicts it.
 
-use super::control::check_steady;
-use super::entry::run;
-use super::error::RunError;
-use super::settings::Settings;
-use super::state::State;
 use crate::force::Act;
 use crate::model::Model;
 use crate::record::Recorder;
+use crate::simulate::control::check_steady;
+use crate::simulate::entry::run;
+use crate::simulate::error::RunError;
+use crate::simulate::settings::Settings;
+use crate::simulate::state::State;
 use crate::statics::{Equilibrium, Verdict, outputs};
 use std::sync::Arc;
 

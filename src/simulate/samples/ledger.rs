@@ -8,13 +8,13 @@
 //! by less than the tolerance, and what a drive needs to hold that up by many times the power that flows. Of other methods, and
 //! of steps that an event ends before their last stage, the powers along the interpolant are integrated by a Gauss rule.
 
-use super::error::{RunError, named};
-use super::problem::Motion;
-use super::state::State;
 use crate::dynamics::{Energies, Powers};
 use crate::integrate::Stepper;
 use crate::model::{Model, StopLaw};
 use crate::record::Energy;
+use crate::simulate::error::{RunError, named};
+use crate::simulate::problem::Motion;
+use crate::simulate::state::State;
 
 /// Nodes and weights of the Gauss rule on 0…1 that integrates powers over a step: exact to degree 9.
 const WHOLE: [(f64, f64); 5] = [
@@ -31,7 +31,7 @@ const PART: [(f64, f64); 3] =
 
 /// Energies of a run so far.
 #[derive(Debug, Clone)]
-pub(super) struct Ledger {
+pub(in crate::simulate) struct Ledger {
     start: Energies,
     /// Up to when powers are integrated (s).
     time: f64,
@@ -59,22 +59,22 @@ const MOST_STAGES: usize = 8;
 
 /// What the ledger of a run has at its end, for the run that goes on with another structure (J).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Booked {
+pub(in crate::simulate) struct Booked {
     /// Kinetic plus potential energy at the very start.
-    pub(super) start: f64,
-    pub(super) work: f64,
-    pub(super) dissipated: f64,
-    pub(super) drift: f64,
+    pub(in crate::simulate) start: f64,
+    pub(in crate::simulate) work: f64,
+    pub(in crate::simulate) dissipated: f64,
+    pub(in crate::simulate) drift: f64,
 }
 
 impl Ledger {
     /// Goes on with what an earlier run has booked.
-    pub(super) fn going_on(self, booked: Option<&Booked>) -> Self {
+    pub(in crate::simulate) fn going_on(self, booked: Option<&Booked>) -> Self {
         let Some(&Booked { start, work, dissipated, drift }) = booked else { return self };
         Self { start: Energies { kinetic: start, potential: 0.0 }, work, dissipated, drift, ..self }
     }
 
-    pub(super) fn new(model: &Model, time: f64, start: Energies) -> Self {
+    pub(in crate::simulate) fn new(model: &Model, time: f64, start: Energies) -> Self {
         let damped = |law: StopLaw| matches!(law, StopLaw::Compliant { damping, .. } if damping > 0.0);
         let stops = model.stops.iter().any(|stop| damped(stop.law));
         let flows = model.has_damping()
@@ -93,7 +93,7 @@ impl Ledger {
     ///
     /// # Errors
     /// A state within the step that cannot be evaluated.
-    pub(super) fn advance(
+    pub(in crate::simulate) fn advance(
         &mut self,
         motion: &mut Motion,
         stepper: &mut dyn Stepper<Motion>,
@@ -128,17 +128,17 @@ impl Ledger {
     }
 
     /// Energy that an impact takes out (J).
-    pub(super) fn lose(&mut self, energy: f64) {
+    pub(in crate::simulate) fn lose(&mut self, energy: f64) {
         self.dissipated += energy;
     }
 
     /// Work of drives in an impact (J).
-    pub(super) fn put_in(&mut self, energy: f64) {
+    pub(in crate::simulate) fn put_in(&mut self, energy: f64) {
         self.work += energy;
     }
 
     /// The ledger of a state at the end of what was integrated.
-    pub(super) fn energy(&self, now: &Energies) -> Energy {
+    pub(in crate::simulate) fn energy(&self, now: &Energies) -> Energy {
         let total = now.kinetic + now.potential + self.dissipated - self.work;
         Energy {
             kinetic: now.kinetic,
@@ -150,7 +150,7 @@ impl Ledger {
     }
 
     /// Takes note of the state at the end of what was integrated, of a step or at a sample; gives its ledger.
-    pub(super) fn close(&mut self, now: &Energies) -> Energy {
+    pub(in crate::simulate) fn close(&mut self, now: &Energies) -> Energy {
         let energy = self.energy(now);
         self.drift = self.drift.max(energy.error.abs());
         energy
@@ -195,7 +195,7 @@ impl StagePowers {
 ///
 /// # Errors
 /// A time at which the state cannot be evaluated.
-pub(super) fn interpolate(
+pub(in crate::simulate) fn interpolate(
     motion: &mut Motion,
     stepper: &mut dyn Stepper<Motion>,
     time: f64,

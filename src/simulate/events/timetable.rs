@@ -8,18 +8,18 @@ use crate::model::Model;
 
 /// The breaks of a model's motions, motors, loads and masses.
 #[derive(Debug)]
-pub(super) struct Timetable {
+pub(in crate::simulate) struct Timetable {
     /// Increasing, within the run (s).
     breaks: Vec<f64>,
     /// Of the run (s).
     end: f64,
     /// Longest step (s).
-    pub(super) longest_step: Option<f64>,
+    pub(in crate::simulate) longest_step: Option<f64>,
 }
 
 impl Timetable {
     /// Of a run from one time to another (s).
-    pub(super) fn new(model: &Model, [begin, end]: [f64; 2]) -> Self {
+    pub(in crate::simulate) fn new(model: &Model, [begin, end]: [f64; 2]) -> Self {
         let duration = end - begin;
         let (drives, motors) = (&model.drives, &model.motors);
         let each = drives.iter().map(|drive| drive.motion.breaks()).chain(motors.iter().map(|motor| motor.breaks()));
@@ -36,22 +36,22 @@ impl Timetable {
     }
 
     /// Whether anything changes its rule within the run.
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::simulate) fn is_empty(&self) -> bool {
         self.breaks.is_empty()
     }
 
     /// The next break after `time`, or the end of the run.
-    pub(super) fn next(&self, time: f64) -> f64 {
+    pub(in crate::simulate) fn next(&self, time: f64) -> f64 {
         self.breaks.get(self.breaks.partition_point(|at| *at <= time)).copied().unwrap_or(self.end)
     }
 
     /// Whether a break is at this time.
-    pub(super) fn breaks_at(&self, time: f64) -> bool {
+    pub(in crate::simulate) fn breaks_at(&self, time: f64) -> bool {
         self.breaks.contains(&time)
     }
 
     /// Where steps towards a break end: just before it, so that all of them go by the rule that holds until then.
-    pub(super) fn end(&self, next: f64) -> f64 {
+    pub(in crate::simulate) fn end(&self, next: f64) -> f64 {
         if next < self.end { next.next_down() } else { next }
     }
 }

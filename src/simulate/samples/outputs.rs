@@ -1,17 +1,17 @@
 //! Outputs of a run: at one state, and over the samples of a run.
 
-use super::problem::Motion;
-use super::state::State;
 use crate::dynamics::{Fault, Powers};
 use crate::model::{Model, Output};
 use crate::output::{Given, Outputs, Varied};
 use crate::record::{Outcome, RecordError, Recorder, Sample};
+use crate::simulate::problem::Motion;
+use crate::simulate::state::State;
 use crate::spatial::Wrench;
 use std::sync::Arc;
 
 /// Evaluates the outputs of a model at states of a run, stops included.
 #[derive(Debug, Clone)]
-pub(super) struct StateOutputs {
+pub(in crate::simulate) struct StateOutputs {
     outputs: Outputs,
     asks_power: bool,
     /// Time and state of the last evaluation, and what it gave: numbers, and rates; not a number for one that is not known.
@@ -26,7 +26,7 @@ pub(super) struct StateOutputs {
 
 impl StateOutputs {
     /// `None` for a model without outputs.
-    pub(super) fn new(model: &Model) -> Option<Self> {
+    pub(in crate::simulate) fn new(model: &Model) -> Option<Self> {
         let n = model.velocity_count();
         Some(Self {
             outputs: Outputs::new(model)?,
@@ -42,7 +42,7 @@ impl StateOutputs {
     }
 
     /// Forgets the last evaluation: what is discrete has changed.
-    pub(super) fn forget(&mut self) {
+    pub(in crate::simulate) fn forget(&mut self) {
         self.last = None;
     }
 
@@ -50,7 +50,7 @@ impl StateOutputs {
     ///
     /// # Errors
     /// As [`Outputs::evaluate`], and a state that cannot be evaluated.
-    pub(super) fn at(
+    pub(in crate::simulate) fn at(
         &mut self,
         motion: &mut Motion,
         time: f64,
@@ -86,7 +86,13 @@ impl StateOutputs {
 
     /// One number at a state and its rate; not a number for a rate that is not known, and for both if the state cannot be
     /// evaluated.
-    pub(super) fn watched(&mut self, motion: &mut Motion, time: f64, state: &State, number: usize) -> [f64; 2] {
+    pub(in crate::simulate) fn watched(
+        &mut self,
+        motion: &mut Motion,
+        time: f64,
+        state: &State,
+        number: usize,
+    ) -> [f64; 2] {
         let same = |(at, of): &(f64, State)| *at == time && of == state;
         if !self.last.as_ref().is_some_and(same) {
             if self.at(motion, time, state, [0.0; 2]).is_err() {

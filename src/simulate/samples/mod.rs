@@ -1,0 +1,8 @@
+//! What is told of a run, sample after sample: when and what in `sampler`, energies in `ledger`, pushes in `couplings`, outputs in `outputs`, and
+//! once what does not change in `scene`.
+
+pub(super) mod couplings;
+pub(super) mod ledger;
+pub mod outputs;
+pub(super) mod sampler;
+pub(super) mod scene;
