@@ -26,7 +26,7 @@ use crate::model::{Model, Problem};
 use crate::record::{Event, Recorder};
 use crate::simulate::asked::Asked;
 use crate::simulate::error::RunError;
-use crate::simulate::events::occurrence::{Kind, Occurrence};
+use crate::simulate::events::{Kind, Occurrence};
 use crate::simulate::problem::Motion;
 use crate::simulate::run::{Summary, run_one};
 use crate::simulate::samples::ledger::Booked;

@@ -1,6 +1,8 @@
 //! The program as people and scripts call it: what it prints where, what it leaves behind, how it ends.
 
 mod answers;
+#[cfg(feature = "friction")]
+mod arches;
 mod damage;
 #[cfg(feature = "parquet")]
 mod datasets;

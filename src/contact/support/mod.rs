@@ -44,7 +44,7 @@ pub enum Cone {
     Ray,
     /// `(f_n, f_t1, f_t2)` with this coefficient of friction, > 0.
     Coulomb {
-        /// μ.
+        /// μ; infinite where nothing slides.
         friction: f64,
     },
     /// Numbers whose root of the sum of squares is bounded (N or N m).
@@ -72,6 +72,7 @@ impl Cone {
         match self {
             Self::Free => f64::NEG_INFINITY,
             Self::Ray => -f[0],
+            Self::Coulomb { friction } if friction.is_infinite() => -f[0],
             Self::Coulomb { friction } => f[1].hypot(f[2]) - friction * f[0],
             Self::Ball { bound, .. } => norm(f) - bound,
         }
@@ -91,7 +92,7 @@ impl Cone {
     fn scaled(self, factor: f64) -> Self {
         match self {
             Self::Coulomb { friction } => Self::Coulomb { friction: friction * factor },
-            Self::Ball { bound, size } => Self::Ball { bound: bound * factor, size },
+            Self::Ball { bound, size } => Self::Ball { bound: if bound > 0.0 { bound * factor } else { 0.0 }, size },
             other => other,
         }
     }

@@ -96,7 +96,9 @@ impl Cone {
     pub(super) fn rows(&self) -> Option<(bool, usize)> {
         match self {
             Self::Free => None,
+            Self::Ball { bound, .. } if bound.is_infinite() => None,
             Self::Ray => Some((false, 1)),
+            Self::Coulomb { friction } if friction.is_infinite() => Some((false, 1)),
             Self::Coulomb { .. } => Some((true, 3)),
             Self::Ball { size, .. } => Some((true, size + 1)),
         }

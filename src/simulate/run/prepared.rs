@@ -2,11 +2,12 @@
 
 use crate::model::Model;
 use crate::record::ContactPush;
+use crate::simulate::checks::finite;
 use crate::simulate::error::RunError;
 use crate::simulate::problem::Motion;
+use crate::simulate::resting;
 use crate::simulate::settings::Settings;
 use crate::simulate::state::State;
-use crate::simulate::{finite, resting};
 use std::sync::Arc;
 
 /// Rounding of a coordinate on its limit, of one and more.

@@ -107,6 +107,9 @@ impl Supports {
                 let none = Scaled::new(self, load, NONE).grow()?;
                 return Ok(Some(if none.upper <= AT_THE_LIMIT { 0.0 } else { 1.0 }));
             }
+            if s == 1.0 && tau > 0.0 && Scaled::new(self, load, f64::INFINITY).grow()?.lower > 0.0 {
+                return Ok(None);
+            }
             if tau > 0.0 {
                 low = s
             } else {
