@@ -139,8 +139,8 @@ pub(in crate::cli) fn run(model: &Model, summary: &Summary, recording: &str) -> 
     .filter(|(n, ..)| *n > 0)
     .map(|(n, one, many)| format!("{n} {}", if *n == 1 { one } else { many }))
     .collect();
-    let _ =
-        writeln!(out, "  steps        {} ({} rejected), {}", counters.steps, counters.rejected_steps, work.join(", "));
+    let work: String = work.iter().map(|part| format!(", {part}")).collect();
+    let _ = writeln!(out, "  steps        {} ({} rejected){work}", counters.steps, counters.rejected_steps);
     // Rounding adds up as a random walk: √n of n steps.
     let rounding = f64::EPSILON * (counters.steps as f64).sqrt();
     if counters.error_sum > summary.tolerance {

@@ -72,12 +72,25 @@ fn paint(out: &mut String, faces: &[Face], frame: &Frame) {
     out.push_str("<g shape-rendering=\"crispEdges\">\n");
     for group in faces.chunk_by(|a, b| looks(a) == looks(b)) {
         let mut path = String::new();
-        group.iter().for_each(|face| polygon(&mut path, &face.points, frame));
+        for face in group {
+            // Where faces of one path turn opposite ways they would leave a hole (the nonzero rule counts turns).
+            let mut points = face.points.clone();
+            if area(&points) < 0.0 {
+                points.reverse();
+            }
+            polygon(&mut path, &points, frame);
+        }
         let ([r, g, b], opacity) = looks(&group[0]);
         let opacity = if opacity < 1.0 { format!(" fill-opacity=\"{opacity:.3}\"") } else { String::new() };
         let _ = writeln!(out, "<path d=\"{path}\" fill=\"#{r:02x}{g:02x}{b:02x}\"{opacity}/>");
     }
     out.push_str("</g>\n");
+}
+
+/// Twice the area of a polygon as the eye sees it (m²); negative if its corners are clockwise.
+fn area(points: &[Vector3<f64>]) -> f64 {
+    let next = points.iter().cycle().skip(1);
+    points.iter().zip(next).map(|(a, b)| a.x * b.y - a.y * b.x).sum()
 }
 
 fn polygon(path: &mut String, points: &[Vector3<f64>], frame: &Frame) {
