@@ -164,9 +164,10 @@ pub(in crate::statics) fn certify(
             examined
         }
         false => {
+            let looked = landscape.take_solver(&place.q);
             let system = landscape.system();
             let acceleration = held_acceleration(system, &place, &free)?;
-            let classify = || classify(system, &place.q, &free, &place.scales.stiffness, conservative);
+            let classify = || classify(system, &place.q, &free, &place.scales.stiffness, conservative, looked);
             (acceleration, balanced.then(classify).transpose()?)
         }
     };
