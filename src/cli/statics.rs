@@ -136,7 +136,7 @@ pub(super) fn main(arguments: &Arguments) -> anyhow::Result<Exit> {
     arguments.draw_diagram(&scenario, &model, &found)?;
     arguments.save_start(&scenario, &model, &found)?;
     if common.json {
-        output::print(&result.to_string())?;
+        output::print(&serde_json::to_string(&result)?)?;
     } else if let Some(followed) = followed.as_ref().filter(|_| !common.quiet) {
         output::print(&followed.text())?;
     }

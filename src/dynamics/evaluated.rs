@@ -112,7 +112,7 @@ impl Evaluated<'_> {
 
     /// `product ← M x`, in O(n).
     pub fn mass_times(&self, action: &mut MassAction, x: &[f64], product: &mut [f64]) {
-        action.times(&self.system.model, &self.system.motion, x, product);
+        self.system.mass_times(action, x, product);
     }
 
     /// Kinetic and potential energy.

@@ -315,6 +315,11 @@ impl System {
         &self.motion.links
     }
 
+    /// `product ← M x` at the last place, in O(n).
+    pub(crate) fn mass_times(&self, action: &mut MassAction, x: &[f64], product: &mut [f64]) {
+        action.times(&self.model, &self.motion, x, product);
+    }
+
     /// The time of the last place (s).
     pub(crate) fn time(&self) -> f64 {
         self.time

@@ -6,7 +6,6 @@ use super::border::PER_LINK;
 use crate::force::Act;
 use crate::model::{End, Joint, Model};
 use crate::transfer::tangent::{Pair, TangentMatrix};
-use std::collections::BTreeSet;
 
 /// Up to so many coordinates the border or a dense matrix is the simplest.
 const SMALL: usize = 64;
@@ -57,21 +56,26 @@ impl Reach {
 
     /// Whether it acts on the ground, on one link, or on a link and its parent.
     pub(super) fn is_near(&self, model: &Model) -> bool {
-        let parent = |link: usize| model.links[link].parent;
-        match self.links[..] {
-            [] | [_] => true,
-            // The tip of an element is coupled to its root through stations.
-            [a, b] if [a, b].iter().any(|link| model.links[*link].joint.rod().is_some()) => false,
-            // An interface is coupled to the frame through coordinates that other interfaces share.
-            [a, b] if [a, b].iter().any(|link| is_of_modal(&model.links[*link].joint)) => false,
-            [a, b] => parent(a) == b || parent(b) == a,
-            _ => false,
-        }
+        are_near(&self.links, model)
     }
 
     /// The pairs of its links: of the one that moves first, of the ones that feel it in their order.
     pub(super) fn pairs(&self) -> impl Iterator<Item = Pair> {
         pairs(&self.links)
+    }
+}
+
+/// Whether links are one, or a link and its parent.
+fn are_near(links: &[usize], model: &Model) -> bool {
+    let parent = |link: usize| model.links[link].parent;
+    match links[..] {
+        [] | [_] => true,
+        // The tip of an element is coupled to its root through stations.
+        [a, b] if [a, b].iter().any(|link| model.links[*link].joint.rod().is_some()) => false,
+        // An interface is coupled to the frame through coordinates that other interfaces share.
+        [a, b] if [a, b].iter().any(|link| is_of_modal(&model.links[*link].joint)) => false,
+        [a, b] => parent(a) == b || parent(b) == a,
+        _ => false,
     }
 }
 
@@ -99,8 +103,7 @@ impl Matrices {
         let coordinates = model.velocity_count();
         let (bytes, kind) = match self {
             Self::Dense(count) => (coordinates.saturating_mul(coordinates).saturating_mul(count * NUMBER), "dense"),
-            Self::OfTangent if is_sparse(model) => (memory(model), "sparse"),
-            Self::OfTangent => (memory(model), "what far springs and loops add to the sweep of the tree"),
+            Self::OfTangent => memory(model),
         };
         let allowed = crate::budget::MATRIX_BYTES;
         if bytes <= allowed {
@@ -113,16 +116,21 @@ impl Matrices {
 
 /// Whether the sweep alone covers every force of a model.
 pub(super) fn covers(model: &Model) -> bool {
-    !model.is_constrained() && reaches(model).all(|element| element.is_near(model))
+    !model.is_constrained() && covers_forces(model)
 }
 
 /// Whether the tangent is a sparse matrix: by the estimated number of operations.
 pub(super) fn is_sparse(model: &Model) -> bool {
-    let (n, sides) = (model.velocity_count(), bordering_sides(model));
+    !covers_forces(model) && by_matrix(model, &Groups::of(model))
+}
+
+/// [`is_sparse`] of a model in which something reaches far.
+fn by_matrix(model: &Model, groups: &Groups) -> bool {
+    let (n, sides) = (model.velocity_count(), groups.sides(model));
     if n <= SMALL || sides == 0 || !model.rods.is_empty() || !model.modals.is_empty() {
         return false;
     }
-    let entries = entries(model);
+    let entries = groups.entries(model);
     let (n, sides, size) = (n as f64, sides as f64, entries as f64);
     let border = PER_SOLUTION * n * sides + PER_BORDER * sides.powi(3);
     let matrix = PER_ENTRY * size + size * size / n;
@@ -131,35 +139,56 @@ pub(super) fn is_sparse(model: &Model) -> bool {
 
 /// Right sides that elements which reach far take at each factorization.
 pub(super) fn further_sides(model: &Model) -> usize {
-    if is_sparse(model) { 0 } else { bordering_sides(model) }
+    if covers_forces(model) {
+        return 0;
+    }
+    let groups = Groups::of(model);
+    if by_matrix(model, &groups) { 0 } else { groups.sides(model) }
 }
 
-/// Estimated memory of the tangent of a model (bytes): of the sweep alone nothing that counts.
-fn memory(model: &Model) -> usize {
-    let (n, sides) = (model.velocity_count(), bordering_sides(model));
-    if is_sparse(model) {
+/// Estimated memory of the tangent of a model (bytes), and what takes it: of the sweep alone nothing that counts.
+fn memory(model: &Model) -> (usize, &'static str) {
+    const BORDER: &str = "what far springs and loops add to the sweep of the tree";
+    if covers_forces(model) {
+        return (0, BORDER);
+    }
+    let (n, groups) = (model.velocity_count(), Groups::of(model));
+    if by_matrix(model, &groups) {
         // A planar net fills by about the logarithm of its size (George 1973).
         let fill = (n.max(2) as f64).log2().ceil() as usize;
-        return entries(model).saturating_mul(OF_ENTRY + NUMBER * fill);
+        return (groups.entries(model).saturating_mul(OF_ENTRY + NUMBER * fill), "sparse");
     }
+    let sides = groups.sides(model);
     let small = sides.saturating_mul(sides).saturating_mul(OF_BORDER * NUMBER);
-    small.saturating_add(sides.saturating_mul(n).saturating_mul(NUMBER))
+    (small.saturating_add(sides.saturating_mul(n).saturating_mul(NUMBER)), BORDER)
 }
 
-/// Unknowns of a border for the elements that reach far.
-fn bordering_sides(model: &Model) -> usize {
-    PER_LINK * groups(model, |element| !element.is_near(model)).iter().map(Vec::len).sum::<usize>()
+/// Whether no force and no loop reaches further than from a link to its parent.
+fn covers_forces(model: &Model) -> bool {
+    reaches(model).all(|element| element.is_near(model))
 }
 
-/// Entries of a sparse matrix, at most.
-fn entries(model: &Model) -> usize {
-    let pairs: Vec<Pair> = groups(model, |_| true).iter().flat_map(|links| pairs(links)).collect();
-    TangentMatrix::most_entries(model, &pairs)
-}
+/// The links that elements act on together, each group once: a million springs between two bodies are one.
+struct Groups(Vec<Vec<usize>>);
 
-/// The links that such elements act on together, each group once: a million springs between two bodies are one.
-fn groups(model: &Model, are: impl Fn(&Reach) -> bool) -> BTreeSet<Vec<usize>> {
-    reaches(model).filter(are).map(|element| element.links).collect()
+impl Groups {
+    fn of(model: &Model) -> Self {
+        let mut groups: Vec<Vec<usize>> = reaches(model).map(|element| element.links).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        Self(groups)
+    }
+
+    /// Unknowns of a border for the elements that reach far.
+    fn sides(&self, model: &Model) -> usize {
+        PER_LINK * self.0.iter().filter(|links| !are_near(links, model)).map(Vec::len).sum::<usize>()
+    }
+
+    /// Entries of a sparse matrix, at most.
+    fn entries(&self, model: &Model) -> usize {
+        let pairs: Vec<Pair> = self.0.iter().flat_map(|links| pairs(links)).collect();
+        TangentMatrix::most_entries(model, &pairs)
+    }
 }
 
 /// What every element that pushes on links acts on: forces, then loops.

@@ -33,7 +33,10 @@ pub struct TangentSolver {
     tangent: Tangent,
     diagonal: Vec<f64>,
     shifted: Vec<f64>,
+    /// Ascending by link.
     applied: Vec<(usize, Applied)>,
+    /// Where among those each link of each element stands.
+    places: Vec<usize>,
     coupled: Vec<(usize, Coupling)>,
     ball_springs: Vec<(usize, Matrix3<f64>)>,
     /// The balls among the links, and the stiffness of all other coordinates.
@@ -70,7 +73,8 @@ impl TangentSolver {
     pub fn new(model: &Model) -> Self {
         let mut elements: Vec<Reach> = reaches(model).collect();
         let (mut further, mut pairs, mut known) = (Vec::new(), Vec::new(), BTreeMap::new());
-        let (is_sparse, is_dense) = (Self::is_sparse(model), Self::is_for_dense(model));
+        let is_sparse = Self::is_sparse(model);
+        let is_dense = !is_sparse && Self::is_for_dense(model);
         for element in &mut elements {
             if is_sparse && element.links.len() > 1 {
                 element.far = Some(*known.entry(element.links.clone()).or_insert_with(|| {
@@ -86,7 +90,13 @@ impl TangentSolver {
             }
         }
         let most = elements.iter().map(|element| element.links.len()).max().unwrap_or(0);
-        let moved = elements.iter().map(|element| element.links.len()).sum();
+        // Of each link of each element, in their order, the place of what it feels of itself, ascending by link.
+        let moved: Vec<usize> = elements.iter().flat_map(|element| element.links.iter().copied()).collect();
+        let mut order: Vec<usize> = (0..moved.len()).collect();
+        order.sort_by_key(|at| moved[*at]);
+        let applied = order.iter().map(|at| (moved[*at], Applied::default())).collect();
+        let mut places = vec![0; moved.len()];
+        order.iter().enumerate().for_each(|(place, at)| places[*at] = place);
         let is_ball = |index: &usize| model.links[*index].joint.is_ball();
         let balls: Vec<usize> = (0..model.links.len()).filter(is_ball).collect();
         let mut springs: Vec<f64> = model.coordinates.iter().map(|coordinate| coordinate.stiffness).collect();
@@ -95,8 +105,9 @@ impl TangentSolver {
             tangent: Tangent::new(model),
             diagonal: vec![0.0; model.velocity_count()],
             shifted: vec![0.0; model.velocity_count()],
-            applied: Vec::with_capacity(moved),
-            coupled: Vec::with_capacity(moved),
+            applied,
+            coupled: Vec::with_capacity(moved.len()),
+            places,
             ball_springs: Vec::with_capacity(balls.len()),
             balls,
             springs,
@@ -125,6 +136,11 @@ impl TangentSolver {
     /// has no flexible elements.
     pub fn is_sparse(model: &Model) -> bool {
         reach::is_sparse(model)
+    }
+
+    /// Whether this tangent is a sparse matrix: it stays as it was gathered, whatever the system does next.
+    pub fn is_written(&self) -> bool {
+        self.sparse.is_some()
     }
 
     /// Number of right sides that elements which reach far take at each factorization: none beside a sparse matrix.
@@ -263,8 +279,12 @@ impl Evaluated<'_> {
     /// Force elements, and loops at fixed multipliers, column by column: the links they act on are moved one way at a
     /// time. Velocities count if `rated`.
     fn gather_forces(&self, solver: &mut TangentSolver, rated: bool) {
-        solver.applied.clear();
         solver.coupled.clear();
+        let mut places = solver.places.iter();
+        // At rest what varies is the same for every link, as for the ground.
+        let ground = &self.system.motion.links[0];
+        let still: [LinkVariation; 6] = std::array::from_fn(|i| unit_variation(i / 3, i % 3, ground));
+        let still = (!rated).then_some(&still[..]);
         match &mut solver.sparse {
             Some(sparse) => sparse.clear_felt(),
             None => solver.border.clear_felt(),
@@ -272,10 +292,13 @@ impl Evaluated<'_> {
         for (index, element) in solver.elements.iter().enumerate() {
             for (moved, link) in element.links.iter().copied().enumerate() {
                 let blocks = &mut solver.blocks[..element.links.len()];
-                self.blocks((index, rated), element, link, &mut solver.unit, blocks);
+                self.blocks((index, still), element, link, &mut solver.unit, blocks);
+                if let Some(place) = places.next() {
+                    solver.applied[*place].1 = blocks[moved];
+                }
                 for (felt, (at, block)) in element.links.iter().copied().zip(blocks).enumerate() {
                     match element.far {
-                        _ if felt == moved => solver.applied.push((link, *block)),
+                        _ if felt == moved => {}
                         Some(far) => match &mut solver.sparse {
                             Some(sparse) => {
                                 let others = element.links.len() - 1;
@@ -291,7 +314,6 @@ impl Evaluated<'_> {
                 }
             }
         }
-        solver.applied.sort_unstable_by_key(|(link, _)| *link);
         solver.coupled.sort_unstable_by_key(|(link, _)| *link);
         solver.coupled.dedup_by(|next, sum| {
             let same = next.0 == sum.0;
@@ -303,29 +325,29 @@ impl Evaluated<'_> {
         });
     }
 
-    /// What the links of an element feel when one link moves.
+    /// What the links of an element feel when one link moves; at rest in one of the ways of `still`.
     fn blocks(
         &self,
-        (index, rated): (usize, bool),
+        (index, still): (usize, Option<&[LinkVariation]>),
         element: &Reach,
         link: usize,
         unit: &mut [LinkVariation],
         blocks: &mut [Applied],
     ) {
         blocks.fill(Applied::default());
-        let count = if rated { 12 } else { 6 };
-        let at = &self.system.motion.links[link];
-        let variations: [LinkVariation; 12] =
-            std::array::from_fn(
-                |i| if i < count { unit_variation(i / 3, i % 3, at) } else { LinkVariation::default() },
-            );
-        self.vary_element(index, unit, (link, &variations[..count]), &mut |variation, end, wrench| {
+        let give = &mut |variation: usize, end: usize, wrench: Wrench| {
             if let Some(place) = element.places[end] {
                 let (Column { force, moment }, axis) = (&mut blocks[place][variation / 3], variation % 3);
                 force.column_mut(axis).add_assign(&wrench.force);
                 moment.column_mut(axis).add_assign(&wrench.moment);
             }
-        });
+        };
+        let at = &self.system.motion.links[link];
+        let moving = |i: usize| unit_variation(i / 3, i % 3, at);
+        match still {
+            Some(variations) => self.vary_element(index, unit, (link, variations), give),
+            None => self.vary_element(index, unit, (link, &std::array::from_fn::<_, 12, _>(moving)), give),
+        }
     }
 
     /// The variation of the wrenches of an element, by its index among the forces and then the loops, with each of some variations

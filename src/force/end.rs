@@ -81,7 +81,7 @@ pub struct Anchor {
 }
 
 /// Variation of a carried point.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct AnchorVariation {
     /// Of the arm.
     pub arm: Vector3<f64>,

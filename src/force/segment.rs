@@ -55,7 +55,26 @@ impl Segment {
 
     /// (2); without length the direction stays.
     pub(super) fn vary(&self, ends: &[End], links: &[LinkMotion], by: &[LinkVariation]) -> SegmentVariation {
-        let points = [0, 1].map(|i| self.points[i].vary(&links[ends[i].link], &by[ends[i].link]));
+        self.varied([0, 1].map(|i| self.points[i].vary(&links[ends[i].link], &by[ends[i].link])))
+    }
+
+    /// [`Segment::vary`] with one link, all others being at rest.
+    #[inline]
+    pub(super) fn vary_with(
+        &self,
+        ends: &[End],
+        links: &[LinkMotion],
+        (link, by): (usize, &LinkVariation),
+    ) -> SegmentVariation {
+        let own = |i: usize| match ends[i].link == link {
+            true => self.points[i].vary(&links[link], by),
+            false => AnchorVariation::default(),
+        };
+        self.varied([own(0), own(1)])
+    }
+
+    #[inline]
+    fn varied(&self, points: [AnchorVariation; 2]) -> SegmentVariation {
         let (between, velocity) = (points[1].position - points[0].position, points[1].velocity - points[0].velocity);
         let distance = self.direction.dot(&between);
         let direction = match self.distance {

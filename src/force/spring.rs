@@ -10,7 +10,7 @@
 //! not a number, which stops whoever asked.
 
 use super::elastic;
-use super::segment::Segment;
+use super::segment::{Segment, SegmentVariation};
 use super::{Act, Attachment, Carrier, Describe, End, ForceDescription, Magnitude, Picture, Report};
 use crate::spatial::Wrench;
 use crate::spatial::link::{LinkMotion, LinkVariation};
@@ -97,15 +97,31 @@ impl Act for SpringLaw {
     fn vary(&self, links: &[LinkMotion], by: &[LinkVariation], give: &mut impl FnMut(usize, Wrench)) {
         let segment = self.segment(links);
         let by = segment.vary(&self.ends, links, by);
-        let force = self.stiffness * (by.between - self.length * by.direction)
-            + self.damping * (by.rate * segment.direction + segment.rate * by.direction);
-        let [on_a, on_b] = segment.vary_pull(&by, self.force(&segment), force);
+        let [on_a, on_b] = self.varied(&segment, self.force(&segment), &by);
         give(0, on_a);
         give(1, on_b);
     }
 
     fn in_one_place(&self, links: &[LinkMotion]) -> bool {
         self.length != 0.0 && self.segment(links).distance == 0.0
+    }
+
+    /// The segment and its force are the same for each of them.
+    fn vary_each(
+        &self,
+        links: &[LinkMotion],
+        _by: &mut [LinkVariation],
+        (link, variations): (usize, &[LinkVariation]),
+        give: &mut impl FnMut(usize, usize, Wrench),
+    ) {
+        let segment = self.segment(links);
+        let force = self.force(&segment);
+        for (index, variation) in variations.iter().enumerate() {
+            let by = segment.vary_with(&self.ends, links, (link, variation));
+            let [on_a, on_b] = self.varied(&segment, force, &by);
+            give(index, 0, on_a);
+            give(index, 1, on_b);
+        }
     }
 
     fn potential(&self, links: &[LinkMotion]) -> f64 {
@@ -164,6 +180,14 @@ impl SpringLaw {
     fn segment(&self, links: &[LinkMotion]) -> Segment {
         let segment = Segment::of(&self.ends, links);
         if segment.distance == 0.0 && self.length == 0.0 { segment.touching() } else { segment }
+    }
+
+    /// The variation of what it pulls with, from its segment and the force there.
+    #[inline]
+    fn varied(&self, segment: &Segment, force: Vector3<f64>, by: &SegmentVariation) -> [Wrench; 2] {
+        let varied = self.stiffness * (by.between - self.length * by.direction)
+            + self.damping * (by.rate * segment.direction + segment.rate * by.direction);
+        segment.vary_pull(by, force, varied)
     }
 
     /// Force on the first end.

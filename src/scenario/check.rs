@@ -63,14 +63,16 @@ impl Check<'_> {
         if types.is_empty() {
             return None;
         }
-        let all = listed(types.iter().map(|(name, _)| *name));
+        // Only what is wrong is told of: a large scene has thousands of types.
+        let all = || listed(types.iter().map(|(name, _)| *name));
         let Some(value) = table.get("type") else {
             let message = format!("{}`type` is missing", element.prefix());
-            self.findings.push(Finding::error(span.clone(), message).help(format!("`type` is one of {all}")));
+            self.findings.push(Finding::error(span.clone(), message).help(format!("`type` is one of {}", all())));
             return None;
         };
         let Some(word) = value.get_ref().as_str() else {
-            let message = format!("{}`type` must be one of {all}, found {}", element.prefix(), found(value.get_ref()));
+            let (prefix, found) = (element.prefix(), found(value.get_ref()));
+            let message = format!("{prefix}`type` must be one of {}, found {found}", all());
             self.findings.push_value(Finding::error(value.span(), message));
             return None;
         };
@@ -78,7 +80,7 @@ impl Check<'_> {
         if known.is_none() {
             let message = format!("{}unknown {} type `{word}`", element.prefix(), element.table.name);
             let help = did_you_mean(word, types.iter().map(|(name, _)| *name))
-                .unwrap_or_else(|| format!("`type` is one of {all}"));
+                .unwrap_or_else(|| format!("`type` is one of {}", all()));
             self.findings.push_value(Finding::error(value.span(), message).help(help));
         }
         known

@@ -1,14 +1,14 @@
 //! L Lᵀ and L D Lᵀ of a sparse symmetric matrix, with the order of approximate minimum degree.
 
+use super::triangular::{self, Scratch};
 use super::{Pattern, square};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
 };
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Par, Side};
 use std::sync::Arc;
 
 /// Supernodes are taken from a third of the operations per entry that the library would wait for: nets have larger ones than
@@ -42,6 +42,7 @@ pub(crate) struct Cholesky {
     symbolic: Arc<SymbolicCholesky<usize>>,
     values: Vec<f64>,
     workspace: Workspace,
+    scratch: Scratch,
     is_llt: bool,
 }
 
@@ -54,10 +55,10 @@ impl Cholesky {
         let sizes = [
             symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()),
             symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default()),
-            symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
         ];
         let values = vec![0.0; symbolic.len_val()];
         Self {
+            scratch: Scratch::new(&symbolic),
             symbolic: Arc::new(symbolic),
             values,
             workspace: Workspace::new(StackReq::any_of(&sizes)),
@@ -67,8 +68,8 @@ impl Cholesky {
 
     /// Room for another matrix of the same pattern, whose order is not looked for again.
     pub(super) fn of_same_order(&self) -> Self {
-        let values = vec![0.0; self.values.len()];
-        Self { symbolic: Arc::clone(&self.symbolic), values, workspace: self.workspace.clone(), is_llt: false }
+        let (values, scratch) = (vec![0.0; self.values.len()], self.scratch.clone());
+        Self { symbolic: Arc::clone(&self.symbolic), values, workspace: self.workspace.clone(), scratch, is_llt: false }
     }
 
     pub(crate) fn llt(&mut self, pattern: Pattern<'_>, upper: &[f64]) -> bool {
@@ -118,24 +119,16 @@ impl Cholesky {
 
     /// `x ← A⁻¹ x` with the last factorization, which was `L Lᵀ` or `L D Lᵀ`.
     pub(crate) fn solve(&mut self, x: &mut [f64]) {
-        // The workspace is the only part that changes.
-        let mut workspace = std::mem::replace(&mut self.workspace, Workspace::new(StackReq::EMPTY));
-        self.solve_in(&mut workspace, x);
-        self.workspace = workspace;
+        triangular::solve(&self.symbolic, &self.values, self.is_llt, &mut self.scratch, x);
     }
 
     /// Memory for [`Cholesky::solve_in`].
-    pub(crate) fn another_workspace(&self) -> Workspace {
-        self.workspace.clone()
+    pub(crate) fn another_scratch(&self) -> Scratch {
+        self.scratch.clone()
     }
 
-    /// Solves in place with a workspace of [`Cholesky::another_workspace`].
-    pub(crate) fn solve_in(&self, workspace: &mut Workspace, x: &mut [f64]) {
-        let n = x.len();
-        let (x, stack) = (MatMut::from_column_major_slice_mut(x, n, 1), MemStack::new(&mut workspace.1));
-        match self.is_llt {
-            true => LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack),
-            false => LdltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(Conj::No, x, Par::Seq, stack),
-        }
+    /// Solves in place in memory of [`Cholesky::another_scratch`].
+    pub(crate) fn solve_in(&self, scratch: &mut Scratch, x: &mut [f64]) {
+        triangular::solve(&self.symbolic, &self.values, self.is_llt, scratch, x);
     }
 }

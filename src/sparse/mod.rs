@@ -4,6 +4,7 @@
 mod cholesky;
 mod general;
 mod rows;
+mod triangular;
 
 pub(crate) use cholesky::Cholesky;
 pub(crate) use general::General;

@@ -120,11 +120,11 @@ impl Gram {
     /// `x ← A⁻¹ x`, refined once.
     pub fn solve(&self, x: &mut [f64]) {
         let (rhs, mut residual) = (x.to_vec(), vec![0.0; x.len()]);
-        let mut workspace = self.cholesky.another_workspace();
-        self.cholesky.solve_in(&mut workspace, x);
+        let mut scratch = self.cholesky.another_scratch();
+        self.cholesky.solve_in(&mut scratch, x);
         super::times(self.pattern(), &self.values, x, &mut residual);
         residual.iter_mut().zip(&rhs).for_each(|(r, b)| *r = b - *r);
-        self.cholesky.solve_in(&mut workspace, &mut residual);
+        self.cholesky.solve_in(&mut scratch, &mut residual);
         x.iter_mut().zip(&residual).for_each(|(x, dx)| *x += dx);
     }
 
@@ -134,14 +134,14 @@ impl Gram {
 
     /// The smallest singular value of `G W^½`, by inverse iteration: right to a few percent, and never below the true one.
     pub fn smallest_singular_value(&self) -> f64 {
-        let mut workspace = self.cholesky.another_workspace();
+        let mut scratch = self.cholesky.another_scratch();
         let golden = 0.618_033_988_749_894_9;
         let mut x: Vec<f64> = (0..self.starts.len() - 1).map(|i| 0.5 + ((i + 1) as f64 * golden).fract()).collect();
         let mut size = 0.0;
         for _ in 0..ITERATIONS {
             let norm = x.iter().map(|x| x * x).sum::<f64>().sqrt();
             x.iter_mut().for_each(|x| *x /= norm);
-            self.cholesky.solve_in(&mut workspace, &mut x);
+            self.cholesky.solve_in(&mut scratch, &mut x);
             size = x.iter().map(|x| x * x).sum::<f64>().sqrt();
         }
         (1.0 / size).sqrt()

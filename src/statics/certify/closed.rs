@@ -109,7 +109,8 @@ fn examine_by_sweeps(landscape: &mut Landscape<'_>, place: &Place) -> Result<(f6
     }
     // Accelerations have multipliers of their own.
     let rows = landscape.rows_across(&place.q)?;
-    let stability = classify_by_sweeps(landscape.system(), &place.q, &free, &place.scales.stiffness, rows)?;
+    let looked = landscape.take_solver(&place.q);
+    let stability = classify_by_sweeps(landscape.system(), &place.q, &free, &place.scales.stiffness, rows, looked)?;
     Ok((largest, Some(stability)))
 }
 

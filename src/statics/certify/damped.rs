@@ -89,18 +89,21 @@ pub(in crate::statics) fn within(
     }
     let k = Mat::from_fn(count, count, |i, j| if i == j { modes[i].0 } else { 0.0 });
     let c = Mat::from_fn(count, count, |i, j| dot(&modes[i].1, &damped[j]) / (size[i] * size[j]));
-    let combined = |parts: &[f64], of: &dyn Fn(usize) -> Vec<f64>| {
+    let combined = |parts: &[f64], of: &[&[f64]]| {
         let mut sum = vec![0.0; free.len()];
-        for (j, part) in parts.iter().enumerate() {
-            sum.iter_mut().zip(of(j)).for_each(|(sum, x)| *sum += part / size[j] * x);
+        for ((part, size), of) in parts.iter().zip(&size).zip(of) {
+            let part = part / size;
+            sum.iter_mut().zip(*of).for_each(|(sum, x)| *sum += part * x);
         }
         sum
     };
+    let vectors: Vec<&[f64]> = modes.iter().map(|(_, x)| &x[..]).collect();
+    let momenta: Vec<&[f64]> = momenta.iter().map(Vec::as_slice).collect();
     let mut found: Vec<DampedMode> = roots(&k, &c, count)
         .into_iter()
         .map(|(root, parts)| {
-            let shapes = parts.each_ref().map(|part| combined(part, &|j| modes[j].1.clone()));
-            let momenta = parts.each_ref().map(|part| combined(part, &|j| momenta[j].clone()));
+            let shapes = parts.each_ref().map(|part| combined(part, &vectors));
+            let momenta = parts.each_ref().map(|part| combined(part, &momenta));
             named(model, free, root, shapes, &momenta)
         })
         .collect();

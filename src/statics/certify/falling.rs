@@ -36,6 +36,8 @@ use nalgebra::Vector3;
 
 /// An eigenvalue of `AᵀA` below this part of the largest is zero: what unit axes leave by round-off.
 const FEELS_NOTHING: f64 = 16.0 * f64::EPSILON;
+/// If all eigenvalues are above this part of the largest, a Cholesky factorization says so without computing them.
+const CLEARLY_FEELS: f64 = 1e-9;
 /// A part of the motion that is smaller than this part of its largest one is round-off.
 const MOVES: f64 = 1e-9;
 /// Coordinates of one component beyond which its eigenvectors would take longer than the search.
@@ -336,6 +338,10 @@ impl<'m> Scene<'m> {
             }
         }
         let largest = (0..n).map(|i| square[(i, i)]).fold(0.0, f64::max);
+        let shift = |i: usize, j: usize| if i == j { CLEARLY_FEELS * largest } else { 0.0 };
+        if Mat::from_fn(n, n, |i, j| square[(i, j)] - shift(i, j)).llt(Side::Lower).is_ok() {
+            return None;
+        }
         let eigen = square.self_adjoint_eigen(Side::Lower).ok()?;
         let (values, vectors) = (eigen.S().column_vector(), eigen.U());
         let mut motion = vec![0.0; n];

@@ -48,14 +48,15 @@ pub(in crate::statics) struct Known {
 pub(in crate::statics) fn of_tree(landscape: &mut Landscape<'_>, place: &Place) -> Result<Stability, Fault> {
     let (free, conservative) = (landscape.free.clone(), landscape.conservative);
     let sizes = &place.scales.stiffness;
-    let first = classify(landscape.system(), &place.q, &free, sizes, conservative, None)?;
+    let looked = landscape.take_solver(&place.q);
+    let first = classify(landscape.system(), &place.q, &free, sizes, conservative, None, looked)?;
     if !conservative || first.neutral_directions == 0 || !by_matrices(landscape.model(), free.len()) {
         return Ok(first);
     }
     let Known { unstable, neutral, .. } = look_closer(landscape, place)?;
     match neutral == first.neutral_directions {
         true => Ok(first),
-        false => classify(landscape.system(), &place.q, &free, sizes, conservative, Some((unstable, neutral))),
+        false => classify(landscape.system(), &place.q, &free, sizes, conservative, Some((unstable, neutral)), None),
     }
 }
 

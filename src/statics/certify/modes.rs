@@ -45,8 +45,7 @@ pub(in crate::statics) fn shares(model: &Model, free: &[usize], momentum: &[f64]
     let shares: Vec<(usize, f64)> =
         of_body.iter().enumerate().filter_map(|(body, part)| Some((body, (*part)?))).collect();
     let total: f64 = shares.iter().map(|(_, part)| part.abs()).sum();
-    let mut named: Vec<(String, f64)> =
-        shares.iter().map(|(body, part)| (model.bodies[*body].name.clone(), part.abs() / total)).collect();
-    named.sort_by(|a, b| b.1.total_cmp(&a.1));
-    named
+    let mut sorted: Vec<(usize, f64)> = shares.into_iter().map(|(body, part)| (body, part.abs() / total)).collect();
+    sorted.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sorted.into_iter().map(|(body, share)| (model.bodies[body].name.clone(), share)).collect()
 }

@@ -10,7 +10,7 @@ use super::modes::{Mode, momentum, rates_of, scaled, shares};
 use crate::dynamics::{Fault, Linearization, Matrices, System, TangentSolver};
 use crate::model::Model;
 use crate::statics::problem::sizes::{NEUTRAL, relative, symmetric};
-use crate::statics::problem::{Across, DENSE, MOST_MODES, by_sweeps};
+use crate::statics::problem::{Across, DENSE, Looked, MOST_MODES, by_sweeps};
 use faer::{Mat, Side};
 use std::sync::Arc;
 
@@ -68,7 +68,8 @@ impl Stability {
 }
 
 /// Classifies the equilibrium `q`. `free` are the coordinates that may move, `magnitude` the sizes of the stiffness
-/// terms there. `counted` are the directions that run away and those of zero stiffness, where a closer look has told them.
+/// terms there. `counted` are the directions that run away and those of zero stiffness, where a closer look has told them. `looked`
+/// may have the sparse solver of a search.
 ///
 /// # Errors
 /// The element whose numbers are not finite.
@@ -79,11 +80,12 @@ pub(in crate::statics) fn classify(
     magnitude: &[f64],
     conservative: bool,
     counted: Option<(usize, usize)>,
+    looked: Option<Looked>,
 ) -> Result<Stability, Fault> {
     let model = &Arc::clone(system.model());
     let sweeps = || TangentSolver::covers(model) || (!model.is_constrained() && by_sweeps(model, free, &[]));
     if !by_matrices(model, free.len()) && conservative && sweeps() {
-        return classify_by_sweeps(system, q, free, magnitude, Across::Full(Vec::new()));
+        return classify_by_sweeps(system, q, free, magnitude, Across::Full(Vec::new()), looked);
     }
     Matrices::Dense(DENSE).check(model)?;
     let rest = vec![0.0; model.velocity_count()];
@@ -123,9 +125,10 @@ pub(in crate::statics) fn classify_by_sweeps(
     free: &[usize],
     magnitude: &[f64],
     rows: Across,
+    looked: Option<Looked>,
 ) -> Result<Stability, Fault> {
     let model = &Arc::clone(system.model());
-    let found = super::subspace::lowest(system, q, free, magnitude, rows)?;
+    let found = super::subspace::lowest(system, q, free, magnitude, rows, looked)?;
     let (unstable, neutral) = (found.unstable, found.neutral);
     let damped = match model.has_damping() {
         true => damped::within(system, q, free, &found.modes, &found.momenta),

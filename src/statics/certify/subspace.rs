@@ -13,9 +13,9 @@
 //! motions that they leave.
 
 use crate::dynamics::{Coefficients, Fault, MassAction, System, TangentSolver};
-use crate::statics::problem::Across;
 use crate::statics::problem::bordered::{Rows, hold, solved};
 use crate::statics::problem::sizes::{NEUTRAL, comparable};
+use crate::statics::problem::{Across, Looked};
 use faer::{Mat, Side};
 use std::sync::Arc;
 
@@ -63,7 +63,9 @@ struct Modes {
 
 struct Sweeps<'s> {
     system: &'s mut System,
-    solver: TangentSolver,
+    solver: Box<TangentSolver>,
+    /// `c₂` of a tangent that is written down in the solver.
+    gathered: Option<f64>,
     q: &'s [f64],
     rest: Vec<f64>,
     shift: Vec<f64>,
@@ -83,12 +85,14 @@ pub(in crate::statics) fn lowest(
     free: &[usize],
     magnitude: &[f64],
     rows: Across,
+    looked: Option<Looked>,
 ) -> Result<Lowest, Fault> {
     let model = &Arc::clone(system.model());
     let n = model.velocity_count();
     let mut shift = vec![f64::INFINITY; n];
     free.iter().for_each(|i| shift[*i] = 0.0);
-    let mut solver = TangentSolver::new(model);
+    let here = looked.as_ref().is_some_and(|looked| looked.here);
+    let mut solver = looked.map_or_else(|| Box::new(TangentSolver::new(model)), |looked| looked.solver);
     let held = match &rows {
         Across::Full(rows) => rows.len(),
         Across::Sparse(held) => held.rows().len(),
@@ -101,16 +105,53 @@ pub(in crate::statics) fn lowest(
     let rows = hold(&mut solver, free, rows);
     let (zero, mass) = (vec![0.0; n], MassAction::new(model));
     let (rest, full) = (zero.clone(), zero.clone());
-    let mut sweeps = Sweeps { system, solver, q, rest, shift, free, full, product: zero, mass, rows, is_held };
+    let gathered = here.then_some(0.0);
+    system.at(0.0, q, &rest);
+    let mut sweeps =
+        Sweeps { system, solver, gathered, q, rest, shift, free, full, product: zero, mass, rows, is_held };
     let magnitude = &comparable(magnitude);
-    let unstable = sweeps.negative(magnitude, NEUTRAL)?;
-    let neutral = sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable);
+    let (unstable, neutral) = match sweeps.is_clearly_stable(magnitude)? {
+        true => (0, 0),
+        false => {
+            let unstable = sweeps.negative(magnitude, NEUTRAL)?;
+            (unstable, sweeps.negative(magnitude, -NEUTRAL)?.saturating_sub(unstable))
+        }
+    };
     let found = sweeps.iterate(magnitude, neutral)?.unwrap_or_default();
     let Modes { neutral: neutral_modes, modes, momenta } = found;
     Ok(Lowest { unstable, neutral, neutral_modes, modes, momenta })
 }
 
 impl Sweeps<'_> {
+    /// Whether the stiffness is definite by more than what counts as zero: then nothing has to be counted.
+    fn is_clearly_stable(&mut self, magnitude: &[f64]) -> Result<bool, Fault> {
+        if !self.is_whole() {
+            return Ok(false);
+        }
+        for (i, size) in self.free.iter().zip(magnitude) {
+            self.shift[*i] = -NEUTRAL * size;
+        }
+        let definite = self.factorize(0.0);
+        self.free.iter().for_each(|i| self.shift[*i] = 0.0);
+        definite
+    }
+
+    /// Whether the pivots of the tangent alone say if all is definite: beside rows and forces that reach far they do not.
+    fn is_whole(&self) -> bool {
+        self.rows.is_empty() && !self.solver.is_bordered()
+    }
+
+    /// Factorizes `K + c₂ M + diag(shift)`; false if that is singular, or not definite and that is wanted.
+    fn factorize_shifted(&mut self, c2: f64, definite: bool) -> Result<bool, Fault> {
+        let with = Coefficients { c2, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
+        if self.gathered != Some(c2) {
+            self.system.at(0.0, self.q, &self.rest).gather_tangent(&mut self.solver, &self.rest, &with)?;
+            // Another tangent is not written down: what it needs is in the system, which moves on.
+            self.gathered = self.solver.is_written().then_some(c2);
+        }
+        Ok(self.system.factorize_shifted(&mut self.solver, &self.rest, &with).is_ok())
+    }
+
     /// Negative eigenvalues of `K + part · diag(magnitude)`.
     fn negative(&mut self, magnitude: &[f64], part: f64) -> Result<usize, Fault> {
         for times in AGAIN {
@@ -130,9 +171,7 @@ impl Sweeps<'_> {
 
     /// Negative directions of `K + c₂ M + diag(shift)`; `None` if that is singular.
     fn negatives_with(&mut self, c2: f64) -> Result<Option<usize>, Fault> {
-        let with = Coefficients { c2, shift: &self.shift, symmetric: true, ..Coefficients::default() };
-        let mut at = self.system.at(0.0, self.q, &self.rest);
-        let regular = at.factorize_tangent(&mut self.solver, &self.rest, &with)? && self.border();
+        let regular = self.factorize_shifted(c2, false)? && self.border();
         let negatives = self.solver.negatives().filter(|_| regular);
         Ok(negatives.map(|negatives| negatives.saturating_sub(self.rows.negatives())))
     }
@@ -145,10 +184,8 @@ impl Sweeps<'_> {
 
     /// Factorizes `K + sM`; false if it is not definite.
     fn factorize(&mut self, s: f64) -> Result<bool, Fault> {
-        // Beside rows and forces that reach far the sweep alone need not be definite.
-        let definite = self.rows.is_empty() && !self.solver.is_bordered();
-        let with = Coefficients { c2: s, shift: &self.shift, symmetric: true, definite, ..Coefficients::default() };
-        let regular = self.system.at(0.0, self.q, &self.rest).factorize_tangent(&mut self.solver, &self.rest, &with)?;
+        let definite = self.is_whole();
+        let regular = self.factorize_shifted(s, definite)?;
         Ok(regular && (definite || (self.border() && self.solver.negatives() == Some(self.rows.negatives()))))
     }
 
@@ -164,7 +201,8 @@ impl Sweeps<'_> {
         for (i, value) in self.free.iter().zip(x) {
             self.full[*i] = *value;
         }
-        self.system.at(0.0, self.q, &self.rest).mass_times(&mut self.mass, &self.full, &mut self.product);
+        // Whatever is evaluated here is evaluated at `q`.
+        self.system.mass_times(&mut self.mass, &self.full, &mut self.product);
         self.free.iter().map(|i| self.product[*i]).collect()
     }
 
@@ -230,12 +268,12 @@ impl Sweeps<'_> {
             if let Some(last) = picked.last().map(|mode| value(mode.0)).filter(|_| !full) {
                 let limit = last + ABOVE * (last.abs() + s);
                 let there = self.below(limit)?;
-                if !self.factorize(s)? {
-                    return Ok(None);
-                }
                 // Of zero-stiffness motions a few will do.
                 let below = found.iter().filter(|(theta, _)| value(*theta) <= limit).count();
                 if there > below + if limit > 0.0 { neutral.saturating_sub(idle) } else { 0 } {
+                    if !self.factorize(s)? {
+                        return Ok(None);
+                    }
                     self.let_in(&mut space);
                     continue;
                 }

@@ -96,6 +96,15 @@ impl Bordered {
         Self { solver, free, shift, rest, full, rows: Rows::new(Vec::new()) }
     }
 
+    /// Whether the tangent is a sparse matrix, which is factorized without the system.
+    pub(in crate::statics) fn is_sparse(&self) -> bool {
+        self.solver.is_written()
+    }
+
+    pub(in crate::statics) fn into_solver(self) -> Box<TangentSolver> {
+        self.solver
+    }
+
     /// Lets only these coordinates move.
     pub(in crate::statics) fn hold_all_but(&mut self, moving: &[usize]) {
         self.shift.fill(f64::INFINITY);
@@ -147,6 +156,10 @@ impl Bordered {
 
     /// Where `K + diag(by)` is negative along the rows, a direction with a bit of everything to look for that from; else none.
     pub(in crate::statics) fn negative_direction(&mut self, system: &System, by: &[f64]) -> Option<Vec<f64>> {
+        // Of a sparse matrix it takes less to see that it is definite than to count.
+        if self.is_sparse() && self.factorize(system, by, true) {
+            return None;
+        }
         let some = self.factorize(system, by, false) && self.negatives()? > 0;
         some.then(|| (0..by.len()).map(|i| 0.5 + (i as f64 * 1.618_033_988_75).fract()).collect())
     }

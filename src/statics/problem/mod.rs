@@ -65,6 +65,8 @@ pub(in crate::statics) struct Landscape<'s> {
     /// Every position whose forces were looked at, for whoever watches the search; `None` if nobody does.
     pub(in crate::statics) trail: Option<Vec<Vec<f64>>>,
     stiffness: Stiffness,
+    /// The position that a stiffness written down was looked at last; empty if there is none.
+    looked: Vec<f64>,
     /// Which velocity coordinates are distances, and the scene's length.
     slides: Vec<bool>,
     length: f64,
@@ -79,6 +81,13 @@ pub(in crate::statics) struct Landscape<'s> {
     origin: Option<Origin>,
     /// Says whether the search may go on.
     pub(in crate::statics) watch: Option<&'s Watch<'s>>,
+}
+
+/// The sparse solver of a landscape.
+pub(in crate::statics) struct Looked {
+    pub solver: Box<TangentSolver>,
+    /// Whether it has the stiffness of the place that is asked about.
+    pub here: bool,
 }
 
 /// How large the terms are that must cancel in each free coordinate.
@@ -133,6 +142,7 @@ impl<'s> Landscape<'s> {
             factorizations,
             trail: None,
             stiffness,
+            looked: Vec::new(),
             slides: slides(model),
             length: model.length_scale(),
             steady,
@@ -232,10 +242,14 @@ impl<'s> Landscape<'s> {
     /// # Errors
     /// The element whose numbers are not finite.
     pub(in crate::statics) fn look(&mut self, q: &[f64]) -> Result<(), Fault> {
-        self.stiffnesses += 1;
         if let Some(limits) = &mut self.limits {
             limits.look(q, &self.free);
         }
+        if self.looked == q && self.is_sparse() {
+            return Ok(());
+        }
+        self.looked.clear();
+        self.stiffnesses += 1;
         if self.ties.is_some() {
             // Which way it is may follow from what is seen here.
             self.take_view(q)?;
@@ -249,7 +263,21 @@ impl<'s> Landscape<'s> {
             return Ok(());
         }
         self.residuals += 1;
-        self.stiffness.look(self.system, q, &self.rest, self.conservative)
+        self.stiffness.look(self.system, q, &self.rest, self.conservative)?;
+        self.looked.extend_from_slice(q);
+        Ok(())
+    }
+
+    /// Whether the stiffness of a tree is written down as a sparse matrix: it is factorized without the system.
+    pub(in crate::statics) fn is_sparse(&self) -> bool {
+        self.ties.is_none() && self.stiffness.is_sparse()
+    }
+
+    /// The sparse solver, and whether it has the stiffness at `q`; whoever looks again makes another.
+    pub(in crate::statics) fn take_solver(&mut self, q: &[f64]) -> Option<Looked> {
+        let here = self.is_sparse() && self.looked == q && self.conservative;
+        let solver = self.stiffness.is_sparse().then(|| self.stiffness.take_solver())??;
+        Some(Looked { solver, here })
     }
 
     /// Looks at a position with the stiffness as a matrix, for methods that need it; without loops as [`Landscape::look`].

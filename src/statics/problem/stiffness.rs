@@ -76,6 +76,19 @@ impl Stiffness {
         !matches!(self, Self::Sweep { .. } | Self::Bordered(_))
     }
 
+    /// Whether it is written down as a sparse matrix.
+    pub(in crate::statics) fn is_sparse(&self) -> bool {
+        matches!(self, Self::Bordered(bordered) if bordered.is_sparse())
+    }
+
+    /// The solver of a sweep that may be bordered; nothing is left.
+    pub(in crate::statics) fn take_solver(&mut self) -> Option<Box<TangentSolver>> {
+        match std::mem::replace(self, Self::Dense { matrix: Mat::zeros(0, 0), factor: None }) {
+            Self::Bordered(bordered) => Some(bordered.into_solver()),
+            _ => None,
+        }
+    }
+
     pub(in crate::statics) fn set_dense(&mut self, new: Mat<f64>) {
         *self = Self::Dense { matrix: new, factor: None };
     }

@@ -11,6 +11,9 @@
 //! without force where K has negative directions (a saddle, a dead centre) the search leaves along
 //! one of them.
 //!
+//! **Sparse tangents** take far longer to factorize than the forces to evaluate. There Newton's step, as long as `K` is definite,
+//! is cut to the region instead: further trials of it take no factorization.
+//!
 //! **Rigid limits** bound the coordinates of a tree. The active set is chosen at every place (see
 //! [`crate::statics::problem`]), the step is that of the free coordinates, a coordinate at its limit that the step would push
 //! beyond is held for it, and every other one ends at its limits. A step that is cut there is measured by `½ fᵀ x`: short
@@ -43,6 +46,10 @@ const MOST_SHIFTS: usize = 40;
 /// A step is taken if the potential falls by this part of what the quadratic model says. With steps that are worth
 /// next to nothing a long chain crumples, and takes four times as long to unfold.
 const WORTH: f64 = 0.1;
+/// Newton's step is cut to this part of it at least: a region smaller than that turns the step towards the force.
+const LEAST_CUT: f64 = 0.02;
+/// What a cut step is shortened by at once: within these bounds to where a parabola through its gain has its lowest point.
+const SHORTENED: [f64; 2] = [0.1, 0.6];
 /// Stagnation window: steps in which a search that neither falls by the part `PROGRESS` of its fall since the first window nor halves
 /// its least residual makes no progress. Forty thousand such steps would gain less than a ten-thousandth. The fall in the first window
 /// does not count: the stiff springs that it relaxes hold more energy than there is to gain in the valley after it.
@@ -74,6 +81,8 @@ struct Search<'l, 's> {
     shift: f64,
     /// Whether the way down bends: then steps are corrected.
     bent: bool,
+    /// Of a sparse tangent Newton's step from the place, found at the first trial there.
+    newton: Newton,
     outcome: Outcome,
 }
 
@@ -90,7 +99,16 @@ pub(in crate::statics) fn run(
     // no equilibrium.
     let far = FAR * radius.max(distance_from_rest(landscape, &place.q));
     let outcome = Outcome { place, left: Vec::new(), fell: false, fall: None, shifted: false };
-    let mut search = Search { landscape, radius, first_radius: radius, potential, shift: 0.0, bent: false, outcome };
+    let mut search = Search {
+        landscape,
+        radius,
+        first_radius: radius,
+        potential,
+        shift: 0.0,
+        bent: false,
+        newton: Newton::Unknown,
+        outcome,
+    };
     let mut travelled = 0.0;
     let mut progress = Progress { first: None, last: potential, residual: f64::INFINITY, least: f64::INFINITY };
     let (links, work) = (search.landscape.model().links.len(), search.landscape.work());
@@ -158,11 +176,22 @@ fn distance_from_rest(landscape: &Landscape<'_>, q: &[f64]) -> f64 {
     landscape.size(&away)
 }
 
+/// Newton's step from one place.
+enum Newton {
+    Unknown,
+    /// It is known by its size; the stiffness is definite.
+    Step(Vec<f64>, f64),
+    /// The stiffness is not definite.
+    None,
+}
+
 /// A trial step and what the quadratic model says of it.
 struct Trial {
     x: Vec<f64>,
     size: f64,
     shift: f64,
+    /// Which part of the step with this shift it is.
+    part: f64,
 }
 
 /// Where a corrected step ends.
@@ -175,9 +204,10 @@ impl Search<'_, '_> {
     /// One accepted step, or none where even the smallest region gives no descent. Returns its size.
     fn step(&mut self, history: &mut Vec<Iteration>) -> Result<Option<f64>, Fault> {
         self.landscape.look(&self.outcome.place.q)?;
+        self.newton = Newton::Unknown;
         let smallest = 1e-14 * self.radius.max(f64::MIN_POSITIVE);
         while self.radius > smallest {
-            let Some(trial) = self.within_radius() else {
+            let Some(trial) = self.cut_newton().or_else(|| self.within_radius()) else {
                 self.radius *= 0.25;
                 continue;
             };
@@ -187,6 +217,7 @@ impl Search<'_, '_> {
                 continue;
             }
             if self.hold_blocked(&trial.x)? {
+                self.newton = Newton::Unknown;
                 continue;
             }
             if let Some(size) = self.try_step(&trial, history)? {
@@ -215,9 +246,32 @@ impl Search<'_, '_> {
         Ok(true)
     }
 
-    /// What a step is expected to gain, `½ (xᵀ f + σ |x|²)` since `xᵀ K x = xᵀ f − σ |x|²`; of one that limits cut `½ xᵀ f`.
+    /// Newton's step of a sparse tangent, cut to the region if the stiffness is definite and that leaves enough of it.
+    fn cut_newton(&mut self) -> Option<Trial> {
+        if !self.landscape.is_sparse() || self.shift != 0.0 {
+            return None;
+        }
+        if matches!(self.newton, Newton::Unknown) {
+            self.newton = match self.landscape.factorize(0.0) {
+                true => {
+                    let x = self.landscape.solve(&self.outcome.place.force);
+                    let size = self.landscape.size(&x);
+                    if size.is_finite() { Newton::Step(x, size) } else { Newton::None }
+                }
+                false => Newton::None,
+            };
+        }
+        let Newton::Step(x, whole) = &self.newton else { return None };
+        let part = if *whole > self.radius { self.radius / whole } else { 1.0 };
+        let x = || x.iter().map(|x| part * x).collect();
+        (part >= LEAST_CUT).then(|| Trial { x: x(), size: part * whole, shift: 0.0, part })
+    }
+
+    /// What a step `x` is expected to gain, `½ (xᵀ f + σ |x|²)` since `xᵀ K x = xᵀ f − σ |x|²`, and `(1 − ½ p) xᵀ f` of the part
+    /// `p` of Newton's; of one that limits cut `½ xᵀ f`.
     fn predicted(&self, trial: &Trial, linear: f64, is_cut: bool) -> f64 {
-        if is_cut { 0.5 * linear } else { 0.5 * (linear + trial.shift * trial.size * trial.size) }
+        let model = (1.0 - 0.5 * trial.part) * linear + 0.5 * trial.shift * trial.size * trial.size;
+        if is_cut { 0.5 * linear } else { model }
     }
 
     /// Takes the step if the potential falls as the model says, and sets the next radius.
@@ -250,9 +304,14 @@ impl Search<'_, '_> {
                 (ratio, q, potential) = (better, lower.q, lower.potential);
             }
         }
-        if !(ratio >= 0.25) {
+        if !(ratio > WORTH) && matches!(self.newton, Newton::Step(..)) {
+            // Where a parabola through this gain has its lowest point; ratio and prediction are of the potential.
+            let lowest = 0.5 * linear / (linear - ratio * predicted);
+            let part = if lowest.is_finite() { lowest.clamp(SHORTENED[0], SHORTENED[1]) } else { SHORTENED[0] };
+            self.radius = part * trial.size.min(self.radius);
+        } else if !(ratio >= 0.25) {
             self.radius = 0.3 * trial.size.min(self.radius);
-        } else if ratio > 0.75 && trial.shift > 0.0 {
+        } else if ratio > 0.75 && (trial.shift > 0.0 || trial.part < 1.0) {
             self.radius *= 2.5;
         }
         if !(ratio > WORTH) {
@@ -263,7 +322,7 @@ impl Search<'_, '_> {
             // A position that cannot be evaluated is outside the region.
             Err(_) => return Ok(None),
         };
-        self.outcome.shifted |= trial.shift > 0.0;
+        self.outcome.shifted |= trial.shift > 0.0 || trial.part < 1.0;
         self.outcome.place = next;
         self.potential = potential;
         let residual = self.outcome.place.residual().0;
@@ -345,12 +404,14 @@ impl Search<'_, '_> {
     fn within_radius(&mut self) -> Option<Trial> {
         let (metric, force, radius) = (self.landscape.metric.clone(), &self.outcome.place.force, self.radius);
         let typical = force.iter().zip(&metric).map(|(f, b)| f * (f / b)).sum::<f64>().sqrt() / radius;
-        let (mut low, mut high, mut shift) = (0.0_f64, f64::INFINITY, self.shift);
+        let (mut low, mut high) = (0.0_f64, f64::INFINITY);
         let mut least = f64::INFINITY;
         let between = |low: f64, high: f64| match high.is_finite() {
             true => (low.max(1e-6 * high) * high).sqrt(),
             false => (4.0 * low).max(1e-3 * typical),
         };
+        let is_indefinite = self.shift == 0.0 && matches!(self.newton, Newton::None);
+        let mut shift = if is_indefinite { between(low, high) } else { self.shift };
         let mut best = None;
         for _ in 0..MOST_SHIFTS {
             least = least.min(shift);
@@ -370,7 +431,7 @@ impl Search<'_, '_> {
             let done = size <= 1.1 * radius && (shift == 0.0 || size >= 0.75 * radius || narrow);
             let weighted: Vec<f64> = x.iter().zip(&metric).map(|(x, b)| b * x).collect();
             if size <= 1.1 * radius {
-                best = Some(Trial { x, size, shift });
+                best = Some(Trial { x, size, shift, part: 1.0 });
             }
             if done {
                 break;
@@ -422,7 +483,7 @@ impl Search<'_, '_> {
         let part = -along + sign * (along * along + rest).max(0.0).sqrt();
         let x: Vec<f64> = trial.x.iter().zip(&z).map(|(x, z)| x + part * z).collect();
         let size = self.landscape.size(&x);
-        Trial { x, size, shift: trial.shift }
+        Trial { x, size, shift: trial.shift, part: 1.0 }
     }
 
     /// At a balanced place: whether K has a direction that runs away; if so, goes along it while the potential falls. How short

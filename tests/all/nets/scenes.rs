@@ -48,6 +48,14 @@ fn a_net_let_down_from_flat_hangs_on_its_corners() {
     }
 }
 
+/// Newton's method in a book factorizes once a step: so does the search, and twice more to see that nothing leads down from where
+/// it ends.
+#[test]
+fn a_net_takes_one_factorization_a_step() {
+    let (_, found) = rests("hanging_net");
+    assert!(found.factorizations <= found.iterations + 2, "{} in {}", found.factorizations, found.iterations);
+}
+
 /// With equal force densities the discrete surface z = a x² - b y² is in balance: Schek's force density method.
 #[test]
 fn a_cable_roof_takes_the_form_that_it_was_cut_for() {
