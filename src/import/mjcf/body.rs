@@ -18,6 +18,9 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 /// The most elements that `<replicate>` may make.
 const MOST_COPIES: usize = 100_000;
 
+/// What MuJoCo takes for no mass (kg) or no inertia (kg m²) of a body that moves: its `mjMINVAL`.
+const LEAST: f64 = 1e-15;
+
 /// More levels of elements than any model has, with what is attached.
 const DEEPEST: usize = 300;
 
@@ -255,11 +258,6 @@ impl<'w, 'a> Walk<'w, 'a> {
         let settings = &self.scene.settings;
         let element = self.scene.bodies[body].element;
         let moves = !self.scene.bodies[body].joints.is_empty();
-        if parts.inertial.is_none() && settings.inertia_from_geoms == FromGeoms::Never && moves {
-            let message = format!("{}: `<inertial>` is missing", element.label());
-            let help = "the model asks for inertiafromgeom=\"false\": every body then needs its own";
-            element.refuse(Problem::at(element.place(), message).help(help));
-        }
         let from_geoms = parts.inertial.is_none() || settings.inertia_from_geoms == FromGeoms::Always;
         if let Some(why) = parts.unknown.as_ref().filter(|_| from_geoms) {
             let message = format!("{}: its mass follows from a mesh, and that is not known: {why}", element.label());
@@ -284,6 +282,25 @@ impl<'w, 'a> Walk<'w, 'a> {
             element.note(Taken::Used, what);
         }
         self.scene.bodies[body].mass = bounded;
+        let given_alone = self.scene.settings.inertia_from_geoms == FromGeoms::Never;
+        if given_alone && parts.inertial.is_none() && moves && !self.weighs_with_welded(body) {
+            let message = format!("{}: `<inertial>` is missing", element.label());
+            let help = "the model asks for inertiafromgeom=\"false\": a body that moves needs its own, or one within it that has no joint does";
+            element.refuse(Problem::at(element.place(), message).help(help));
+        }
+    }
+
+    /// Whether a body, or one that is welded to it through bodies without joints, has mass and moments of inertia above what
+    /// MuJoCo takes for 0. The bodies within it are read already.
+    fn weighs_with_welded(&self, body: usize) -> bool {
+        let weighs = |mass: &MassProperties| mass.mass.min(mass.inertia.symmetric_eigenvalues().min()) >= LEAST;
+        let bodies = &self.scene.bodies;
+        let mut welded = vec![true];
+        for inner in &bodies[body + 1..] {
+            let with = inner.parent.checked_sub(body).and_then(|at| welded.get(at)).is_some_and(|with| *with);
+            welded.push(with && inner.joints.is_empty());
+        }
+        bodies[body..].iter().zip(welded).any(|(inner, with)| with && weighs(&inner.mass))
     }
 
     fn joint(&mut self, element: &Element<'a>, around: &Around) {

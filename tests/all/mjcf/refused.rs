@@ -88,6 +88,24 @@ fn a_mass_that_only_a_mesh_knows_is_asked_for() {
     assert!(refused.contains("give the body an <inertial>"), "{refused}");
 }
 
+/// What MuJoCo refuses, too: nothing that moves with the body by no joint of its own weighs anything.
+#[test]
+fn a_body_that_moves_without_mass_is_refused_if_geoms_do_not_weigh() {
+    let inner = |joint: &str, bound: &str| {
+        format!(
+            r#"<mujoco><compiler inertiafromgeom="false"{bound}/><worldbody><body name="a"><joint/><geom size="0.1"/>
+<body name="b">{joint}<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body></body></worldbody></mujoco>"#
+        )
+    };
+    let expected = "1: body `a`: `<inertial>` is missing";
+    assert!(wrong(&inner("<joint axis=\"1 0 0\"/>", "")).starts_with(expected));
+    assert!(
+        wrong(&inner("<joint axis=\"1 0 0\"/>", " boundmass=\"0.1\"")).starts_with(expected),
+        "mass without inertia"
+    );
+    assert!(super::import(&inner("", "")).is_ok());
+}
+
 #[test]
 fn all_mistakes_are_said_at_once() {
     let model = world("\n<body name=\"a\"><joint axis=\"0 0 0\"/>\n<geom size=\"-1\"/>\n<geom type=\"bix\"/></body>");

@@ -127,6 +127,25 @@ fn bounds_of_mass_are_said() {
     assert_eq!((scene.bodies[1].mass.mass, scene.bodies[1].mass.inertia.m11), (0.5, 0.01));
 }
 
+/// A body that moves may have no `<inertial>` although geoms weigh nothing, if one that is welded to it has mass, or if bounds
+/// give it some: MuJoCo loads these. The masses are its own.
+#[test]
+fn a_welded_body_or_a_bound_weighs_for_one_without_inertial() {
+    let carried = |compiler: &str, inertial: &str| {
+        format!(
+            r#"<mujoco><compiler inertiafromgeom="false"{compiler}/><worldbody><body name="a"><joint axis="0 1 0"/><geom size="0.1"/>
+<body name="b"><body name="c" pos="0 0 -0.5">{inertial}<geom size="0.2"/></body></body></body></worldbody></mujoco>"#
+        )
+    };
+    let masses = |text: &str| -> Vec<f64> {
+        let bodies = scenario(text).description.bodies;
+        bodies.iter().map(|body| body.mass.mass).collect()
+    };
+    let inertial = r#"<inertial pos="0 0 0" mass="1.25" diaginertia="0.02 0.02 0.02"/>"#;
+    assert_eq!(masses(&carried("", inertial)), [0.0, 0.0, 1.25]);
+    assert_eq!(masses(&carried(r#" boundmass="0.5" boundinertia="0.01""#, "")), [0.5, 0.5, 0.5]);
+}
+
 /// Joints that carry nothing with mass are fixed where they start, if that is asked for; what acts in them is left out.
 #[test]
 fn massless_joints_are_welded_if_asked_for() {
