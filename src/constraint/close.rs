@@ -45,7 +45,7 @@ pub struct OpenGap {
     pub element: String,
     /// Gap (m; rad times the reach of the mechanism).
     pub gap: f64,
-    /// The same of a gear or a drive on angles (rad); `None` for others.
+    /// Gap of a gear or a drive on angles (rad); `None` for others.
     pub angle: Option<f64>,
 }
 

@@ -190,12 +190,13 @@ impl Search<'_> {
 
     /// Newton steps from an equilibrium to the end.
     fn go(&self, mut now: Stand) -> Held {
-        let (mut trouble, mut radius) = (None, FIRST_RADIUS * (self.scales.len() as f64).sqrt());
+        let (mut trouble, radius) = (None, FIRST_RADIUS * (self.scales.len() as f64).sqrt());
+        let mut trust = Trust { radius, ends: false };
         for _ in 0..MOST_STEPS {
             if now.is_within(ROUND_OFF) || !(self.go_on)() {
                 break;
             }
-            match self.slopes(&now).and_then(|slopes| self.step(&now, &slopes, &mut radius)) {
+            match self.slopes(&now).and_then(|slopes| self.step(&now, &slopes, &mut trust)) {
                 Ok(next) => now = next,
                 Err(why) => {
                     trouble = Some(why);
@@ -263,11 +264,11 @@ impl Search<'_> {
     }
 
     /// The step within the radius, which shrinks until it brings the outputs nearer; or why there is none.
-    fn step(&self, now: &Stand, slopes: &Mat<f64>, radius: &mut f64) -> Result<Stand, String> {
-        let (mut why, mut ends, low) = (String::new(), false, self.low(now));
+    fn step(&self, now: &Stand, slopes: &Mat<f64>, trust: &mut Trust) -> Result<Stand, String> {
+        let (mut why, low) = (String::new(), self.low(now));
         let trials = if now.is_within(AIMED) { 1 } else { MOST_TRIALS };
-        for _ in 0..trials {
-            let Some(step) = bounded::step(slopes, &now.miss, &low, *radius, RANK) else {
+        for trial in 0..trials {
+            let Some(step) = bounded::step(slopes, &now.miss, &low, trust.radius, RANK) else {
                 return Err("its sensitivities are not finite".to_owned());
             };
             let length = step.s.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -280,34 +281,32 @@ impl Search<'_> {
             match self.moved(now, &change) {
                 Ok(next) => {
                     let part = (now.size() - next.size()) / promised;
-                    if part > GOOD && length > 0.5 * *radius {
-                        *radius *= FACTOR;
+                    if part > GOOD && length > 0.5 * trust.radius {
+                        trust.radius *= FACTOR;
                     } else if !(part > POOR) {
-                        *radius = length / FACTOR;
+                        trust.radius = length / FACTOR;
                     }
                     if part >= DECREASE {
+                        trust.ends &= trial > 0;
                         return Ok(next);
                     }
                     let moved = next.miss.iter().zip(&now.miss).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-                    ends = moved > JUMP * step.moves;
+                    trust.ends |= moved > JUMP * step.moves;
                     why = format!("no step of the unknown numbers brings it nearer{held}");
                 }
                 Err(refused) => {
-                    *radius = length / FACTOR;
-                    (why, ends) = (refused.why, refused.ends);
+                    trust.radius = length / FACTOR;
+                    why = refused.why;
+                    trust.ends |= refused.ends;
                 }
             }
             if !(self.go_on)() {
                 break;
             }
         }
-        let words = match self.settings.want {
-            Want::Stable => {
-                "; the stable equilibria end on the way there, and beyond it is another, or none: `want = \"any\"` goes on"
-            }
-            Want::Any => "; the equilibria end on the way there, and beyond it is another, or none",
-        };
-        Err(if ends { why + words } else { why })
+        let kind = if self.settings.want == Want::Stable { "stable " } else { "" };
+        let words = format!("; the {kind}equilibria end on the way there: beyond is another one, or none");
+        Err(if trust.ends { why + &words } else { why })
     }
 
     /// The equilibrium with a change made.
@@ -335,6 +334,14 @@ impl Search<'_> {
         let why = format!("no equilibrium on the way: {notes}");
         self.stand(description, scene, model, found).ok_or(Refused { why, ends })
     }
+}
+
+/// How far steps go.
+struct Trust {
+    /// In units of the numbers.
+    radius: f64,
+    /// Whether a step that had to be shortened led to another equilibrium, or to an unstable one.
+    ends: bool,
 }
 
 /// Why a change is none.

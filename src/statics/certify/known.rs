@@ -38,7 +38,7 @@ const DIFFERS: f64 = 0.5;
 pub(in crate::statics) struct Known {
     /// All directions that run away.
     pub unstable: usize,
-    /// Those of zero stiffness.
+    /// Directions of zero stiffness.
     pub neutral: usize,
     /// A motion that runs away with a stiffness within [`NEUTRAL`], in free coordinates.
     pub falls: Option<Vec<f64>>,

@@ -46,8 +46,8 @@ fn pendulums_on_wires_swing_by_their_length_however_stiff() {
     for seed in 0..60 {
         let random = &mut Random::new(seed);
         let (mass, length) = (10_f64.powf(random.between(-3.0, 2.0)), random.between(0.2, 5.0));
-        // Up to 10¹² times the stiffness that swings it.
-        let stiffness = 10_f64.powf(random.between(2.0, 12.0)) * mass * 10.0 / length;
+        // Up to 10¹¹ times the stiffness that swings it: beyond, forces are known too badly to tell where it hangs.
+        let stiffness = 10_f64.powf(random.between(2.0, 11.0)) * mass * 10.0 / length;
         let (down, up) = (direction(random), seed % 3 == 0);
         let statics = if up { "[statics]\nwant = \"any\"\n" } else { "" };
         let found = rest(&ball(mass, length, stiffness, down, up, statics));
