@@ -16,6 +16,7 @@ mod path;
 mod poles;
 mod ratios;
 mod start;
+mod stiff_wires;
 mod stops;
 mod time;
 mod unheld;

@@ -1,6 +1,7 @@
 //! The certificate of an equilibrium with loops, drives or gears: motions along the closed positions decide.
 
 use super::damped;
+use super::known::{Known, look_closer};
 use super::modes::{Mode, momentum, rates_of, scaled, shares};
 use super::stability::{
     Stability, Verdict, by_matrices, classify_by_sweeps, count_by_motion, count_by_stiffness, generalized, verdict,
@@ -45,9 +46,15 @@ pub(in crate::statics) fn examine(
     if !place.is_balanced() {
         return Ok((acceleration, None));
     }
-    let mut stability = classify(model, &free, &z, &mass, &linear, place, conservative);
+    let with = |counted| classify(model, &free, &z, (&mass, &linear), place, conservative, counted);
+    let mut stability = with(None);
     if shares {
         prestressed(landscape, place, (&z, &linear.stiffness), &mut stability)?;
+    } else if conservative && stability.neutral_directions > 0 && by_matrices(model, count) {
+        let Known { unstable, neutral, .. } = look_closer(landscape, place)?;
+        if neutral != stability.neutral_directions {
+            stability = with(Some((unstable, neutral)));
+        }
     }
     Ok((acceleration, Some(stability)))
 }
@@ -190,24 +197,24 @@ pub(in crate::statics) fn count(z: &Mat<f64>, stiffness: &Mat<f64>, magnitude: &
     }
 }
 
-/// Verdict and modes of the motions along the loops.
+/// Verdict and modes of the motions along the loops. `counted` as in `stability::classify`.
 fn classify(
     model: &Model,
     free: &[usize],
     z: &Mat<f64>,
-    mass: &Mat<f64>,
-    linear: &Linearization,
+    (mass, linear): (&Mat<f64>, &Linearization),
     place: &Place,
     conservative: bool,
+    counted: Option<(usize, usize)>,
 ) -> Stability {
     if z.ncols() == 0 {
         let (modes, damped) = (Vec::new(), Vec::new());
         return Stability { verdict: Verdict::Stable, unstable_directions: 0, neutral_directions: 0, modes, damped };
     }
-    let (unstable, neutral) = match conservative {
+    let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
         true => count(z, &linear.stiffness, &place.scales.stiffness),
         false => count_by_motion(linear),
-    };
+    });
     let mode = |(k, (value, y)): (usize, (f64, Vec<f64>))| {
         let shape: Vec<f64> = (0..z.nrows()).map(|i| (0..y.len()).map(|j| z[(i, j)] * y[j]).sum()).collect();
         let (frequency_hz, growth_rate) = rates_of(value, k, unstable, neutral);

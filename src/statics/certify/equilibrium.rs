@@ -1,7 +1,8 @@
 //! The equilibrium with its certificate.
 
 use super::closed;
-use super::stability::{Stability, Verdict, classify};
+use super::known;
+use super::stability::{Stability, Verdict};
 use super::unbalanced::describe;
 use crate::constraint::LoopReaction;
 use crate::dynamics::{Fault, System};
@@ -151,7 +152,7 @@ pub(in crate::statics) fn certify(
     mut notes: Vec<String>,
 ) -> Result<Equilibrium, Fault> {
     let model = &Arc::clone(landscape.model());
-    let (free, conservative) = (landscape.free.clone(), landscape.conservative);
+    let free = landscape.free.clone();
     let (force_evaluations, stiffness_evaluations) = (landscape.residuals + effort.forces, landscape.stiffnesses);
     let factorizations = landscape.factorizations + effort.factorizations;
     let (steady, rest) = (landscape.steady.clone(), vec![0.0; model.velocity_count()]);
@@ -164,10 +165,8 @@ pub(in crate::statics) fn certify(
             examined
         }
         false => {
-            let system = landscape.system();
-            let acceleration = held_acceleration(system, &place, &free)?;
-            let classify = || classify(system, &place.q, &free, &place.scales.stiffness, conservative);
-            (acceleration, balanced.then(classify).transpose()?)
+            let acceleration = held_acceleration(landscape.system(), &place, &free)?;
+            (acceleration, balanced.then(|| known::of_tree(&mut landscape, &place)).transpose()?)
         }
     };
     let system = landscape.system();

@@ -7,6 +7,7 @@ mod copositive;
 pub(super) mod damped;
 pub(super) mod equilibrium;
 pub(super) mod falling;
+pub(super) mod known;
 pub(super) mod modes;
 pub(super) mod stability;
 mod subspace;

@@ -2,7 +2,8 @@
 //!
 //! At an equilibrium with a potential the stiffness matrix `K` is its Hessian. Directions are counted on
 //! `N^(-1/2) K N^(-1/2)`, `N` being the magnitude of the terms that make up `K`: an eigenvalue within [`NEUTRAL`] of
-//! zero is round-off, not stiffness. Without a potential the eigenvalues of the linearized motion decide.
+//! zero may be round-off, and is looked at more closely (see `known`). Without a potential the eigenvalues of the linearized motion
+//! decide.
 
 use super::damped::{self, DampedMode};
 use super::modes::{Mode, momentum, rates_of, scaled, shares};
@@ -67,7 +68,7 @@ impl Stability {
 }
 
 /// Classifies the equilibrium `q`. `free` are the coordinates that may move, `magnitude` the sizes of the stiffness
-/// terms there.
+/// terms there. `counted` are the directions that run away and those of zero stiffness, where a closer look has told them.
 ///
 /// # Errors
 /// The element whose numbers are not finite.
@@ -77,6 +78,7 @@ pub(in crate::statics) fn classify(
     free: &[usize],
     magnitude: &[f64],
     conservative: bool,
+    counted: Option<(usize, usize)>,
 ) -> Result<Stability, Fault> {
     let model = &Arc::clone(system.model());
     let sweeps = || TangentSolver::covers(model) || (!model.is_constrained() && by_sweeps(model, free, &[]));
@@ -94,10 +96,10 @@ pub(in crate::statics) fn classify(
         let (modes, damped) = (Vec::new(), Vec::new());
         return Ok(Stability { verdict: Verdict::Stable, unstable_directions, neutral_directions, modes, damped });
     }
-    let (unstable, neutral) = match conservative {
+    let (unstable, neutral) = counted.unwrap_or_else(|| match conservative {
         true => count_by_stiffness(&symmetric(&linear.stiffness), magnitude),
         false => count_by_motion(&linear),
-    };
+    });
     let mut modes = match conservative {
         true => undamped_modes(model, free, &linear, unstable, neutral),
         false => unsymmetric_modes(model, free, &linear),

@@ -129,6 +129,11 @@ impl Landscape<'_> {
         self.limits = Some(Box::new(Limits { stops, unlocked, inertia, weak, pressed }));
     }
 
+    /// Whether limits bound the coordinates.
+    pub(in crate::statics) fn heeds_limits(&self) -> bool {
+        self.limits.is_some()
+    }
+
     /// Chooses the active set at `q` and gives the place in the coordinates that stay free; `None` without limits.
     ///
     /// # Errors

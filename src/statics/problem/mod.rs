@@ -175,7 +175,7 @@ impl<'s> Landscape<'s> {
     }
 
     /// What makes work of the force in a free coordinate: the scene's length for a distance, 1 for an angle.
-    fn lever(&self, row: usize) -> f64 {
+    pub(in crate::statics) fn lever(&self, row: usize) -> f64 {
         if self.slides[self.free[row]] { self.length } else { 1.0 }
     }
 

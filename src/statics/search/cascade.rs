@@ -203,7 +203,7 @@ impl<'c, 's> Cascade<'c, 's> {
             }
             let stability = match landscape.ties.is_some() {
                 true => closed::examine(landscape, place)?.1,
-                false => Some(classify(landscape.system(), &place.q, &free, &place.scales.stiffness, false)?),
+                false => Some(classify(landscape.system(), &place.q, &free, &place.scales.stiffness, false, None)?),
             };
             let Some(stability) = stability else { return Ok(None) };
             let leaves = stability.verdict == Verdict::Unstable;

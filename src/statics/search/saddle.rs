@@ -8,9 +8,10 @@
 //! single negative pivot will not do in its place: of a strut of 200 links it is hundreds of times less steep, and
 //! leads uphill again within a hundredth of a radian.
 
-use crate::statics::problem::Landscape;
+use crate::statics::certify::known::look_closer;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::sizes::{NEUTRAL, comparable};
+use crate::statics::problem::{Landscape, MOST_MODES};
 
 /// Trials for a shift that is large enough, each sixteen times the one before.
 const MOST_TRIALS: usize = 20;
@@ -26,6 +27,9 @@ const SHORTEST: f64 = 1e-9;
 /// Round-off of a potential, relative to its size.
 const ROUND_OFF: f64 = 1e-13;
 
+/// A stiffness below this part of its terms has no sign.
+const NO_SIGN: f64 = 1e-13;
+
 /// A step that leads down, and the potential after it.
 pub(in crate::statics) struct WayOut {
     pub step: Vec<f64>,
@@ -39,10 +43,22 @@ pub(in crate::statics) fn way_out(
     potential: f64,
     radius: f64,
 ) -> Option<WayOut> {
-    // What is within round-off of zero stiffness is neutral: it leads nowhere.
-    let slack: Vec<f64> = comparable(&place.scales.stiffness).iter().map(|k| NEUTRAL * k).collect();
-    let first = landscape.negative_direction(&slack)?;
-    let direction = fastest(landscape, place, &first).unwrap_or(first);
+    let sizes = comparable(&place.scales.stiffness);
+    let slack = |part: f64| sizes.iter().map(|k| part * k).collect::<Vec<f64>>();
+    // Mostly there is none, and one factorization says so.
+    landscape.negative_direction(&slack(NO_SIGN))?;
+    let direction = match landscape.negative_direction(&slack(NEUTRAL)) {
+        Some(first) => fastest(landscape, place, &first).unwrap_or(first),
+        None => {
+            // What is neutral leads nowhere, and what is nearly so is looked at closely.
+            if !landscape.conservative || landscape.heeds_limits() || landscape.free.len() > MOST_MODES {
+                return None;
+            }
+            let falls = look_closer(landscape, place).ok().and_then(|known| known.falls);
+            landscape.look(&place.q).ok()?;
+            falls?
+        }
+    };
     downhill(landscape, place, &direction, potential, radius)
 }
 
