@@ -252,6 +252,16 @@ impl Constraints {
         self.self_stresses.len()
     }
 
+    /// The loops, drives and gears in whose rows the `j`-th self-stress is, by name.
+    pub(crate) fn stressed(&self, j: usize) -> Vec<String> {
+        let Some(stress) = self.self_stresses.get(j) else { return Vec::new() };
+        let push = |(row, x): &(usize, f64)| (x / self.weights[*row]).abs();
+        let most = stress.iter().map(push).fold(0.0, f64::max);
+        let is_in =
+            |element: &&Element| stress.iter().any(|one| element.rows.contains(&one.0) && push(one) > PART * most);
+        self.elements.iter().filter(is_in).map(|element| element.name.clone()).collect()
+    }
+
     /// Adds self-stresses, one number for each (N or N m at the row left out), to multipliers that are shared.
     pub(crate) fn add_self_stress(&mut self, alpha: &[f64]) {
         for (stress, alpha) in self.self_stresses.iter().zip(alpha) {

@@ -121,6 +121,11 @@ impl System {
         self.constraints.as_ref().map_or(0, |constrained| constrained.rows.self_stresses())
     }
 
+    /// The loops, drives and gears that the `j`-th self-stress strains, by name.
+    pub fn stressed(&self, j: usize) -> Vec<String> {
+        self.constraints.as_ref().map_or(Vec::new(), |constrained| constrained.rows.stressed(j))
+    }
+
     /// Adds self-stresses, one number for each (N or N m at the row left out), to the multipliers of
     /// [`Evaluated::share_multipliers`].
     pub fn add_self_stress(&mut self, alpha: &[f64]) {

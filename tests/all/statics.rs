@@ -18,6 +18,7 @@ mod ratios;
 mod start;
 mod stiff_wires;
 mod stops;
+mod taut;
 mod time;
 mod unheld;
 mod zero;

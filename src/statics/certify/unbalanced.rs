@@ -1,5 +1,6 @@
 //! What is not balanced, named: hinge, body, force and direction.
 
+use crate::dynamics::Fault;
 use crate::model::problem::number;
 use crate::statics::problem::place::Place;
 use crate::statics::problem::{Landscape, slides};
@@ -7,13 +8,25 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 
 /// Names what is not balanced: hinge, body, force and direction.
-pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Place) -> String {
+///
+/// # Errors
+/// The element whose numbers are not finite.
+pub(in crate::statics) fn unbalanced(landscape: &mut Landscape<'_>, place: &Place) -> Result<String, Fault> {
     let (_, largest) = place.residual();
-    let Some(worst) = unresisted(landscape, place).or(largest) else { return "no residual".to_owned() };
-    format!(
+    if let (Some(taut), Some(worst)) = (landscape.taut(place)?, largest) {
+        let names = taut.names.join(", ");
+        return Ok(format!(
+            "nothing balances {}: it acts across {names}, which are taut there and bear no finite force that way: rows that are \
+             linearly dependent hold such a motion to second order only. Let them sag or slope, brace across them, or put a spring in \
+             the place of one",
+            describe(landscape, place, worst)
+        ));
+    }
+    let Some(worst) = unresisted(landscape, place).or(largest) else { return Ok("no residual".to_owned()) };
+    Ok(format!(
         "nothing balances {}: a spring, a load or a lock is missing, or the guess is too far away",
         describe(landscape, place, worst)
-    )
+    ))
 }
 
 /// An unbalanced force with its hinge, direction and size.

@@ -10,6 +10,7 @@ mod prestress;
 pub(in crate::statics) mod sizes;
 mod split;
 mod stiffness;
+mod taut;
 mod ties;
 
 use super::certify::falling::{Fall, falling};

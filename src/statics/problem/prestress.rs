@@ -22,7 +22,7 @@ use faer::{Mat, Side};
 
 /// A self-stress whose stiffness is below this part of that of a row over one length of the scene has none: axes that are
 /// parallel to five digits leave as much.
-const NO_STIFFNESS: f64 = 1e-4;
+pub(super) const NO_STIFFNESS: f64 = 1e-4;
 /// Steps of the search for `α` in (3): it takes a few where there is one.
 const MOST_STEPS: usize = 200;
 
@@ -107,12 +107,12 @@ impl Landscape<'_> {
     }
 
     /// How far a free coordinate moves the scene per unit (m).
-    fn unit(&self, free: usize) -> f64 {
+    pub(super) fn unit(&self, free: usize) -> f64 {
         if self.slides[self.free[free]] { 1.0 } else { self.length }
     }
 
     /// `Σ αⱼ Sⱼ` of (1); the multipliers stay as they are.
-    fn stress_stiffness(&mut self, q: &[f64], z: &Mat<f64>, alpha: &[f64]) -> Result<Mat<f64>, Fault> {
+    pub(super) fn stress_stiffness(&mut self, q: &[f64], z: &Mat<f64>, alpha: &[f64]) -> Result<Mat<f64>, Fault> {
         let load = self.system.multiplier_size().max(f64::MIN_POSITIVE.sqrt());
         let size = alpha.iter().map(|x| x * x).sum::<f64>().sqrt();
         // A stress of the size of the load loses no digits when it is added.

@@ -57,7 +57,7 @@ pub(super) fn search(mut search: Search<'_>) -> Result<Option<Equilibrium>, Faul
     }
     if !certified.is_balanced() {
         let ended = watch.note(effort.stage, certified.residual().0);
-        notes.push(ended.unwrap_or_else(|| unbalanced(&mut landscape, &certified)));
+        notes.push(ended.map_or_else(|| unbalanced(&mut landscape, &certified), Ok)?);
     }
     landscape.residuals += work[0];
     landscape.stiffnesses += work[1];

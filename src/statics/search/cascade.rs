@@ -69,6 +69,9 @@ pub(in crate::statics) fn search(
             Ok(Found { place, notes: Vec::new(), effort: Effort { stage: "newton", ..Effort::default() } })
         }
         Method::Auto => {
+            if landscape.taut(&first)?.is_some_and(|taut| taut.rigid) {
+                return Ok(Found::at_once(first));
+            }
             let mut cascade = Cascade::new(landscape, history, &first);
             let descends = settings.want == Want::Stable && cascade.landscape.conservative;
             let found = if descends { cascade.descend(first)? } else { cascade.nearest(first)? };
@@ -141,7 +144,8 @@ impl<'c, 's> Cascade<'c, 's> {
     /// A stable equilibrium of loads with a potential.
     fn descend(&mut self, first: Place) -> Result<Found, Fault> {
         let (place, fell) = self.trust_region(first)?;
-        if place.is_balanced() || fell {
+        // No other way leads where rows push across a load.
+        if place.is_balanced() || fell || self.landscape.taut(&place)?.is_some() {
             return Ok(self.found(place, fell));
         }
         for later in [Self::release, Self::relax] {

@@ -34,7 +34,7 @@ pub(super) fn search_free(search: Search<'_>) -> Result<Equilibrium, Fault> {
         }
         let ended = watch.note(effort.stage, place.residual().0);
         notes.retain(|note| Some(note) != fall.as_ref());
-        notes.push(ended.or(fall).unwrap_or_else(|| unbalanced(&mut landscape, &place)));
+        notes.push(ended.or(fall).map_or_else(|| unbalanced(&mut landscape, &place), Ok)?);
     }
     search.record(&mut landscape);
     certify(landscape, settings, place, effort, history, notes)
