@@ -33,6 +33,12 @@ const RELAXATION_STEPS: usize = 30_000;
 
 const RELAXATION_SWEEPS: usize = 30_000_000;
 
+/// Time steps, and sweeps over one link, that an unstable equilibrium of loads without a potential may take to be left for a stable
+/// one: there may be none, and what flutters never comes to rest.
+const LEAVING_STEPS: usize = 10_000;
+
+const LEAVING_SWEEPS: usize = 300_000;
+
 /// Where a search ended.
 pub(in crate::statics) struct Found {
     pub place: Place,
@@ -215,14 +221,31 @@ impl<'c, 's> Cascade<'c, 's> {
             Ok(fastest.filter(|_| leaves).map(|mode| mode.shape))
         };
         let Some(shape) = unstable(self.landscape, &found.place)? else { return Ok(found) };
+        let mut found = found;
         self.stages.clone_from(&found.effort.stages);
         let part = 1e-2 * self.landscape.reach() / self.landscape.size(&shape);
         let beside: Vec<f64> = shape.iter().map(|x| part * x).collect();
         let q = self.landscape.moved(&found.place.q, &beside);
         let place = Place::at(self.landscape, q)?;
-        let place = self.relax_from(place)?;
+        let steps = LEAVING_STEPS.min(LEAVING_SWEEPS / self.landscape.model().links.len());
+        let place = self.relax_from(place, steps)?;
         let still = place.is_balanced() && unstable(self.landscape, &place)?.is_none();
         if !still {
+            let steps = self.stages.last().map_or(0, |stage| stage.iterations);
+            let ended = match (self.landscape.goes_on(), place.is_balanced()) {
+                (false, _) => "it was ended after",
+                (true, true) => "another unstable one was met after",
+                (true, false) => "none was reached in",
+            };
+            found.notes.push(format!(
+                "loads without a potential have no downhill: a stable equilibrium was looked for with the motion that leaves the unstable \
+                 one, and {ended} {steps} steps of it"
+            ));
+            found.notes.extend(self.landscape.watch.and_then(|watch| watch.note("relaxation", place.residual().0)));
+            // The stage that won is the one before; what the other one worked is told.
+            found.effort.steps = Some(self.stages.iter().map(|stage| stage.iterations).sum());
+            found.effort.stages = std::mem::take(&mut self.stages);
+            found.effort.accelerations += self.accelerations;
             return Ok(found);
         }
         self.notes.push("left an unstable equilibrium with the motion itself".to_owned());
@@ -284,11 +307,11 @@ impl<'c, 's> Cascade<'c, 's> {
     }
 
     fn relax(&mut self) -> Result<Place, Fault> {
-        self.relax_from(self.guess.clone())
+        let steps = RELAXATION_STEPS.min(RELAXATION_SWEEPS / self.landscape.model().links.len());
+        self.relax_from(self.guess.clone(), steps)
     }
 
-    fn relax_from(&mut self, place: Place) -> Result<Place, Fault> {
-        let steps = RELAXATION_STEPS.min(RELAXATION_SWEEPS / self.landscape.model().links.len());
+    fn relax_from(&mut self, place: Place, steps: usize) -> Result<Place, Fault> {
         let outcome = relaxation::run(self.landscape, place, steps, self.history)?;
         self.accelerations += outcome.accelerations;
         let place = polish(self.landscape, outcome.place, self.history)?;

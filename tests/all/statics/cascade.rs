@@ -339,3 +339,29 @@ fn thin_rods_on_balls_come_down() {
         }
     }
 }
+
+/// Ziegler's column under a follower load beyond flutter: there is no stable equilibrium, and the search for one gives up and says so.
+#[test]
+fn an_unstable_equilibrium_without_downhill_says_what_was_tried() {
+    // Two rods of 1 m, masses 2 and 1 at their ends, springs c: flutter at P > 2.54 c/l without damping (Ziegler; Bolotin 1963).
+    let link = |name: &str, parent: &str, mass: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = {mass:?}\ncenter = [0, 1, 0]\nmarkers = {{ end = [0, 1, 0] }}\n\
+             hinge = {{ {parent}type = \"revolute\", axis = [0, 0, 1], stiffness = 10, position = 0.01 }}\n"
+        )
+    };
+    let text = format!(
+        "gravity = [0, 0, 0]\n{}{}[[force]]\nname = \"thrust\"\ntype = \"load\"\naxes = \"body\"\non = \"upper.end\"\nforce = [0, -30, 0]\n",
+        link("lower", "", 2.0),
+        link("upper", "parent = \"lower\", at = \"end\", ", 1.0)
+    );
+    let scenario =
+        stillpoint::scenario::parse("flutter.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+    let model = build(&scenario.description);
+    let found = equilibrium(&model, &scenario.statics, &model.start_position).expect("numbers");
+    assert!(found.balanced && !found.converged, "{:?}", found.notes);
+    assert!(found.notes.iter().any(|note| note.contains("no downhill")), "{:?}", found.notes);
+    // What it worked is told, and bounded.
+    let last = found.stages.last().expect("stages");
+    assert!(last.name == "relaxation" && (1..=10_000).contains(&last.iterations), "{:?}", found.stages);
+}
