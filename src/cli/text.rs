@@ -77,6 +77,10 @@ fn found_by(found: &Equilibrium, wall: Duration) -> String {
         "start" if found.balanced => "the guess is one already".to_owned(),
         "start" => "no search".to_owned(),
         "inverse" | "given" => "of the given pose".to_owned(),
+        // Its own Newton steps are not those of the cascade.
+        stage if found.method == "lagrange" => {
+            format!("{}, lagrange: {stage}", count(found.iterations, "step", "steps"))
+        }
         stage => format!("{}, {stage}", count(found.iterations, "step", "steps")),
     };
     format!("{} ({stage}, {})", verdict(&text, fine), duration(wall))

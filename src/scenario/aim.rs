@@ -22,6 +22,12 @@ pub(super) fn read(
     if !table.has("unknown") {
         let message = "`aim` needs `unknown`: numbers that are found so that the outputs are these".to_owned();
         refuse(Finding::error(table.key_span("aim"), message), "for example `unknown = [\"spring.length\"]`");
+    } else if aims.table.is_empty() {
+        let message = "`aim` names no output".to_owned();
+        refuse(
+            Finding::error(table.key_span("aim"), message),
+            "give each its value, as `aim = { elevation = 0.8 }`; without `aim` the unknown numbers are those that hold the given pose",
+        );
     } else if aims.table.len() > unknown.len() && !unknown.is_empty() {
         let message = format!("{} outputs are aimed at with {} unknown", aims.table.len(), unknown.len());
         refuse(Finding::error(table.key_span("aim"), message), "at least as many numbers have to be unknown");

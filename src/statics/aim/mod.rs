@@ -6,16 +6,21 @@
 //! y(u) = ŷ,      (dy/du) Δu = ŷ − y(u),      least |S⁻¹ Δu|                                   (1)
 //! ```
 //!
-//! with the sensitivities of the equilibrium, an equilibrium searched for from the last one at every step, and steps that are halved
-//! until they bring the outputs nearer. `S` and the units of the outputs are the scene's own, as in `inverse`. The answer is the
+//! with the sensitivities of the equilibrium, and an equilibrium searched for from the last one at every step. Steps are no longer than
+//! a radius that follows how well they keep what (1) promises, and keep lengths, masses and stiffnesses within what they can be (see
+//! `bounded`). `S` and the units of the outputs are the scene's own, as in `inverse`. The answer is the
 //! equilibrium of a scene that is built with the numbers, and proved as every other; how far its outputs are from the aim is told.
 
+mod bounded;
+mod words;
+
 use super::certify::equilibrium::Equilibrium;
+use super::certify::stability::Verdict;
 use super::inverse::{Held, unit};
 use super::outputs::outputs;
 use super::search::{Observers, equilibrium_observed};
 use super::sensitivity::sensitivities;
-use super::settings::{Aim, Settings, Sought};
+use super::settings::{Aim, Settings, Sought, Want};
 use crate::constraint;
 use crate::dynamics::Fault;
 use crate::model::description::Description;
@@ -34,12 +39,21 @@ const AIMED: f64 = 1e-9;
 const ROUND_OFF: f64 = 1e-14;
 /// Singular values below this part of the largest one: sensitivities are proved to 1e-7.
 const RANK: f64 = 1e-7;
-/// Newton steps; halved ones of strongly bent outputs count as others.
-const MOST_STEPS: usize = 40;
-/// Halvings of a step.
-const MOST_HALVINGS: i32 = 12;
-/// Part of the decrease that (1) promises which a step has to give (Armijo).
+/// Steps; short ones of strongly bent outputs count as others.
+const MOST_STEPS: usize = 60;
+/// Trials of a step, each within a shorter radius.
+const MOST_TRIALS: usize = 12;
+/// Part of the decrease that (1) promises which a step has to give; below and above these the radius shrinks and grows by a factor.
 const DECREASE: f64 = 1e-4;
+const POOR: f64 = 0.25;
+const GOOD: f64 = 0.75;
+const FACTOR: f64 = 4.0;
+/// The first radius: every number by as much as its unit.
+const FIRST_RADIUS: f64 = 1.0;
+/// Outputs that change by so many times what (1) says have jumped to another equilibrium.
+const JUMP: f64 = 10.0;
+/// Part of the way to its bound that a number goes in one step: a body without mass has no motion.
+const TO_BOUND: f64 = 0.9;
 
 /// A scene of the way, and where it stands.
 struct Stand {
@@ -176,12 +190,13 @@ impl Search<'_> {
 
     /// Newton steps from an equilibrium to the end.
     fn go(&self, mut now: Stand) -> Held {
-        let mut trouble = None;
+        let (mut trouble, radius) = (None, FIRST_RADIUS * (self.scales.len() as f64).sqrt());
+        let mut trust = Trust { radius, ends: false };
         for _ in 0..MOST_STEPS {
             if now.is_within(ROUND_OFF) || !(self.go_on)() {
                 break;
             }
-            match self.change(&now).and_then(|change| self.step(&now, &change)) {
+            match self.slopes(&now).and_then(|slopes| self.step(&now, &slopes, &mut trust)) {
                 Ok(next) => now = next,
                 Err(why) => {
                     trouble = Some(why);
@@ -199,7 +214,9 @@ impl Search<'_> {
                 (None, true) => format!("{MOST_STEPS} steps did not bring it there"),
                 (_, false) => "interrupted, or the time limit came first".to_owned(),
             };
-            found.notes.insert(0, format!("the aim is missed: {}; {why}", self.words(&found)));
+            found
+                .notes
+                .insert(0, format!("the aim is missed: {}; {why}", words::missed(&found.aimed, self.sought.aim)));
             found.converged = false;
         }
         Held { description, model, found }
@@ -212,16 +229,8 @@ impl Search<'_> {
         self.sought.aim.iter().zip(&self.places).map(|(aim, place)| (aim.output.clone(), value(place))).collect()
     }
 
-    /// What is where, and where it should be.
-    fn words(&self, found: &Equilibrium) -> String {
-        let one = |((name, value), aim): (&(String, f64), &Aim)| {
-            format!("`{name}` is {} and not {}", number(*value), number(aim.value))
-        };
-        found.aimed.iter().zip(self.sought.aim).map(one).collect::<Vec<_>>().join(", ")
-    }
-
-    /// `Δu` of (1), or why there is none.
-    fn change(&self, now: &Stand) -> Result<Vec<f64>, String> {
+    /// `dy/du`, over the units of both; or why there is none.
+    fn slopes(&self, now: &Stand) -> Result<Mat<f64>, String> {
         let Sought { unknown, aim } = self.sought;
         let names: Vec<String> = aim.iter().map(|one| one.output.clone()).collect();
         let numbers = Some(self.unknown.clone());
@@ -236,59 +245,114 @@ impl Search<'_> {
         }
         let useless = |i: &usize| (0..unknown.len()).all(|j| slopes[(*i, j)] == 0.0);
         if let Some(row) = (0..aim.len()).find(useless) {
-            return Err(format!("no unknown moves `{}`", aim[row].output));
+            let held = words::held(&now.model, &now.found, unknown);
+            return Err(format!("no unknown moves `{}`{held}", aim[row].output));
         }
-        let svd = slopes.thin_svd().map_err(|_| "its sensitivities are not finite".to_owned())?;
-        let (u, s, v) = (svd.U(), svd.S(), svd.V());
-        let rank = (0..s.dim()).take_while(|k| s[*k] > RANK * s[0]).count();
-        let mut change = vec![0.0; unknown.len()];
-        for k in 0..rank {
-            let part: f64 = (0..aim.len()).map(|i| u[(i, k)] * now.miss[i]).sum();
-            for (j, (change, scale)) in change.iter_mut().zip(&self.scales).enumerate() {
-                *change -= scale * v[(j, k)] * part / s[k];
-            }
-        }
-        Ok(change)
+        Ok(slopes)
     }
 
-    /// The longest step of `change`, halved and halved again, that brings the outputs nearer; or why there is none.
-    fn step(&self, now: &Stand, change: &[f64]) -> Result<Stand, String> {
-        let mut why = String::new();
-        for halving in 0..MOST_HALVINGS {
-            let part = 0.5_f64.powi(halving);
-            let next = self.moved(now, change, part);
-            match next {
-                Ok(next) if next.size() <= (1.0 - DECREASE * part) * now.size() => return Ok(next),
-                Ok(_) => why = "no step of the unknown numbers brings it nearer".to_owned(),
-                Err(refused) => why = refused,
+    /// How far each number may go down, over its unit: what cannot be negative stays what it is or above zero, unless the file has it
+    /// below.
+    fn low(&self, now: &Stand) -> Vec<f64> {
+        let of = |(one, scale): (&Parameter, &f64)| {
+            let value = one.value(&now.description);
+            let bounded =
+                value >= 0.0 && matches!(one.field, Field::Mass | Field::Length | Field::Stiffness | Field::Young);
+            if bounded { -TO_BOUND * value / scale } else { f64::NEG_INFINITY }
+        };
+        self.sought.unknown.iter().zip(&self.scales).map(of).collect()
+    }
+
+    /// The step within the radius, which shrinks until it brings the outputs nearer; or why there is none.
+    fn step(&self, now: &Stand, slopes: &Mat<f64>, trust: &mut Trust) -> Result<Stand, String> {
+        let (mut why, low) = (String::new(), self.low(now));
+        let trials = if now.is_within(AIMED) { 1 } else { MOST_TRIALS };
+        for trial in 0..trials {
+            let Some(step) = bounded::step(slopes, &now.miss, &low, trust.radius, RANK) else {
+                return Err("its sensitivities are not finite".to_owned());
+            };
+            let length = step.s.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let promised = now.size() - step.left;
+            let held = words::at_bound(&step.held, self.sought.unknown, &now.description);
+            if !(promised > ROUND_OFF * now.size()) {
+                return Err(format!("no change of the unknown numbers brings it nearer{held}"));
+            }
+            let change: Vec<f64> = step.s.iter().zip(&self.scales).map(|(s, scale)| s * scale).collect();
+            match self.moved(now, &change) {
+                Ok(next) => {
+                    let part = (now.size() - next.size()) / promised;
+                    if part > GOOD && length > 0.5 * trust.radius {
+                        trust.radius *= FACTOR;
+                    } else if !(part > POOR) {
+                        trust.radius = length / FACTOR;
+                    }
+                    if part >= DECREASE {
+                        trust.ends &= trial > 0;
+                        return Ok(next);
+                    }
+                    let moved = next.miss.iter().zip(&now.miss).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+                    trust.ends |= moved > JUMP * step.moves;
+                    why = format!("no step of the unknown numbers brings it nearer{held}");
+                }
+                Err(refused) => {
+                    trust.radius = length / FACTOR;
+                    why = refused.why;
+                    trust.ends |= refused.ends;
+                }
             }
             if !(self.go_on)() {
                 break;
             }
         }
-        Err(why)
+        let words = match self.settings.want {
+            Want::Stable => {
+                "; the stable equilibria end on the way there, and beyond it is another, or none: `want = \"any\"` goes on"
+            }
+            Want::Any => "; the equilibria end on the way there, and beyond it is another, or none",
+        };
+        Err(if trust.ends { why + words } else { why })
     }
 
-    /// The equilibrium with a part of the change made.
-    fn moved(&self, now: &Stand, change: &[f64], part: f64) -> Result<Stand, String> {
+    /// The equilibrium with a change made.
+    fn moved(&self, now: &Stand, change: &[f64]) -> Result<Stand, Refused> {
+        let refused = |why: String| Refused { why, ends: false };
         let mut description = now.description.clone();
         for (one, change) in self.sought.unknown.iter().zip(change) {
-            let value = one.value(&description) + part * change;
+            let value = one.value(&description) + change;
             let place = |why| format!("`{}` = {} {}: {why}", one.address, number(value), one.quantity.unit());
-            one.set(&mut description, value).map_err(place)?;
+            one.set(&mut description, value).map_err(place).map_err(refused)?;
         }
         let told = |problems: Vec<Problem>| {
             let values = values(&description, self.sought.unknown);
             let values = values.iter().map(|(name, value)| format!("`{name}` = {}", number(*value)));
             let problems: Vec<String> = problems.iter().map(ToString::to_string).collect();
-            format!("{}: {}", values.collect::<Vec<_>>().join(", "), problems.join("; "))
+            refused(format!("{}: {}", values.collect::<Vec<_>>().join(", "), problems.join("; ")))
         };
         let scene = of(&description, self.of_first);
         let model = built(&scene, &now.found.position).map_err(&told)?;
-        let found = search(&model, self.settings, self.go_on).map_err(|fault| fault.to_string())?;
+        let found = search(&model, self.settings, self.go_on).map_err(|fault| refused(fault.to_string()))?;
         let notes = found.notes.join("; ");
-        self.stand(description, scene, model, found).ok_or_else(|| format!("no equilibrium on the way: {notes}"))
+        let is_unstable =
+            |found: &Equilibrium| found.stability.as_ref().is_some_and(|of| of.verdict == Verdict::Unstable);
+        let ends = found.balanced && is_unstable(&found);
+        let why = format!("no equilibrium on the way: {notes}");
+        self.stand(description, scene, model, found).ok_or(Refused { why, ends })
     }
+}
+
+/// How far steps go.
+struct Trust {
+    /// In units of the numbers.
+    radius: f64,
+    /// Whether a step that had to be shortened led to another equilibrium, or to an unstable one.
+    ends: bool,
+}
+
+/// Why a change is none.
+struct Refused {
+    why: String,
+    /// Whether the equilibrium there is one that runs away.
+    ends: bool,
 }
 
 /// Where the search of a model begins beside another equilibrium: there, except in what hinges hold.

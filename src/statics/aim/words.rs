@@ -1,0 +1,76 @@
+//! What is said of an aim that is missed.
+
+use crate::dynamics::System;
+use crate::force::Act;
+use crate::model::description::Description;
+use crate::model::problem::{number, significant};
+use crate::model::{Model, Parameter};
+use crate::statics::certify::equilibrium::Equilibrium;
+use crate::statics::settings::Aim;
+use std::sync::Arc;
+
+/// Digits of a number, which are more where two would look alike, up to all there are.
+const DIGITS: std::ops::RangeInclusive<usize> = 6..=17;
+
+/// What is where, and where it should be.
+pub(super) fn missed(aimed: &[(String, f64)], aim: &[Aim]) -> String {
+    let one = |((name, value), aim): (&(String, f64), &Aim)| {
+        let [value, aim] = apart(*value, aim.value);
+        format!("`{name}` is {value} and not {aim}")
+    };
+    aimed.iter().zip(aim).map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Two numbers with as many digits as tell them apart.
+fn apart(a: f64, b: f64) -> [String; 2] {
+    let both = |digits: usize| [a, b].map(|x| significant(x, digits));
+    let differ = DIGITS.map(both).find(|[a, b]| a != b);
+    differ.unwrap_or_else(|| [a, b].map(number))
+}
+
+/// What holds where no number has an influence: stops that bear, ropes that are slack; and what to do about it.
+pub(super) fn held(model: &Arc<Model>, found: &Equilibrium, unknown: &[Parameter]) -> String {
+    let mut holds: Vec<String> = Vec::new();
+    for stop in &found.stops {
+        let side = if stop.low { "low" } else { "high" };
+        holds.push(format!("{} rests on its {side} stop at {}", stop.hinge, number(stop.limit)));
+    }
+    let mut system = System::new(model);
+    let at = system.at(0.0, &found.position, &found.velocity);
+    let links = &at.motion().links;
+    for force in model.forces.iter() {
+        let is_slack = || force.law.boundaries()[0].is_some_and(|taut| force.law.switch(taut, links).value < 0.0);
+        if force.law.switches() == Some(["slack", "taut"]) && is_slack() {
+            holds.push(format!("`{}` is slack", force.name));
+        }
+    }
+    match (holds.is_empty(), unknown.first()) {
+        (false, Some(one)) => format!(
+            ", because here {}: begin with other numbers, from which it does not (`--set {}=…`)",
+            holds.join(", "),
+            one.address
+        ),
+        _ => String::new(),
+    }
+}
+
+/// Numbers that cannot go further down.
+pub(super) fn at_bound(held: &[usize], unknown: &[Parameter], description: &Description) -> String {
+    let one = |j: &usize| format!("`{}` = {}", unknown[*j].address, number(unknown[*j].value(description)));
+    match held.len() {
+        0 => String::new(),
+        _ => format!(" with {} as near to zero as it can be", held.iter().map(one).collect::<Vec<_>>().join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::apart;
+
+    #[test]
+    fn numbers_that_look_alike_get_the_digits_that_tell_them_apart() {
+        assert_eq!(apart(0.25, 0.75), ["0.25", "0.75"]);
+        assert_eq!(apart(0.069_308_800_123, 0.069_308_800_124), ["0.069308800123", "0.069308800124"]);
+        assert_eq!(apart(1.0, 1.0 + f64::EPSILON), ["1", "1.0000000000000002"]);
+    }
+}
