@@ -89,10 +89,11 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     let given = model.start_position.clone();
     let mut q = given.clone();
     let mut near = "the nearest assembly";
-    let (given_gap, gap, widest) = {
+    let (given_widest, gap, widest) = {
         let mut closing = Closing::new(model, &Mode::locks(model), 0.0);
         let relative = closing.gap(model, &q);
-        let given_gap = closing.widest().gap;
+        let given_widest = closing.widest();
+        let given_gap = given_widest.gap;
         let mut gap = closing
             .close(model, &mut q, Metric::Inertia)
             .map_err(|singular| vec![undetermined(model, singular.link)])?;
@@ -114,9 +115,9 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
         closing.gap(model, &q);
         let mut widest = closing.widest();
         if gap < 1e-13 && relative <= gap {
-            widest.gap = given_gap;
+            (widest.gap, widest.angle) = (given_gap, given_widest.angle);
         }
-        (given_gap, gap, widest)
+        (given_widest, gap, widest)
     };
     if !(gap <= CLOSED) {
         return Err(vec![cannot_close(model, &widest)]);
@@ -126,14 +127,16 @@ fn close_positions(model: &mut Model, notes: &mut Vec<String>) -> Result<(f64, f
     }
     let moved = largest_move(model, &given, &q);
     if moved > MOVED {
+        // Of many loops the one that is open most says little.
+        let what = if given_widest.element.starts_with("loop") { "the loops" } else { given_widest.element.as_str() };
         notes.push(format!(
-            "the given positions are a guess that leaves the loops open by {} m: closed to {near}, up to {} away",
-            number(given_gap),
+            "the given positions are a guess that leaves {what} open by {}: closed to {near}, up to {} away",
+            given_widest.words(),
             number(moved)
         ));
     }
     model.start_position = q;
-    Ok((given_gap, widest.gap))
+    Ok((given_widest.gap, widest.gap))
 }
 
 /// Given velocities that are not zero, and those of hinges that no loop or drive concerns, weigh so much more than the
@@ -282,7 +285,7 @@ fn cannot_close(model: &Model, widest: &OpenGap) -> Problem {
     Problem {
         element: place_of(owner),
         field: "between".to_owned(),
-        message: format!("{} cannot be closed: a gap of {} m remains", widest.element, number(widest.gap)),
+        message: format!("{} cannot be closed: a gap of {} remains", widest.element, widest.words()),
         help: Some(help),
     }
 }

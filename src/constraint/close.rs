@@ -16,6 +16,7 @@ use super::component::between_ends;
 use super::rows::Owner;
 use super::{Constraints, Mode, Rate};
 use crate::model::Model;
+use crate::model::problem::number;
 use crate::motion::{Motion, displace};
 use crate::sparse::{Gram, SparseRows};
 use crate::spatial::Wrench;
@@ -44,6 +45,15 @@ pub struct OpenGap {
     pub element: String,
     /// Gap (m; rad times the reach of the mechanism).
     pub gap: f64,
+    /// Gap of a gear or a drive on angles (rad); `None` for others.
+    pub angle: Option<f64>,
+}
+
+impl OpenGap {
+    /// The gap with its unit.
+    pub(super) fn words(&self) -> String {
+        self.angle.map_or_else(|| format!("{} m", number(self.gap)), |angle| format!("{} rad", number(angle)))
+    }
 }
 
 /// Closes positions of a model whose locked coordinates stay where they are given.

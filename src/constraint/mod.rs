@@ -409,9 +409,11 @@ impl Constraints {
 
     /// Where the widest gap of the last placement of all rows is.
     pub(crate) fn widest(&self, motion: &Motion) -> OpenGap {
-        let Largest { absolute: gap, row, .. } = self.largest(motion, Rate::Gap, true);
-        let element = row.and_then(|row| self.element_of(row)).map_or(String::new(), |e| e.name.clone());
-        OpenGap { element, gap }
+        let Largest { absolute: gap, relative, row } = self.largest(motion, Rate::Gap, true);
+        let owner = row.and_then(|row| self.element_of(row));
+        let turns = owner.is_some_and(|e| e.ends.is_none()) && row.is_some_and(|row| self.rules[row].turns());
+        let element = owner.map_or(String::new(), |e| e.name.clone());
+        OpenGap { element, gap, angle: turns.then_some(relative) }
     }
 
     /// What a row says in metres or radians, in parts of its component's reach or radians.

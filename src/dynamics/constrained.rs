@@ -206,7 +206,7 @@ impl System {
                 return Err(fault);
             }
             let left = gap.relative;
-            let OpenGap { element, gap } = constrained.rows.widest(&self.motion);
+            let OpenGap { element, gap, .. } = constrained.rows.widest(&self.motion);
             let solved = constrained.rows.largest(&self.motion, Rate::Gap, false).relative;
             // Those solved for may be closed while one left out is not.
             return Err(match solved < 0.1 * left {

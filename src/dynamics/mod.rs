@@ -164,6 +164,16 @@ pub enum Fault {
         /// What is allowed (10⁹ bytes).
         allowed: f64,
     },
+    /// A spring or rope without a direction.
+    #[error(
+        "{what} of `{element}` are in one place, where its direction is not determined: move one of them, or begin from another position"
+    )]
+    OnePlace {
+        /// Which points.
+        what: &'static str,
+        /// The force element.
+        element: String,
+    },
     /// A number that is not finite.
     #[error("{what} of `{element}` is not a finite number")]
     NotFinite {
@@ -345,6 +355,10 @@ impl System {
         }
         if let Some(fault) = self.not_finite_formula() {
             return Err(fault);
+        }
+        if let Some(force) = applied::in_one_place(&self.laws, &self.motion) {
+            let what = if force.law.ends().len() > 2 { "two points, one after the other," } else { "both ends" };
+            return Err(Fault::OnePlace { what, element: force.name.clone() });
         }
         if let Some((force, what)) = applied::not_finite(&self.laws, &self.motion) {
             return Err(Fault::NotFinite { what, element: force.name.clone() });

@@ -144,6 +144,10 @@ macro_rules! kinds {
                 match self { $(Self::$kind(law) => law.not_finite(links),)+ }
             }
 
+            fn in_one_place(&self, links: &[LinkMotion]) -> bool {
+                match self { $(Self::$kind(law) => law.in_one_place(links),)+ }
+            }
+
             fn switches(&self) -> Option<[&'static str; 2]> {
                 match self { $(Self::$kind(law) => law.switches(),)+ }
             }

@@ -97,6 +97,11 @@ pub trait Act {
         (!finite).then_some("the force")
     }
 
+    /// Whether two points of it that have to be apart are in one place.
+    fn in_one_place(&self, _links: &[LinkMotion]) -> bool {
+        false
+    }
+
     /// What the events are called when [`Act::switch`] of boundary 0 becomes negative or zero, and positive; `None` for a
     /// kind that has no such events.
     fn switches(&self) -> Option<[&'static str; 2]> {

@@ -179,10 +179,11 @@ impl Act for RopeLaw {
     }
 
     fn not_finite(&self, links: &[LinkMotion]) -> Option<&'static str> {
-        match self.segments(links).any(|segment| segment.distance == 0.0) {
-            true => Some("the direction between two points in the same place, one after the other,"),
-            false => (!self.stretch(links).tension(self).is_finite()).then_some("the tension"),
-        }
+        (!self.stretch(links).tension(self).is_finite()).then_some("the tension")
+    }
+
+    fn in_one_place(&self, links: &[LinkMotion]) -> bool {
+        self.segments(links).any(|segment| segment.distance == 0.0)
     }
 
     fn switches(&self) -> Option<[&'static str; 2]> {

@@ -104,6 +104,10 @@ impl Act for SpringLaw {
         give(1, on_b);
     }
 
+    fn in_one_place(&self, links: &[LinkMotion]) -> bool {
+        self.length != 0.0 && self.segment(links).distance == 0.0
+    }
+
     fn potential(&self, links: &[LinkMotion]) -> f64 {
         0.5 * self.stiffness * (self.segment(links).distance - self.length).powi(2)
     }

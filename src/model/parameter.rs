@@ -18,6 +18,7 @@
 //! Without `[i]` an address stands for all components of its number, and the name of a repeated body for all copies.
 
 mod named;
+mod unknown;
 mod value;
 
 pub use named::{NamedNumber, NamedNumbers};
@@ -29,7 +30,7 @@ use super::description::{BodyDescription, Description, ForceDescription};
 use super::motor::{MotorDescription, MotorLawDescription};
 use super::problem::Element;
 use crate::force::Describe;
-use crate::suggest::closest;
+use unknown::{unknown_element, unknown_key};
 
 /// What a parameter measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -409,31 +410,6 @@ fn of_beam(beam: &BeamDescription, field: Field) -> Option<Quantity> {
 
 fn of_force(force: &ForceDescription, field: Field) -> Vec<Quantity> {
     force.kind.numbers(field.name()).into_iter().filter_map(|(_, unit)| Quantity::of_unit(unit)).collect()
-}
-
-fn unknown_element(description: &Description, address: &str) -> UnknownAddress {
-    let target = address.rsplit_once('.').map_or(split_component(address).0, |(target, _)| target);
-    let known = entries(description).map(|entry| entry.name).chain(["gravity", "hinge", "parameters"]);
-    let help = match closest(target, known) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => "a number is addressed as `body.force`, `spring.length` or `gravity[2]`".to_owned(),
-    };
-    UnknownAddress { message: format!("nothing is called `{target}`"), help: Some(help) }
-}
-
-fn unknown_key(description: &Description, elements: &[Element], key: &str, address: &str) -> UnknownAddress {
-    let element = elements.iter().copied().find(|element| match element {
-        Element::Body(body) => !description.bodies[*body].hinge.kind.velocities().is_empty(),
-        _ => true,
-    });
-    let element = element.or(elements.first().copied()).unwrap_or(Element::Scene);
-    let has = Field::ALL.into_iter().filter(|field| !numbers(description, element, field.name()).is_empty());
-    let names: Vec<&str> = has.map(Field::name).collect();
-    let help = match closest(key, names.iter().copied()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("its numbers that statics feels are `{}`", names.join("`, `")),
-    };
-    UnknownAddress { message: format!("`{address}`: it has no number `{key}`"), help: Some(help) }
 }
 
 #[cfg(test)]

@@ -52,6 +52,11 @@ pub fn on_body(laws: &Laws, motion: &Motion, body: usize) -> Wrench {
     sum
 }
 
+/// The first force element whose direction is not determined.
+pub fn in_one_place<'a>(laws: &'a Laws, motion: &Motion) -> Option<&'a Force> {
+    laws.forces.iter().find(|force| force.law.in_one_place(&motion.links))
+}
+
 /// The first force element of which something is not a finite number, and what.
 pub fn not_finite<'a>(laws: &'a Laws, motion: &Motion) -> Option<(&'a Force, &'static str)> {
     laws.forces.iter().find_map(|force| Some((force, force.law.not_finite(&motion.links)?)))

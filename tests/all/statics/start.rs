@@ -2,6 +2,7 @@
 
 use crate::common::{Options, Random, build, random_scene};
 use std::sync::Arc;
+use stillpoint::model::Model;
 use stillpoint::model::description::Description;
 use stillpoint::scenario::start::{parse_start, text};
 
@@ -117,4 +118,36 @@ fn what_does_not_fit_the_scene_is_refused_where_it_stands() {
         assert!(message.contains(expected), "{message}");
         assert_eq!(line, 5, "{message}");
     }
+}
+
+/// Two arms with a gear `b = 2 a + 0.1`, both drawn at 0.3 rad: it is open by 0.4 rad, and no loop is there.
+#[test]
+fn a_gear_that_the_guess_leaves_open_is_named_with_its_angle() {
+    let arm = |name: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmass = 1\ncenter = [0, 0, -0.5]\n\
+             hinge = {{ type = \"revolute\", axis = [0, 1, 0], position = 0.3, stiffness = 3 }}\n"
+        )
+    };
+    let text = arm("a")
+        + &arm("b")
+        + "[[gear]]\nname = \"g\"\ntype = \"ratio\"\nratio = 2.0\noffset = 0.1\nbetween = [\"a\", \"b\"]\n";
+    let scenario = stillpoint::scenario::parse("gear.toml", &text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+    let (_, assembly) = stillpoint::constraint::assemble(Model::build(&scenario.description).unwrap()).unwrap();
+    let note = assembly.notes.iter().find(|note| note.contains("guess")).expect("a note");
+    assert!(note.contains("gear `g` open by 0.4 rad") && !note.contains("loops"), "{note}");
+    let unknown = text + "[statics]\nunknown = [\"g.ratio\"]\n";
+    let refused = stillpoint::scenario::parse("gear.toml", &unknown, &[]).err().expect("no such unknown").to_string();
+    assert!(refused.contains("`g` is a gear") && refused.contains("[parameters]"), "{refused}");
+}
+
+#[test]
+fn a_spring_whose_ends_are_in_one_place_says_so() {
+    let text = "[[body]]\nname = \"a\"\nmass = 1\nhinge = { type = \"prismatic\", axis = [0, 0, 1], stiffness = 20 }\n\
+                [[force]]\nname = \"s\"\ntype = \"spring\"\nbetween = [\"a\", { body = \"ground\" }]\nstiffness = 10\nlength = 0.1\n";
+    let scenario =
+        stillpoint::scenario::parse("spring.toml", text, &[]).unwrap_or_else(|problems| panic!("{problems}"));
+    let model = Model::build(&scenario.description).unwrap();
+    let fault = stillpoint::statics::equilibrium(&model, &scenario.statics, &model.start_position).unwrap_err();
+    assert!(fault.to_string().contains("both ends of `s` are in one place"), "{fault}");
 }
