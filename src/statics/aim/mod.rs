@@ -304,13 +304,9 @@ impl Search<'_> {
                 break;
             }
         }
-        let words = match self.settings.want {
-            Want::Stable => {
-                "; the stable equilibria end on the way there, and beyond it is another, or none: `want = \"any\"` goes on"
-            }
-            Want::Any => "; the equilibria end on the way there, and beyond it is another, or none",
-        };
-        Err(if trust.ends { why + words } else { why })
+        let kind = if self.settings.want == Want::Stable { "stable " } else { "" };
+        let words = format!("; the {kind}equilibria end on the way there: beyond is another one, or none");
+        Err(if trust.ends { why + &words } else { why })
     }
 
     /// The equilibrium with a change made.
