@@ -33,7 +33,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("model", &["budget", "element", "force", "formula", "hinge", "pages", "spatial", "suggest"]),
     ("motion", &["element", "model", "pages", "spatial"]),
     ("transfer", &["element", "model", "motion", "pages", "spatial"]),
-    ("contact", &["dynamics", "model", "motion", "spatial"]),
+    ("contact", &["dynamics", "model", "motion", "sparse", "spatial"]),
     ("constraint", &["element", "hinge", "model", "motion", "transfer", "sparse", "spatial"]),
     // `budget` for the memory of matrices.
     ("dynamics", &["budget", "element", "model", "motion", "force", "transfer", "constraint", "sparse", "spatial"]),
@@ -223,7 +223,7 @@ const FOREIGN: &[(&str, &[&str])] = &[
     ("resvg", &["record"]),
     ("allocator_api2", &["pages"]),
     ("hugealloc", &["pages"]),
-    ("faer", &["contact", "dynamics", "linear", "sparse", "statics"]),
+    ("faer", &["dynamics", "linear", "sparse", "statics"]),
     ("clarabel", &["contact"]),
     ("wide", &["spatial", "motion"]),
     // `motion` for the halves of large trees, `cli` to make its thread one of the two.

@@ -52,7 +52,7 @@ fn a_velocity_that_is_no_number_is_named_by_its_hinge() {
 #[test]
 fn a_spring_whose_ends_meet_is_named() {
     for fault in faults(0.5, [0.1, 0.2], [0.0; 2]) {
-        assert_eq!(fault.to_string(), "the force of `band` is not a finite number");
+        assert!(fault.to_string().starts_with("both ends of `band` are in one place"), "{fault}");
     }
 }
 

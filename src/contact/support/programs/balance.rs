@@ -38,7 +38,7 @@ impl Scaled<'_> {
         }
     }
 
-    /// The same by conjugate gradients on the normal equations, which also find what is nearest to a balance of loads that no support feels
+    /// Polishes by conjugate gradients on the normal equations, which also find what is nearest to a balance of loads that no support feels
     /// (Björck, 7.4: CGLS).
     fn nearest(&self, forces: &mut [f64]) {
         let mut rest: Vec<f64> = self.rest(forces).iter().map(|rest| -rest).collect();
