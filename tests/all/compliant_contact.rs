@@ -100,5 +100,5 @@ fn what_is_not_there_is_refused() {
         &scenario.margin,
         &|| true,
     );
-    assert!(answer.err().expect("refused").to_string().contains("is compliant"));
+    assert!(answer.expect_err("refused").to_string().contains("is compliant"));
 }

@@ -137,7 +137,7 @@ fn a_gear_that_the_guess_leaves_open_is_named_with_its_angle() {
     let note = assembly.notes.iter().find(|note| note.contains("guess")).expect("a note");
     assert!(note.contains("gear `g` open by 0.4 rad") && !note.contains("loops"), "{note}");
     let unknown = text + "[statics]\nunknown = [\"g.ratio\"]\n";
-    let refused = stillpoint::scenario::parse("gear.toml", &unknown, &[]).err().expect("no such unknown").to_string();
+    let refused = stillpoint::scenario::parse("gear.toml", &unknown, &[]).expect_err("no such unknown").to_string();
     assert!(refused.contains("`g` is a gear") && refused.contains("[parameters]"), "{refused}");
 }
 
