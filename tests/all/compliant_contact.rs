@@ -1,33 +1,11 @@
 //! Compliant contact: a spring and a damper along the normal.
 
-use std::sync::Arc;
-use stillpoint::constraint::assemble;
+use crate::common::answered;
+use crate::contact_in_motion::{FLOOR, go, read};
 use stillpoint::integrate::Method;
-use stillpoint::model::Model;
-use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::parse;
-use stillpoint::simulate::{self, Integrator, Settings, State, Summary, run};
 
 const G: f64 = 9.80665;
-const FLOOR: &str = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n";
-
-fn go(text: &str, duration: f64, method: Method) -> Summary {
-    let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
-    let model: Arc<Model> = assemble(Model::build(&scenario.description).unwrap()).unwrap().0;
-    let settings = Settings {
-        start: simulate::Start::Given,
-        duration,
-        tolerance: 1e-10,
-        absolute_tolerance: 1e-10,
-        integrator: Integrator::Method(method),
-        ..Settings::default()
-    };
-    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
-    let scene = simulate::scene(&model);
-    let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
-    run(&model, &settings, 1.0 / duration, &start, &mut memory, &mut |_, _| true)
-        .unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
 
 /// A ball that falls onto a spring: it sinks and comes back as `δ = g/ω² (1 − cos ωt) + v/ω sin ωt` has it, and bounces to where it
 /// came from.
@@ -41,7 +19,7 @@ fn a_ball_bounces_on_a_spring() {
     let (speed, omega) = ((2.0 * G * height).sqrt(), (stiffness / 0.5_f64).sqrt());
     let (fall, contact) = (speed / G, 2.0 / omega * (std::f64::consts::PI - (speed * omega / G).atan()));
     for method in [Method::Dop853, Method::Radau9] {
-        let summary = go(&text, 2.0 * fall + contact, method);
+        let summary = go(&read(&text), 2.0 * fall + contact, 1e-10, method);
         let times: Vec<(&str, f64)> = summary.events.iter().map(|event| (event.kind.name(), event.time)).collect();
         assert_eq!(
             times.iter().map(|(kind, _)| *kind).collect::<Vec<_>>(),
@@ -71,7 +49,7 @@ fn a_box_on_dampers_comes_to_rest() {
         + &format!("stiffness = {stiffness:?}\ndamping = 60.0\n");
     let depth = mass * G / (4.0 * stiffness);
     for (method, slack) in [(Method::Dop853, 1e-8), (Method::Radau5, 1e-7)] {
-        let summary = go(&text, 3.0, method);
+        let summary = go(&read(&text), 3.0, 1e-10, method);
         let q = &summary.state.position;
         assert!((q[2] - 0.05 + depth).abs() < slack, "{method:?}: {} {depth}", q[2] - 0.05);
         assert!((q[0] - 0.75).abs() < slack && q[1].abs() < slack, "{method:?}: {q:?}");
@@ -90,15 +68,7 @@ fn what_is_not_there_is_refused() {
     assert!(both.unwrap_err().render(false).contains("a contact with `stiffness` has no `restitution`"));
     let rubs = parse("scene.toml", &(text.clone() + "stiffness = 1e4\nfriction = 0.5\n"), &[]);
     assert!(rubs.unwrap_err().render(false).contains("is compliant, and has friction"));
-    let scenario = parse("scene.toml", &(text + "stiffness = 1e4\n"), &[]).unwrap();
-    let model = assemble(Model::build(&scenario.description).unwrap()).unwrap().0;
-    let answer = stillpoint::statics::answer(
-        scenario.description,
-        model,
-        stillpoint::statics::Sought::default(),
-        &scenario.statics,
-        &scenario.margin,
-        &|| true,
-    );
+    let text = text + "stiffness = 1e4\n";
+    let answer = answered(&parse("scene.toml", &text, &[]).unwrap(), read(&text));
     assert!(answer.expect_err("refused").to_string().contains("is compliant"));
 }

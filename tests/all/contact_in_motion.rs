@@ -10,16 +10,18 @@ use stillpoint::model::Model;
 use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::parse;
 use stillpoint::simulate::events::Occurrence;
-use stillpoint::simulate::{self, Integrator, Settings, State, Summary, run};
+use stillpoint::simulate::{self, Integrator, RunError, Settings, State, Summary, run};
 
 const G: f64 = 9.80665;
 
-fn read(text: &str) -> Arc<Model> {
+/// The model of a scenario, its loops closed.
+pub(crate) fn read(text: &str) -> Arc<Model> {
     let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
     assemble(Model::build(&scenario.description).unwrap()).unwrap().0
 }
 
-fn go(model: &Arc<Model>, duration: f64, tolerance: f64, method: Method) -> Summary {
+/// A run from the given state.
+pub(crate) fn tried(model: &Arc<Model>, duration: f64, tolerance: f64, method: Method) -> Result<Summary, RunError> {
     let settings = Settings {
         start: simulate::Start::Given,
         duration,
@@ -32,7 +34,10 @@ fn go(model: &Arc<Model>, duration: f64, tolerance: f64, method: Method) -> Summ
     let scene = simulate::scene(model);
     let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
     run(model, &settings, 1.0 / duration, &start, &mut memory, &mut |_, _| true)
-        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+pub(crate) fn go(model: &Arc<Model>, duration: f64, tolerance: f64, method: Method) -> Summary {
+    tried(model, duration, tolerance, method).unwrap_or_else(|error| panic!("{error}"))
 }
 
 pub(crate) fn exact(text: &str, duration: f64) -> Summary {
@@ -43,7 +48,8 @@ pub(crate) fn kinds(summary: &Summary) -> Vec<&str> {
     summary.events.iter().map(|event| event.kind.name()).collect()
 }
 
-const FLOOR: &str = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n";
+pub(crate) const FLOOR: &str =
+    "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n";
 
 /// A free body: mass, moments of inertia, shape, position, turn, velocity, angular velocity.
 fn body(

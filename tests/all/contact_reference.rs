@@ -1,37 +1,10 @@
 //! Contact that moves, against closed forms of the reference that `contact_in_motion` does not have.
 
-use std::sync::Arc;
-use stillpoint::constraint::assemble;
+use crate::contact_in_motion::{FLOOR, exact, read, tried};
 use stillpoint::integrate::Method;
-use stillpoint::model::Model;
-use stillpoint::record::{Memory, Opening};
-use stillpoint::scenario::parse;
-use stillpoint::simulate::{self, Integrator, RunError, Settings, State, Summary, run};
+use stillpoint::simulate::Summary;
 
 const G: f64 = 9.80665;
-const FLOOR: &str = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n";
-
-fn tried(text: &str, duration: f64) -> Result<Summary, RunError> {
-    let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
-    let model: Arc<Model> = assemble(Model::build(&scenario.description).unwrap()).unwrap().0;
-    let settings = Settings {
-        start: simulate::Start::Given,
-        duration,
-        tolerance: 1e-11,
-        absolute_tolerance: 1e-11,
-        integrator: Integrator::Method(Method::Dop853),
-        ..Settings::default()
-    };
-    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
-    let scene = simulate::scene(&model);
-    let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
-    run(&model, &settings, 1.0 / duration, &start, &mut memory, &mut |_, _| true)
-}
-
-fn exact(text: &str, duration: f64) -> Summary {
-    tried(text, duration).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
 /// Gravity as on a slope that falls towards x.
 fn slope(angle: f64) -> String {
     format!("gravity = [{:?}, 0.0, {:?}]\n", G * angle.sin(), -G * angle.cos())
@@ -103,7 +76,7 @@ fn painleves_rod_is_named() {
             half.sin()
         );
         assert!(cos > 0.0);
-        tried(&(FLOOR.to_owned() + &body + &contact(1.5)), 1e-8)
+        tried(&read(&(FLOOR.to_owned() + &body + &contact(1.5))), 1e-8, 1e-11, Method::Dop853)
     };
     for (angle, paradox) in [
         (0.883_862_626 - 1e-5, false),

@@ -1,47 +1,18 @@
 //! Cylinders at rest and in motion: rolling, a disc on its rim, what tips and what lies, against closed forms.
 
+use crate::common::answered;
+use crate::contact_in_motion::{FLOOR, go, read};
 use nalgebra::{UnitQuaternion, Vector3};
-use std::sync::Arc;
-use stillpoint::constraint::assemble;
 use stillpoint::integrate::Method;
-use stillpoint::model::Model;
-use stillpoint::record::{Memory, Opening};
 use stillpoint::scenario::parse;
-use stillpoint::simulate::{self, Integrator, Settings, State, Summary, run};
+use stillpoint::simulate::State;
 use stillpoint::statics::standing::Standing;
-use stillpoint::statics::{Sought, answer};
 
 const G: f64 = 9.80665;
-const FLOOR: &str = "[[body]]\nname = \"floor\"\nshape = { plane = [0, 0, 1] }\nhinge = { type = \"fixed\" }\n";
-
-fn read(text: &str) -> Arc<Model> {
-    let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
-    assemble(Model::build(&scenario.description).unwrap()).unwrap().0
-}
-
-fn go(text: &str, duration: f64, tolerance: f64, method: Method) -> Summary {
-    let model = read(text);
-    let settings = Settings {
-        start: simulate::Start::Given,
-        duration,
-        tolerance,
-        absolute_tolerance: tolerance,
-        integrator: Integrator::Method(method),
-        ..Settings::default()
-    };
-    let start = State { position: model.start_position.clone(), velocity: model.start_velocity.clone() };
-    let scene = simulate::scene(&model);
-    let mut memory = Memory::new(&Opening { scene: &scene, scenario: "", statics: None });
-    run(&model, &settings, 1.0 / duration, &start, &mut memory, &mut |_, _| true)
-        .unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
 
 fn standing(text: &str) -> Standing {
     let scenario = parse("scene.toml", text, &[]).unwrap_or_else(|problem| panic!("{}\n{text}", problem.render(false)));
-    let held =
-        answer(scenario.description, read(text), Sought::default(), &scenario.statics, &scenario.margin, &|| true)
-            .unwrap();
-    *held.found.standing.expect("there is contact")
+    *answered(&scenario, read(text)).unwrap().found.standing.expect("there is contact")
 }
 
 /// A solid cylinder of 1 kg that is free: radius, length, place, turn, velocity, and angular velocity in its own axes.
@@ -78,7 +49,7 @@ fn a_log_rolls_down_a_slope() {
         + &cylinder("log", [radius, 0.8], [0.0, 0.0, radius], lying(), STILL)
         + &contact(0.4);
     for method in [Method::Dopri5, Method::Dop853, Method::Radau5, Method::Radau9, Method::Sdirk4] {
-        let summary = go(&text, 1.0, 1e-9, method);
+        let summary = go(&read(&text), 1.0, 1e-9, method);
         let far = G * slope.sin() / 3.0;
         let State { position, velocity } = &summary.state;
         assert!((position[0] - far).abs() < 1e-8, "{method:?}: {} {far}", position[0]);
@@ -111,7 +82,7 @@ fn a_disc_rolls_on_its_rim() {
     let speed = [Vector3::zeros(), turn.inverse() * spin];
     let text = FLOOR.to_owned() + &cylinder("disc", [r, 2.0 * l], [0.0, 0.0, height], turn, speed) + &contact(0.3);
     for (method, tolerance) in [(Method::Dop853, 1e-10), (Method::Radau9, 1e-9)] {
-        let summary = go(&text, 0.5, tolerance, method);
+        let summary = go(&read(&text), 0.5, tolerance, method);
         let q = &summary.state.position;
         assert!((Vector3::new(q[0], q[1], q[2]) - Vector3::z() * height).norm() < 1e-7, "{method:?}: {q:?}");
         let end = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[3], q[4], q[5], q[6])) * Vector3::z();
@@ -167,7 +138,7 @@ fn a_tossed_coin_comes_to_lie() {
     let turn = UnitQuaternion::from_euler_angles(0.4, 0.3, 0.0);
     let speed = [Vector3::new(0.2, 0.1, 0.0), Vector3::new(3.0, -2.0, 1.0)];
     let text = FLOOR.to_owned() + &cylinder("coin", [0.05, 0.012], [0.0, 0.0, 0.1], turn, speed) + &contact(0.4);
-    let summary = go(&text, 3.0, 1e-6, Method::Dop853);
+    let summary = go(&read(&text), 3.0, 1e-6, Method::Dop853);
     let q = &summary.state.position;
     let axis = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[3], q[4], q[5], q[6])) * Vector3::z();
     assert!((q[2] - 0.006).abs() < 1e-5 && axis.z.abs() > 1.0 - 1e-6, "{q:?}");
