@@ -9,8 +9,11 @@
 //! the nonsmooth Gauss–Seidel method (Jean, Moreau 1992; Jean 1999) with (2) exact at each contact: there the direction of slip is the
 //! root of one function of one angle.
 
-use super::bounded::bounded;
-use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
+mod local;
+mod states;
+
+use local::{Inverse, local};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// The law of one contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,13 +65,6 @@ pub(crate) struct Problem {
     pub(crate) laws: Vec<Law>,
 }
 
-/// One equation of states: what it measures at a contact, and what it pushes there.
-struct Row {
-    of: usize,
-    measures: Vector3<f64>,
-    pushes: Vector3<f64>,
-}
-
 /// An answer to (1).
 #[derive(Debug, Clone)]
 pub(crate) struct Answer {
@@ -79,41 +75,98 @@ pub(crate) struct Answer {
     pub(crate) states: Vec<State>,
     /// Largest change of a force in the last sweep, in parts of the largest force.
     pub(crate) change: f64,
+    /// Largest change of a rate by that of its own force in the last sweep, in parts of the largest rate without forces: where forces are not
+    /// unique they may still change where rates do not.
+    pub(crate) missed: f64,
     pub(crate) sweeps: usize,
 }
 
-/// Parts of a turn in which the direction of slip is looked for: more of them if there is none in few, as close to sticking, where
-/// there are two that are near each other.
-const DIRECTIONS: [usize; 3] = [16, 128, 2048];
 /// After so many sweeps, and three times as many each time, the equations of the states are solved: they may be right long before
 /// the forces are.
 const FIRST_ATTEMPT: usize = 12;
-/// Rows of these equations, and refinements of their solution.
-const MOST_ROWS: usize = 120;
-const MOST_POLISHED: usize = 8;
-/// What their solution may lack, in parts of rates and of forces.
-const POLISHED: f64 = 1e-12;
-/// Eigenvalues of a contact's own matrix below this part of the largest are zero.
+/// Singular values below this part of the largest are zero.
 const RANK: f64 = 1e-12;
-/// Steps of Newton's method from the direction of the last sweep.
-const MOST_NEWTON: usize = 8;
 
 impl Problem {
-    /// Sweeps until no force changes by more than `tolerance` of the largest, or `most` times. `forces` is the guess.
+    /// Sweeps until no force changes by more than `tolerance` of the largest, or `most` times. `forces` is the guess. What does not touch
+    /// each other is solved by itself.
     pub(crate) fn solve(&self, forces: &[Vector3<f64>], tolerance: f64, most: usize) -> Answer {
+        let islands = self.islands();
+        if islands.len() == 1 {
+            return self.solve_together(forces, tolerance, most);
+        }
+        let n = self.rates.len();
+        let mut all = Answer {
+            forces: vec![Vector3::zeros(); n],
+            rates: self.rates.clone(),
+            states: vec![State::Open; n],
+            change: 0.0,
+            missed: 0.0,
+            sweeps: 0,
+        };
+        let mut place = vec![0; n];
+        for own in &islands {
+            own.iter().enumerate().for_each(|(k, i)| place[*i] = k);
+            let part = |i: &usize| self.blocks[*i].iter().map(|(j, block)| (place[*j], *block)).collect();
+            let island = Self {
+                blocks: own.iter().map(part).collect(),
+                rates: own.iter().map(|i| self.rates[*i]).collect(),
+                laws: own.iter().map(|i| self.laws[*i]).collect(),
+            };
+            let guess: Vec<Vector3<f64>> = own.iter().map(|i| forces[*i]).collect();
+            let found = island.solve_together(&guess, tolerance, most);
+            for (k, i) in own.iter().enumerate() {
+                (all.forces[*i], all.rates[*i], all.states[*i]) = (found.forces[k], found.rates[k], found.states[k]);
+            }
+            all.change = all.change.max(found.change);
+            all.missed = all.missed.max(found.missed);
+            all.sweeps = all.sweeps.max(found.sweeps);
+        }
+        all
+    }
+
+    /// Contacts that `A` couples, directly or by others, in order.
+    fn islands(&self) -> Vec<Vec<usize>> {
+        let mut seen = vec![false; self.rates.len()];
+        let mut islands = Vec::new();
+        for first in 0..self.rates.len() {
+            if std::mem::replace(&mut seen[first], true) {
+                continue;
+            }
+            let mut island = vec![first];
+            let mut at = 0;
+            while at < island.len() {
+                for (other, _) in &self.blocks[island[at]] {
+                    if !std::mem::replace(&mut seen[*other], true) {
+                        island.push(*other);
+                    }
+                }
+                at += 1;
+            }
+            island.sort_unstable();
+            islands.push(island);
+        }
+        islands
+    }
+
+    fn solve_together(&self, forces: &[Vector3<f64>], tolerance: f64, most: usize) -> Answer {
         let n = self.rates.len();
         let own: Vec<Matrix3<f64>> = (0..n).map(|i| self.own(i)).collect();
         let inverse: Vec<Inverse> = own.iter().map(Inverse::of).collect();
         let mut forces = forces.to_vec();
         let mut states = vec![State::Open; n];
         let (mut change, mut sweeps, mut attempt) = (f64::INFINITY, 0, FIRST_ATTEMPT);
+        let fastest = self.rates.iter().map(|rate| rate.amax()).fold(f64::MIN_POSITIVE, f64::max);
+        let mut missed = f64::INFINITY;
         while sweeps < most && change > tolerance {
             let (mut moved, mut largest, mut steady) = (0.0_f64, f64::MIN_POSITIVE, true);
+            missed = 0.0;
             for i in 0..n {
                 let mut rate = self.rates[i];
                 self.blocks[i].iter().filter(|(j, _)| *j != i).for_each(|(j, block)| rate += block * forces[*j]);
                 let (force, state) = local(&own[i], &inverse[i], &rate, &self.laws[i], &forces[i]);
                 moved = moved.max((force - forces[i]).amax());
+                missed = missed.max((own[i] * (force - forces[i])).amax() / fastest);
                 largest = largest.max(force.amax());
                 steady &= states[i] == state;
                 (forces[i], states[i]) = (force, state);
@@ -124,104 +177,12 @@ impl Problem {
             if sweeps >= attempt && change > tolerance && steady {
                 attempt = 3 * sweeps;
                 if let Some(found) = self.polished(&forces, &states) {
-                    (forces, change) = (found, 0.0);
+                    (forces, change, missed) = (found, 0.0, 0.0);
                 }
             }
         }
         let rates = (0..n).map(|i| self.rate(i, &forces)).collect();
-        Answer { forces, rates, states, change, sweeps }
-    }
-
-    /// Forces that meet the equations of these states, as near as can be to those that are given; `None` if they are not within their
-    /// laws: then the states are not the right ones, or there are too many rows.
-    fn polished(&self, near: &[Vector3<f64>], states: &[State]) -> Option<Vec<Vector3<f64>>> {
-        let size = (0..near.len()).map(|i| self.rate_size(i, near)).fold(0.0, f64::max);
-        let mut forces = near.to_vec();
-        for _ in 0..MOST_POLISHED {
-            for i in (0..forces.len()).filter(|i| states[*i] == State::Slip) {
-                let rate = self.rate(i, &forces).yz();
-                if let (Law::Coulomb { slide, .. }, Some(d)) = (self.laws[i], rate.try_normalize(POLISHED * size)) {
-                    let normal = forces[i].x;
-                    (forces[i].y, forces[i].z) = (-slide * normal * d.x, -slide * normal * d.y);
-                }
-            }
-            let rows = self.rows(&forces, states)?;
-            let missing = DVector::from_iterator(
-                rows.len(),
-                rows.iter().map(|row| -row.measures.dot(&self.rate(row.of, &forces))),
-            );
-            if missing.amax() <= POLISHED * size && self.obeys(&forces, states, size) {
-                return Some(forces);
-            }
-            let matrix = DMatrix::from_fn(rows.len(), rows.len(), |i, j| {
-                let block = self.blocks[rows[i].of].iter().find(|(k, _)| *k == rows[j].of);
-                block.map_or(0.0, |(_, block)| rows[i].measures.dot(&(block * rows[j].pushes)))
-            });
-            let parts = matrix.svd(true, true);
-            let cut = RANK.sqrt() * parts.singular_values.max();
-            let change = parts.solve(&missing, cut).ok()?;
-            rows.iter().zip(change.iter()).for_each(|(row, change)| forces[row.of] += row.pushes * *change);
-        }
-        None
-    }
-
-    /// What the rates of a contact are made of.
-    fn rate_size(&self, i: usize, forces: &[Vector3<f64>]) -> f64 {
-        let parts = self.blocks[i].iter().map(|(j, block)| (block * forces[*j]).amax());
-        parts.fold(self.rates[i].amax(), f64::max)
-    }
-
-    /// The equations of states; what slips does so along the velocity that it has with these forces. `None` if there are too many.
-    fn rows(&self, forces: &[Vector3<f64>], states: &[State]) -> Option<Vec<Row>> {
-        let mut rows = Vec::new();
-        for (of, state) in states.iter().enumerate() {
-            let own = self.own(of);
-            let mut add = |measures: Vector3<f64>, pushes: Vector3<f64>| rows.push(Row { of, measures, pushes });
-            match (state, self.laws[of]) {
-                (State::Open, _) | (State::Slip, Law::Bounded { .. }) => {}
-                (State::Stick, _) => {
-                    (0..3)
-                        .filter(|k| own[(*k, *k)] > 0.0)
-                        .for_each(|k| add(Vector3::ith(k, 1.0), Vector3::ith(k, 1.0)));
-                }
-                (State::Slip, Law::Sliding { friction, direction }) => {
-                    add(Vector3::x(), Vector3::new(1.0, -friction * direction.x, -friction * direction.y));
-                }
-                (State::Slip, Law::Coulomb { .. }) => {
-                    // Along the force that it has: a change of it keeps the direction.
-                    let tangential = forces[of].yz() / forces[of].x;
-                    add(Vector3::x(), Vector3::new(1.0, tangential.x, tangential.y));
-                }
-            }
-        }
-        (rows.len() <= MOST_ROWS && rows.iter().all(|row| row.pushes.iter().all(|x| x.is_finite()))).then_some(rows)
-    }
-
-    /// Whether forces and the rates that they leave are those of states.
-    fn obeys(&self, forces: &[Vector3<f64>], states: &[State], size: f64) -> bool {
-        let largest = forces.iter().map(|force| force.amax()).fold(0.0, f64::max);
-        let slack = POLISHED * largest;
-        (0..forces.len()).all(|i| {
-            let (force, rate) = (forces[i], self.rate(i, forces));
-            match (states[i], self.laws[i]) {
-                (State::Open, _) => rate.x >= -POLISHED * size,
-                (State::Stick, Law::Coulomb { stick, .. }) => {
-                    force.x >= -slack && force.yz().norm() <= stick * force.x + slack
-                }
-                (State::Stick, Law::Bounded { bound }) => force.norm() <= bound + slack,
-                (State::Stick, Law::Sliding { .. }) => false,
-                // Of a force at its bound the sweeps have the direction.
-                (State::Slip, Law::Bounded { .. }) => {
-                    force.dot(&rate) <= 0.0 && force.cross(&rate).norm() <= POLISHED.sqrt() * force.norm() * size
-                }
-                (State::Slip, Law::Sliding { .. }) => force.x >= -slack,
-                (State::Slip, Law::Coulomb { stick, .. }) => {
-                    let (along, across) = (force.yz().dot(&rate.yz()), force.yz().perp(&rate.yz()));
-                    let straight = along <= 0.0 && across.abs() <= POLISHED * force.yz().norm() * size;
-                    force.x >= -slack && (stick == 0.0 || straight)
-                }
-            }
-        })
+        Answer { forces, rates, states, change, missed, sweeps }
     }
 
     fn own(&self, i: usize) -> Matrix3<f64> {
@@ -232,185 +193,6 @@ impl Problem {
     pub(crate) fn rate(&self, i: usize, forces: &[Vector3<f64>]) -> Vector3<f64> {
         self.rates[i] + self.blocks[i].iter().map(|(j, block)| block * forces[*j]).sum::<Vector3<f64>>()
     }
-}
-
-/// (2) at one contact whose rate without its own force is `rate`.
-fn local(
-    a: &Matrix3<f64>,
-    inverse: &Inverse,
-    rate: &Vector3<f64>,
-    law: &Law,
-    guess: &Vector3<f64>,
-) -> (Vector3<f64>, State) {
-    if let Law::Bounded { bound } = *law {
-        let (force, holds) = bounded(a, rate, bound);
-        return (force, if holds { State::Stick } else { State::Slip });
-    }
-    if rate.x >= 0.0 || !(a[(0, 0)] > 0.0) {
-        return (Vector3::zeros(), State::Open);
-    }
-    match *law {
-        Law::Bounded { .. } => (Vector3::zeros(), State::Open),
-        Law::Sliding { friction, direction } => {
-            let push = Vector3::new(1.0, -friction * direction.x, -friction * direction.y);
-            let resist = a.row(0).transpose().dot(&push);
-            // Painlevé's: pressing harder does not lift it.
-            if resist > 0.0 { (push * (-rate.x / resist), State::Slip) } else { (push * f64::INFINITY, State::Slip) }
-        }
-        Law::Coulomb { stick, slide } => {
-            if stick == 0.0 {
-                return (Vector3::new(-rate.x / a[(0, 0)], 0.0, 0.0), State::Slip);
-            }
-            let hold = -(inverse.matrix * rate);
-            if hold.x >= 0.0 && hold.yz().norm() <= stick * hold.x {
-                return (hold, State::Stick);
-            }
-            if inverse.singular
-                && let Some(hold) = held_otherwise(a, rate, stick, &hold)
-            {
-                return (hold, State::Stick);
-            }
-            let guess = if guess.yz() != Vector2::zeros() { -guess.yz() } else { -hold.yz() };
-            (slipping(a, rate, slide, &guess), State::Slip)
-        }
-    }
-}
-
-/// `A⁻¹` of one contact; of one whose motions are fewer than three (a point on a hinge) that of least norm (Moore, Penrose).
-struct Inverse {
-    matrix: Matrix3<f64>,
-    singular: bool,
-}
-
-impl Inverse {
-    fn of(a: &Matrix3<f64>) -> Self {
-        let parts = a.symmetric_eigen();
-        let cut = RANK * parts.eigenvalues.max();
-        let singular = parts.eigenvalues.min() <= cut;
-        let inverse = parts.eigenvalues.map(|value| if value > cut { value.recip() } else { 0.0 });
-        let (v, matrix) = (parts.eigenvectors, parts.eigenvectors * Matrix3::from_diagonal(&inverse));
-        Self { matrix: matrix * v.transpose(), singular }
-    }
-}
-
-/// A force within the cone that holds as well as one outside of it, if its motions are fewer than three: with friction used up along
-/// that force, or with none.
-fn held_otherwise(a: &Matrix3<f64>, rate: &Vector3<f64>, stick: f64, hold: &Vector3<f64>) -> Option<Vector3<f64>> {
-    let along = hold.yz().try_normalize(0.0).unwrap_or_else(Vector2::zeros);
-    [stick, 0.0].into_iter().find_map(|friction| {
-        let push = Vector3::new(1.0, friction * along.x, friction * along.y);
-        let resist = a.row(0).transpose().dot(&push);
-        let force = (resist > 0.0).then(|| push * (-rate.x / resist))?;
-        ((rate + a * force).norm() <= RANK.sqrt() * rate.norm()).then_some(force)
-    })
-}
-
-/// The force of slip: the direction of `w_t` is that against which it acts.
-fn slipping(a: &Matrix3<f64>, rate: &Vector3<f64>, friction: f64, guess: &Vector2<f64>) -> Vector3<f64> {
-    let slip = Slip { a, rate, friction };
-    if let Some(force) = guess.try_normalize(0.0).and_then(|guess| slip.near(guess)) {
-        return force;
-    }
-    slip.anywhere(guess.y.atan2(guess.x))
-}
-
-/// A contact that slips, as a function of the unit vector `d` along which it does:
-///
-/// ```text
-/// λ = −b_n / (a_nn − μ a_nt·d),   w_t = b_t + λ (a_tn − μ A_tt d),   d_⊥·w_t = 0,   d·w_t ≥ 0
-/// ```
-struct Slip<'a> {
-    a: &'a Matrix3<f64>,
-    rate: &'a Vector3<f64>,
-    friction: f64,
-}
-
-impl Slip<'_> {
-    /// The force and the velocity it leaves; `None` if pressing harder does not lift (Painlevé).
-    fn at(&self, d: Vector2<f64>) -> Option<(Vector3<f64>, Vector2<f64>)> {
-        let push = Vector3::new(1.0, -self.friction * d.x, -self.friction * d.y);
-        let resist = self.a.row(0).transpose().dot(&push);
-        let force = (resist > 0.0).then(|| push * (-self.rate.x / resist))?;
-        Some((force, (self.rate + self.a * force).yz()))
-    }
-
-    /// The root near a direction, by Newton's method on its angle; `None` if that does not find it at once.
-    fn near(&self, mut d: Vector2<f64>) -> Option<Vector3<f64>> {
-        let (across, block) = (Vector2::new(self.a[(0, 1)], self.a[(0, 2)]), self.a.fixed_view::<2, 2>(1, 1));
-        for _ in 0..MOST_NEWTON {
-            let (force, w) = self.at(d)?;
-            let side = Vector2::new(-d.y, d.x);
-            let miss = side.dot(&w);
-            let resist = self.a[(0, 0)] - self.friction * across.dot(&d);
-            let grows = force.x * self.friction * across.dot(&side) / resist;
-            let turned = (across - block * d * self.friction) * grows - block * side * (self.friction * force.x);
-            let slope = side.dot(&turned) - d.dot(&w);
-            let turn = -miss / slope;
-            if !(turn.abs() < 0.5) {
-                return None;
-            }
-            if turn.abs() <= 4.0 * f64::EPSILON {
-                return (d.dot(&w) >= 0.0).then_some(force);
-            }
-            d = (d + side * turn).normalize();
-        }
-        None
-    }
-
-    /// The root nearest to an angle along which it slips, wherever it is.
-    fn anywhere(&self, start: f64) -> Vector3<f64> {
-        let direction = |angle: f64| Vector2::new(angle.cos(), angle.sin());
-        let force = |angle: f64| self.at(direction(angle)).map(|(force, _)| force);
-        // Component of the slip across the direction, and along it.
-        let slip = |angle: f64| {
-            let d = direction(angle);
-            let (_, w) = self.at(d)?;
-            Some((d.x * w.y - d.y * w.x, d.dot(&w)))
-        };
-        let mut best: Option<(f64, f64)> = None;
-        for count in DIRECTIONS {
-            let step = std::f64::consts::TAU / count as f64;
-            // From the guess to both sides.
-            for k in 0..count {
-                let offset = (k / 2) as f64 * if k % 2 == 0 { 1.0 } else { -1.0 } - 0.5;
-                let (left, right) = (start + offset * step, start + (offset + 1.0) * step);
-                let (Some((l, _)), Some((r, _))) = (slip(left), slip(right)) else { continue };
-                if l * r > 0.0 {
-                    continue;
-                }
-                let angle = bracketed(left, right, l, r, |angle| slip(angle).map_or(0.0, |(across, _)| across));
-                let along = slip(angle).map_or(-1.0, |(_, along)| along);
-                if along >= 0.0 {
-                    return force(angle).unwrap_or_else(Vector3::zeros);
-                }
-                if best.is_none_or(|(_, most)| along > most) {
-                    best = Some((angle, along));
-                }
-            }
-        }
-        best.and_then(|(angle, _)| force(angle)).or_else(|| force(start)).unwrap_or_else(Vector3::zeros)
-    }
-}
-
-/// A root between two signs (Illinois, then to rounding).
-fn bracketed(mut left: f64, mut right: f64, mut l: f64, mut r: f64, f: impl Fn(f64) -> f64) -> f64 {
-    if l == 0.0 {
-        return left;
-    }
-    for _ in 0..60 {
-        if r == 0.0 || (right - left).abs() < 1e-15 {
-            return right;
-        }
-        let middle = right - r * (right - left) / (r - l);
-        let at = f(middle);
-        if at * r < 0.0 {
-            (left, l) = (right, r);
-        } else {
-            l *= 0.5;
-        }
-        (right, r) = (middle, at);
-    }
-    right
 }
 
 #[cfg(test)]

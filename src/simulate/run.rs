@@ -89,7 +89,7 @@ pub struct Summary {
     pub inputs: Vec<f64>,
     /// What the controllers remember at the end, in the order of the model.
     pub memories: Vec<Vec<f64>>,
-    /// Impacts between bodies.
+    /// Impacts: of hinges on their stops, and between bodies.
     pub impacts: usize,
     /// Steps that captured contacts instead of following their events.
     pub capture_steps: usize,
@@ -167,6 +167,8 @@ struct Run<'m, 'f> {
     carried: Option<f64>,
     /// Whether contact holds the scene at rest, from its start to its end.
     rests: bool,
+    /// Since captured steps handed back: when that was (s), and how many steps had been tried.
+    handed_back: Option<(f64, u64)>,
 }
 
 impl<'m, 'f> Run<'m, 'f> {
@@ -224,6 +226,7 @@ impl<'m, 'f> Run<'m, 'f> {
             control: Control::new(model, begin, function),
             carried: None,
             rests,
+            handed_back: None,
         };
         run.sampler.contacts = contacts;
         run.touch(motion, begin, false)?;
@@ -255,6 +258,8 @@ impl Run<'_, '_> {
         let account = self.ledger.energy(&now);
         let mut poses = Vec::new();
         motion.at(end_time, &self.state.position, &self.state.velocity).poses(&mut poses);
+        let on_stops = self.happened.iter().filter(|occurrence| occurrence.kind == Kind::Impact).count();
+        let impacts = on_stops + motion.contacts.as_ref().map_or(0, |contacts| contacts.impacts);
         Summary {
             end_time,
             interrupted: end_time < self.end && self.stopped_by.is_none(),
@@ -278,7 +283,7 @@ impl Run<'_, '_> {
             outputs: Vec::new(),
             inputs: motion.system.inputs().to_vec(),
             memories: self.control.map_or_else(Vec::new, |control| control.memories),
-            impacts: motion.contacts.as_ref().map_or(0, |contacts| contacts.impacts),
+            impacts,
             capture_steps: motion.contacts.as_ref().map_or(0, |contacts| contacts.captured()),
             samples: self.sampler.count,
             wall: self.wall,
@@ -308,7 +313,7 @@ impl Run<'_, '_> {
             let (mut switch, mut stopped, mut turn, mut caught) = (false, false, None, false);
             while !stepper.finished() && !switch && !stopped && turn.is_none() && !caught {
                 let hit = match self.step(motion, stepper.as_mut()) {
-                    Err(_) if self.catch(motion, time) => {
+                    Err(_) if self.try_capture(motion, time) => {
                         caught = true;
                         break;
                     }
@@ -320,10 +325,13 @@ impl Run<'_, '_> {
                 recorder.pause()?;
                 self.close_step(motion, stepper.as_mut(), time)?;
                 if let Some(creep) = pace.see(time, self.end).filter(|_| !choice.method.needs_step()) {
-                    caught = self.catch(motion, time);
+                    caught = self.try_capture(motion, time);
                     if !caught {
                         return Err(self.creeps(stepper.as_ref(), creep));
                     }
+                }
+                if turn.is_none() && !caught && self.toils(motion, stepper.as_ref(), time) {
+                    caught = self.try_capture(motion, time);
                 }
                 stopped |= !go_on(time, &self.state);
                 switch = turn.is_none() && (choice.review(motion, stepper.as_ref()) || self.hands_back(motion, time));

@@ -3,11 +3,13 @@
 
 mod cholesky;
 mod general;
+mod rank;
 mod rows;
 mod triangular;
 
 pub(crate) use cholesky::Cholesky;
 pub(crate) use general::General;
+pub(crate) use rank::{kernel, rank};
 pub(crate) use rows::products;
 pub use rows::{Gram, SparseRows};
 

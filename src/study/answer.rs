@@ -11,7 +11,6 @@ use crate::model::description::StageDescription;
 use crate::model::output::Output;
 use crate::scenario::Scenario;
 use crate::simulate::Summary;
-use crate::simulate::events;
 use crate::statics::{Equilibrium, Stability, standing};
 use std::sync::Arc;
 
@@ -262,9 +261,7 @@ impl<'a> Listing<'a, '_> {
         let run = self.answer.and_then(|answer| answer.run.as_ref());
         self.number("s", &|| "end_time".to_owned(), run.map(|run| run.end_time));
         self.whole("steps", run.map(|run| run.statistics.steps));
-        let impacts =
-            |run: &Summary| run.events.iter().filter(|event| event.kind == events::Kind::Impact).count() as u64;
-        self.whole("impacts", run.map(impacts));
+        self.whole("impacts", run.map(|run| run.impacts as u64));
         self.whole("events", run.map(|run| run.events.len() as u64));
         self.word("stopped_by", run.and_then(|run| run.stopped_by.clone()));
         self.number("J", &|| "energy_drift".to_owned(), run.map(|run| run.energy_drift));

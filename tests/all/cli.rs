@@ -6,6 +6,8 @@ mod arches;
 mod damage;
 #[cfg(feature = "parquet")]
 mod datasets;
+#[cfg(feature = "friction")]
+mod held_by_friction;
 mod interrupt;
 mod keys;
 mod models;

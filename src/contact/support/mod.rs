@@ -216,6 +216,8 @@ pub struct Standing {
     pub motion: Vec<f64>,
     /// Of supports that carry something, the dimension of forces that balance each other.
     pub self_stresses: usize,
+    /// `dτ*/d ln s`: how the missing part changes with the size of all friction.
+    pub slope: f64,
     /// What was computed from the answer.
     pub certificate: Certificate,
 }
@@ -229,6 +231,15 @@ pub struct Certificate {
     pub outside: f64,
     /// Between the upper bound by forces and the lower one by the motion.
     pub gap: f64,
+}
+
+/// The end of friction (M).
+#[derive(Debug, Clone)]
+pub struct Least {
+    /// The smallest part of all friction at which a load is held; 0 if none is needed.
+    pub part: f64,
+    /// The motion along which it gives way first there, scaled as [`Standing::motion`]; empty if no friction is needed.
+    pub motion: Vec<f64>,
 }
 
 /// The end of a load parameter (L).

@@ -3,12 +3,10 @@
 
 mod balance;
 mod questions;
-mod rank;
 
 use super::solver::{Answer, BUILT, Program};
 use super::{Certificate, Cone, Supports, Undecided, norm};
-use crate::sparse::SparseRows;
-use rank::rank;
+use crate::sparse::{SparseRows, rank};
 
 /// `−τ*` is not looked for beyond this many times the loads.
 const AMPLE: f64 = 100.0;
@@ -284,20 +282,21 @@ impl Scaled<'_> {
         if squeezed.is_empty() {
             return Ok(false);
         }
-        // Tangential forces that push on nothing leave `f_n ≥ 0`.
-        let mut without = Scaled {
-            supports: self.supports,
-            columns: self.columns.clone(),
-            cones: self.cones.clone(),
-            load: self.load.clone(),
-            size: self.size,
-        };
-        for i in squeezed {
-            let first = self.supports.starts[i];
-            without.columns[first + 1].clear();
-            without.columns[first + 2].clear();
+        Ok(self.without_friction(squeezed.into_iter()).grow()?.lower > 0.0)
+    }
+
+    /// The same with the friction of some supports left out: tangential forces that push on nothing leave `f_n ≥ 0`.
+    fn without_friction(&self, supports: impl Iterator<Item = usize>) -> Self {
+        let (mut columns, cones, load) = (self.columns.clone(), self.cones.clone(), self.load.clone());
+        for i in supports {
+            let range = self.supports.range(i);
+            match self.cones[i] {
+                Cone::Coulomb { .. } => columns[range.start + 1..range.end].iter_mut().for_each(Vec::clear),
+                Cone::Ball { .. } => columns[range].iter_mut().for_each(Vec::clear),
+                Cone::Free | Cone::Ray => {}
+            }
         }
-        Ok(without.grow()?.lower > 0.0)
+        Scaled { supports: self.supports, columns, cones, load, size: self.size }
     }
 
     /// The contacts that forces inside all cones can press on each other: (W).

@@ -71,7 +71,16 @@ impl Method {
 
     /// Whether the step has to be given and stays the same.
     pub fn needs_step(self) -> bool {
-        matches!(self, Self::Rk4 | Self::Gauss)
+        match self {
+            Self::Rk4 | Self::Gauss => true,
+            Self::Dopri5
+            | Self::Dop853
+            | Self::Adams
+            | Self::Sdirk4
+            | Self::Radau5
+            | Self::Radau9
+            | Self::GeneralizedAlpha => false,
+        }
     }
 
     /// For explicit methods, the largest `h |λ|` that is stable on the negative real axis.
@@ -87,7 +96,10 @@ impl Method {
 
     /// Whether [`Method::start_staged`] has it.
     pub fn is_staged(self) -> bool {
-        matches!(self, Self::Rk4 | Self::Dopri5 | Self::Dop853)
+        match self {
+            Self::Rk4 | Self::Dopri5 | Self::Dop853 => true,
+            Self::Adams | Self::Sdirk4 | Self::Radau5 | Self::Radau9 | Self::GeneralizedAlpha | Self::Gauss => false,
+        }
     }
 
     /// Its name in scenario files and tables.
@@ -146,7 +158,7 @@ impl Method {
             Self::Rk4 => Some(Rk4::new(problem, options, start).map(boxed)),
             Self::Dopri5 => Some(Dopri5::new(problem, options, start).map(boxed)),
             Self::Dop853 => Some(Dop853::new(problem, options, start).map(boxed)),
-            _ => None,
+            Self::Adams | Self::Sdirk4 | Self::Radau5 | Self::Radau9 | Self::GeneralizedAlpha | Self::Gauss => None,
         }
     }
 }

@@ -28,28 +28,25 @@ pub(super) struct Blocks {
 
 impl Blocks {
     pub(super) fn new(contacts: &Contacts, system: &mut System, q: &[f64], v: &[f64], supports: &[Support]) -> Self {
-        let trees = contacts.trees.clone();
-        let mut of = vec![(0, 0); v.len()];
-        trees.iter().enumerate().for_each(|(tree, own)| own.iter().enumerate().for_each(|(k, i)| of[*i] = (tree, k)));
-        let mut parts: Vec<Vec<Part>> = supports.iter().map(|support| split(&support.columns, &of, &trees)).collect();
-        let largest = parts.iter().flatten().map(|part| part.rows.ncols()).max().unwrap_or(0);
-        if largest <= LARGE {
-            let inverse = inverses(system, q, v, &trees, largest);
+        let trees = &contacts.trees;
+        let mut parts: Vec<Vec<Part>> = supports.iter().map(|support| split(&support.columns, trees)).collect();
+        if trees.largest <= LARGE {
+            let inverse = Inverses::new(system, q, v, trees);
             for part in parts.iter_mut().flatten() {
-                part.answers = &inverse[part.tree] * part.rows.transpose();
+                part.answers = &inverse.of[part.tree] * part.rows.transpose();
             }
         } else {
             let full = frame::responses_to(system, q, v, supports.iter().map(|support| &support.columns));
             for (parts, full) in parts.iter_mut().zip(&full) {
                 for part in parts {
-                    let own = &trees[part.tree];
+                    let own = &trees.all[part.tree];
                     part.answers = DMatrix::from_fn(own.len(), 3, |i, j| full[j][own[i]]);
                 }
             }
         }
-        let mut touching = vec![Vec::new(); trees.len()];
+        let mut touching = vec![Vec::new(); trees.all.len()];
         parts.iter().enumerate().for_each(|(i, own)| own.iter().for_each(|part| touching[part.tree].push(i)));
-        Self { trees, parts, contacts: touching }
+        Self { trees: trees.all.clone(), parts, contacts: touching }
     }
 
     pub(super) fn matrix(&self) -> Vec<Vec<(usize, Matrix3<f64>)>> {
@@ -82,13 +79,13 @@ impl Blocks {
     }
 }
 
-fn split(columns: &[Column; 3], of: &[(usize, usize)], trees: &[Vec<usize>]) -> Vec<Part> {
+fn split(columns: &[Column; 3], trees: &Trees) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     for (row, column) in columns.iter().enumerate() {
         for (i, value) in column {
-            let (tree, k) = of[*i];
+            let (tree, k) = trees.of[*i];
             let at = parts.iter().position(|part| part.tree == tree).unwrap_or_else(|| {
-                let rows = DMatrix::zeros(3, trees[tree].len());
+                let rows = DMatrix::zeros(3, trees.all[tree].len());
                 parts.push(Part { tree, rows, answers: DMatrix::zeros(0, 0) });
                 parts.len() - 1
             });
@@ -98,23 +95,69 @@ fn split(columns: &[Column; 3], of: &[(usize, usize)], trees: &[Vec<usize>]) -> 
     parts
 }
 
-/// `M⁻¹` of every tree: unit forces on one coordinate of all of them at once.
-fn inverses(system: &mut System, q: &[f64], v: &[f64], trees: &[Vec<usize>], largest: usize) -> Vec<DMatrix<f64>> {
-    let mut all: Vec<DMatrix<f64>> = trees.iter().map(|own| DMatrix::zeros(own.len(), own.len())).collect();
-    let (mut impulse, mut change) = (vec![0.0; v.len()], vec![0.0; v.len()]);
-    for k in 0..largest {
-        impulse.fill(0.0);
-        trees.iter().filter_map(|own| own.get(k)).for_each(|i| impulse[*i] = 1.0);
-        frame::respond(system, q, v, &impulse, &mut change);
-        for (own, inverse) in trees.iter().zip(&mut all).filter(|(own, _)| own.len() > k) {
-            own.iter().enumerate().for_each(|(row, i)| inverse[(row, k)] = change[*i]);
+/// `M⁻¹` of every tree.
+pub(super) struct Inverses<'a> {
+    trees: &'a Trees,
+    of: Vec<DMatrix<f64>>,
+}
+
+impl<'a> Inverses<'a> {
+    /// From unit forces on one coordinate of all trees at once, at the last factorization.
+    pub(super) fn new(system: &mut System, q: &[f64], v: &[f64], trees: &'a Trees) -> Self {
+        let mut of: Vec<DMatrix<f64>> = trees.all.iter().map(|own| DMatrix::zeros(own.len(), own.len())).collect();
+        let (mut impulse, mut change) = (vec![0.0; v.len()], vec![0.0; v.len()]);
+        for k in 0..trees.largest {
+            impulse.fill(0.0);
+            trees.all.iter().filter_map(|own| own.get(k)).for_each(|i| impulse[*i] = 1.0);
+            frame::respond(system, q, v, &impulse, &mut change);
+            for (own, inverse) in trees.all.iter().zip(&mut of).filter(|(own, _)| own.len() > k) {
+                own.iter().enumerate().for_each(|(row, i)| inverse[(row, k)] = change[*i]);
+            }
         }
+        Self { trees, of }
     }
-    all
+
+    /// `M⁻¹ x`, x being zero but in the trees of these coordinates.
+    pub(super) fn times(&self, x: &[f64], coordinates: impl Iterator<Item = usize>) -> Vec<f64> {
+        let mut product = vec![0.0; x.len()];
+        let mut last = usize::MAX;
+        let mut done: [usize; 2] = [usize::MAX; 2];
+        for i in coordinates {
+            let (tree, _) = self.trees.of[i];
+            if tree == last || done.contains(&tree) {
+                continue;
+            }
+            (last, done) = (tree, [done[1], tree]);
+            let own = &self.trees.all[tree];
+            for (column, from) in own.iter().enumerate().filter(|(_, from)| x[**from] != 0.0) {
+                own.iter().enumerate().for_each(|(row, to)| product[*to] += self.of[tree][(row, column)] * x[*from]);
+            }
+        }
+        product
+    }
 }
 
 /// Velocity coordinates of the trees that stand on the ground; all in one if loops, drives or gears tie them.
-pub(super) fn trees(model: &crate::model::Model) -> Vec<Vec<usize>> {
+#[derive(Debug)]
+pub(super) struct Trees {
+    pub(super) all: Vec<Vec<usize>>,
+    /// Of each velocity coordinate its tree and its place there.
+    of: Vec<(usize, usize)>,
+    /// Coordinates of the largest.
+    pub(super) largest: usize,
+}
+
+impl Trees {
+    pub(super) fn new(model: &crate::model::Model) -> Self {
+        let all = trees(model);
+        let mut of = vec![(0, 0); model.velocity_count()];
+        all.iter().enumerate().for_each(|(tree, own)| own.iter().enumerate().for_each(|(k, i)| of[*i] = (tree, k)));
+        let largest = all.iter().map(Vec::len).max().unwrap_or(0);
+        Self { all, of, largest }
+    }
+}
+
+fn trees(model: &crate::model::Model) -> Vec<Vec<usize>> {
     let mut of = vec![0; model.links.len()];
     let mut trees: Vec<Vec<usize>> = Vec::new();
     for (index, link) in model.links.iter().enumerate().skip(1) {

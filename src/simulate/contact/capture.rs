@@ -34,10 +34,11 @@ const COARSE: [f64; 2] = [1e-5, 2e-3];
 /// A gap below this part of a shape's size is none for the events that take over.
 const CLOSES: f64 = 1e-4;
 /// Forces are found to this part of the largest, or as far as so many sweeps take them.
-const FOUND: f64 = 1e-7;
-const MOST_SWEEPS: usize = 400;
-/// Forces that change by more than this in the last sweep are not found.
+const FOUND: f64 = 1e-6;
+const MOST_SWEEPS: usize = 1200;
+/// Forces that change by more than this in the last sweep, and rates by more than that, are not found.
 const ENOUGH: f64 = 1e-4;
+const STEADY: f64 = 1e-4;
 /// Steps with the same contacts in the same states after which events take over again.
 const CALM: usize = 10;
 /// What has sunk by rounding of the forces rises by this part of it in a step, in the longest one at most.
@@ -64,7 +65,7 @@ pub(super) struct Memory {
     lost: f64,
     pub(super) steps: usize,
     /// The step that is tried next (s).
-    step: f64,
+    pub(super) step: f64,
     /// How deep anything has sunk at the end of the last step, in parts of its size, if there was one.
     depth: Option<f64>,
 }
@@ -85,6 +86,9 @@ struct Made {
     velocity: Vec<f64>,
     forces: Vec<(Id, Vector3<f64>)>,
     lost: f64,
+    /// What impulses take out behind all other forces of the step, whose work on the way is not theirs (J): never negative, but for
+    /// `raised`.
+    opposed: f64,
     /// Work that raises what has sunk (J).
     raised: f64,
     /// Whether its forces are found.
@@ -125,6 +129,7 @@ impl Capture {
         let off = whole.position.iter().zip(&made.position).zip(scales).map(|((a, b), scale)| (a - b).abs() / scale);
         let error = off.fold(0.0, f64::max) / self.tolerance;
         made.lost += first.lost;
+        made.opposed += first.opposed;
         made.raised += first.raised;
         let Motion { contacts: Some(contacts), system, .. } = motion else {
             return Ok(Tried { made, error, found: true, gained: 0.0, depth: 0.0, sinks: 0.0 });
@@ -132,7 +137,7 @@ impl Capture {
         // Contacts take energy out; what has sunk may rise by a little.
         let after = system.at(time + step, &made.position, &made.velocity).energies().kinetic;
         let rounding = ROUNDING * contacts.scale * contacts.model.length_scale();
-        let gained = -made.lost - made.raised - GAINED * after - rounding;
+        let gained = -made.opposed - made.raised - GAINED * after - rounding;
         let depth = contacts.depth(system);
         let (found, sinks) = (first.found && made.found, depth - contacts.memory.depth.unwrap_or(0.0));
         Ok(Tried { found, made, error, gained, depth, sinks })
@@ -408,7 +413,7 @@ fn moreau(
     motion.system.at_without_contact(time + 0.5 * h, &position, v).accelerations(&mut velocity)?;
     velocity.iter_mut().zip(v).for_each(|(a, v)| *a = v + h * *a);
     let Motion { contacts: Some(contacts), system, .. } = motion else {
-        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, raised: 0.0, found: true });
+        return Ok(Made { position, velocity, forces: Vec::new(), lost: 0.0, opposed: 0.0, raised: 0.0, found: true });
     };
     let frames = contacts.ahead(system.at(time + 0.5 * h, &position, v).motion(), h);
     let supports = contacts.supports(&frames, &position, v);
@@ -435,14 +440,24 @@ fn moreau(
     let found = problem.solve(&guesses, FOUND, MOST_SWEEPS);
     let before: Vec<Vector3<f64>> = supports.iter().map(|support| support.rates(&velocity)).collect();
     blocks.push(&found.forces, &mut velocity);
-    let (mut lost, mut raised) = (0.0, 0.0);
+    let (mut lost, mut opposed, mut raised) = (0.0, 0.0, 0.0);
     for ((support, force), before) in supports.iter().zip(&found.forces).zip(&before) {
-        lost -= 0.5 * force.dot(&(before + support.rates(&velocity)));
+        // Positions go ½ h (v + v⁺): along that impulses do their work.
+        lost -= 0.5 * force.dot(&(support.rates(v) + support.rates(&velocity)));
+        opposed -= 0.5 * force.dot(&(before + support.rates(&velocity)));
         raised += force.x * (-way(support)).max(0.0);
     }
     System::displace(&contacts.model, &mut position, &half(&velocity));
     hinges::within_limits(&contacts.model, &mut position);
     let forces = supports.iter().zip(&found.forces).enumerate().filter(|(_, (_, force))| **force != Vector3::zeros());
     let forces = forces.map(|(i, (support, force))| (support.id, basis(i) * force / h)).collect();
-    Ok(Made { position, velocity, forces, lost, raised, found: found.change <= ENOUGH })
+    Ok(Made {
+        position,
+        velocity,
+        forces,
+        lost,
+        opposed,
+        raised,
+        found: found.change <= ENOUGH || found.missed <= STEADY,
+    })
 }

@@ -44,6 +44,8 @@ pub(in crate::simulate) struct Told {
 #[derive(Debug, Default)]
 pub(in crate::simulate) struct Changed {
     pub(in crate::simulate) told: Vec<Told>,
+    /// Whether there was an impact.
+    pub(in crate::simulate) struck: bool,
     /// (J)
     pub(in crate::simulate) lost: f64,
 }
@@ -79,6 +81,7 @@ impl Contacts {
             }
             let impacts = self.strike(system, state, &frames)?;
             changed.lost += impacts.lost;
+            changed.struck = true;
             for impact in impacts.all {
                 struck.push(impact.couple);
                 changed.told.push(self.say(Kind::Strikes, impact.couple, impact.speed));

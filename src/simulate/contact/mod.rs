@@ -50,6 +50,9 @@ const MOST_COUPLES: usize = 1000;
 /// So many events within this part of the scene's time are a storm.
 const STORM: usize = 60;
 const BRIEF: f64 = 1e-2;
+/// As many of a crowd of closed contacts are one where there are more of them than this part of the accepted steps.
+const CROWD: usize = 12;
+const BUSY: f64 = 1.0 / 3.0;
 /// A gap that is found open by this part of the size below zero was missed.
 pub(super) const MISSED: f64 = 1e-6;
 
@@ -113,15 +116,16 @@ pub(super) struct Contacts {
     gaps: Vec<OnceCell<[f64; 2]>>,
     pub(super) impacts: usize,
     /// Velocity coordinates of trees that contacts alone tie to each other.
-    trees: Vec<Vec<usize>>,
+    trees: blocks::Trees,
     /// Whether captured steps are at work, and until when at least (s).
     pub(super) capturing: bool,
     until: f64,
     /// The last span of theirs (s).
     span: f64,
     memory: capture::Memory,
-    /// Times of the last events (s).
-    recent: VecDeque<f64>,
+    /// Times of the last events (s), and how many steps had been accepted.
+    recent: VecDeque<(f64, usize)>,
+    accepted: usize,
     /// A gap below this part of a shape's size is none.
     closing: f64,
 }
@@ -162,12 +166,13 @@ impl Contacts {
             independent: Vec::new(),
             reserve: OnceCell::new(),
             impacts: 0,
-            trees: blocks::trees(model),
+            trees: blocks::Trees::new(model),
             capturing: false,
             until: 0.0,
             span: 0.0,
             memory: capture::Memory::default(),
             recent: VecDeque::new(),
+            accepted: 0,
             closing,
         })
     }
@@ -284,7 +289,7 @@ impl Contacts {
     }
 
     /// Events could not go on at a time (s): captured steps do for a while.
-    pub(super) fn storms_at(&mut self, time: f64) {
+    pub(super) fn capture_from(&mut self, time: f64) {
         let brief = BRIEF * self.model.time_scale();
         // Twice as long as the last time, if that is not long ago.
         let again = time - self.until < 10.0 * self.span;
@@ -294,17 +299,19 @@ impl Contacts {
     }
 
     /// Takes note of an event; whether events come too often, or too much touches, to go on by them.
-    pub(super) fn storms(&mut self, time: f64) -> bool {
-        self.recent.push_back(time);
+    pub(super) fn note_event(&mut self, time: f64) -> bool {
+        self.recent.push_back((time, self.accepted));
         let brief = BRIEF * self.model.time_scale();
         if self.recent.len() > STORM {
             self.recent.pop_front();
         }
         let crowd = 3 * self.closed.len() > MOST_ROWS || self.pairs.couples.len() > MOST_COUPLES;
         let crowd = crowd && !self.resting;
-        let storm = self.recent.len() >= STORM && time - self.recent[0] < brief;
+        let (since, steps) = self.recent[0];
+        let busy = self.closed.len() > CROWD && BUSY * ((self.accepted - steps + STORM) as f64) < STORM as f64;
+        let storm = self.recent.len() >= STORM && (busy || time - since < brief);
         if storm || crowd {
-            self.storms_at(time);
+            self.capture_from(time);
         }
         storm || crowd
     }
@@ -315,6 +322,11 @@ impl Contacts {
         self.closed.clear();
         self.frames.clear();
         self.resting = true;
+    }
+
+    /// The length of a captured step where one was last (s).
+    pub(super) fn captured_step(&self) -> f64 {
+        self.memory.step
     }
 
     /// Captured steps so far.

@@ -1,5 +1,6 @@
 //! Eq. (1) of the module: accelerations with the rows of closed contacts, and states kept on them.
 
+use super::blocks::Inverses;
 use super::{Closed, Contacts, Mode};
 use crate::contact::frame::{Frame, along, respond};
 use crate::contact::support::{Cone, slack};
@@ -130,31 +131,31 @@ impl Contacts {
         if n == 1 {
             return if matrix[(0, 0)] == 0.0 { DVector::zeros(1) } else { rates / matrix[(0, 0)] };
         }
-        let units = units(matrix);
-        // λ = Bᵢᵀ (Bᵢ Bᵢᵀ)⁻¹ rᵢ by the QR factors of Bᵢᵀ.
-        let across = DMatrix::from_fn(n, kept.len(), |j, i| matrix[(kept[i], j)] * units[kept[i]] * units[j]);
-        let factors = across.qr();
-        let mut x = DVector::from_iterator(kept.len(), kept.iter().map(|i| rates[*i] * units[*i]));
-        if !factors.r().tr_solve_upper_triangular_mut(&mut x) {
-            x.fill(f64::NAN);
-        }
-        let mut found = factors.q() * x;
-        found.iter_mut().zip(&units).for_each(|(x, unit)| *x *= unit);
-        found
+        least_norm(matrix, rates, kept)
     }
 
     /// `M⁻¹ Pᵀ`.
     fn answers(&self, system: &mut System, q: &[f64], v: &[f64], rows: &[Row]) -> Vec<Vec<f64>> {
+        let pushed = |row: &Row, impulse: &mut [f64]| self.frames[row.of].push(&row.pushes, impulse);
         let mut impulse = vec![0.0; v.len()];
-        rows.iter()
-            .map(|row| {
+        if self.trees.largest < rows.len() {
+            // M⁻¹ by trees takes fewer solutions than rows.
+            let inverse = Inverses::new(system, q, v, &self.trees);
+            let answer = |row| {
                 impulse.fill(0.0);
-                self.frames[row.of].push(&row.pushes, &mut impulse);
-                let mut change = vec![0.0; v.len()];
-                respond(system, q, v, &impulse, &mut change);
-                change
-            })
-            .collect()
+                pushed(row, &mut impulse);
+                inverse.times(&impulse, self.frames[row.of].columns.iter().flatten().map(|(i, _)| *i))
+            };
+            return rows.iter().map(answer).collect();
+        }
+        let answer = |row| {
+            impulse.fill(0.0);
+            pushed(row, &mut impulse);
+            let mut change = vec![0.0; v.len()];
+            respond(system, q, v, &impulse, &mut change);
+            change
+        };
+        rows.iter().map(answer).collect()
     }
 
     /// `R M⁻¹ Pᵀ`.
@@ -244,7 +245,7 @@ impl Contacts {
         let rows: Vec<Row> = (0..gaps.len()).filter(rigid).map(|of| Row { of, measures: e, pushes: e }).collect();
         let answers = self.answers(system, q, v, &rows);
         let ways = DVector::from_iterator(rows.len(), rows.iter().map(|row| -gaps[row.of]));
-        let found = shortest(self.matrix(&rows, &answers), ways);
+        let found = shortest(&self.matrix(&rows, &answers), &ways);
         let mut by = vec![0.0; v.len()];
         for (answer, f) in answers.iter().zip(found.iter()) {
             by.iter_mut().zip(answer).for_each(|(by, x)| *by += f * x);
@@ -262,23 +263,12 @@ impl Contacts {
         if self.independent.len() == rows.len() || matrix.nrows() != rows.len() {
             return None;
         }
-        let units = units(matrix);
-        let n = rows.len();
-        let scaled = DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * units[i] * units[j]);
-        let parts = scaled.svd(true, true);
-        let (u, v) = (parts.u.as_ref()?, parts.v_t.as_ref()?);
-        let cut = RANK * parts.singular_values.max();
-        let kept: Vec<usize> = (0..n).filter(|k| parts.singular_values[*k] > cut).collect();
-        if kept.len() == n {
-            return None;
-        }
-        // Forces in parts of the scale, slips straight on as free numbers.
-        let equation = |k: &usize| -> Vec<f64> { (0..n).map(|j| v[(*k, j)] / units[j]).collect() };
-        let equations: Vec<Vec<f64>> = kept.iter().map(equation).collect();
-        let right = kept.iter().map(|k| {
-            let rate: f64 = (0..n).map(|i| u[(i, *k)] * rates[i] * units[i]).sum();
-            rate / (parts.singular_values[*k] * self.scale)
-        });
+        let kept = &self.independent;
+        let Across { units, q, x } = Across::new(matrix, rates, kept)?;
+        // Forces in parts of the scale, slips straight on as free numbers: Qᵀ λ = x.
+        let equation = |k: usize| -> Vec<f64> { (0..rows.len()).map(|j| q[(j, k)] / units[j]).collect() };
+        let equations: Vec<Vec<f64>> = (0..kept.len()).map(equation).collect();
+        let right = x.iter().map(|x| x / self.scale);
         let mut cones = Vec::new();
         for row in &rows {
             let closed = &self.closed[row.of];
@@ -325,21 +315,40 @@ fn units(matrix: &DMatrix<f64>) -> Vec<f64> {
     (0..matrix.nrows()).map(unit).map(|unit| if unit.is_finite() { unit } else { 0.0 }).collect()
 }
 
-/// The solution of least norm of rows that may be linearly dependent, each in units of its own entry.
-fn shortest(mut matrix: DMatrix<f64>, mut rates: DVector<f64>) -> DVector<f64> {
+/// The solution of least norm of rows of which these are linearly independent, each in units of its own entry.
+fn least_norm(matrix: &DMatrix<f64>, rates: &DVector<f64>, kept: &[usize]) -> DVector<f64> {
     let n = rates.len();
-    let units = units(&matrix);
-    for i in 0..n {
-        (0..n).for_each(|j| matrix[(i, j)] *= units[i] * units[j]);
-        rates[i] *= units[i];
-    }
-    let mut found = if n == 1 {
-        if matrix[(0, 0)] == 0.0 { DVector::zeros(1) } else { rates / matrix[(0, 0)] }
-    } else {
-        let parts = matrix.svd(true, true);
-        let cut = RANK * parts.singular_values.max();
-        parts.solve(&rates, cut).unwrap_or_else(|_| DVector::zeros(n))
+    let Some(Across { units, q, x }) = Across::new(matrix, rates, kept) else {
+        return DVector::from_element(n, f64::NAN);
     };
+    let mut found = q * x;
     found.iter_mut().zip(&units).for_each(|(x, unit)| *x *= unit);
     found
+}
+
+/// Equations of independent rows with orthonormal coefficients, `Qᵀ λ = x`, forces in units of their rows: `Bᵢᵀ = Q R`, `x = R⁻ᵀ rᵢ`.
+struct Across {
+    units: Vec<f64>,
+    q: DMatrix<f64>,
+    x: DVector<f64>,
+}
+
+impl Across {
+    fn new(matrix: &DMatrix<f64>, rates: &DVector<f64>, kept: &[usize]) -> Option<Self> {
+        let units = units(matrix);
+        let across = DMatrix::from_fn(rates.len(), kept.len(), |j, i| matrix[(kept[i], j)] * units[kept[i]] * units[j]);
+        let factors = across.qr();
+        let mut x = DVector::from_iterator(kept.len(), kept.iter().map(|i| rates[*i] * units[*i]));
+        factors.r().tr_solve_upper_triangular_mut(&mut x).then(|| Self { units, q: factors.q(), x })
+    }
+}
+
+/// The solution of least norm of symmetric rows that may be linearly dependent.
+fn shortest(matrix: &DMatrix<f64>, rates: &DVector<f64>) -> DVector<f64> {
+    match rates.len() {
+        0 => DVector::zeros(0),
+        1 if matrix[(0, 0)] == 0.0 => DVector::zeros(1),
+        1 => rates / matrix[(0, 0)],
+        _ => least_norm(matrix, rates, &pivots(matrix)),
+    }
 }

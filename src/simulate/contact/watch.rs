@@ -178,6 +178,7 @@ impl Contacts {
 
     /// At the end of a step: what slips goes on in the direction that it has then.
     pub(in crate::simulate) fn turn_along(&mut self, step: f64) {
+        self.accepted += 1;
         let acceleration = self.model.gravity.norm();
         for at in 0..self.closed.len() {
             let friction = self.law(self.closed[at].key.couple).friction.slide;

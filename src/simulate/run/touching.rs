@@ -1,7 +1,7 @@
 //! Contact in motion within the time loop.
 
 use super::Run;
-use crate::integrate::Method;
+use crate::integrate::{Method, Statistics, Stepper};
 use crate::simulate::contact::{Contacts, MISSED, Trouble};
 use crate::simulate::error::RunError;
 use crate::simulate::events::{Kind, Occurrence};
@@ -32,6 +32,15 @@ fn told(time: f64, trouble: Trouble) -> RunError {
             RunError::Touch { time, between, why }
         }
     }
+}
+
+/// So many steps show how fast events let a run advance.
+const TOIL: u64 = 24;
+/// A step between events is worth this part of a captured one, which has three solutions of the cone problem.
+const WORTH: f64 = 0.25;
+
+fn tried(statistics: &Statistics) -> u64 {
+    statistics.steps + statistics.rejected_steps
 }
 
 impl Run<'_, '_> {
@@ -73,7 +82,7 @@ impl Run<'_, '_> {
         }
         self.ledger.lose(changed.lost);
         // Only an impact does work on what drives move.
-        if changed.told.iter().any(|told| told.kind == Kind::Strikes) && !self.model.drives.is_empty() {
+        if changed.struck && !self.model.drives.is_empty() {
             self.ledger.put_in(after.kinetic - before.kinetic + changed.lost);
         }
         let rules = &self.model.contacts;
@@ -97,8 +106,8 @@ impl Run<'_, '_> {
             }
         }
         // What is compliant strikes nothing, and steps do not capture it.
-        if motion.contacts.as_mut().is_some_and(|contacts| !contacts.is_compliant() && contacts.storms(time)) {
-            self.take_over(motion, time, "capture");
+        if motion.contacts.as_mut().is_some_and(|contacts| !contacts.is_compliant() && contacts.note_event(time)) {
+            self.begin_capture(motion, time);
         }
         Ok(())
     }
@@ -127,7 +136,7 @@ impl Run<'_, '_> {
     /// # Errors
     /// [`RunError::Contact`] of compliant contact, which they do not know, with the reason why they have to.
     fn capture_or(&mut self, motion: &mut Motion, time: f64, why: impl FnOnce() -> String) -> Result<(), RunError> {
-        if self.catch(motion, time) {
+        if self.try_capture(motion, time) {
             return Ok(());
         }
         let name = self.model.contacts[0].name.clone();
@@ -136,19 +145,24 @@ impl Run<'_, '_> {
     }
 
     /// Lets captured steps go on where events do not; false if there are no contacts that they could capture.
-    pub(super) fn catch(&mut self, motion: &mut Motion, time: f64) -> bool {
+    pub(super) fn try_capture(&mut self, motion: &mut Motion, time: f64) -> bool {
         let can = |contacts: &&mut Box<Contacts>| !contacts.capturing && !contacts.is_compliant();
         let Some(contacts) = motion.contacts.as_mut().filter(can) else { return false };
-        contacts.storms_at(time);
-        self.take_over(motion, time, "capture");
+        contacts.capture_from(time);
+        self.begin_capture(motion, time);
         true
     }
 
     /// Captured steps go on from here.
-    fn take_over(&mut self, motion: &mut Motion, time: f64, name: &str) {
-        if let Some(contacts) = motion.contacts.as_mut().filter(|_| name == "capture") {
+    fn begin_capture(&mut self, motion: &mut Motion, time: f64) {
+        if let Some(contacts) = &mut motion.contacts {
             contacts.capture();
         }
+        self.note_switch(time, "capture");
+    }
+
+    /// Tells what steps from here.
+    fn note_switch(&mut self, time: f64, name: &str) {
         if let Some(events) = &mut self.events {
             let name = name.to_owned();
             events.happened.push(Occurrence { time, kind: Kind::Switch, name, value: 0.0, speed: 0.0, between: None });
@@ -159,6 +173,14 @@ impl Run<'_, '_> {
     pub(super) fn hands_back(&self, motion: &Motion, time: f64) -> bool {
         let steady = resting::is_steady(self.model) && self.control.is_none();
         motion.contacts.as_ref().is_some_and(|contacts| contacts.is_calm(time) || steady && contacts.is_still())
+    }
+
+    /// Whether steps between events advance so little since captured ones handed back that these would have done better.
+    pub(super) fn toils(&self, motion: &Motion, stepper: &dyn Stepper<Motion>, time: f64) -> bool {
+        let Some(contacts) = motion.contacts.as_ref().filter(|contacts| !contacts.capturing) else { return false };
+        let Some((since, before)) = self.handed_back else { return false };
+        let tried = tried(&self.statistics) + tried(stepper.statistics()) - before;
+        tried >= TOIL && time - since < WORTH * contacts.captured_step() * tried as f64
     }
 
     /// Ends captured steps: events go on, or everything rests.
@@ -175,7 +197,8 @@ impl Run<'_, '_> {
             self.touch(motion, time, false)?;
         }
         if motion.contacts.as_ref().is_some_and(|contacts| !contacts.capturing) {
-            self.take_over(motion, time, method.name());
+            self.note_switch(time, method.name());
+            self.handed_back = Some((time, tried(&self.statistics)));
         }
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         self.arm(motion, time);

@@ -43,7 +43,7 @@ impl Run<'_, '_> {
             let why = format!("at t = {time} s a stop or dry friction lets go of what rests");
             return Err(RunError::Contact { name: rule.name.clone(), why });
         }
-        if matches!(turn, Turn::Strike(_)) && self.catch(motion, time) {
+        if matches!(turn, Turn::Strike(_)) && self.try_capture(motion, time) {
             // A rigid stop and contacts at one instant: captured steps resolve both.
             self.arm(motion, time);
             return Ok(());
@@ -62,7 +62,7 @@ impl Run<'_, '_> {
         self.touch(motion, time, turn == Turn::Contact { at_limit: true })?;
         self.ledger.close(&motion.energies(time, &self.state.position, &self.state.velocity));
         let pushed = outcome.happened.iter().any(|occurrence| occurrence.kind == Kind::Contact);
-        if let Some(storm) = self.turns.see(time, self.end).filter(|_| !self.catch(motion, time)) {
+        if let Some(storm) = self.turns.see(time, self.end).filter(|_| !self.try_capture(motion, time)) {
             let last = outcome.happened.last().or(self.happened.last());
             let name = last.map_or_else(String::new, |last| last.name.clone());
             return Err(RunError::Storm { time, count: storm.count, span: storm.span, left: self.end - time, name });

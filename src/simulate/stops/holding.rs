@@ -26,7 +26,7 @@ use nalgebra::Vector3;
 
 /// A row that others hold up to this part presses with what a free one would press with.
 const NEARLY_TIED: f64 = 1e-9;
-/// Accelerations below this part of the scene's, or of the largest, are round-off.
+/// The search for a direction ends when it changes by less.
 const DIRECTION: f64 = 1e-13;
 /// A direction that changes by less has not changed.
 const TURNED: f64 = 1e-9;

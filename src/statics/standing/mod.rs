@@ -182,16 +182,17 @@ pub fn standing(
     let bearers = Bearers::new(model, pose, &scene)?;
     let found = bearers.supports.standing(&bearers.load)?;
     let wedged = found.verdict == Verdict::Wedged;
-    let friction_margin = if wedged { None } else { bearers.supports.friction_margin(&bearers.load)? };
+    let least = bearers.supports.friction_margin(&bearers.load, &found)?;
     let squeeze = wedged.then(|| bearers.supports.least_squeeze(&bearers.load)).transpose()?;
     let margins = match found.verdict {
         Verdict::Stands => margins::margins(description, model, asked, pose, &bearers)?,
         Verdict::Wedged | Verdict::Falls => Margins::default(),
     };
-    let motion = match (found.verdict, friction_margin) {
+    let friction_margin = least.as_ref().map(|least| least.part);
+    let motion = match (found.verdict, least) {
         (Verdict::Falls, _) => Some(found.motion.clone()),
         // At its margin, not here: here nothing moves.
-        (Verdict::Stands, Some(part)) if part > 0.0 => Some(bearers.supports.motion_at(&bearers.load, part)?),
+        (Verdict::Stands, Some(least)) if least.part > 0.0 => Some(least.motion),
         _ => None,
     };
     let mechanism = motion.map(|motion| mechanism::mechanism(model, pose, &scene, &bearers, &motion));

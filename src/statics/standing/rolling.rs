@@ -16,6 +16,7 @@ use crate::contact::support::Cone;
 use crate::dynamics::System;
 use crate::model::Model;
 use crate::motion::displace;
+use crate::sparse::{SparseRows, kernel};
 use crate::statics::certify::modes::Mode;
 use crate::statics::certify::stability::{Stability, Verdict};
 use crate::statics::problem::sizes::NEUTRAL;
@@ -25,8 +26,6 @@ use std::sync::Arc;
 
 /// Step of the difference, in parts of the scene's length (rad): its square is the relative error of `K`.
 const STEP: f64 = 1e-4;
-/// An eigenvalue of `G Gᵀ` below this part of the largest is zero: `G` is known to its root.
-const ZERO: f64 = 1e-13;
 
 /// What kind of rest it is along the motions that nothing holds.
 pub(super) fn stability(
@@ -73,29 +72,14 @@ fn holds(bearers: &Bearers, support: usize, forces: &[f64]) -> bool {
 
 /// `Z` in coordinates divided by their units: an orthonormal basis of the motions that these supports leave.
 fn null_space(bearers: &Bearers, supports: &[usize]) -> Mat<f64> {
-    let n = bearers.load.len();
-    let gram = gram(bearers, supports);
-    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return Mat::zeros(n, 0) };
-    let values = eigen.S();
-    let largest = (0..n).map(|i| values[i]).fold(0.0, f64::max);
-    let zero: Vec<usize> = (0..n).filter(|i| values[*i] <= ZERO * largest).collect();
-    Mat::from_fn(n, zero.len(), |row, k| eigen.U()[(row, zero[k])])
-}
-
-/// `G Gᵀ` of the scaled columns.
-fn gram(bearers: &Bearers, supports: &[usize]) -> Mat<f64> {
-    let n = bearers.load.len();
-    let mut gram = Mat::zeros(n, n);
-    for support in supports {
-        for column in bearers.supports.scaled_columns(*support) {
-            for (i, a) in &column {
-                for (j, b) in &column {
-                    gram[(*i, *j)] += a * b;
-                }
-            }
-        }
+    let mut rows = vec![Vec::new(); bearers.load.len()];
+    let columns = supports.iter().flat_map(|support| bearers.supports.scaled_columns(*support));
+    let mut count = 0;
+    for column in columns {
+        column.into_iter().for_each(|(row, entry)| rows[row].push((count, entry)));
+        count += 1;
     }
-    gram
+    kernel(&SparseRows::of(rows), count)
 }
 
 fn rolling(

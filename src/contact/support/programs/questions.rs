@@ -1,7 +1,37 @@
 //! What is asked of supports: whether they hold a load, how far it may go, how little friction does, what squeeze is needed.
 
-use super::super::{Certificate, Cone, Limit, Standing, Supports, Undecided, Verdict};
-use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, ROUND_OFF, Scaled, UNEVEN};
+use super::super::{Certificate, Cone, Least, Limit, Standing, Supports, Undecided, Verdict};
+use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, ROUND_OFF, Scaled, UNEVEN};
+
+/// Below this part of it friction is not what holds.
+const NONE: f64 = 1e-9;
+/// Scenes that do not stand with so many times their friction do not need friction.
+const MOST_FRICTION: f64 = 1e6;
+/// Programs that (M) takes at most.
+const MOST_PROGRAMS: usize = 100;
+
+/// (P) at a part of all friction.
+struct Friction {
+    part: f64,
+    /// τ*, between its bounds.
+    tau: f64,
+    /// dτ*/d ln s.
+    slope: f64,
+    /// How far the bounds are apart.
+    gap: f64,
+}
+
+impl Friction {
+    fn of(scaled: &Scaled<'_>, grown: &Grown, part: f64) -> Self {
+        let tau = 0.5 * (grown.upper + grown.lower.max(-AMPLE));
+        Self { part, tau, slope: scaled.slope(&grown.motion, &grown.forces), gap: grown.certificate.gap }
+    }
+
+    /// Where τ* would be zero if it went on as it does here.
+    fn newton(&self) -> f64 {
+        self.part * (1.0 - self.tau / self.slope)
+    }
+}
 
 impl Supports {
     /// Whether these supports hold a load `w` (velocity coordinates: N, N m), by (P), (W) and (U).
@@ -32,6 +62,7 @@ impl Supports {
         // At the limit itself there is nothing to choose among.
         let least = if stands && grown.upper < -AT_THE_LIMIT { scaled.least() } else { None };
         let inner = scaled.unscaled(&grown.forces);
+        let slope = scaled.slope(&grown.motion, &grown.forces);
         let forces = least.unwrap_or(grown.forces);
         Ok(Standing {
             verdict,
@@ -40,6 +71,7 @@ impl Supports {
             forces: scaled.unscaled(&forces),
             inner,
             motion: scaled.rates_of_coordinates(&grown.motion),
+            slope,
             certificate: grown.certificate,
         })
     }
@@ -49,7 +81,16 @@ impl Supports {
         let certificate = Certificate { unbalanced: 0.0, outside: 0.0, gap: 0.0 };
         let none = vec![0.0; self.columns.len()];
         let (forces, inner, motion) = (none.clone(), none, vec![0.0; self.rows]);
-        Standing { verdict: Verdict::Stands, slack: AMPLE, forces, inner, motion, self_stresses: 0, certificate }
+        Standing {
+            verdict: Verdict::Stands,
+            slack: AMPLE,
+            forces,
+            inner,
+            motion,
+            self_stresses: 0,
+            slope: 0.0,
+            certificate,
+        }
     }
 
     /// The end of `w + α w₁`, `α` growing (`upwards`) or falling from 0, by (L).
@@ -85,70 +126,66 @@ impl Supports {
         Ok(Limit { value: alpha * unit, motion })
     }
 
-    /// The smallest part of all friction at which a load is held (M): 0 if none is needed; `None` if no friction, however
+    /// The smallest part of all friction at which a load is held (M), from the answer at the whole of it; `None` if no friction, however
     /// large, holds it, or if any does (wedged).
     ///
     /// # Errors
     /// As [`Supports::standing`].
-    pub fn friction_margin(&self, load: &[f64]) -> Result<Option<f64>, Undecided> {
-        // Below this part friction is not what holds.
-        const NONE: f64 = 1e-9;
+    pub fn friction_margin(&self, load: &[f64], whole: &Standing) -> Result<Option<Least>, Undecided> {
+        let none = || Some(Least { part: 0.0, motion: Vec::new() });
+        if whole.verdict == Verdict::Wedged {
+            return Ok(None);
+        }
         if self.rows == 0 || self.size(load) == 0.0 {
-            return Ok(Some(0.0));
+            return Ok(none());
+        }
+        let Certificate { gap, .. } = whole.certificate;
+        // Of what holds without end the lower bound is.
+        let (upper, lower) = (-whole.slack, (-whole.slack - gap).max(-AMPLE));
+        let mut at = Friction { part: 1.0, tau: 0.5 * (upper + lower), slope: whole.slope, gap };
+        let mut motion = whole.motion.clone();
+        if at.tau > AT_THE_LIMIT && Scaled::new(self, load, f64::INFINITY).grow()?.lower > 0.0 {
+            return Ok(None);
+        }
+        if at.tau <= AT_THE_LIMIT && (at.tau >= -AT_THE_LIMIT || at.newton() < 0.1) {
+            // Little friction may be none.
+            let without = Scaled::new(self, load, 1.0).without_friction(0..self.cones.len()).grow()?;
+            if without.upper <= AT_THE_LIMIT && without.certificate.unbalanced <= BALANCED {
+                return Ok(none());
+            }
+            if at.tau >= -AT_THE_LIMIT {
+                return Ok(Some(Least { part: 1.0, motion }));
+            }
         }
         let (mut low, mut high) = (0.0, f64::INFINITY);
-        let mut s = 1.0;
-        for _ in 0..100 {
-            let scaled = Scaled::new(self, load, s);
-            let grown = scaled.grow()?;
-            let tau = 0.5 * (grown.upper + grown.lower.max(-AMPLE));
-            if s == 1.0 && tau.abs() <= AT_THE_LIMIT {
-                // At its limit, or with nothing that friction could do.
-                let none = Scaled::new(self, load, NONE).grow()?;
-                return Ok(Some(if none.upper <= AT_THE_LIMIT { 0.0 } else { 1.0 }));
-            }
-            if s == 1.0 && tau > 0.0 && Scaled::new(self, load, f64::INFINITY).grow()?.lower > 0.0 {
-                return Ok(None);
-            }
-            if tau > 0.0 {
-                low = s
-            } else {
-                high = s
-            }
-            let slope = scaled.slope(&grown.motion, &grown.forces) / s;
-            let newton = s - tau / slope;
-            let next = match slope < 0.0 && newton > low && newton < high {
-                // A step to almost no friction is judged there, not from here.
-                true => newton.max(0.1 * s),
+        for _ in 0..MOST_PROGRAMS {
+            let held = at.tau <= 0.0;
+            *(if held { &mut high } else { &mut low }) = at.part;
+            let newton = at.newton();
+            let next = match at.slope < 0.0 && newton > low && newton < high {
+                // Slopes at much friction say little of where there is hardly any.
+                true => newton.max(0.1 * at.part),
                 false if high.is_finite() => 0.5 * (low + high),
-                false => 4.0 * s,
+                false => 4.0 * at.part,
             };
-            if (next - s).abs() <= 1e-13 * s {
-                return Ok(Some(next));
+            // Where the bounds of the program enclose zero, no other part is known to be nearer to the end.
+            if (next - at.part).abs() <= 1e-13 * at.part
+                || (at.tau.abs() <= 0.5 * at.gap.min(AT_THE_LIMIT) && next == newton)
+            {
+                return Ok(Some(Least { part: next, motion }));
             }
-            if next > 1e6 {
+            if next > MOST_FRICTION {
                 return Ok(None);
             }
             if next < NONE {
-                return Ok(if self.held_by_squeeze(load)? { None } else { Some(0.0) });
+                return Ok(none());
             }
-            s = next;
+            let scaled = Scaled::new(self, load, next);
+            let grown = scaled.grow()?;
+            at = Friction::of(&scaled, &grown, next);
+            motion = scaled.rates_of_coordinates(&grown.motion);
         }
-        Ok(Some(s))
-    }
-
-    /// The motion along which supports give way first when all friction is scaled by `part`: `ν` of (D) there.
-    ///
-    /// # Errors
-    /// As [`Supports::standing`].
-    pub fn motion_at(&self, load: &[f64], part: f64) -> Result<Vec<f64>, Undecided> {
-        let scaled = Scaled::new(self, load, part);
-        Ok(scaled.rates_of_coordinates(&scaled.grow()?.motion))
-    }
-
-    /// Whether only squeezed supports hold a load.
-    fn held_by_squeeze(&self, load: &[f64]) -> Result<bool, Undecided> {
-        Scaled::new(self, load, 1.0).needs_squeeze()
+        Ok(Some(Least { part: at.part, motion }))
     }
 
     /// Of all forces that hold a load, the least sum of normal forces, halved (N): what has to squeeze a wedged scene.

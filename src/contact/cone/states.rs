@@ -1,0 +1,140 @@
+//! The equations of states that sweeps have found: sticking contacts keep still, slipping ones do not sink, each with its own force.
+
+use super::{Law, Problem, RANK, State};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+/// Rows of these equations, and refinements of their solution.
+const MOST_ROWS: usize = 240;
+const MOST_POLISHED: usize = 8;
+/// Refinements of a solution of these rows.
+const REFINEMENTS: usize = 3;
+/// What their solution may lack, in parts of rates and of forces.
+const POLISHED: f64 = 1e-12;
+
+/// One equation of states: what it measures at a contact, and what it pushes there.
+struct Row {
+    of: usize,
+    measures: Vector3<f64>,
+    pushes: Vector3<f64>,
+}
+
+impl Problem {
+    /// Forces that meet the equations of these states, as near as can be to those that are given; `None` if they are not within their
+    /// laws: then the states are not the right ones, or there are too many rows.
+    pub(super) fn polished(&self, near: &[Vector3<f64>], states: &[State]) -> Option<Vec<Vector3<f64>>> {
+        let size = (0..near.len()).map(|i| self.rate_size(i, near)).fold(0.0, f64::max);
+        let mut forces = near.to_vec();
+        for _ in 0..MOST_POLISHED {
+            for i in (0..forces.len()).filter(|i| states[*i] == State::Slip) {
+                let rate = self.rate(i, &forces).yz();
+                if let (Law::Coulomb { slide, .. }, Some(d)) = (self.laws[i], rate.try_normalize(POLISHED * size)) {
+                    let normal = forces[i].x;
+                    (forces[i].y, forces[i].z) = (-slide * normal * d.x, -slide * normal * d.y);
+                }
+            }
+            let rows = self.rows(&forces, states)?;
+            let missing = DVector::from_iterator(
+                rows.len(),
+                rows.iter().map(|row| -row.measures.dot(&self.rate(row.of, &forces))),
+            );
+            if missing.amax() <= POLISHED * size && self.obeys(&forces, states, size) {
+                return Some(forces);
+            }
+            let change = shortest(&self.matrix_of(&rows), missing)?;
+            rows.iter().zip(change.iter()).for_each(|(row, change)| forces[row.of] += row.pushes * *change);
+        }
+        None
+    }
+
+    /// What rows measure of what they push.
+    fn matrix_of(&self, rows: &[Row]) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(rows.len(), rows.len());
+        // Rows stand in the order of their contacts.
+        let first = |of: usize| rows.partition_point(|row| row.of < of);
+        for (i, row) in rows.iter().enumerate() {
+            for (with, block) in &self.blocks[row.of] {
+                let measured = block.tr_mul(&row.measures);
+                for (j, other) in rows.iter().enumerate().skip(first(*with)).take_while(|(_, other)| other.of == *with)
+                {
+                    matrix[(i, j)] = measured.dot(&other.pushes);
+                }
+            }
+        }
+        matrix
+    }
+
+    /// What the rates of a contact are made of.
+    fn rate_size(&self, i: usize, forces: &[Vector3<f64>]) -> f64 {
+        let parts = self.blocks[i].iter().map(|(j, block)| (block * forces[*j]).amax());
+        parts.fold(self.rates[i].amax(), f64::max)
+    }
+
+    /// The equations of states; what slips does so along the velocity that it has with these forces. `None` if there are too many.
+    fn rows(&self, forces: &[Vector3<f64>], states: &[State]) -> Option<Vec<Row>> {
+        let mut rows = Vec::new();
+        for (of, state) in states.iter().enumerate() {
+            let own = self.own(of);
+            let mut add = |measures: Vector3<f64>, pushes: Vector3<f64>| rows.push(Row { of, measures, pushes });
+            match (state, self.laws[of]) {
+                (State::Open, _) | (State::Slip, Law::Bounded { .. }) => {}
+                (State::Stick, _) => {
+                    (0..3)
+                        .filter(|k| own[(*k, *k)] > 0.0)
+                        .for_each(|k| add(Vector3::ith(k, 1.0), Vector3::ith(k, 1.0)));
+                }
+                (State::Slip, Law::Sliding { friction, direction }) => {
+                    add(Vector3::x(), Vector3::new(1.0, -friction * direction.x, -friction * direction.y));
+                }
+                (State::Slip, Law::Coulomb { .. }) => {
+                    // Along the force that it has: a change of it keeps the direction.
+                    let tangential = forces[of].yz() / forces[of].x;
+                    add(Vector3::x(), Vector3::new(1.0, tangential.x, tangential.y));
+                }
+            }
+        }
+        (rows.len() <= MOST_ROWS && rows.iter().all(|row| row.pushes.iter().all(|x| x.is_finite()))).then_some(rows)
+    }
+
+    /// Whether forces and the rates that they leave are those of states.
+    fn obeys(&self, forces: &[Vector3<f64>], states: &[State], size: f64) -> bool {
+        let largest = forces.iter().map(|force| force.amax()).fold(0.0, f64::max);
+        let slack = POLISHED * largest;
+        (0..forces.len()).all(|i| {
+            let (force, rate) = (forces[i], self.rate(i, forces));
+            match (states[i], self.laws[i]) {
+                (State::Open, _) => rate.x >= -POLISHED * size,
+                (State::Stick, Law::Coulomb { stick, .. }) => {
+                    force.x >= -slack && force.yz().norm() <= stick * force.x + slack
+                }
+                (State::Stick, Law::Bounded { bound }) => force.norm() <= bound + slack,
+                (State::Stick, Law::Sliding { .. }) => false,
+                // Of a force at its bound the sweeps have the direction.
+                (State::Slip, Law::Bounded { .. }) => {
+                    force.dot(&rate) <= 0.0 && force.cross(&rate).norm() <= POLISHED.sqrt() * force.norm() * size
+                }
+                (State::Slip, Law::Sliding { .. }) => force.x >= -slack,
+                (State::Slip, Law::Coulomb { stick, .. }) => {
+                    let (along, across) = (force.yz().dot(&rate.yz()), force.yz().perp(&rate.yz()));
+                    let straight = along <= 0.0 && across.abs() <= POLISHED * force.yz().norm() * size;
+                    force.x >= -slack && (stick == 0.0 || straight)
+                }
+            }
+        })
+    }
+}
+
+/// The solution of least norm of rows that may be linearly dependent, but for what is below [`RANK`] of their products: `Bᵀ(B Bᵀ + δ 1)⁻¹ r`,
+/// refined (Björck, "Numerical methods for least squares problems", 1996, 2.9).
+fn shortest(rows: &DMatrix<f64>, mut missing: DVector<f64>) -> Option<DVector<f64>> {
+    let mut products = rows * rows.transpose();
+    let damping = RANK * products.diagonal().max();
+    (0..products.nrows()).for_each(|i| products[(i, i)] += damping);
+    let factor = products.cholesky()?;
+    let mut found = DVector::zeros(rows.ncols());
+    for _ in 0..REFINEMENTS {
+        let change = rows.tr_mul(&factor.solve(&missing));
+        missing -= rows * &change;
+        found += change;
+    }
+    Some(found)
+}
