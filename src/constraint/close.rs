@@ -305,7 +305,7 @@ impl Closing {
     /// The rows as placed last in equal units of coordinates and gaps, and what each was multiplied by.
     fn equal_rows(&mut self, model: &Model) -> (Vec<f64>, SparseRows) {
         let weights: Vec<f64> = self.rows.plan.rows().map(|row| self.rows.relative(row, 1.0)).collect();
-        let rows = SparseRows::of(self.rows.sparse_rows(model, &self.motion));
+        let rows = self.rows.sparse_rows(model, &self.motion);
         let rows = rows.map(|row, column, entry| weights[row] * entry * self.units[column]);
         (weights, rows)
     }

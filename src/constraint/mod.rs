@@ -21,6 +21,7 @@ pub mod assembly;
 mod choose;
 mod close;
 mod component;
+mod entries;
 mod envelope;
 mod hold;
 mod listed;
@@ -44,15 +45,17 @@ pub(crate) use close::Closer;
 pub use close::OpenGap;
 pub(crate) use close::ROUND_OFF;
 use component::Lengths;
+use entries::Entries;
 use envelope::Envelope;
 pub(crate) use listed::IndependentRow;
 pub use loads::LoopReaction;
 pub use mode::{Held, Mode};
 use nalgebra::Vector3;
-use plan::Plan;
+use plan::{Plan, Run};
 pub(crate) use row::Rule;
 use row::{Ends, Placed, place_motion, power};
 pub use rows::{Element, Owner};
+use std::sync::Arc;
 
 /// The rows of a model and the scratch memory to solve with them.
 #[derive(Debug, Clone)]
@@ -68,6 +71,10 @@ pub struct Constraints {
     ways: Vec<Vec<usize>>,
     /// In how many parts a push is given, per link.
     parts: Vec<usize>,
+    /// Which links are fixed to the ground by their hinges.
+    grounded: Vec<bool>,
+    /// Where the entries of the rows solved for stand, once that is known.
+    entries: Option<Arc<Entries>>,
     /// What makes angles comparable with lengths, per row: the lever of its component (m); 1 for lengths.
     weights: Vec<f64>,
     /// The length that gaps are compared with, per row: the reach of its component (m).
@@ -151,6 +158,8 @@ impl Constraints {
             rules,
             ways,
             parts: model.links.iter().map(parts).collect(),
+            grounded: model.links.iter().map(|link| link.parent == 0).collect(),
+            entries: None,
             weights,
             reaches,
             plan: Plan::default(),
@@ -196,7 +205,8 @@ impl Constraints {
     /// Solves from now on for the rows that `wanted` says.
     fn keep(&mut self, wanted: impl Fn(usize) -> bool) {
         let rows_of = self.elements.iter().map(|element| element.rows.clone().filter(|row| wanted(*row)).collect());
-        self.plan = Plan::new(rows_of.collect(), &self.ways, &self.parts);
+        self.plan = Plan::new(rows_of.collect(), &self.ways, &self.parts, &self.grounded);
+        self.entries = None;
         self.matrix = Envelope::new(self.plan.first_columns.clone());
         self.pushes = vec![[Vector3::zeros(); 2]; self.plan.pushes];
         self.unknowns = vec![0.0; self.plan.unknowns];
@@ -298,15 +308,18 @@ impl Constraints {
         for meeting in &self.plan.meetings {
             let [later, earlier] = meeting.groups.map(|group| &self.plan.groups[group]);
             let (rows, columns) = (later.rows.len(), earlier.rows.len());
-            for [i, j] in &self.plan.common[meeting.common.clone()] {
-                let mine = &self.pushes[later.pushes + *i as usize * rows..][..rows];
-                let other = &self.pushes[earlier.pushes + *j as usize * columns..][..columns];
-                for (r, [u, _]) in mine.iter().enumerate() {
-                    // Of a group with itself only the lower half.
-                    let until = if std::ptr::eq(later, earlier) { r + 1 } else { columns };
-                    for (c, [_, du]) in other[..until].iter().enumerate() {
-                        *self.matrix.entry(later.first + r, earlier.first + c) += u.dot(du);
+            for r in 0..rows {
+                // Of a group with itself only the lower half.
+                let until = if std::ptr::eq(later, earlier) { r + 1 } else { columns };
+                for c in 0..until {
+                    let mut sum = 0.0;
+                    for Run { places: [i, j], count } in &self.plan.common[meeting.common.clone()] {
+                        let mine = self.pushes[later.pushes + i * rows..][..count * rows].chunks_exact(rows);
+                        let other =
+                            self.pushes[earlier.pushes + j * columns..][..count * columns].chunks_exact(columns);
+                        mine.zip(other).for_each(|(mine, other)| sum += mine[r][0].dot(&other[c][1]));
                     }
+                    *self.matrix.entry(later.first + r, earlier.first + c) += sum;
                 }
             }
         }

@@ -19,11 +19,18 @@ pub(super) struct Group {
     pub(super) pushes: usize,
 }
 
-/// Two groups that meet, and the places on both ways where they do.
+/// Two groups that meet, and the runs of both ways that they share.
 #[derive(Debug, Clone)]
 pub(super) struct Meeting {
     pub(super) groups: [usize; 2],
     pub(super) common: Range<usize>,
+}
+
+/// Parts that two ways share without a gap: the place of the first one on each way, and how many.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run {
+    pub(super) places: [usize; 2],
+    pub(super) count: usize,
 }
 
 /// Structure and order of one system of rows.
@@ -32,8 +39,8 @@ pub(super) struct Plan {
     pub(super) groups: Vec<Group>,
     /// Every pair of groups that meet, the later one first; a group meets itself.
     pub(super) meetings: Vec<Meeting>,
-    /// Places of the parts on the ways of both groups of a meeting.
-    pub(super) common: Vec<[u32; 2]>,
+    /// What the ways of both groups of a meeting share.
+    pub(super) common: Vec<Run>,
     /// Number of unknowns.
     pub(super) unknowns: usize,
     /// Number of pushes.
@@ -43,36 +50,46 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// The plan for `rows_of` each element; `ways` are the links from the ends to the root, tips first, and `parts` how many
-    /// pushes there are at each link.
-    pub(super) fn new(rows_of: Vec<Vec<usize>>, ways: &[Vec<usize>], parts: &[usize]) -> Self {
+    /// The plan for `rows_of` each element; `ways` are the links from the ends to the root, tips first, `parts` how many
+    /// pushes there are at each link, and `grounded` says which links are fixed to the ground. Ways that share a link share the
+    /// one on the ground, too.
+    pub(super) fn new(rows_of: Vec<Vec<usize>>, ways: &[Vec<usize>], parts: &[usize], grounded: &[bool]) -> Self {
         let with_rows: Vec<usize> = (0..ways.len()).filter(|element| !rows_of[*element].is_empty()).collect();
-        let order = reordered(&with_rows, ways);
+        let on_ground = |way: &Vec<usize>| way.iter().copied().filter(|link| grounded[*link]).collect::<Vec<usize>>();
+        let roots: Vec<Vec<usize>> = ways.iter().map(on_ground).collect();
+        let places: Vec<Vec<usize>> = ways.iter().map(|way| places(way, parts)).collect();
+        let order = reordered(&with_rows, &roots);
         let mut plan = Self::default();
         for element in order {
             let rows = rows_of[element].clone();
             let group = Group { element, first: plan.unknowns, pushes: plan.pushes, rows };
             plan.unknowns += group.rows.len();
-            plan.pushes += group.rows.len() * ways[element].iter().map(|link| parts[*link]).sum::<usize>();
+            plan.pushes += group.rows.len() * places[element][ways[element].len()];
             plan.groups.push(group);
         }
         let mut at_link: Vec<Vec<usize>> = Vec::new();
         let mut seen = vec![false; plan.groups.len()];
         for later in 0..plan.groups.len() {
-            let way = &ways[plan.groups[later].element];
-            let mut earlier = distinct(way.iter().filter_map(|link| at_link.get(*link)).flatten(), &mut seen);
+            let element = plan.groups[later].element;
+            let roots = &roots[element];
+            let mut earlier = distinct(roots.iter().filter_map(|link| at_link.get(*link)).flatten(), &mut seen);
             earlier.sort_unstable();
             earlier.iter().for_each(|group| seen[*group] = false);
             earlier.push(later);
             let mut first_column = plan.groups[later].first;
             for other in earlier {
                 let start = plan.common.len();
-                meet([way, &ways[plan.groups[other].element]], parts, &mut plan.common);
+                let both = [element, plan.groups[other].element];
+                meet(
+                    both.map(|element| &ways[element][..]),
+                    both.map(|element| &places[element][..]),
+                    &mut plan.common,
+                );
                 plan.meetings.push(Meeting { groups: [later, other], common: start..plan.common.len() });
                 first_column = first_column.min(plan.groups[other].first);
             }
             plan.first_columns.extend(vec![first_column; plan.groups[later].rows.len()]);
-            for link in way {
+            for link in roots {
                 if at_link.len() <= *link {
                     at_link.resize(link + 1, Vec::new());
                 }
@@ -98,40 +115,48 @@ fn distinct<'a>(indices: impl Iterator<Item = &'a usize>, seen: &mut [bool]) -> 
     indices.copied().filter(|index| !std::mem::replace(&mut seen[*index], true)).collect()
 }
 
-/// The places of the parts that two ways, both from tips to root, have in common.
-fn meet([one, other]: [&[usize]; 2], parts: &[usize], common: &mut Vec<[u32; 2]>) {
-    let (mut one, mut other) = (one.iter().peekable(), other.iter().peekable());
+/// Of every link of a way the place of its first part on it; then the number of all parts.
+fn places(way: &[usize], parts: &[usize]) -> Vec<usize> {
+    let mut next = 0;
+    let mut places = vec![0];
+    places.extend(way.iter().map(|link| {
+        next += parts[*link];
+        next
+    }));
+    places
+}
+
+/// What two ways, both from tips to root, share: links that come later have lower indices.
+fn meet([one, other]: [&[usize]; 2], [here, there]: [&[usize]; 2], common: &mut Vec<Run>) {
     let (mut i, mut j) = (0, 0);
-    while let (Some(a), Some(b)) = (one.peek(), other.peek()) {
-        let (here, there) = (parts[**a], parts[**b]);
-        if a == b {
-            common.extend((0..here).map(|part| [(i + part) as u32, (j + part) as u32]));
+    while i < one.len() && j < other.len() {
+        if one[i] != other[j] {
+            i += one[i..].partition_point(|link| *link > other[j]);
+            j += one.get(i).map_or(0, |at| other[j..].partition_point(|link| link > at));
+            continue;
         }
-        // Tips first: a link that comes later has a lower index.
-        let (next, after) = (a >= b, b >= a);
-        if next {
-            one.next();
-            i += here;
+        let first = [i, j];
+        while i < one.len() && j < other.len() && one[i] == other[j] {
+            (i, j) = (i + 1, j + 1);
         }
-        if after {
-            other.next();
-            j += there;
-        }
+        let places = [here[first[0]], there[first[1]]];
+        common.push(Run { places, count: here[i] - places[0] });
     }
 }
 
-/// Elements by the reversed rule of Cuthill and McKee: breadth first from one with few neighbours.
-fn reordered(elements: &[usize], ways: &[Vec<usize>]) -> Vec<usize> {
-    let links = elements.iter().flat_map(|e| &ways[*e]).max().map_or(0, |link| link + 1);
+/// Elements by the reversed rule of Cuthill and McKee: breadth first from one with few neighbours. Those with a link on the
+/// ground in common, `roots`, are neighbours.
+fn reordered(elements: &[usize], roots: &[Vec<usize>]) -> Vec<usize> {
+    let links = elements.iter().flat_map(|e| &roots[*e]).max().map_or(0, |link| link + 1);
     let mut at_link: Vec<Vec<usize>> = vec![Vec::new(); links];
     for (index, element) in elements.iter().enumerate() {
-        ways[*element].iter().for_each(|link| at_link[*link].push(index));
+        roots[*element].iter().for_each(|link| at_link[*link].push(index));
     }
     let mut seen = vec![false; elements.len()];
     let neighbours: Vec<Vec<usize>> = elements
         .iter()
         .map(|element| {
-            let mut all = distinct(ways[*element].iter().flat_map(|link| &at_link[*link]), &mut seen);
+            let mut all = distinct(roots[*element].iter().flat_map(|link| &at_link[*link]), &mut seen);
             all.iter().for_each(|index| seen[*index] = false);
             all.sort_unstable();
             all
@@ -170,9 +195,22 @@ mod tests {
         let loops = 12;
         let shuffled: Vec<usize> = (0..loops).map(|i| (7 * i) % loops).collect();
         let ways: Vec<Vec<usize>> = shuffled.iter().map(|i| vec![2 * i + 3, 2 * i + 2, 2 * i + 1]).collect();
-        let plan = Plan::new(vec![vec![0, 1]; loops], &ways, &vec![1; 2 * loops + 2]);
+        // None of them goes down to the ground: every link may be where ways meet.
+        let plan = Plan::new(vec![vec![0, 1]; loops], &ways, &vec![1; 2 * loops + 2], &vec![true; 2 * loops + 2]);
         for (row, first) in plan.first_columns.iter().enumerate() {
             assert!(row - first <= 3, "row {row} starts at {first}");
         }
+    }
+
+    /// Two ways over two branches each share what lies below the tips of both, branch by branch; a link of two parts takes two
+    /// places.
+    #[test]
+    fn ways_share_runs() {
+        let (parts, ways) = ([1, 1, 2, 1, 1, 1, 1, 1], [vec![7, 6, 3, 2, 1], vec![6, 5, 4, 2, 1]]);
+        let places = [places(&ways[0], &parts), places(&ways[1], &parts)];
+        let mut common = Vec::new();
+        meet([&ways[0], &ways[1]], [&places[0], &places[1]], &mut common);
+        let common: Vec<_> = common.iter().map(|run| (run.places, run.count)).collect();
+        assert_eq!(common, [([1, 0], 1), ([3, 3], 3)]);
     }
 }

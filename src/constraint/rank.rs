@@ -108,7 +108,7 @@ impl Constraints {
     }
 
     /// Of every element the velocities of the hinges between its ends, ascending.
-    fn between_ends(&self, model: &Model) -> Vec<Vec<usize>> {
+    pub(super) fn between_ends(&self, model: &Model) -> Vec<Vec<usize>> {
         let velocities = |link: usize| {
             let link = &model.links[link];
             link.velocity..link.velocity + link.joint.counts().1
@@ -119,19 +119,6 @@ impl Constraints {
             inner
         };
         self.elements.iter().map(of).collect()
-    }
-
-    /// Velocities and entries of every row that is solved for, as placed last; those of hinges between its ends, the others
-    /// carry nothing of it.
-    pub(crate) fn sparse_rows(&mut self, model: &Model, motion: &Motion) -> Vec<Vec<(usize, f64)>> {
-        let (inner, mut rows) = (self.between_ends(model), vec![Vec::new(); self.rank()]);
-        let of_row: Vec<usize> = self.plan.groups.iter().flat_map(|g| g.rows.iter().map(|_| g.element)).collect();
-        self.gradient(model, motion, |row, velocity, entry| {
-            if inner[of_row[row]].binary_search(&velocity).is_ok() {
-                rows[row].push((velocity, entry));
-            }
-        });
-        rows
     }
 
     /// Eq. (1): velocities and entries of every row that is solved for; none of one whose square is below [`DEPENDENT`] times

@@ -323,7 +323,7 @@ impl Evaluated<'_> {
     pub fn constraint_rows(&mut self) -> SparseRows {
         let Some(constrained) = &mut self.system.constraints else { return SparseRows::default() };
         constrained.rows.place(&self.system.model, &self.system.motion, self.q, false);
-        SparseRows::of(constrained.rows.sparse_rows(&self.system.model, &self.system.motion))
+        constrained.rows.sparse_rows(&self.system.model, &self.system.motion)
     }
 
     /// Of all multipliers that balance a state as the last ones do, takes the smallest for residuals, reactions and loops

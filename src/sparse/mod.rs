@@ -3,15 +3,18 @@
 
 mod cholesky;
 mod general;
+mod gram;
+mod products;
 mod rank;
 mod rows;
 mod triangular;
 
 pub(crate) use cholesky::Cholesky;
 pub(crate) use general::General;
+pub use gram::Gram;
+pub(crate) use products::products;
 pub(crate) use rank::{kernel, rank};
-pub(crate) use rows::products;
-pub use rows::{Gram, SparseRows};
+pub use rows::SparseRows;
 
 use faer::sparse::SymbolicSparseColMatRef;
 
