@@ -21,7 +21,7 @@ impl TangentMatrix {
     }
 
     /// Rows and columns in the order in which columns and pairs come to them.
-    fn walk(&self, n: usize) -> (Vec<usize>, Vec<[usize; 2]>, Vec<[usize; 2]>) {
+    fn walk(&self, n: usize) -> (Vec<usize>, Vec<[u32; 2]>, Vec<[u32; 2]>) {
         let (mut inboard, mut starts, mut across) = (Vec::new(), vec![0; n + 1], Vec::new());
         for link in 1..self.plan.len() {
             let (first, count) = self.coordinates[link];
@@ -29,7 +29,7 @@ impl TangentMatrix {
                 let mut at = link;
                 while at != 0 {
                     let (first, count) = self.coordinates[at];
-                    inboard.extend((first..first + count).map(|i| [i, j]));
+                    inboard.extend((first..first + count).map(|i| [i as u32, j as u32]));
                     at = self.parent(at);
                 }
                 starts[j + 1] = inboard.len();
@@ -41,7 +41,7 @@ impl TangentMatrix {
                 for j in self.of_link(b) {
                     let mut a = pair.feels;
                     while a != *link {
-                        across.extend(self.of_link(a).map(|i| [i, j]));
+                        across.extend(self.of_link(a).map(|i| [i as u32, j as u32]));
                         a = self.parent(a);
                     }
                 }
@@ -51,26 +51,40 @@ impl TangentMatrix {
         (starts, inboard, across)
     }
 
+    /// The pattern, and the place of every entry that columns and pairs come to: these are many more than there are places
+    /// where pairs couple long branches, so they are sorted by columns alone.
     pub(super) fn find_pattern(&mut self, n: usize) {
         let (starts, inboard, across) = self.walk(n);
-        let mut columns: Vec<Vec<usize>> = vec![Vec::new(); n];
-        for [i, j] in inboard.iter().chain(&across) {
-            columns[*i.max(j)].push(*i.min(j));
+        let entries = || inboard.iter().chain(&across).map(|[i, j]| (i.min(j), i.max(j), i > j));
+        let mut begins = vec![0; n + 1];
+        entries().for_each(|(_, column, _)| begins[*column as usize + 1] += 1);
+        (0..n).for_each(|j| begins[j + 1] += begins[j]);
+        let (mut next, mut by_column) = (begins.clone(), vec![(0_u32, 0_u32, false); inboard.len() + across.len()]);
+        for (index, (row, column, below)) in entries().enumerate() {
+            let at = &mut next[*column as usize];
+            by_column[*at] = (index as u32, *row, below);
+            *at += 1;
         }
+        let (mut seen, mut place_of) = (vec![usize::MAX; n], vec![0; n]);
+        let mut places = vec![0; by_column.len()];
         self.starts.push(0);
-        for column in &mut columns {
-            column.sort_unstable();
-            column.dedup();
-            self.rows.extend_from_slice(column);
+        for column in 0..n {
+            let (own, first) = (&by_column[begins[column]..begins[column + 1]], self.rows.len());
+            for row in own.iter().map(|(_, row, _)| *row as usize) {
+                if std::mem::replace(&mut seen[row], column) != column {
+                    self.rows.push(row);
+                }
+            }
+            self.rows[first..].sort_unstable();
+            self.rows[first..].iter().enumerate().for_each(|(k, row)| place_of[*row] = first + k);
+            for (index, row, below) in own {
+                places[*index as usize] =
+                    u32::try_from(2 * place_of[*row as usize] + usize::from(*below)).unwrap_or(u32::MAX);
+            }
             self.starts.push(self.rows.len());
         }
-        let place = |[i, j]: &[usize; 2]| {
-            let (row, column) = (*i.min(j), *i.max(j));
-            let before = columns[column].partition_point(|other| *other < row);
-            u32::try_from(2 * (self.starts[column] + before) + usize::from(i > j)).unwrap_or(u32::MAX)
-        };
-        self.inboard = inboard.iter().map(place).collect();
-        self.across = across.iter().map(place).collect();
+        self.across = places.split_off(inboard.len());
+        self.inboard = places;
         self.inboard_starts = starts;
         self.upper = vec![0.0; self.rows.len()];
         self.lower = vec![0.0; self.rows.len()];
