@@ -3,7 +3,7 @@
 use super::samples::{self, Rows};
 use super::text::{count, number, small};
 use super::{Exit, output};
-use crate::record::{OwnedSample, RecordError, Recording, Samples, Table};
+use crate::record::{OwnedSample, RecordError, Recording, Table};
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
@@ -200,39 +200,14 @@ fn compare(
     Ok((differences, missing, times))
 }
 
-/// Samples whose times are numbers that increase, so that those of two recordings can be paired.
-struct Timed<'r> {
-    recording: &'r Recording,
-    samples: Samples,
-    last: f64,
-}
-
-impl<'r> Timed<'r> {
-    fn new(recording: &'r Recording) -> Result<Self, RecordError> {
-        Ok(Self { recording, samples: recording.samples()?, last: f64::NEG_INFINITY })
-    }
-
-    fn next(&mut self) -> Result<Option<OwnedSample>, RecordError> {
-        let sample = self.samples.next().transpose()?;
-        if let Some(time) = sample.as_ref().map(|sample| sample.time) {
-            if !(time >= self.last && time.is_finite()) {
-                let what = format!("a sample at {time} s comes after one at {} s", self.last);
-                return Err(RecordError::Damaged { path: self.recording.path.clone(), what });
-            }
-            self.last = time;
-        }
-        Ok(sample)
-    }
-}
-
 /// Calls `take` with the samples of both that belong to one time (to the nanosecond of the file).
 fn pair_samples(
     recordings: &[Recording; 2],
     mut take: impl FnMut(&OwnedSample, &OwnedSample),
 ) -> Result<Times, RecordError> {
     let nanoseconds = |sample: &OwnedSample| (sample.time * 1e9).round() as i64;
-    let [mut first, mut second] = [Timed::new(&recordings[0])?, Timed::new(&recordings[1])?];
-    let (mut a, mut b) = (first.next()?, second.next()?);
+    let [mut first, mut second] = [recordings[0].samples()?, recordings[1].samples()?];
+    let (mut a, mut b) = (first.next().transpose()?, second.next().transpose()?);
     let mut times = Times::default();
     loop {
         match (&a, &b) {
@@ -240,15 +215,15 @@ fn pair_samples(
             (Some(one), Some(other)) if nanoseconds(one) == nanoseconds(other) => {
                 take(one, other);
                 times.common += 1;
-                (a, b) = (first.next()?, second.next()?);
+                (a, b) = (first.next().transpose()?, second.next().transpose()?);
             }
             (Some(one), other) if other.as_ref().is_none_or(|other| one.time < other.time) => {
                 times.only_first += 1;
-                a = first.next()?;
+                a = first.next().transpose()?;
             }
             _ => {
                 times.only_second += 1;
-                b = second.next()?;
+                b = second.next().transpose()?;
             }
         }
     }

@@ -246,6 +246,11 @@ impl System {
         &self.model
     }
 
+    /// Whether some links carry bodies a thousand times heavier, or more: the residual of their balance is far more than what moves the links.
+    pub fn has_outweighed_links(&self) -> bool {
+        self.balance.is_outweighed()
+    }
+
     /// What follows from positions and velocities at a time (s), with everything of the model acting; stops and sliding friction of
     /// hinges push in the phase of a run alone, at first none does. Positions are `position_count` numbers, velocities `velocity_count`. Costs one outward sweep.
     pub fn at<'a>(&'a mut self, time: f64, q: &'a [f64], v: &'a [f64]) -> Evaluated<'a> {

@@ -54,6 +54,12 @@ pub trait ImplicitProblem: Problem {
     /// # Errors
     /// If a number is not finite.
     fn residual(&mut self, time: f64, q: &[f64], v: &[f64], a: &[f64], r: &mut [f64]) -> Result<(), Failure>;
+    /// Whether a step whose Newton iteration fails is tried again with a tangent at the place of each correction before it is
+    /// shortened: where residuals of some rows are 10⁸ times those of others, the tangent of a place that is turned by 10⁻⁵ takes
+    /// parts of the former for the latter.
+    fn asks_for_care(&self) -> bool {
+        false
+    }
     /// Makes room for a factorization; asked once, when a method starts.
     fn reserve(&mut self);
     /// Factorizes `c₂ ∂r/∂a + c₁ ∂r/∂v + ∂r/∂q` at this point (`∂q` in velocity coordinates).

@@ -1,7 +1,7 @@
 //! Inverse dynamics: the hinge forces that given accelerations would need, and the reactions that go with them.
 
 use super::flexible::RodBalance;
-use super::plan::has_light_links;
+use super::plan::{has_light_links, has_outweighed_links};
 use super::{LinkAcceleration, accelerate, inboard, lever};
 use crate::model::{Joint, Model};
 use crate::motion::Motion;
@@ -20,6 +20,8 @@ pub struct Balance {
     pub rods: Vec<RodBalance>,
     /// Whether some links carry bodies that are far heavier.
     is_light: bool,
+    /// Whether some carry bodies that are a thousand times heavier, or more.
+    is_outweighed: bool,
     /// Second rates of the coordinates of modal bodies.
     pub modals: Vec<Vec<f64>>,
 }
@@ -33,8 +35,14 @@ impl Balance {
             reactions: Pages::filled(Wrench::ZERO, n),
             rods: model.rods.iter().map(RodBalance::new).collect(),
             is_light: has_light_links(model),
+            is_outweighed: has_outweighed_links(model),
             modals: model.modals.iter().map(|modal| vec![0.0; modal.modal.count()]).collect(),
         }
+    }
+
+    /// Whether some links carry bodies that are a thousand times heavier, or more.
+    pub fn is_outweighed(&self) -> bool {
+        self.is_outweighed
     }
 
     /// Root → tips by eq. (2), tips → root by eq. (1); `residual ← Hᵀ f + A q̈ − τ`, which vanishes for the true

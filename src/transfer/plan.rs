@@ -71,10 +71,12 @@ pub(super) enum To {
 
 /// A pivot below this part of what the heaviest body outboard would resist at the end of the link lost five digits or more.
 const LIGHT: f64 = 1e-5;
+/// With a pivot below this part of it the residual of what the link carries may drown that of the link.
+const OUTWEIGHED: f64 = 1e-3;
 
 /// [`Place::least`] of all links. What their hinges leave of a chain is no heavier than its heaviest body: bodies are compared one
-/// by one, and not with all that hangs on them.
-fn least_pivots(model: &Model) -> Vec<f64> {
+/// by one, and not with all that hangs on them. Above 0 for links whose own part is below `part`.
+fn least_pivots(model: &Model, part: f64) -> Vec<f64> {
     let count = model.links.len();
     // Of all bodies outboard the largest mass and moment of inertia about a root marker, of the children the largest distance.
     let (mut mass, mut moment, mut arm) = (vec![0.0_f64; count], vec![0.0_f64; count], vec![0.0_f64; count]);
@@ -87,8 +89,8 @@ fn least_pivots(model: &Model) -> Vec<f64> {
             true => (own.mass, mass[index]),
             false => (own.inertia.trace(), moment[index] + mass[index] * arm[index] * arm[index]),
         };
-        if resists < LIGHT * carried {
-            least[index] = LIGHT * carried;
+        if resists < part * carried {
+            least[index] = part * carried;
         }
         let parent = link.parent;
         mass[parent] = mass[parent].max(mass[index]).max(link.mass);
@@ -100,7 +102,12 @@ fn least_pivots(model: &Model) -> Vec<f64> {
 
 /// Whether links carry bodies so much heavier that pivots may lose five digits or more.
 pub(super) fn has_light_links(model: &Model) -> bool {
-    least_pivots(model).iter().any(|least| *least > 0.0)
+    least_pivots(model, LIGHT).iter().any(|least| *least > 0.0)
+}
+
+/// Whether links carry bodies so much heavier that an implicit step's Newton iteration may take what those need for what the links do.
+pub(super) fn has_outweighed_links(model: &Model) -> bool {
+    least_pivots(model, OUTWEIGHED).iter().any(|least| *least > 0.0)
 }
 
 /// Of a hinge of several links it is the last one's body.
@@ -121,7 +128,7 @@ fn element_of(joint: &Joint) -> Option<usize> {
 pub(super) fn plan(model: &Model) -> (Pages<Place>, usize, usize) {
     let (mut joins, mut balls) = (0, 0);
     let mut plan: Vec<Place> = Vec::with_capacity(model.links.len());
-    let least = least_pivots(model);
+    let least = least_pivots(model, LIGHT);
     for (index, link) in model.links.iter().enumerate() {
         let is_leaf = link.subtree_end == index + 1;
         // In depth-first order the first child comes right after its parent.

@@ -29,6 +29,7 @@ mod hinge;
 mod matrix;
 mod modal;
 mod parts;
+mod pivots;
 mod rod;
 mod weight;
 
@@ -47,6 +48,7 @@ use hinge::{Around, Left, Three, Way};
 use modal::ModalTangent;
 use nalgebra::{Matrix3, Vector3};
 use parts::{ACCELERATIONS, Carried, PLACES, RATES, Varied};
+use pivots::Pivots;
 use rod::RodTangent;
 use std::ops::Range;
 use weight::Weight;
@@ -392,9 +394,13 @@ impl Tangent {
                 }
                 Kind::Ball => {
                     let ball = &mut self.balls[place.ball as usize];
-                    ball.u = Quad::of(&(ball.turn * Vector3::new(x[first], x[first + 1], x[first + 2]))) - moment;
-                    let step = ball.inverse.times(&ball.u.vector()).vector();
-                    (force, moment) = (ball.w.force.times_add(&step, force), ball.w.moment.times_add(&step, moment));
+                    if let Some(pivots) = &ball.pivots {
+                        let given = Quad::of(&(ball.turn * Vector3::new(x[first], x[first + 1], x[first + 2])));
+                        ball.u = pivots.forward(given - moment);
+                        let step = ball.u.vector();
+                        // e + w D⁻¹ u = rhs − (D − w) D⁻¹ u
+                        (force, moment) = (ball.force.times_add(&step, force), given - ball.kept.times(&step));
+                    }
                 }
                 Kind::Flex => (force, moment) = self.rods[place.ball as usize].load(&x[first..], (force, moment)),
                 Kind::Interface => {
@@ -431,7 +437,8 @@ impl Tangent {
                 }
                 Kind::Ball => {
                     let ball = &self.balls[place.ball as usize];
-                    let phi = ball.inverse.times(&(ball.u - ball.seen::<PARTS>(&z)).vector());
+                    let left = |pivots: &Pivots| pivots.backward(ball.u - ball.seen::<PARTS>(&z));
+                    let phi = ball.pivots.as_ref().map_or(Quad::default(), left);
                     x[first..first + 3].copy_from_slice(ball.turn.tr_mul(&phi.vector()).as_slice());
                     ball.turn_by(&mut z, phi);
                 }

@@ -1,6 +1,7 @@
 //! Dry friction of hinges in motion: closed forms, and random scenes against time stepping with impulses, which knows nothing of
 //! events.
 
+mod geared;
 mod stepping;
 
 use std::f64::consts::PI;

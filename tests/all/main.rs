@@ -32,6 +32,7 @@ mod formulas;
 mod friction;
 mod guides;
 mod halves;
+mod heavy;
 mod hinges;
 mod identities;
 mod import;

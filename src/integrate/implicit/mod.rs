@@ -1,5 +1,6 @@
 //! The step of an adaptive implicit method: tries, and what follows from each.
 
+pub(crate) mod care;
 pub(crate) mod collocation;
 pub(crate) mod contraction;
 pub(crate) mod filter;

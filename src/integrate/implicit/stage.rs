@@ -24,6 +24,7 @@
 //! contraction of the stages before it in the same step.
 
 use crate::integrate::{
+    implicit::care::Care,
     implicit::contraction::{Accuracy, Iteration},
     implicit::tangent::{Shift, TangentCache},
     problem::{ImplicitProblem, Point},
@@ -51,6 +52,7 @@ pub(crate) struct Newton {
     /// Corrections that stall below this are rounding, in tolerances.
     stalled: f64,
     tangent: TangentCache,
+    care: Care,
     /// Contraction last seen in this step.
     contraction: Option<f64>,
     /// Residual, then correction; in velocity coordinates.
@@ -73,9 +75,11 @@ pub(crate) struct Stage<'a> {
 }
 
 impl Newton {
-    /// For steps that are `fixed` or not.
-    pub(crate) fn new(fixed: bool, velocity_count: usize, state_count: usize) -> Self {
+    /// For steps of a problem that are `fixed` or not, from a start with this `rate`.
+    pub(crate) fn new<P: ImplicitProblem>(problem: &P, fixed: bool, rate: &[f64]) -> Self {
+        let (velocity_count, state_count) = (rate.len() - problem.position_count(), rate.len());
         Self {
+            care: Care::of(problem),
             stalled: STALLED_PARTS[usize::from(fixed)],
             tangent: TangentCache::default(),
             contraction: None,
@@ -100,15 +104,16 @@ impl Newton {
         self.tangent.renew(problem, point, Shift { step, c1, c2: c1 * c1 }, statistics)
     }
 
-    /// The step is accepted: the tangent is no longer of the start of the next one.
-    pub(crate) fn advance(&mut self) {
+    /// The step of this length (s) is accepted: the tangent is no longer of the start of the next one.
+    pub(crate) fn advance(&mut self, step: f64, statistics: &Statistics) {
         self.tangent.advance();
+        self.care.advance(step, statistics);
         self.contraction = None;
     }
 
-    /// Gives up the tangent if it is old; false if it is of this very step, so that a new one would not help.
-    pub(crate) fn discard_old(&mut self) -> bool {
-        self.tangent.discard_old()
+    /// Gives up the tangent if it is old, or takes more of them if the problem asks for that; false if neither would help.
+    pub(crate) fn discard_old(&mut self, statistics: &Statistics) -> bool {
+        self.tangent.discard_old() || self.care.take_if_asked(statistics)
     }
 
     /// Solves a stage: `acceleration` holds the guess and then the solution, `state` the stage's `(q, v)`.
@@ -124,7 +129,8 @@ impl Newton {
         acceleration: &mut [f64],
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
-        let Shift { c1, c2, .. } = self.tangent.shift()?;
+        let shift = self.tangent.shift()?;
+        let Shift { c1, c2, .. } = shift;
         let fraction = norm.tolerance().sqrt().min(LARGEST_FRACTION);
         place(problem, stage, acceleration, state);
         let rounding = ROUNDINGS * norm.rounding(state);
@@ -134,6 +140,10 @@ impl Newton {
         let prior = self.contraction.map(|contraction| contraction.powf(TRUST));
         let mut iteration = Iteration::new(accuracy, MAX_ITERATIONS).expecting(prior);
         loop {
+            if self.care.is_taken() {
+                let (q, v) = state.split_at(problem.position_count());
+                self.tangent.renew(problem, Point { time: stage.time, q, v, a: acceleration }, shift, statistics)?;
+            }
             correct(problem, stage.time, state, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
             displace(problem, state, &self.correction, c1, &mut self.displacement);

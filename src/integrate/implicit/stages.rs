@@ -22,8 +22,8 @@
 //! sweeps). It is kept while it serves, and where it costs half a sweep more than a new one would it is renewed at once:
 //! that takes a third of one or less. If it did not even serve the step after its own, sixteen steps renew it without trying.
 //!
-//! A step that may not be shortened, and that one tangent does not carry to its end, is tried again with a tangent at each
-//! stage in each sweep.
+//! A step that may not be shortened, or whose problem asks for care (see `care.rs`), and that one tangent does not carry to its end, is
+//! tried again with a tangent at each stage in each sweep.
 //!
 //! **Stiff systems**: a step that is still slow after some sweeps goes on with the other `L` of `splitting.rs`, and so do the
 //! next 64. The tangent stays: both have the same `γ`.
@@ -31,6 +31,7 @@
 //! **Stopping**: by the largest change of a stage in an iteration (see `contraction.rs`).
 
 use crate::integrate::{
+    implicit::care::Care,
     implicit::collocation::Collocation,
     implicit::contraction::{Accuracy, Iteration},
     implicit::history::History,
@@ -97,8 +98,7 @@ pub(crate) struct Stages {
     best: f64,
     /// Steps that are to renew it unasked.
     renewals: u32,
-    /// Whether every correction takes a tangent of its own.
-    careful: bool,
+    care: Care,
 }
 
 /// Which sweep over the stages it is.
@@ -141,7 +141,7 @@ impl Stages {
             tangent: TangentCache::default(),
             best: 1.0,
             renewals: 0,
-            careful: false,
+            care: Care::of(problem),
             method,
         }
     }
@@ -181,7 +181,7 @@ impl Stages {
             if self.stiff.is_none() && iteration.is_slow(SLOW) {
                 self.stiff = Some(STIFF);
             }
-            if !self.careful && !self.serves(&iteration) && !done {
+            if !self.care.is_taken() && !self.serves(&iteration) && !done {
                 let stage = s / 2;
                 self.before.copy_from_slice(&self.states[stage]);
                 self.renew(problem, (time, stage), step, statistics)?;
@@ -195,11 +195,11 @@ impl Stages {
     }
 
     /// The step is accepted: its rates are those to predict from, its tangent is old.
-    pub(crate) fn advance(&mut self, step: f64) {
+    pub(crate) fn advance(&mut self, step: f64, statistics: &Statistics) {
         let s = self.method.stages();
         self.history.advance(step, &self.method.nodes, &mut self.rates[..s]);
         self.stiff = self.stiff.and_then(|steps| steps.checked_sub(1));
-        self.careful = false;
+        self.care.advance(step, statistics);
         self.tangent.advance();
     }
 
@@ -209,14 +209,14 @@ impl Stages {
         StepStages { nodes, states: &self.states, weights, nested, position_count }
     }
 
-    /// Gives up the tangent where it is old; false if it is of this very step.
-    pub(crate) fn discard_old(&mut self) -> bool {
-        self.tangent.discard_old()
+    /// Gives up the tangent where it is old, or takes more of them if the problem asks for that; false if neither would help.
+    pub(crate) fn discard_old(&mut self, statistics: &Statistics) -> bool {
+        self.tangent.discard_old() || self.care.take_if_asked(statistics)
     }
 
     /// Tries the step again with a tangent for each correction; false if that was tried.
-    pub(crate) fn take_care(&mut self) -> bool {
-        !std::mem::replace(&mut self.careful, true)
+    pub(crate) fn take_care(&mut self, statistics: &Statistics) -> bool {
+        self.care.take(statistics)
     }
 
     /// The rates of all stages but the first `found`, from the past and from those.
@@ -302,7 +302,7 @@ impl Stages {
         statistics: &mut Statistics,
     ) -> Result<(), Limit> {
         let (s, position_count) = (self.method.stages(), problem.position_count());
-        if self.careful {
+        if self.care.is_taken() {
             self.renew_at(problem, (time, start), step, (i, pass), statistics)?;
         }
         combine(&mut self.known, start, step, weights(&self.rows, self.stiff, (i, pass)), &self.rates);

@@ -117,7 +117,8 @@ impl<P: ImplicitProblem> Stepper<P> for Gauss {
         let trial = self.control.propose(&self.progress)?;
         while let Err(limit) = self.attempt(problem, trial) {
             // Old tangents are to blame first.
-            if !self.stages.discard_old() && !self.stages.take_care() {
+            let statistics = &self.progress.statistics;
+            if !self.stages.discard_old(statistics) && !self.stages.take_care(statistics) {
                 return self.control.fail(trial, limit, &self.progress);
             }
         }
@@ -125,7 +126,7 @@ impl<P: ImplicitProblem> Stepper<P> for Gauss {
         dense.nested(trial.step, [state, &self.next], &self.stages.method.nested, &self.stages.rates);
         dense.follow_velocities(problem, trial.step, [state, &self.next], *position_count);
         self.control.accept(trial, 0.0, statistics.steps == 0);
-        self.stages.advance(trial.step);
+        self.stages.advance(trial.step, &self.progress.statistics);
         std::mem::swap(&mut self.lost, &mut self.next_lost);
         self.progress.advance(trial.time, &mut self.next);
         Ok(())

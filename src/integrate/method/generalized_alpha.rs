@@ -39,6 +39,7 @@
 
 use crate::integrate::{
     implicit::Implicit,
+    implicit::care::Care,
     implicit::contraction::{Accuracy, Iteration},
     implicit::stage::correct,
     implicit::tangent::{Shift, TangentCache},
@@ -87,6 +88,7 @@ pub struct GeneralizedAlpha {
     /// Accelerations with an error added, for the filter.
     displaced: Vec<f64>,
     tangent: TangentCache,
+    care: Care,
 }
 
 /// α_m, α_f, β, γ.
@@ -136,6 +138,7 @@ impl GeneralizedAlpha {
             displacement: rate.clone(),
             displaced: acceleration,
             tangent: TangentCache::default(),
+            care: Care::of(problem),
             rate,
             norm,
             progress,
@@ -144,10 +147,16 @@ impl GeneralizedAlpha {
 
     fn iterate<P: ImplicitProblem>(&mut self, problem: &mut P, trial: Trial) -> Result<(), Limit> {
         let position_count = self.progress.position_count;
-        let Shift { c1, c2, .. } = self.tangent.shift()?;
+        let shift = self.tangent.shift()?;
+        let Shift { c1, c2, .. } = shift;
         let mut iteration = Iteration::new(ACCURACY, MAX_ITERATIONS);
         loop {
             let Progress { state, statistics, .. } = &mut self.progress;
+            if self.care.is_taken() {
+                let (q, v) = self.next.split_at(position_count);
+                let at = Point { time: trial.time, q, v, a: &self.next_rate[position_count..] };
+                self.tangent.renew(problem, at, shift, statistics)?;
+            }
             let acceleration = &mut self.next_rate[position_count..];
             correct(problem, trial.time, &self.next, acceleration, &mut self.correction, statistics)?;
             statistics.newton_iterations += 1;
@@ -276,11 +285,12 @@ impl Implicit for GeneralizedAlpha {
         std::mem::swap(&mut self.rate, &mut self.next_rate);
         std::mem::swap(&mut self.delayed, &mut self.next_delayed);
         self.tangent.advance();
+        self.care.advance(trial.step, &self.progress.statistics);
         self.progress.advance(trial.time, &mut self.next);
         Ok(())
     }
 
     fn discard_old(&mut self) -> bool {
-        self.tangent.discard_old()
+        self.tangent.discard_old() || self.care.take_if_asked(&self.progress.statistics)
     }
 }

@@ -212,13 +212,14 @@ impl Implicit for Radau {
         dense.nested(trial.step, [state, &self.next], &self.stages.method.nested, &self.stages.rates);
         dense.follow_velocities(problem, trial.step, [state, &self.next], *position_count);
         self.control.accept(trial, error, statistics.steps == 0);
-        self.stages.advance(trial.step);
+        self.stages.advance(trial.step, &self.progress.statistics);
         self.progress.advance(trial.time, &mut self.next);
         Ok(())
     }
 
     fn discard_old(&mut self) -> bool {
-        self.stages.discard_old() || (self.control.is_fixed() && self.stages.take_care())
+        let statistics = &self.progress.statistics;
+        self.stages.discard_old(statistics) || (self.control.is_fixed() && self.stages.take_care(statistics))
     }
 
     fn step_stages(&self) -> Option<StepStages<'_>> {

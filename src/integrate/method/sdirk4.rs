@@ -90,7 +90,7 @@ impl Sdirk4 {
         let acceleration = rate[progress.position_count..].to_vec();
         Ok(Self {
             control: Controller::new(options, ESTIMATE_ORDER, step, &progress, ADVICE).holding_below(HOLD_BELOW),
-            newton: Newton::new(options.fixed, acceleration.len(), rate.len()),
+            newton: Newton::new(problem, options.fixed, &rate),
             predictor: Predictor::new(&acceleration),
             known: rate.clone(),
             next: rate.clone(),
@@ -161,13 +161,13 @@ impl Implicit for Sdirk4 {
         self.control.accept(trial, error, statistics.steps == 0);
         statistics.error_sum += error * self.norm.tolerance();
         self.predictor.advance(trial.step);
-        self.newton.advance();
+        self.newton.advance(trial.step, statistics);
         self.progress.advance(trial.time, &mut self.next);
         Ok(())
     }
 
     fn discard_old(&mut self) -> bool {
-        self.newton.discard_old()
+        self.newton.discard_old(&self.progress.statistics)
     }
 
     fn step_stages(&self) -> Option<StepStages<'_>> {

@@ -27,12 +27,15 @@ pub struct Samples {
     over: bool,
 }
 
-/// Makes samples of the messages that they were written as.
+/// Makes samples of the messages that they were written as, and judges them: whoever reads a recording, counts what is in it or recovers it
+/// finds the same samples damaged.
 pub(super) struct Assembly {
     topics: HashMap<u16, Topic>,
     blank: OwnedSample,
     /// The sample whose messages are coming, and their sequence number.
     begun: Option<(OwnedSample, u32)>,
+    /// Time of the last whole sample (s).
+    last: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,7 +60,7 @@ impl Assembly {
             outputs: vec![0.0; scene.outputs.len()],
             ..OwnedSample::default()
         };
-        Self { topics: HashMap::new(), blank, begun: None }
+        Self { topics: HashMap::new(), blank, begun: None, last: f64::NEG_INFINITY }
     }
 
     /// Takes note of a channel.
@@ -65,7 +68,7 @@ impl Assembly {
         self.topics.extend(topic(name).map(|topic| (id, topic)));
     }
 
-    /// Takes a message; with the last one of a sample that is whole.
+    /// Takes a message; with the last one of a sample that is whole. Times of samples are finite and do not decrease.
     pub(super) fn message(&mut self, header: &MessageHeader, data: &[u8]) -> Result<Option<OwnedSample>, String> {
         let Some(&topic) = self.topics.get(&header.channel_id) else { return Ok(None) };
         let bodies = self.blank.reactions.len();
@@ -86,7 +89,15 @@ impl Assembly {
         if topic != Topic::Frames {
             return Ok(None);
         }
-        Ok(self.begun.take().map(|(sample, _)| sample))
+        let Some((sample, _)) = self.begun.take() else { return Ok(None) };
+        if !(sample.time >= self.last && sample.time.is_finite()) {
+            return Err(match self.last == f64::NEG_INFINITY {
+                true => format!("its first sample is at {} s", sample.time),
+                false => format!("a sample at {} s comes after one at {} s", sample.time, self.last),
+            });
+        }
+        self.last = sample.time;
+        Ok(Some(sample))
     }
 
     /// Whether the last sample that was begun is whole.
@@ -94,7 +105,7 @@ impl Assembly {
         self.begun.is_none()
     }
 
-    /// Forgets what was begun.
+    /// Forgets what was begun, but not the time of the last whole sample.
     pub(super) fn reset(&mut self) {
         self.begun = None;
     }

@@ -3,6 +3,7 @@
 use super::Recording;
 use super::chunks::{Records, Stop, each_of_chunk};
 use super::reader::open;
+use super::samples::Assembly;
 use crate::record::RecordError;
 use mcap::records::Record;
 use std::collections::BTreeMap;
@@ -47,15 +48,20 @@ impl Recording {
     pub fn survey(&self) -> Result<Survey, RecordError> {
         let failed = |source| RecordError::Read { path: self.path.clone(), source };
         let (source, bytes) = open(&self.path)?;
-        let mut counted = Counted::default();
-        counted.survey.bytes = bytes;
+        let mut counted = Counted {
+            survey: Survey { bytes, ..Survey::default() },
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
+            assembly: Assembly::new(&self.scene),
+        };
         let mut records = Records::outline(source, bytes);
         loop {
             match records.next() {
                 // Its messages are counted as they lie in it.
                 Some(Ok(Record::Chunk { header, data })) => {
-                    if let Err(what) = each_of_chunk(&header, &data, &mut |record| counted.take(record)) {
-                        counted.survey.damage = Some(what);
+                    let read = each_of_chunk(&header, &data, &mut |record| counted.take(record));
+                    counted.survey.damage = counted.survey.damage.take().or(read.err());
+                    if counted.survey.damage.is_some() {
                         break;
                     }
                 }
@@ -75,11 +81,11 @@ impl Recording {
 }
 
 /// What was counted so far.
-#[derive(Default)]
 struct Counted {
     survey: Survey,
     schemas: BTreeMap<u16, String>,
     channels: BTreeMap<u16, ChannelSurvey>,
+    assembly: Assembly,
 }
 
 impl Counted {
@@ -89,6 +95,7 @@ impl Counted {
                 self.schemas.insert(header.id, header.name);
             }
             Record::Channel(channel) => {
+                self.assembly.channel(channel.id, &channel.topic);
                 // They stand once more in the summary.
                 self.channels.entry(channel.id).or_insert_with(|| ChannelSurvey {
                     topic: channel.topic,
@@ -99,7 +106,10 @@ impl Counted {
                     span: None,
                 });
             }
-            Record::Message { header, .. } => {
+            Record::Message { header, data } => {
+                if self.survey.damage.is_none() {
+                    self.survey.damage = self.assembly.message(&header, &data).err();
+                }
                 if let Some(channel) = self.channels.get_mut(&header.channel_id) {
                     channel.messages += 1;
                     let (first, last) = channel.span.unwrap_or((header.log_time, header.log_time));

@@ -71,6 +71,10 @@ impl ImplicitProblem for Motion {
         Ok(())
     }
 
+    fn asks_for_care(&self) -> bool {
+        self.contacts.is_none() && self.system.has_outweighed_links()
+    }
+
     fn reserve(&mut self) {
         let model = self.system.model();
         if self.contacts.is_some() {

@@ -168,9 +168,16 @@ impl Problem<'_> {
 
     /// Whether a row depends linearly on the free rows of a solution: it moves as they do.
     pub(in crate::simulate) fn follows(&self, solution: &Solution, row: usize) -> bool {
+        self.combination(solution, row).is_some()
+    }
+
+    /// The free rows that a row depends on linearly, each with how far the row moves as that moves by 1; `None` for a row that moves by
+    /// itself.
+    pub(in crate::simulate) fn combination(&self, solution: &Solution, row: usize) -> Option<Vec<(usize, f64)>> {
         let active = solution.rows();
-        let combination = self.combine(&active, row);
-        combination.is_some_and(|c| self.pivot(&active, &c, row) <= DEPENDENT * self.free[row])
+        let combination = self.combine(&active, row)?;
+        let depends = self.pivot(&active, &combination, row) <= DEPENDENT * self.free[row];
+        depends.then(|| active.into_iter().zip(combination).collect())
     }
 
     /// Part of a row's own entry that its combination of other rows does not give.

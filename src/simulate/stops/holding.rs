@@ -226,8 +226,7 @@ impl Instant<'_> {
             let [low, high] = rest[at].bounds;
             let bound = if found.multipliers[at] <= low { -1.0 } else { 1.0 };
             let saturated = found.multipliers[at] <= low || found.multipliers[at] >= high;
-            let moves = found.rates[at].abs() > rest[at].noise || !self.follows(rest, found, at);
-            if saturated && !found.active[at] && moves {
+            if saturated && !found.active[at] && self.moves(rest, found, at) {
                 rest[at].slides = Some(bound * slide);
                 let along = self.coordinate(rest[at].row).1 * bound;
                 self.set_rubbing(index, Rubbing::Slides(Vector3::new(along, 0.0, 0.0)));
@@ -267,14 +266,17 @@ impl Instant<'_> {
         changed
     }
 
-    /// Whether a coordinate moves as those do that are held.
-    fn follows(&self, rest: &[Rest], found: &Solution, at: usize) -> bool {
+    /// Whether a coordinate that is not held begins to move. One that depends on those that are held rests with them, to within their
+    /// round-off, of which a gear may make many times its own.
+    fn moves(&self, rest: &[Rest], found: &Solution, at: usize) -> bool {
         let rows: Vec<usize> = rest.iter().map(|one| one.row).collect();
         let (matrix, free) = self.among(&rows);
         let empty = vec![0.0; rows.len()];
         let bounds = vec![ONE_SIDED; rows.len()];
         let problem = Problem { matrix: &matrix, free: &free, rates: &empty, bounds: &bounds, tolerances: &empty };
-        problem.follows(found, at)
+        let Some(by) = problem.combination(found, at) else { return true };
+        let passed: f64 = by.into_iter().map(|(other, factor)| factor.abs() * rest[other].noise).sum();
+        found.rates[at].abs() > rest[at].noise + passed
     }
 
     /// The direction in which a spherical hinge begins to slide; `at` is its first row.

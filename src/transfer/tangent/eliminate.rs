@@ -3,6 +3,7 @@
 use super::applied::Coupling;
 use super::hinge::{Left, Three, Way};
 use super::parts::Carried;
+use super::pivots::Pivots;
 use crate::spatial::quad::{Columns, Quad};
 use crate::spatial::{Sym3, Wrench};
 use nalgebra::{Matrix3, Vector3};
@@ -81,46 +82,39 @@ pub(super) fn eliminate_ball<const PARTS: u8>(
 ) -> Result<NegativeAxes, Vector3<f64>> {
     let mut w = ball.reach::<PARTS>(S);
     let D = kappa.map(|kappa| w.moment.matrix() + kappa);
-    ball.inverse = match &D {
-        None => Columns::default(),
-        Some(D) => D
-            .try_inverse()
-            .filter(|inverse| inverse.iter().all(|x| x.is_finite()))
-            .map(|inverse| Columns::of(&inverse))
-            .ok_or_else(|| ball.turn.column(0).into_owned())?,
-    };
     let coupled = coupling.map(|coupling| Coupled::new::<PARTS>(coupling, left));
     if let Some(coupled) = &coupled {
         S.take::<PARTS>(&coupled.by_parent);
     }
+    let (Some(D), Some(kappa)) = (D, kappa) else {
+        if let Some(coupled) = &coupled {
+            S.take::<PARTS>(&coupled.on_parent);
+        }
+        ball.pivots = None;
+        return Ok(NegativeAxes::default());
+    };
+    let pivots = Pivots::of(&D).ok_or_else(|| ball.turn.column(0).into_owned())?;
     ball.row = *S;
+    ball.row.each::<PARTS>(|block| block.moment = pivots.left(&block.moment));
     // What the hinge passes on turns with the link.
     w.force = w.force.minus_cross_of(Quad::of(&f.force));
-    w.moment = w.moment.minus_cross_of(Quad::of(&f.moment));
-    match (&coupled, kappa) {
-        (None, None) => {}
-        (None, Some(kappa)) => {
-            let by_force = w.force.by(&ball.inverse);
-            // 1 − (D − κ − [m]×) D⁻¹ = (κ + [m]×) D⁻¹: nothing at all of a ball without springs
-            let by_moment = Columns::of(&(kappa + f.moment.cross_matrix())).by(&ball.inverse);
-            S.each::<PARTS>(|block| {
-                block.force = block.force - by_force.by(&block.moment);
-                block.moment = by_moment.by(&block.moment);
-            });
-        }
-        (Some(coupled), _) => {
-            let felt = ball.reach::<PARTS>(&coupled.on_parent);
-            (w.force, w.moment) = (w.force - felt.force, w.moment - felt.moment);
-            S.take::<PARTS>(&coupled.on_parent);
-            let (by_force, by_moment) = (w.force.by(&ball.inverse), w.moment.by(&ball.inverse));
-            S.each_with::<PARTS>(&ball.row, |block, row| {
-                block.force = block.force - by_force.by(&row.moment);
-                block.moment = block.moment - by_moment.by(&row.moment);
-            });
-        }
+    // D − w, not as a difference: κ + [m]×, nothing at all of a ball without springs.
+    let mut kept = Columns::of(&(kappa + f.moment.cross_matrix()));
+    if let Some(coupled) = &coupled {
+        let felt = ball.reach::<PARTS>(&coupled.on_parent);
+        w.force = w.force - felt.force;
+        kept += felt.moment;
     }
-    ball.w = w;
-    Ok(D.map_or_else(NegativeAxes::default, |D| NegativeAxes::of(&D)))
+    let (by_force, by_moment) = (pivots.right(&w.force), pivots.right(&kept));
+    S.each_with::<PARTS>(&ball.row, |block, row| {
+        block.force = block.force - by_force.by(&row.moment);
+        block.moment = by_moment.by(&row.moment);
+    });
+    if let Some(coupled) = &coupled {
+        S.take::<PARTS>(&coupled.on_parent);
+    }
+    (ball.force, ball.kept, ball.pivots) = (by_force, by_moment, Some(pivots));
+    Ok(NegativeAxes::of(&D))
 }
 
 /// The directions in which one hinge's pivot is negative: at most three, no memory asked for.

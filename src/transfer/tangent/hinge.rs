@@ -2,6 +2,7 @@
 
 use super::At;
 use super::parts::{ACCELERATIONS, Block, Carried, PLACES, RATES, Varied};
+use super::pivots::Pivots;
 use crate::motion::LinkMotion;
 use crate::spatial::quad::{Columns, Quad};
 use crate::transfer::LinkAcceleration;
@@ -53,13 +54,17 @@ impl Way {
 pub(super) struct Three {
     /// `inertial_from_link`.
     pub(super) turn: Matrix3<f64>,
-    pub(super) w: Block,
-    /// `D⁻¹`.
-    pub(super) inverse: Columns,
+    /// `D`, factorized; `None` for a ball that is held.
+    pub(super) pivots: Option<Pivots>,
+    /// Of `w` the force part, times `Q U⁻¹`.
+    pub(super) force: Columns,
+    /// `D` less the moment part of `w`, times `Q U⁻¹`.
+    pub(super) kept: Columns,
+    /// `L⁻¹ P u`.
     pub(super) u: Quad,
     /// `h` of `δ'r̈`, `δ'ω̇` and `δ'ω`.
     pub(super) h: [Columns; 3],
-    /// Of each part of `z` the moments of `S`.
+    /// Of each part of `z` the moments of `S`, times `L⁻¹ P`.
     pub(super) row: Carried,
 }
 
@@ -180,7 +185,7 @@ impl Three {
         z.turn += phi;
     }
 
-    /// `row z`.
+    /// `L⁻¹ P row z`.
     #[inline]
     pub(super) fn seen<const PARTS: u8>(&self, z: &Varied) -> Quad {
         self.row.times::<PARTS>(z).1

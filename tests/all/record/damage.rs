@@ -1,7 +1,7 @@
 //! Files that were cut, damaged, or are something else.
 
-use super::fixture::{Motion, record};
-use stillpoint::record::{OwnedSample, RecordError, Recorder, Recording, RecordingFile};
+use super::fixture::{Motion, OUTCOME, record};
+use stillpoint::record::{Outcome, OwnedSample, RecordError, Recorder, Recording, RecordingFile};
 
 #[test]
 fn a_file_cut_anywhere_gives_a_prefix() {
@@ -144,6 +144,40 @@ fn what_is_no_recording_is_said_to_be_none() {
     assert!(error().contains("an MCAP file of another program"), "{}", error());
     let folder = Recording::open(folder.path()).expect_err("a folder").to_string();
     assert!(folder.contains("directory"), "{folder}");
+}
+
+/// A chunk whose checksums are right may hold what no run writes: everyone who reads it says so, and what is recovered has none of it.
+#[test]
+fn times_that_no_run_has_are_damage_for_everyone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let motion = Motion::double_link();
+    for (times, whole) in [
+        (&[0.0, 0.01, 0.01, 0.02][..], 4),
+        (&[0.0, 0.01, f64::NAN, 0.02], 2),
+        (&[0.0, f64::INFINITY, 0.02], 1),
+        (&[0.0, 0.02, 0.01], 2),
+        (&[f64::NAN, 0.01], 0),
+    ] {
+        let path = folder.path().join("swing.mcap");
+        let mut writer = RecordingFile::create(&path).and_then(|file| file.begin(&motion.opening())).expect("open");
+        for (count, time) in times.iter().enumerate() {
+            let sample = OwnedSample { time: *time, ..motion.at(0.01 * count as f64) };
+            writer.sample(&sample.borrow()).expect("written");
+        }
+        writer.finish(&Outcome { summary: OUTCOME.into() }).expect("finished");
+        let recording = Recording::open(&path).expect("a recording");
+        let is_whole = whole == times.len();
+        let read: Vec<_> = recording.samples().expect("opened").collect();
+        assert_eq!(read.iter().take_while(|sample| sample.is_ok()).count(), whole, "{times:?}");
+        assert_eq!(read.iter().all(Result::is_ok), is_whole, "{times:?}");
+        let damage = recording.survey().expect("counted").damage;
+        assert_eq!(damage.is_none(), is_whole, "{times:?}: {damage:?}");
+        let saved = folder.path().join("saved.mcap");
+        let recovered = recording.recover(&saved).expect("recovered");
+        assert_eq!(recovered.is_all(), is_whole, "{times:?}");
+        assert!(Recording::open(&saved).expect("a recording").survey().expect("counted").damage.is_none());
+        std::fs::remove_file(&path).expect("there");
+    }
 }
 
 fn samples(recording: &Recording) -> Vec<OwnedSample> {
