@@ -12,7 +12,7 @@
 mod local;
 mod states;
 
-use local::{Inverse, local};
+use local::{Inverse, local, pressed};
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// The law of one contact.
@@ -123,6 +123,15 @@ impl Problem {
             all.sweeps = all.sweeps.max(found.sweeps);
         }
         all
+    }
+
+    /// Whether a contact slides so that pressing harder does not lift it (Painlevé).
+    pub(crate) fn jams(&self, i: usize) -> bool {
+        let own = self.own(i);
+        match self.laws[i] {
+            Law::Sliding { friction, direction } => own[(0, 0)] > 0.0 && pressed(&own, friction, &direction).1 <= 0.0,
+            Law::Coulomb { .. } | Law::Bounded { .. } => false,
+        }
     }
 
     /// Contacts that `A` couples, directly or by others, in order.

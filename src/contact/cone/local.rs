@@ -28,8 +28,7 @@ pub(super) fn local(
     match *law {
         Law::Bounded { .. } => (Vector3::zeros(), State::Open),
         Law::Sliding { friction, direction } => {
-            let push = Vector3::new(1.0, -friction * direction.x, -friction * direction.y);
-            let resist = a.row(0).transpose().dot(&push);
+            let (push, resist) = pressed(a, friction, &direction);
             // Painlevé's: pressing harder does not lift it.
             if resist > 0.0 { (push * (-rate.x / resist), State::Slip) } else { (push * f64::INFINITY, State::Slip) }
         }
@@ -50,6 +49,12 @@ pub(super) fn local(
             (slipping(a, rate, slide, &guess), State::Slip)
         }
     }
+}
+
+/// The force of a contact that slides in a direction, by its normal part, and how fast that lifts it.
+pub(super) fn pressed(a: &Matrix3<f64>, friction: f64, direction: &Vector2<f64>) -> (Vector3<f64>, f64) {
+    let push = Vector3::new(1.0, -friction * direction.x, -friction * direction.y);
+    (push, a.row(0).transpose().dot(&push))
 }
 
 /// `A⁻¹` of one contact; of one whose motions are fewer than three (a point on a hinge) that of least norm (Moore, Penrose).

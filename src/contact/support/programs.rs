@@ -285,7 +285,7 @@ impl Scaled<'_> {
         Ok(self.without_friction(squeezed.into_iter()).grow()?.lower > 0.0)
     }
 
-    /// The same with the friction of some supports left out: tangential forces that push on nothing leave `f_n ≥ 0`.
+    /// These supports with the friction of some left out: tangential forces that push on nothing leave `f_n ≥ 0`.
     fn without_friction(&self, supports: impl Iterator<Item = usize>) -> Self {
         let (mut columns, cones, load) = (self.columns.clone(), self.cones.clone(), self.load.clone());
         for i in supports {

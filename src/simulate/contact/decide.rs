@@ -194,7 +194,9 @@ impl Contacts {
         let touching = std::mem::take(&mut self.closed);
         for sweeps in SWEEPS {
             let found = problem.solve(&forces, FOUND, sweeps);
-            if let Some(worst) = found.forces.iter().position(|f| !f.iter().all(|x| x.is_finite())) {
+            if !found.forces.iter().all(|f| f.iter().all(|x| x.is_finite())) {
+                // Beside others that slide sweeps may run off without a paradox.
+                let Some(worst) = (0..frames.len()).find(|i| problem.jams(*i)) else { break };
                 let why = "pressing harder does not lift what slides there (Painlevé's paradox): rigid bodies with this friction \
                            have no acceleration";
                 return Err(Trouble::Contact { between: self.between(frames[worst].key.couple), why: why.to_owned() });

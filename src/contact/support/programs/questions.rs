@@ -149,8 +149,9 @@ impl Supports {
         }
         if at.tau <= AT_THE_LIMIT && (at.tau >= -AT_THE_LIMIT || at.newton() < 0.1) {
             // Little friction may be none.
-            let without = Scaled::new(self, load, 1.0).without_friction(0..self.cones.len()).grow()?;
-            if without.upper <= AT_THE_LIMIT && without.certificate.unbalanced <= BALANCED {
+            let without = Scaled::new(self, load, 1.0).without_friction(0..self.cones.len()).grow();
+            // What is not decided without friction is asked with some.
+            if without.is_ok_and(|none| none.upper <= AT_THE_LIMIT && none.certificate.unbalanced <= BALANCED) {
                 return Ok(none());
             }
             if at.tau >= -AT_THE_LIMIT {
