@@ -120,14 +120,14 @@ impl<'a> Inverses<'a> {
     /// `M⁻¹ x`, x being zero but in the trees of these coordinates.
     pub(super) fn times(&self, x: &[f64], coordinates: impl Iterator<Item = usize>) -> Vec<f64> {
         let mut product = vec![0.0; x.len()];
-        let mut last = usize::MAX;
-        let mut done: [usize; 2] = [usize::MAX; 2];
+        // Two bodies are in two trees at most.
+        let mut done = [usize::MAX; 2];
         for i in coordinates {
             let (tree, _) = self.trees.of[i];
-            if tree == last || done.contains(&tree) {
+            if done.contains(&tree) {
                 continue;
             }
-            (last, done) = (tree, [done[1], tree]);
+            done = [done[1], tree];
             let own = &self.trees.all[tree];
             for (column, from) in own.iter().enumerate().filter(|(_, from)| x[**from] != 0.0) {
                 own.iter().enumerate().for_each(|(row, to)| product[*to] += self.of[tree][(row, column)] * x[*from]);

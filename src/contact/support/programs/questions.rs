@@ -5,7 +5,7 @@ use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, ROUND_OFF, Sca
 
 /// Below this part of it friction is not what holds.
 const NONE: f64 = 1e-9;
-/// Scenes that do not stand with so many times their friction do not need friction.
+/// What does not stand with so many times its friction is not held by friction.
 const MOST_FRICTION: f64 = 1e6;
 /// Programs that (M) takes at most.
 const MOST_PROGRAMS: usize = 100;
@@ -140,7 +140,7 @@ impl Supports {
             return Ok(none());
         }
         let Certificate { gap, .. } = whole.certificate;
-        // Of what holds without end the lower bound is.
+        // What holds any load has no lower bound: it is that of the program.
         let (upper, lower) = (-whole.slack, (-whole.slack - gap).max(-AMPLE));
         let mut at = Friction { part: 1.0, tau: 0.5 * (upper + lower), slope: whole.slope, gap };
         let mut motion = whole.motion.clone();
