@@ -1,4 +1,5 @@
-//! Mechanisms that dry friction holds, and blocks at the edge of its cone: the shipped scenes with other numbers, against virtual work.
+//! What dry friction holds: mechanisms, blocks at the edge of its cone, balls in a heap. The shipped scenes with other numbers, against virtual
+//! work and geometry.
 
 use super::Bench;
 use crate::common::Random;
@@ -102,4 +103,30 @@ fn blocks_on_inclines_stay_and_slide() {
     let way = 0.5 * G * (angle.sin() - 0.5 * angle.cos()) * 100.0;
     let gone = number(&slides["final"]["bodies"]["block"]["position"][0]);
     assert!((gone - way).abs() < 1e-11, "{gone} {way}");
+}
+
+/// Balls that were poured into a bin lie still, beside each other and within its walls, with the energy of their heights alone.
+#[test]
+fn balls_in_a_bin_come_to_rest_beside_each_other() {
+    let bench = Bench::new();
+    bench.write("bin.toml", shipped("contact/balls_into_a_bin"));
+    let run = bench.call(&["run", "bin.toml", "--json"]).code(0).json();
+    let (radius, half) = (0.04, 0.1);
+    let places: Vec<[f64; 3]> = (0..8)
+        .map(|k| [0, 1, 2].map(|i| number(&run["final"]["bodies"][format!("ball {k}")]["position"][i])))
+        .collect();
+    // Where captured steps end, what touches is lifted to gaps of 1e-9 of a size and less.
+    let sunk = 1e-8 * radius;
+    for (k, at) in places.iter().enumerate() {
+        let speeds = run["final"]["velocities"][format!("ball {k}")].as_array().unwrap();
+        assert!(speeds.iter().all(|speed| number(speed) == 0.0), "{k}: {speeds:?}");
+        assert!(at[2] > radius - sunk && at[0].abs().max(at[1].abs()) < half - radius + sunk, "{k}: {at:?}");
+        for other in &places[..k] {
+            let apart = (0..3).map(|i| (at[i] - other[i]).powi(2)).sum::<f64>().sqrt();
+            assert!(apart > 2.0 * radius - sunk, "{k}: {apart}");
+        }
+    }
+    let mass = 2500.0 * 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    let energy: f64 = places.iter().map(|at| mass * G * at[2]).sum();
+    assert!((number(&run["energy_end"]) - energy).abs() < 1e-12 * energy, "{energy} {}", run["energy_end"]);
 }
