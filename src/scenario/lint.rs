@@ -18,8 +18,10 @@ const ANGLES: [&str; 3] = ["position", "rest", "limits"];
 const STRONGEST: f64 = 100.0;
 /// A length is out of line if it is so many times the median of all...
 const APART: f64 = 200.0;
-/// ... and in line, within this factor, if it is taken as millimetres.
+/// ... and in line, within this factor, if it is taken as millimetres...
 const ALIKE: f64 = 5.0;
+/// ... unless lengths lead up to it, none so many times the one before: a long row of bodies is no slip.
+const GAP: f64 = 10.0;
 
 /// A spring that pulls at the start with so many times the weight of the whole scene is hardly meant.
 const WEIGHTS: f64 = 1000.0;
@@ -212,11 +214,13 @@ fn check_lengths(lengths: &[Written], findings: &Findings) {
     if sizes.len() < 3 {
         return;
     }
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    sizes.sort_unstable_by(f64::total_cmp);
+    let above = &sizes[sizes.len() / 2..];
+    let median = above[0];
+    let Some(gap) = above.windows(2).find(|pair| pair[1] > GAP * pair[0]) else { return };
     for (span, length) in lengths {
-        let (times, in_line) = (length.abs() / *median, length.abs() / 1000.0 / *median);
-        if times >= APART && (1.0 / ALIKE..=ALIKE).contains(&in_line) {
+        let (times, in_line) = (length.abs() / median, length.abs() / 1000.0 / median);
+        if length.abs() >= gap[1] && times >= APART && (1.0 / ALIKE..=ALIKE).contains(&in_line) {
             let message = format!("{length} m is {times:.0} times the median of the scene's lengths, {median} m");
             let help = format!(
                 "lengths are metres: {length} mm are {}; write \"{length} mm\", or \"{length} m\" if it is meant",
