@@ -7,6 +7,8 @@ mod damage;
 #[cfg(feature = "parquet")]
 mod datasets;
 #[cfg(feature = "friction")]
+mod discs;
+#[cfg(feature = "friction")]
 mod held_by_friction;
 mod interrupt;
 mod keys;

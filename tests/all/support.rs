@@ -65,13 +65,13 @@ impl Pile {
     }
 
     fn verdict(&self) -> Verdict {
-        self.supports.standing(&self.load).unwrap().verdict
+        self.supports.clone().standing(&self.load).unwrap().verdict
     }
 
     /// The smallest part of friction that holds it.
     fn margin(&self) -> Option<f64> {
-        let whole = self.supports.standing(&self.load).unwrap();
-        self.supports.friction_margin(&self.load, &whole).unwrap().map(|least| least.part)
+        let whole = self.supports.clone().standing(&self.load).unwrap();
+        self.supports.clone().friction_margin(&self.load, &whole).unwrap().map(|least| least.part)
     }
 }
 
@@ -96,7 +96,7 @@ fn one_part_in_a_million_decides_whether_a_block_slides() {
         let angle = (friction * factor).atan();
         let mut block = Pile::table([0.2, 0.1], 0.1, friction, 2.0);
         block.load = vec![2.0 * G * angle.sin(), 0.0, -2.0 * G * angle.cos(), 0.0, 0.0, 0.0];
-        let standing = block.supports.standing(&block.load).unwrap();
+        let standing = block.supports.clone().standing(&block.load).unwrap();
         let expected = if factor < 1.0 { Verdict::Stands } else { Verdict::Falls };
         assert_eq!(standing.verdict, expected, "{factor} {standing:?}");
         assert_eq!(standing.slack > 0.0, factor < 1.0);
@@ -111,13 +111,13 @@ fn one_part_in_a_million_decides_whether_a_block_slides() {
 #[test]
 fn a_table_tips_over_its_legs_and_has_six_self_stresses() {
     let table = Pile::table([0.4, 0.3], 1.2, 0.9, 10.0);
-    let standing = table.supports.standing(&table.load).unwrap();
+    let standing = table.supports.clone().standing(&table.load).unwrap();
     assert_eq!((standing.verdict, standing.self_stresses), (Verdict::Stands, 6));
     for leg in 0..4 {
         assert!((standing.forces[3 * leg] - 24.516625).abs() < 1e-6, "{:?}", standing.forces);
     }
     for (direction, expected) in [([1.0, 0.0], 0.4 / 1.2), ([0.0, 1.0], 0.3 / 1.2)] {
-        let limit = table.supports.limit(&table.load, &table.sideways(direction), true).unwrap();
+        let limit = table.supports.clone().limit(&table.load, &table.sideways(direction), true).unwrap();
         assert!((limit.value - expected).abs() < 1e-9, "{} {expected}", limit.value);
         // It turns about the legs: rates of tipping, not of sliding.
         assert!(limit.motion[2] > 0.1 || limit.motion[3].abs() + limit.motion[4].abs() > 0.1, "{:?}", limit.motion);
@@ -200,24 +200,24 @@ fn an_arm_with_dry_friction_holds_an_interval_of_payloads() {
     let payload = vec![-(l1 + l2), -l2];
     let at = |downwards: f64| -> Vec<f64> { load.iter().zip(&payload).map(|(w, p)| w + downwards * p).collect() };
     let middle = at(14.1);
-    let low = 14.1 + supports.limit(&middle, &payload, false).unwrap().value;
-    let high = 14.1 + supports.limit(&middle, &payload, true).unwrap().value;
+    let low = 14.1 + supports.clone().limit(&middle, &payload, false).unwrap().value;
+    let high = 14.1 + supports.clone().limit(&middle, &payload, true).unwrap().value;
     let ends = |k: usize, bound: f64| ((load[k] - bound) / -payload[k], (load[k] + bound) / -payload[k]);
     let (first, second) = (ends(0, 4.0), ends(1, 1.5));
     assert!((low - first.0.max(second.0)).abs() < 1e-9, "{low} {first:?} {second:?}");
     assert!((high - first.1.min(second.1)).abs() < 1e-9, "{high} {first:?} {second:?}");
-    assert_eq!(supports.standing(&middle).unwrap().verdict, Verdict::Stands);
-    assert_eq!(supports.standing(&at(20.0)).unwrap().verdict, Verdict::Falls);
+    assert_eq!(supports.clone().standing(&middle).unwrap().verdict, Verdict::Stands);
+    assert_eq!(supports.clone().standing(&at(20.0)).unwrap().verdict, Verdict::Falls);
 }
 
 #[test]
 fn what_nothing_loads_stands_and_what_nothing_holds_falls() {
     let mut supports = Supports::new(vec![1.0, 1.0]);
     supports.add(Cone::Ray, 1.0, [vec![(0, 1.0)]]);
-    assert_eq!(supports.standing(&[0.0, 0.0]).unwrap().verdict, Verdict::Stands);
-    assert_eq!(supports.standing(&[-2.0, 0.0]).unwrap().verdict, Verdict::Stands);
-    assert_eq!(supports.standing(&[2.0, 0.0]).unwrap().verdict, Verdict::Falls);
-    assert_eq!(supports.standing(&[-2.0, 1.0]).unwrap().verdict, Verdict::Falls);
+    assert_eq!(supports.clone().standing(&[0.0, 0.0]).unwrap().verdict, Verdict::Stands);
+    assert_eq!(supports.clone().standing(&[-2.0, 0.0]).unwrap().verdict, Verdict::Stands);
+    assert_eq!(supports.clone().standing(&[2.0, 0.0]).unwrap().verdict, Verdict::Falls);
+    assert_eq!(supports.clone().standing(&[-2.0, 1.0]).unwrap().verdict, Verdict::Falls);
 }
 
 /// A semicircular arch of voussoirs with radial joints, thickness over mean radius given, that cannot slide, in its own plane: x, z and
@@ -259,9 +259,9 @@ fn the_least_arch_falls_by_five_hinges() {
     // By bisection over conic programs in Python; continuous joints need 0.107 478 038 (Milankovitch).
     let (count, least) = (400, 0.107_477_949_6);
     let (supports, load) = arch(count, least + 1e-8);
-    assert_eq!(supports.standing(&load).unwrap().verdict, Verdict::Stands);
+    assert_eq!(supports.clone().standing(&load).unwrap().verdict, Verdict::Stands);
     let (supports, load) = arch(count, least - 1e-8);
-    let standing = supports.standing(&load).unwrap();
+    let standing = supports.clone().standing(&load).unwrap();
     assert_eq!(standing.verdict, Verdict::Falls);
     let spin = |k: usize| standing.motion.get(3 * k + 2).copied().unwrap_or(0.0);
     let before = |k: usize| if k == 0 { 0.0 } else { spin(k - 1) };

@@ -12,9 +12,6 @@
 use super::solid::{Placed, apart};
 use nalgebra::Vector3;
 
-/// Corners of the polygon that stands for a disc of contact, two of them on each tangent of its plane: what tips along these
-/// does so about the rim itself, in other directions about a corner that is nearer to the middle by at most 1 − cos(π/32), 0.5 %.
-pub(super) const CORNERS: usize = 32;
 /// Parts of a turn in which stationary points are looked for.
 const PARTS: usize = 48;
 /// Halvings and secants of one root.
@@ -145,19 +142,12 @@ pub(super) fn disc(core: &Placed, n: &Vector3<f64>, slack: f64) -> Option<Vector
     furthest.filter(|_| flat).copied()
 }
 
-/// The features of a cylinder that are furthest along `n`, to `slack` (m): a disc as a polygon with corners on the tangents, a line along
-/// its side, or one point of a rim.
-pub(super) fn lowest(core: &Placed, n: &Vector3<f64>, slack: f64, tangents: &[Vector3<f64>; 2]) -> Vec<Vector3<f64>> {
+/// The features of a cylinder that does not lie flat across `n` which are furthest along it, to `slack` (m): a line along its side, or one
+/// point of a rim.
+pub(super) fn lowest(core: &Placed, n: &Vector3<f64>, slack: f64) -> Vec<Vector3<f64>> {
     let heights: Vec<f64> = core.vertices.iter().map(|end| n.dot(end)).collect();
     let most = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let ends = core.vertices.iter().zip(&heights).filter(|(_, height)| **height >= most - slack).map(|(end, _)| *end);
-    if disc(core, n, slack).is_none() {
-        let out = outward(core, n) * core.rim;
-        return ends.map(|end| end + out).collect();
-    }
-    let corner = |end: Vector3<f64>, k: usize| {
-        let angle = std::f64::consts::TAU * k as f64 / CORNERS as f64;
-        end + (tangents[0] * angle.cos() + tangents[1] * angle.sin()) * core.rim
-    };
-    ends.flat_map(|end| (0..CORNERS).map(move |k| corner(end, k))).collect()
+    let out = outward(core, n) * core.rim;
+    ends.map(|end| end + out).collect()
 }

@@ -3,7 +3,8 @@
 //! A solid is a convex core (a point, a segment, a cylinder, a polytope) with a radius about it, or a half space. Two solids that touch
 //! have a common tangent plane with normal `n`, from the first to the second. The features of both cores in that plane,
 //! projected along `n`, are convex polygons (or segments, or points); what they have in common is the region of contact, and
-//! its corners are the points of contact: pressure anywhere in the region is a convex combination of forces at them.
+//! its corners are the points of contact: pressure anywhere in the region is a convex combination of forces at them. Where a disc
+//! bounds it, every point of its rim is one.
 //!
 //! ```text
 //! (1)  gap = min_b n·x − max_a n·x − r_a − r_b
@@ -15,6 +16,7 @@
 //! Manocha, "OBBTree", SIGGRAPH 1996); if several are equally good, as of two edges that meet, it is their mean.
 
 mod cylinder;
+mod disc;
 mod drift;
 pub mod feature;
 pub mod meet;
@@ -25,4 +27,4 @@ mod touch;
 
 pub use solid::{Core, NotConvex, Placed, Solid};
 pub(crate) use touch::tangents;
-pub use touch::{NoNormal, Touch, touch};
+pub use touch::{NoNormal, Rim, Touch, touch};

@@ -64,7 +64,7 @@ pub(super) fn common(a: &[Point], b: &[Point], slack: f64) -> Vec<Point> {
 }
 
 /// Whether a polygon has a point in it, or within `slack` of it.
-fn holds(polygon: &[Point], point: Point, slack: f64) -> bool {
+pub(super) fn holds(polygon: &[Point], point: Point, slack: f64) -> bool {
     match polygon {
         [] => false,
         [one] => distance(*one, point) <= slack,

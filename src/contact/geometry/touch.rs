@@ -1,9 +1,11 @@
 //! Gap, normal and points of two solids.
 
 use super::cylinder;
-use super::polygon::{common, hull};
+use super::disc::{Arcs, Disc};
+use super::polygon::{Point, common, hull};
 use super::solid::{Placed, apart};
 use nalgebra::Vector3;
+use std::f64::consts::TAU;
 
 /// How two solids touch.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,8 +14,45 @@ pub struct Touch {
     pub gap: f64,
     /// From the first to the second, inertial axes.
     pub normal: Vector3<f64>,
-    /// Corners of the region of contact, halfway between both surfaces (m).
+    /// Corners of the region of contact, halfway between both surfaces (m), and some points of each rim.
     pub points: Vec<Vector3<f64>>,
+    /// Rims of discs on which it ends.
+    pub rims: Vec<Rim>,
+}
+
+/// Arcs of a circle that bound a region of contact.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rim {
+    /// (m)
+    pub middle: Vector3<f64>,
+    /// To where its angle is 0 and a quarter of a turn (m), across each other.
+    pub arms: [Vector3<f64>; 2],
+    /// From an angle to a larger one (rad).
+    pub arcs: Vec<[f64; 2]>,
+}
+
+impl Rim {
+    /// Its point at an angle (rad).
+    pub fn at(&self, angle: f64) -> Vector3<f64> {
+        self.middle + self.arms[0] * angle.cos() + self.arms[1] * angle.sin()
+    }
+
+    /// Angles that stand for it at first: the ends of its arcs, and between them those of an octagon with corners on the tangents.
+    pub fn corners(&self) -> Vec<f64> {
+        let mut found = Vec::new();
+        for [from, to] in &self.arcs {
+            let is_whole = *to >= *from + TAU;
+            let eighth = TAU / 8.0;
+            let between = (0..16).map(|k| k as f64 * eighth).filter(|angle| {
+                if is_whole { *angle < TAU } else { (from + 0.1 * eighth..to - 0.1 * eighth).contains(angle) }
+            });
+            found.extend(between);
+            if !is_whole {
+                found.extend([*from, *to]);
+            }
+        }
+        found
+    }
 }
 
 /// Solids whose contact has no normal: two points in one place, two segments on one line.
@@ -48,9 +87,12 @@ fn from_plane(normal: &Vector3<f64>, plane: &Placed, b: &Placed, slack: f64) -> 
         return None;
     }
     let frame = Frame::new(normal);
-    let corners = hull(&frame.lowest(b, -1.0, slack), slack);
     let height = level + 0.5 * gap;
-    Some(Touch { gap, normal: *normal, points: corners.iter().map(|corner| frame.point(corner, height)).collect() })
+    let (corners, rims) = match frame.disc(b, -1.0, slack) {
+        Some(disc) => (Vec::new(), vec![frame.rim(&disc, vec![[0.0, TAU]], height)]),
+        None => (hull(&frame.lowest(b, -1.0, slack), slack), Vec::new()),
+    };
+    Some(Touch { gap, normal: *normal, points: frame.points(&corners, &rims, height, slack), rims })
 }
 
 /// The normal from `a` to `b` if their surfaces are not surely further apart than the slack.
@@ -183,22 +225,27 @@ fn region(normal: &Vector3<f64>, a: &Placed, b: &Placed, slack: f64) -> Option<T
         return None;
     }
     let frame = Frame::new(normal);
-    let (low, high) = (hull(&frame.lowest(a, 1.0, slack), slack), hull(&frame.lowest(b, -1.0, slack), slack));
-    let mut corners = common(&low, &high, slack);
-    // Within a disc, and not within the polygon that stands for it.
-    let beyond = |core: &Placed, sign: f64, others: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        let Some(middle) = cylinder::disc(core, &(normal * sign), slack) else { return Vec::new() };
-        let [x, y] = [frame.first.dot(&middle), frame.second.dot(&middle)];
-        let within = |other: &&[f64; 2]| (other[0] - x).hypot(other[1] - y) <= core.rim + slack;
-        others.iter().filter(within).copied().collect()
+    let discs = [frame.disc(a, 1.0, slack), frame.disc(b, -1.0, slack)];
+    let flat = |core: &Placed, sign: f64, disc: &Option<Disc>| match disc {
+        Some(disc) => vec![disc.middle],
+        None => hull(&frame.lowest(core, sign, slack), slack),
     };
-    let rest = [beyond(a, 1.0, &high), beyond(b, -1.0, &low)].concat();
-    if !rest.is_empty() {
-        corners.extend(rest);
-        corners = hull(&corners, slack);
-    }
+    let (low, high) = (flat(a, 1.0, &discs[0]), flat(b, -1.0, &discs[1]));
     let height = 0.5 * (top + bottom);
-    let mut points: Vec<_> = corners.iter().map(|corner| frame.point(corner, height)).collect();
+    let (corners, arcs): (Vec<Point>, Vec<(Disc, Arcs)>) = match discs {
+        [None, None] => (common(&low, &high, slack), Vec::new()),
+        [Some(disc), None] | [None, Some(disc)] => {
+            let (corners, arcs) = disc.with_polygon(if discs[0].is_some() { &high } else { &low }, slack);
+            (corners, vec![(disc, arcs)])
+        }
+        [Some(one), Some(other)] if one.is_on(&other, slack) => (Vec::new(), vec![(one, vec![[0.0, TAU]])]),
+        [Some(one), Some(other)] => {
+            (Vec::new(), vec![(one, one.with_disc(&other, slack)), (other, other.with_disc(&one, slack))])
+        }
+    };
+    let arcs = arcs.into_iter().filter(|(_, arcs)| !arcs.is_empty());
+    let rims: Vec<Rim> = arcs.map(|(disc, arcs)| frame.rim(&disc, arcs, height)).collect();
+    let mut points = frame.points(&corners, &rims, height, slack);
     if points.is_empty() && gap < -slack {
         // They overlap so far that the features at this depth are not above each other: one point says where.
         let middle =
@@ -206,7 +253,7 @@ fn region(normal: &Vector3<f64>, a: &Placed, b: &Placed, slack: f64) -> Option<T
         let (one, other) = (middle(&low), middle(&high));
         points.push(frame.point(&[0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])], height));
     }
-    (!points.is_empty()).then_some(Touch { gap, normal: *normal, points })
+    (!points.is_empty()).then_some(Touch { gap, normal: *normal, points, rims })
 }
 
 /// A tangent plane.
@@ -222,12 +269,37 @@ impl Frame {
         Self { normal: *normal, first, second }
     }
 
+    /// The disc of a cylinder that is furthest along `sign` times the normal, if one is.
+    fn disc(&self, core: &Placed, sign: f64, slack: f64) -> Option<Disc> {
+        let middle = cylinder::disc(core, &(self.normal * sign), slack)?;
+        Some(Disc { middle: [self.first.dot(&middle), self.second.dot(&middle)], radius: core.rim })
+    }
+
+    fn rim(&self, disc: &Disc, arcs: Arcs, height: f64) -> Rim {
+        Rim {
+            middle: self.point(&disc.middle, height),
+            arms: [self.first * disc.radius, self.second * disc.radius],
+            arcs,
+        }
+    }
+
+    /// Corners and points of rims, those in one place once.
+    fn points(&self, corners: &[Point], rims: &[Rim], height: f64, slack: f64) -> Vec<Vector3<f64>> {
+        let mut points: Vec<Vector3<f64>> = corners.iter().map(|corner| self.point(corner, height)).collect();
+        for point in rims.iter().flat_map(|rim| rim.corners().into_iter().map(|angle| rim.at(angle))) {
+            if points.iter().all(|known| (known - point).norm() > slack) {
+                points.push(point);
+            }
+        }
+        points
+    }
+
     /// The vertices furthest along `sign` times the normal, in the plane.
     fn lowest(&self, core: &Placed, sign: f64, slack: f64) -> Vec<[f64; 2]> {
         let towards = self.normal * sign;
         if core.rim > 0.0 {
             let flat = |point: Vector3<f64>| [self.first.dot(&point), self.second.dot(&point)];
-            return cylinder::lowest(core, &towards, slack, &[self.first, self.second]).into_iter().map(flat).collect();
+            return cylinder::lowest(core, &towards, slack).into_iter().map(flat).collect();
         }
         let most = core.support(&towards) - slack;
         let near = core.vertices.iter().filter(|v| towards.dot(v) >= most);

@@ -28,10 +28,12 @@
 //! An interior point method (`solver`) proposes; what is claimed is computed here from its forces and motion: how far the
 //! balance is missed, how far forces lie outside of their cones, and the gap between the bounds of (P) and (D).
 
+mod exchange;
 mod programs;
 mod slack;
 mod solver;
 
+pub use exchange::Rim;
 pub use slack::slack;
 use std::ops::Range;
 
@@ -113,6 +115,9 @@ pub struct Supports {
     units: Vec<f64>,
     /// The same for the forces of each support.
     levers: Vec<f64>,
+    rims: Vec<Rim>,
+    /// Points of rims that were added: see [`Supports::added`].
+    added: Vec<(usize, f64)>,
 }
 
 impl Supports {
@@ -216,6 +221,8 @@ pub struct Standing {
     pub motion: Vec<f64>,
     /// Of supports that carry something, the dimension of forces that balance each other.
     pub self_stresses: usize,
+    /// Whether it stands without any friction.
+    pub without_friction: bool,
     /// `dτ*/d ln s`: how the missing part changes with the size of all friction.
     pub slope: f64,
     /// What was computed from the answer.

@@ -276,15 +276,6 @@ impl Scaled<'_> {
         (self.unbalanced(&forces) <= BALANCED && self.outside(&forces) <= AT_THE_LIMIT).then_some(forces)
     }
 
-    /// Whether friction that only a squeeze can load is what holds: (W), then (P) with that friction left out.
-    fn needs_squeeze(&self) -> Result<bool, Undecided> {
-        let squeezed = self.squeezed()?;
-        if squeezed.is_empty() {
-            return Ok(false);
-        }
-        Ok(self.without_friction(squeezed.into_iter()).grow()?.lower > 0.0)
-    }
-
     /// These supports with the friction of some left out: tangential forces that push on nothing leave `f_n ≥ 0`.
     fn without_friction(&self, supports: impl Iterator<Item = usize>) -> Self {
         let (mut columns, cones, load) = (self.columns.clone(), self.cones.clone(), self.load.clone());

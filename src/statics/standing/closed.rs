@@ -1,6 +1,6 @@
 //! Which contacts of a pose are closed.
 
-use crate::contact::geometry::{tangents, touch};
+use crate::contact::geometry::{Rim, tangents, touch};
 use crate::contact::pairs::{Couple, Pairs, Untouchable};
 use crate::model::contact::DryFriction;
 use crate::model::{Model, StopLaw};
@@ -39,6 +39,8 @@ impl Contact {
 pub(super) struct Scene {
     pub(super) motion: Motion,
     pub(super) contacts: Vec<Contact>,
+    /// Rims on which discs press, each with a contact on it and the angles (rad) of all of those.
+    pub(super) rims: Vec<(Rim, Contact, Vec<f64>)>,
 }
 
 impl Scene {
@@ -46,7 +48,7 @@ impl Scene {
     pub(super) fn new(model: &Model, pose: &[f64], gap: f64) -> Result<Self, Untouchable> {
         let mut motion = Motion::new(model);
         motion.update(model, pose, &vec![0.0; model.velocity_count()]);
-        let mut scene = Self { motion, contacts: Vec::new() };
+        let mut scene = Self { motion, contacts: Vec::new(), rims: Vec::new() };
         if model.contacts.is_empty() {
             return Ok(scene);
         }
@@ -75,7 +77,20 @@ impl Scene {
         }
         let friction = model.contacts[rule].friction;
         let (normal, gap) = (found.normal, found.gap);
-        self.contacts.extend(found.points.iter().map(|point| Contact { bodies, point: *point, normal, gap, friction }));
+        let at = |point: &Vector3<f64>| Contact { bodies, point: *point, normal, gap, friction };
+        self.contacts.extend(found.points.iter().map(at));
+        for rim in found.rims {
+            let corners = rim.corners();
+            self.rims.push((rim, at(&found.points[0]), corners));
+        }
         Ok(())
+    }
+
+    /// Takes in points of rims that a program has added.
+    pub(super) fn extend(&mut self, added: &[(usize, f64)]) {
+        for (rim, angle) in added {
+            let (rim, contact, _) = &self.rims[*rim];
+            self.contacts.push(Contact { point: rim.at(*angle), ..contact.clone() });
+        }
     }
 }

@@ -37,7 +37,7 @@ pub(super) fn margins(
     model: &Arc<Model>,
     asked: &Margin,
     pose: &[f64],
-    bearers: &Bearers,
+    bearers: &mut Bearers,
 ) -> Result<Margins, Unanswered> {
     let mut margins = Margins::default();
     for parameter in &asked.numbers {
@@ -53,7 +53,7 @@ pub(super) fn margins(
 fn interval(
     description: &Description,
     pose: &[f64],
-    bearers: &Bearers,
+    bearers: &mut Bearers,
     parameter: &Parameter,
 ) -> Result<Interval, Unanswered> {
     let value = parameter.value(description);
@@ -87,7 +87,7 @@ fn direction(
 }
 
 /// A horizontal load of `t` times the weight on everything, in the four directions of the inertial axes across gravity.
-fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
+fn tilt(model: &Arc<Model>, pose: &[f64], bearers: &mut Bearers) -> Result<Vec<(String, f64, Vec<f64>)>, Unanswered> {
     let size = model.gravity.norm();
     if !(size > 0.0) {
         return Ok(Vec::new());
@@ -135,7 +135,7 @@ pub(super) fn clamped(
             let direction = direction(&changed, pose, &bearers, free)?;
             bearers.free(&direction);
         }
-        let range = match interval(&changed, pose, &bearers, parameter) {
+        let range = match interval(&changed, pose, &mut bearers, parameter) {
             Ok(found) => found.range,
             Err(Unanswered::Undecided(_)) => return Ok(None),
             Err(other) => return Err(other),
@@ -174,7 +174,7 @@ pub(super) fn inputs(
         for (_, other) in directions.iter().enumerate().filter(|(other, _)| *other != k) {
             bearers.free(other);
         }
-        match interval(description, pose, &bearers, parameter) {
+        match interval(description, pose, &mut bearers, parameter) {
             Ok(range) => found.push(range),
             // No value of it holds the pose.
             Err(Unanswered::Undecided(_)) => {}

@@ -178,14 +178,14 @@ pub fn standing(
         );
         return Err(Unanswered::Open(why));
     }
-    let scene = Scene::new(model, pose, settings.gap)?;
-    let bearers = Bearers::new(model, pose, &scene)?;
-    let found = bearers.supports.standing(&bearers.load)?;
+    let mut scene = Scene::new(model, pose, settings.gap)?;
+    let mut bearers = Bearers::new(model, pose, &scene)?;
+    let found = bearers.judge(&mut scene)?;
     let wedged = found.verdict == Verdict::Wedged;
     let least = bearers.supports.friction_margin(&bearers.load, &found)?;
     let squeeze = wedged.then(|| bearers.supports.least_squeeze(&bearers.load)).transpose()?;
     let margins = match found.verdict {
-        Verdict::Stands => margins::margins(description, model, asked, pose, &bearers)?,
+        Verdict::Stands => margins::margins(description, model, asked, pose, &mut bearers)?,
         Verdict::Wedged | Verdict::Falls => Margins::default(),
     };
     let friction_margin = least.as_ref().map(|least| least.part);
@@ -271,9 +271,9 @@ pub struct Bearing {
 /// # Errors
 /// [`Unanswered`].
 pub fn bearing(model: &Arc<Model>, gap: f64, pose: &[f64]) -> Result<Bearing, Unanswered> {
-    let scene = Scene::new(model, pose, gap)?;
-    let bearers = Bearers::new(model, pose, &scene)?;
-    let found = bearers.supports.standing(&bearers.load)?;
+    let mut scene = Scene::new(model, pose, gap)?;
+    let mut bearers = Bearers::new(model, pose, &scene)?;
+    let found = bearers.judge(&mut scene)?;
     let mechanism = mechanism::mechanism(model, pose, &scene, &bearers, &found.motion);
     let contacts = forces(model, &scene, &bearers, &found.forces).contacts;
     Ok(Bearing { verdict: found.verdict, contacts, mechanism })

@@ -2,7 +2,7 @@
 
 use super::closed::Scene;
 use crate::contact::frame::column_of;
-use crate::contact::support::{Cone, Supports};
+use crate::contact::support::{self, Cone, Rim, Supports, Undecided};
 use crate::dynamics::{Fault, System};
 use crate::model::Model;
 use nalgebra::Vector3;
@@ -59,6 +59,22 @@ impl Bearers {
                 false => bearers.add(Bears::Contact(k), Cone::Ray, 1.0, vec![column(&frame[0])]),
             }
         }
+        for (rim, contact, known) in &scene.rims {
+            let ends = contact.bodies.map(|body| model.bodies[body].link);
+            let at = |point: &Vector3<f64>| {
+                contact.frame().map(|along| column_of(model, &scene.motion, ends, point, &along))
+            };
+            let middle = at(&rim.middle);
+            let beyond = |arm: &Vector3<f64>| {
+                let columns = at(&(rim.middle + arm));
+                std::array::from_fn(|k| {
+                    columns[k].iter().copied().chain(middle[k].iter().map(|(row, x)| (*row, -x))).collect()
+                })
+            };
+            let columns = [middle.clone(), beyond(&rim.arms[0]), beyond(&rim.arms[1])];
+            let (friction, arcs, known) = (contact.friction.stick, rim.arcs.clone(), known.clone());
+            bearers.supports.add_rim(Rim { friction, columns, arcs, known });
+        }
         for friction in &model.hinge_friction {
             let (velocity, count) = (friction.velocity, friction.count);
             if model.coordinates[velocity].lock {
@@ -89,6 +105,15 @@ impl Bearers {
             bearers.add(Bears::Other, Cone::Free, 1.0, vec![column]);
         }
         Ok(bearers)
+    }
+
+    /// Whether they hold the load. Points of rims that this depends on become contacts of the scene.
+    pub(super) fn judge(&mut self, scene: &mut Scene) -> Result<support::Standing, Undecided> {
+        let found = self.supports.standing(&self.load)?;
+        let known = scene.contacts.len();
+        scene.extend(self.supports.added());
+        self.list.extend((known..scene.contacts.len()).map(Bears::Contact));
+        Ok(found)
     }
 
     /// Adds a support that bears whatever it has to along a direction of the coordinates.

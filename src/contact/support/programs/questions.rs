@@ -1,5 +1,6 @@
 //! What is asked of supports: whether they hold a load, how far it may go, how little friction does, what squeeze is needed.
 
+use super::super::exchange::MOST_EXCHANGES;
 use super::super::{Certificate, Cone, Least, Limit, Standing, Supports, Undecided, Verdict};
 use super::{AMPLE, AT_THE_LIMIT, BALANCED, ENDLESS, Extra, Grown, ROUND_OFF, Scaled, UNEVEN};
 
@@ -38,22 +39,30 @@ impl Supports {
     ///
     /// # Errors
     /// [`Undecided`] if the recomputed bounds do not decide it.
-    pub fn standing(&self, load: &[f64]) -> Result<Standing, Undecided> {
-        let scaled = Scaled::new(self, load, 1.0);
+    pub fn standing(&mut self, load: &[f64]) -> Result<Standing, Undecided> {
         if self.rows == 0 || self.size(load) == 0.0 {
             return Ok(self.idle());
         }
-        let least = scaled.load.iter().map(|load| load.abs()).filter(|load| *load > ROUND_OFF).fold(1.0, f64::min);
+        let least = Scaled::new(self, load, 1.0)
+            .load
+            .iter()
+            .map(|load| load.abs())
+            .filter(|load| *load > ROUND_OFF)
+            .fold(1.0, f64::min);
         if least < UNEVEN {
             return Err(Undecided::Uneven { ratio: least });
         }
-        let grown = scaled.grow()?;
+        let mut grown = self.grow(load, 1.0)?;
         let stands = grown.upper <= AT_THE_LIMIT && grown.certificate.unbalanced <= BALANCED;
         if !stands && !(grown.lower > 0.0) {
             let Certificate { unbalanced, gap, .. } = grown.certificate;
             return Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced, gap });
         }
-        let wedged = stands && scaled.needs_squeeze()?;
+        let without_friction = stands && self.stands_without_friction(load);
+        // What needs no friction needs no squeeze that loads it.
+        let wedged = stands && !without_friction && self.needs_squeeze(load)?;
+        let scaled = Scaled::new(self, load, 1.0);
+        grown.forces.resize(self.columns.len(), 0.0);
         let verdict = match (stands, wedged) {
             (false, _) => Verdict::Falls,
             (true, false) => Verdict::Stands,
@@ -72,8 +81,58 @@ impl Supports {
             inner,
             motion: scaled.rates_of_coordinates(&grown.motion),
             slope,
+            without_friction,
             certificate: grown.certificate,
         })
+    }
+
+    /// Whether they hold a load without friction; what is not decided so is not.
+    fn stands_without_friction(&mut self, load: &[f64]) -> bool {
+        let found = self.grow(load, 0.0);
+        found.is_ok_and(|none| none.upper <= AT_THE_LIMIT && none.certificate.unbalanced <= BALANCED)
+    }
+
+    /// (P) with all friction times a factor, and as many points of rims as its answer depends on.
+    fn grow(&mut self, load: &[f64], part: f64) -> Result<Grown, Undecided> {
+        self.exchanged(part, |supports| match part > 0.0 {
+            true => Scaled::new(supports, load, part).grow(),
+            false => Scaled::new(supports, load, 1.0).without_friction(0..supports.len()).grow(),
+        })
+    }
+
+    /// Whether friction that only a squeeze can load is what holds: (W), then (P) with that friction left out.
+    fn needs_squeeze(&mut self, load: &[f64]) -> Result<bool, Undecided> {
+        if Scaled::new(self, load, 1.0).squeezed()?.is_empty() {
+            return Ok(false);
+        }
+        let left = self.exchanged(1.0, |supports| {
+            let scaled = Scaled::new(supports, load, 1.0);
+            scaled.without_friction(scaled.squeezed()?.into_iter()).grow()
+        });
+        Ok(left?.lower > 0.0)
+    }
+
+    /// The answer to a program of (P), solved anew as long as its motion goes against points of rims that it did not have.
+    fn exchanged(
+        &mut self,
+        part: f64,
+        program: impl Fn(&Self) -> Result<Grown, Undecided>,
+    ) -> Result<Grown, Undecided> {
+        for _ in 0..MOST_EXCHANGES {
+            let grown = program(self)?;
+            // What no support feels, and what holds any load, is so with any points.
+            let is_known =
+                grown.upper <= -0.99 * AMPLE || grown.certificate.unbalanced > BALANCED && grown.lower == grown.upper;
+            if is_known || !self.exchange(&self.motion(&grown.motion), part) {
+                return Ok(grown);
+            }
+        }
+        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: f64::NAN, gap: f64::NAN })
+    }
+
+    /// Scaled rates in velocity coordinates.
+    fn motion(&self, scaled: &[f64]) -> Vec<f64> {
+        scaled.iter().zip(&self.units).map(|(rate, unit)| rate / unit).collect()
     }
 
     /// Nothing loads anything, or nothing can move: it stands without forces.
@@ -89,6 +148,7 @@ impl Supports {
             motion,
             self_stresses: 0,
             slope: 0.0,
+            without_friction: true,
             certificate,
         }
     }
@@ -97,7 +157,18 @@ impl Supports {
     ///
     /// # Errors
     /// [`Undecided`] if the answer misses the balance.
-    pub fn limit(&self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Limit, Undecided> {
+    pub fn limit(&mut self, load: &[f64], direction: &[f64], upwards: bool) -> Result<Limit, Undecided> {
+        for _ in 0..MOST_EXCHANGES {
+            let (found, motion) = self.limit_of_known(load, direction, upwards)?;
+            if found.motion.is_empty() || !self.exchange(&self.motion(&motion), 1.0) {
+                return Ok(found);
+            }
+        }
+        Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced: f64::NAN, gap: f64::NAN })
+    }
+
+    /// (L) with the points of rims that are known, and its multipliers of the balance.
+    fn limit_of_known(&self, load: &[f64], direction: &[f64], upwards: bool) -> Result<(Limit, Vec<f64>), Undecided> {
         let scaled = Scaled::new(self, load, 1.0);
         // α counts in what makes w₁ as large as w.
         let unit = scaled.size / Some(self.size(direction)).filter(|size| *size > 0.0).unwrap_or(1.0);
@@ -106,7 +177,7 @@ impl Supports {
         let answer = scaled.answer(&scaled.program(&Extra::Along(&along, if upwards { 1.0 } else { -1.0 })))?;
         let alpha = answer.x[self.columns.len()];
         if alpha.abs() > 0.9 * ENDLESS {
-            return Ok(Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() });
+            return Ok((Limit { value: alpha.signum() * f64::INFINITY, motion: Vec::new() }, Vec::new()));
         }
         let mut at = Scaled {
             load: scaled.load.clone(),
@@ -122,8 +193,9 @@ impl Supports {
         if !(unbalanced <= BALANCED * most && outside <= AT_THE_LIMIT * most) {
             return Err(Undecided::Inexact { rows: self.rows, supports: self.len(), unbalanced, gap: outside });
         }
-        let motion = at.rates_of_coordinates(&answer.multipliers[..self.rows]);
-        Ok(Limit { value: alpha * unit, motion })
+        let multipliers = answer.multipliers[..self.rows].to_vec();
+        let motion = at.rates_of_coordinates(&multipliers);
+        Ok((Limit { value: alpha * unit, motion }, multipliers))
     }
 
     /// The smallest part of all friction at which a load is held (M), from the answer at the whole of it; `None` if no friction, however
@@ -131,12 +203,12 @@ impl Supports {
     ///
     /// # Errors
     /// As [`Supports::standing`].
-    pub fn friction_margin(&self, load: &[f64], whole: &Standing) -> Result<Option<Least>, Undecided> {
+    pub fn friction_margin(&mut self, load: &[f64], whole: &Standing) -> Result<Option<Least>, Undecided> {
         let none = || Some(Least { part: 0.0, motion: Vec::new() });
         if whole.verdict == Verdict::Wedged {
             return Ok(None);
         }
-        if self.rows == 0 || self.size(load) == 0.0 {
+        if whole.without_friction {
             return Ok(none());
         }
         let Certificate { gap, .. } = whole.certificate;
@@ -144,19 +216,11 @@ impl Supports {
         let (upper, lower) = (-whole.slack, (-whole.slack - gap).max(-AMPLE));
         let mut at = Friction { part: 1.0, tau: 0.5 * (upper + lower), slope: whole.slope, gap };
         let mut motion = whole.motion.clone();
-        if at.tau > AT_THE_LIMIT && Scaled::new(self, load, f64::INFINITY).grow()?.lower > 0.0 {
+        if at.tau > AT_THE_LIMIT && self.grow(load, f64::INFINITY)?.lower > 0.0 {
             return Ok(None);
         }
-        if at.tau <= AT_THE_LIMIT && (at.tau >= -AT_THE_LIMIT || at.newton() < 0.1) {
-            // Little friction may be none.
-            let without = Scaled::new(self, load, 1.0).without_friction(0..self.cones.len()).grow();
-            // What is not decided without friction is asked with some.
-            if without.is_ok_and(|none| none.upper <= AT_THE_LIMIT && none.certificate.unbalanced <= BALANCED) {
-                return Ok(none());
-            }
-            if at.tau >= -AT_THE_LIMIT {
-                return Ok(Some(Least { part: 1.0, motion }));
-            }
+        if at.tau.abs() <= AT_THE_LIMIT {
+            return Ok(Some(Least { part: 1.0, motion }));
         }
         let (mut low, mut high) = (0.0, f64::INFINITY);
         for _ in 0..MOST_PROGRAMS {
@@ -181,8 +245,8 @@ impl Supports {
             if next < NONE {
                 return Ok(none());
             }
+            let grown = self.grow(load, next)?;
             let scaled = Scaled::new(self, load, next);
-            let grown = scaled.grow()?;
             at = Friction::of(&scaled, &grown, next);
             motion = scaled.rates_of_coordinates(&grown.motion);
         }
