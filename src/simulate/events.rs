@@ -191,7 +191,7 @@ impl Events {
     pub(super) fn arm(&mut self, motion: &mut Motion, time: f64, state: &State) {
         let model = &Arc::clone(motion.model());
         // Captured steps follow rigid stops and dry friction by themselves.
-        let captured = motion.contacts.as_ref().is_some_and(|contacts| contacts.capturing);
+        let captured = motion.is_captured();
         let held = if captured { &[] } else { motion.held() };
         let rubbing = if captured { &[] } else { motion.system.phase().rubbing.as_slice() };
         let rests = |side: &Side| held.iter().any(|held| held.stop == Some(*side));

@@ -106,6 +106,11 @@ impl Motion {
         self.system.model()
     }
 
+    /// Whether captured steps are at work.
+    pub(super) fn is_captured(&self) -> bool {
+        self.contacts.as_ref().is_some_and(|contacts| contacts.is_captured())
+    }
+
     /// `a ← q̈(t, q, v)`, stops included.
     ///
     /// # Errors

@@ -11,8 +11,8 @@
 //! is bounded in (2). The method has order 1; a step and its two
 //! halves are compared in positions, as velocities jump at impacts, and the halves are kept.
 
-use super::Contacts;
 use super::blocks::Blocks;
+use super::{Contacts, Regime};
 use crate::contact::cone::{Law, Problem};
 use crate::contact::frame::{self, Frame, along};
 use crate::contact::geometry::feature::Meeting;
@@ -71,6 +71,11 @@ pub(super) struct Memory {
 }
 
 impl Memory {
+    /// Of steps that begin anew: how many there have been and how long the last one was stays.
+    pub(super) fn restart(&mut self) {
+        *self = Self { steps: self.steps, step: self.step, ..Self::default() };
+    }
+
     /// Contacts that pushed in the last step, and with what.
     pub(super) fn pairs(&self) -> impl Iterator<Item = (&Key, &Vector3<f64>)> {
         self.forces.iter().filter_map(|(id, force)| match id {
@@ -253,16 +258,6 @@ impl Motion {
 }
 
 impl Contacts {
-    /// Lets captured steps take over.
-    pub(in crate::simulate) fn capture(&mut self) {
-        let (steps, step) = (self.memory.steps, self.memory.step);
-        self.memory = Memory { steps, step, ..Memory::default() };
-        self.capturing = true;
-        self.closed.clear();
-        self.frames.clear();
-        self.resting = false;
-    }
-
     /// The couple that has sunk deepest in the last place, and how far, in parts of its size.
     pub(in crate::simulate) fn deepest(&self) -> Option<([String; 2], f64)> {
         let near = self.pairs.near(&vec![0.0; self.pairs.pieces.len()]).into_iter();
@@ -286,7 +281,7 @@ impl Contacts {
 
     /// Lets events go on: what captured steps have brought together is closed.
     pub(in crate::simulate) fn end_capture(&mut self) {
-        self.capturing = false;
+        self.regime = Regime::Events;
         self.closing = CLOSES;
     }
 
@@ -301,12 +296,12 @@ impl Contacts {
         // Dry friction and rigid stops that press are followed by captured steps alone.
         let hinges = self.memory.active.iter().any(|id| !matches!(id, Id::Contact(_)));
         let hinges = hinges || !self.model.hinge_friction.is_empty();
-        self.capturing && few && !hinges && self.memory.calm >= CALM && time >= self.until
+        self.is_captured() && few && !hinges && self.memory.calm >= CALM && time >= self.stretch.until
     }
 
     /// Whether nothing has moved for some captured steps.
     pub(in crate::simulate) fn is_still(&self) -> bool {
-        self.capturing && self.memory.still >= 3
+        self.is_captured() && self.memory.still >= 3
     }
 
     /// Adds what the forces of the last captured step do to accelerations, and hands them to the system.
@@ -337,7 +332,7 @@ impl Contacts {
         let mut change = vec![0.0; v.len()];
         frame::respond(system, q, v, &push, &mut change);
         a.iter_mut().zip(&change).for_each(|(a, change)| *a += change);
-        if self.resting {
+        if self.is_at_rest() {
             a.fill(0.0);
         }
         wrenches.into_iter().for_each(|(links, point, force)| super::rows::press(system, links, &point, &force));

@@ -2,7 +2,7 @@
 
 use super::impact::FOUND;
 use super::watch::BEYOND;
-use super::{Closed, Contacts, GAP, Mode, STRAIGHT, Trouble};
+use super::{Closed, Contacts, GAP, Mode, Regime, STRAIGHT, Trouble};
 use crate::contact::cone::{Answer, State as Did};
 use crate::contact::frame::{Frame, problem, responses};
 use crate::dynamics::{Fault, System};
@@ -63,7 +63,7 @@ impl Contacts {
         at_limit: bool,
     ) -> Result<Changed, Trouble> {
         let before = self.told();
-        self.resting = false;
+        self.regime = Regime::Events;
         let mut changed = Changed::default();
         let mut struck: Vec<usize> = Vec::new();
         for round in 0.. {
@@ -350,9 +350,9 @@ impl Contacts {
         }
     }
 
-    /// Whether nothing moves and nothing accelerates: the whole scene rests from now on if nothing changes with time. Its
-    /// velocities are zero then.
-    pub(in crate::simulate) fn comes_to_rest(&mut self, state: &mut State, a: &[f64]) -> bool {
+    /// Lets the whole scene rest from now on, with velocities of zero, if nothing moves and nothing accelerates. For scenes in which
+    /// nothing changes with time.
+    pub(in crate::simulate) fn rest_if_still(&mut self, state: &mut State, a: &[f64]) {
         let (length, span) = (self.model.length_scale(), self.model.time_scale());
         let rests = self.model.links.iter().skip(1).all(|link| {
             let unit = if link.joint.is_distance() { length } else { 1.0 };
@@ -362,8 +362,7 @@ impl Contacts {
         });
         if rests && !self.closed.is_empty() {
             state.velocity.fill(0.0);
-            self.resting = true;
+            self.regime = Regime::Resting;
         }
-        self.resting
     }
 }

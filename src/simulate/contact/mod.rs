@@ -56,6 +56,28 @@ const BUSY: f64 = 1.0 / 3.0;
 /// A gap that is found open by this part of the size below zero was missed.
 pub(super) const MISSED: f64 = 1e-6;
 
+/// How contacts of a run are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Regime {
+    /// From event to event: closed contacts are rows.
+    Events,
+    /// By captured steps.
+    Captured,
+    /// Nothing moves and nothing will, as closed contacts hold everything: accelerations are zero, not rounding.
+    Resting,
+    /// Nothing moves and nothing will, by the forces of the last captured step.
+    Frozen,
+}
+
+/// Captured steps that follow each other.
+#[derive(Debug, Clone, Copy, Default)]
+struct Stretch {
+    /// They do not end before (s).
+    until: f64,
+    /// From their beginning to that (s).
+    length: f64,
+}
+
 /// What a closed contact does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
@@ -95,8 +117,9 @@ pub(super) struct Contacts {
     model: Arc<Model>,
     pairs: Pairs,
     pub(super) closed: Vec<Closed>,
-    /// Nothing moves and nothing will: the accelerations are zero, not rounding.
-    pub(super) resting: bool,
+    regime: Regime,
+    /// The last stretch of captured steps.
+    stretch: Stretch,
     /// Below these a speed is none across and along the normal (m/s).
     slow: f64,
     rest: f64,
@@ -117,11 +140,6 @@ pub(super) struct Contacts {
     pub(super) impacts: usize,
     /// Velocity coordinates of trees that contacts alone tie to each other.
     trees: blocks::Trees,
-    /// Whether captured steps are at work, and until when at least (s).
-    pub(super) capturing: bool,
-    until: f64,
-    /// The last span of theirs (s).
-    span: f64,
     memory: capture::Memory,
     /// Times of the last events (s), and how many steps had been accepted.
     recent: VecDeque<(f64, usize)>,
@@ -155,7 +173,8 @@ impl Contacts {
             gaps: vec![OnceCell::new(); pairs.couples.len()],
             pairs,
             closed: Vec::new(),
-            resting: false,
+            regime: Regime::Events,
+            stretch: Stretch::default(),
             slow: SLOW * speed,
             rest: 4.0 * (2.0 * acceleration * RISE * model.length_scale()).sqrt(),
             scale: mass * acceleration,
@@ -167,9 +186,6 @@ impl Contacts {
             reserve: OnceCell::new(),
             impacts: 0,
             trees: blocks::Trees::new(model),
-            capturing: false,
-            until: 0.0,
-            span: 0.0,
             memory: capture::Memory::default(),
             recent: VecDeque::new(),
             accepted: 0,
@@ -180,6 +196,21 @@ impl Contacts {
     /// Speeds below those of the tolerance of a run are none.
     pub(super) fn set_tolerance(&mut self, speed: f64) {
         self.rest = self.rest.max(speed);
+    }
+
+    /// Whether captured steps are at work.
+    pub(super) fn is_captured(&self) -> bool {
+        self.regime == Regime::Captured
+    }
+
+    /// Whether nothing moves and nothing will.
+    pub(super) fn is_at_rest(&self) -> bool {
+        matches!(self.regime, Regime::Resting | Regime::Frozen)
+    }
+
+    /// Whether forces are those of the last captured step.
+    fn follows_steps(&self) -> bool {
+        matches!(self.regime, Regime::Captured | Regime::Frozen)
     }
 
     fn law(&self, couple: usize) -> &crate::model::ContactRule {
@@ -268,7 +299,7 @@ impl Contacts {
             force: force.into(),
             slips,
         };
-        if !self.capturing && !self.closed.is_empty() {
+        if !self.follows_steps() && !self.closed.is_empty() {
             let bears = self.closed.iter().filter(|closed| closed.mode != Mode::Spare);
             let slips = |closed: &Closed| matches!(closed.mode, Mode::Slip(_));
             out.extend(bears.map(|one| push(one.key.couple, &one.meeting, one.force, slips(one))));
@@ -279,7 +310,7 @@ impl Contacts {
             let normal = meeting.normal.dot(force);
             let across = (force - meeting.normal * normal).norm();
             let limit = self.law(key.couple).friction.slide * normal;
-            out.push(push(key.couple, &meeting, *force, !self.resting && across >= limit * (1.0 - 1e-6)));
+            out.push(push(key.couple, &meeting, *force, !self.is_at_rest() && across >= limit * (1.0 - 1e-6)));
         }
     }
 
@@ -291,14 +322,23 @@ impl Contacts {
     /// Events could not go on at a time (s): captured steps do for a while.
     pub(super) fn capture_from(&mut self, time: f64) {
         let brief = BRIEF * self.model.time_scale();
+        let Stretch { until, length } = self.stretch;
         // Twice as long as the last time, if that is not long ago.
-        let again = time - self.until < 10.0 * self.span;
-        self.span = if again { 2.0 * self.span } else { 5.0 * brief };
-        self.until = time + self.span;
+        let length = if time - until < 10.0 * length { 2.0 * length } else { 5.0 * brief };
+        self.stretch = Stretch { until: time + length, length };
         self.recent.clear();
+        self.memory.restart();
+        self.follow_steps(Regime::Captured);
     }
 
-    /// Takes note of an event; whether events come too often, or too much touches, to go on by them.
+    /// Forces are those of captured steps from now on.
+    fn follow_steps(&mut self, regime: Regime) {
+        self.regime = regime;
+        self.closed.clear();
+        self.frames.clear();
+    }
+
+    /// Takes note of an event; true if events come too often, or too much touches, to go on by them: captured steps do.
     pub(super) fn note_event(&mut self, time: f64) -> bool {
         self.recent.push_back((time, self.accepted));
         let brief = BRIEF * self.model.time_scale();
@@ -306,7 +346,7 @@ impl Contacts {
             self.recent.pop_front();
         }
         let crowd = 3 * self.closed.len() > MOST_ROWS || self.pairs.couples.len() > MOST_COUPLES;
-        let crowd = crowd && !self.resting;
+        let crowd = crowd && !self.is_at_rest();
         let (since, steps) = self.recent[0];
         let busy = self.closed.len() > CROWD && BUSY * ((self.accepted - steps + STORM) as f64) < STORM as f64;
         let storm = self.recent.len() >= STORM && (busy || time - since < brief);
@@ -318,10 +358,7 @@ impl Contacts {
 
     /// Nothing moves any more: captured steps have found forces that hold everything.
     pub(super) fn freeze(&mut self) {
-        self.capturing = false;
-        self.closed.clear();
-        self.frames.clear();
-        self.resting = true;
+        self.follow_steps(Regime::Frozen);
     }
 
     /// The length of a captured step where one was last (s).

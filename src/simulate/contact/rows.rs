@@ -71,7 +71,7 @@ impl Contacts {
         v: &[f64],
         a: &mut [f64],
     ) -> Result<(), Fault> {
-        if self.capturing || self.resting && self.closed.is_empty() {
+        if self.follows_steps() {
             self.carry(system, q, v, a);
             return Ok(());
         }
@@ -82,7 +82,7 @@ impl Contacts {
         self.closed.iter_mut().for_each(|closed| (closed.force, closed.across) = (Vector3::zeros(), 0.0));
         self.press_springs(system, q, v, a);
         if rows.is_empty() {
-            if self.resting {
+            if self.is_at_rest() {
                 a.fill(0.0);
             }
             self.press(system);
@@ -104,7 +104,7 @@ impl Contacts {
                 closed.across = *force;
             }
         }
-        if self.resting {
+        if self.is_at_rest() {
             a.fill(0.0);
         }
         self.press(system);
@@ -179,7 +179,7 @@ impl Contacts {
         q: &mut [f64],
         v: &mut [f64],
     ) -> Result<bool, Fault> {
-        if self.closed.is_empty() || self.resting {
+        if self.closed.is_empty() || self.is_at_rest() {
             return Ok(false);
         }
         let mut scratch = vec![0.0; v.len()];

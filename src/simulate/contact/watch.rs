@@ -32,7 +32,7 @@ pub(super) const BEYOND: f64 = 1e-8;
 impl Contacts {
     /// What there is to watch in the mode.
     pub(in crate::simulate) fn aspects(&self) -> Vec<Aspect> {
-        if self.capturing || self.resting && self.closed.is_empty() {
+        if self.follows_steps() {
             return Vec::new();
         }
         let mut aspects: Vec<Aspect> = (0..self.pairs.couples.len()).map(Aspect::Gap).collect();
